@@ -1,0 +1,62 @@
+"""What every command shares: the design argument, ``--json``, tables and messages."""
+
+import json
+import math
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+design_argument = click.argument("design", type=click.Path(path_type=Path))
+
+json_option = click.option(
+    "--json", "as_json", is_flag=True, help="Print one JSON object on stdout and nothing else."
+)
+
+
+def emit_json(result: dict[str, Any]) -> None:
+    """Print one strict JSON object: numpy values become plain, nan and inf become null."""
+    click.echo(json.dumps(plain(result), indent=2, allow_nan=False, ensure_ascii=False))
+
+
+def plain(value: Any) -> Any:
+    """Plain JSON values of dicts, sequences, numpy scalars and arrays; non-finite is None."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def say(message: str) -> None:
+    """Tell the user something that is not a result (stderr)."""
+    click.echo(message, err=True)
+
+
+def print_table(title: str, rows: Sequence[Sequence[object]], header: Sequence[str] = ()) -> None:
+    """Print aligned columns under a title; numbers to seven digits."""
+    cells = [[_cell(value) for value in row] for row in ([header] if header else []) + list(rows)]
+    if not cells:
+        return
+    widths = [max(len(row[k]) for row in cells) for k in range(len(cells[0]))]
+    click.echo(f"\n{title}\n{'-' * len(title)}")
+    for row in cells:
+        padded = (text.ljust(width) for text, width in zip(row, widths, strict=True))
+        click.echo("  ".join(padded).rstrip())
+
+
+def _cell(value: object) -> str:
+    return f"{value:.7g}" if isinstance(value, float) else str(value)
+
+
+def command_line() -> str:
+    """Return the command as typed, for provenance."""
+    import shlex
+
+    return shlex.join(["compass", *sys.argv[1:]])

@@ -1,0 +1,1 @@
+"""Who sees how many satellites, and with what geometry."""

@@ -1,0 +1,30 @@
+"""What can go wrong because of what a user wrote, said in a way that helps to mend it."""
+
+from collections.abc import Sequence
+
+
+class CompassError(Exception):
+    """The base of every error that a user can mend; the command line turns it into exit code 2."""
+
+
+class DesignError(CompassError):
+    """A design, scenario or study file that does not say what it must.
+
+    Parameters
+    ----------
+    faults
+        Every fault of the file, each a full sentence naming file, field, value, what is
+        allowed and the remedy.
+    """
+
+    def __init__(self, faults: str | Sequence[str]) -> None:
+        self.faults: tuple[str, ...] = (faults,) if isinstance(faults, str) else tuple(faults)
+        super().__init__("\n".join(self.faults))
+
+
+class ArgumentError(CompassError, ValueError):
+    """A function argument or command-line option outside what is allowed."""
+
+
+class OutputError(CompassError):
+    """A result that cannot be written where it was asked for."""

@@ -1,0 +1,343 @@
+"""Design files: read, check across fields, and turn into a constellation, a mask and sites."""
+
+import hashlib
+from dataclasses import dataclass
+from datetime import datetime
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from compass.errors import ArgumentError
+from compass.frames import FIGURES, Figure, planetocentric_latitude, seconds_past_j2000
+from compass.inputs.faults import fault
+from compass.inputs.models import (
+    CoverageTable,
+    DesignFile,
+    ElementsTable,
+    RosetteTable,
+    StationTable,
+    WalkerTable,
+)
+from compass.inputs.reading import parse, read_text
+from compass.orbits import (
+    Constellation,
+    areosynchronous_radius,
+    from_elements,
+    rosette,
+    walker_delta,
+    walker_star,
+)
+from compass.orbits.constellation import check_counts
+from compass.orbits.rosette import walker_phasing
+from compass.sites import Mask, Site
+
+KM = 1e3
+
+
+@dataclass(frozen=True)
+class Design:
+    """A design file, read.
+
+    Attributes
+    ----------
+    name, source
+        As written.
+    paper
+        Key of the source paper whose printed values the design is compared with, or None.
+    figure
+        Reference figure of Mars.
+    constellation
+        The orbits.
+    mask
+        Elevation mask of users on the surface.
+    fold
+        Satellites that must be in view at once.
+    stations
+        Named sites.
+    text, digest
+        The file's text and its SHA-256 in hexadecimal, for provenance.
+    label
+        The file's name as given.
+    """
+
+    name: str
+    source: str
+    paper: str | None
+    figure: Figure
+    constellation: Constellation
+    mask: Mask
+    fold: int
+    stations: tuple[Site, ...]
+    text: str
+    digest: str
+    label: str
+
+
+def read_design(path: str | Path) -> Design:
+    """Read a design file.
+
+    Raises
+    ------
+    DesignError
+        With every fault of the file: field, value, what is allowed and the remedy.
+    """
+    return read_design_text(read_text(Path(path)), str(path))
+
+
+def read_design_text(text: str, label: str = "design") -> Design:
+    """Read a design from its TOML text; `label` stands for the file name in messages."""
+    file = parse(text, label, DesignFile, cross_faults)
+    figure = FIGURES[file.figure]
+    return Design(
+        name=file.name,
+        source=file.source,
+        paper=file.paper,
+        figure=figure,
+        constellation=_constellation(file, figure),
+        mask=_mask(file.coverage),
+        fold=file.coverage.fold,
+        stations=tuple(_site(station, figure) for station in file.station),
+        text=text,
+        digest=hashlib.sha256(text.encode()).hexdigest(),
+        label=label,
+    )
+
+
+def _constellation(file: DesignFile, figure: Figure) -> Constellation:
+    table, epoch = file.constellation, seconds_past_j2000(file.epoch) if file.epoch else 0.0
+    if isinstance(table, ElementsTable):
+        axes, eccentricities = zip(*(_shape(s.model_dump(), figure) for s in table.satellite))
+        return from_elements(
+            np.array(axes) * KM,
+            eccentricities,
+            np.radians([s.inclination_deg for s in table.satellite]),
+            np.radians([s.raan_deg for s in table.satellite]),
+            np.radians([s.argument_of_periapsis_deg for s in table.satellite]),
+            np.radians([s.mean_anomaly_deg for s in table.satellite]),
+            name=file.name,
+            epoch=epoch,
+            satellite_names=[s.name for s in table.satellite],
+        )
+    if table.radius_km is not None:
+        radius = table.radius_km * KM
+    elif table.altitude_km is not None:
+        radius = table.altitude_km * KM + figure.equatorial_radius
+    else:
+        radius = areosynchronous_radius()
+    inclination = float(np.radians(table.inclination_deg))
+    if isinstance(table, RosetteTable):
+        return rosette(
+            table.satellites,
+            table.planes,
+            Fraction(table.multiplier),
+            inclination=inclination,
+            radius=radius,
+            name=file.name,
+            epoch=epoch,
+        )
+    make = walker_delta if table.pattern == "walker-delta" else walker_star
+    return make(
+        table.satellites,
+        table.planes,
+        table.phasing,
+        inclination=inclination,
+        radius=radius,
+        name=file.name,
+        epoch=epoch,
+    )
+
+
+def _shape(satellite: dict[str, Any], figure: Figure) -> tuple[float, float]:
+    """Semi-major axis (km) and eccentricity of a satellite's table."""
+    if satellite.get("semi_major_axis_km") is not None:
+        return satellite["semi_major_axis_km"], satellite.get("eccentricity") or 0.0
+    surface = figure.equatorial_radius / KM
+    low = satellite["periapsis_altitude_km"] + surface
+    high = satellite["apoapsis_altitude_km"] + surface
+    return (low + high) / 2, (high - low) / (high + low)
+
+
+def _mask(table: CoverageTable | StationTable) -> Mask:
+    if table.horizon_deg is None:
+        return Mask.constant(float(np.radians(table.mask_deg)))
+    azimuths, elevations = np.radians(np.array(table.horizon_deg)).T
+    return Mask(tuple(azimuths.tolist()), tuple(elevations.tolist()))
+
+
+def _site(table: StationTable, figure: Figure) -> Site:
+    latitude = np.radians(table.latitude_deg)
+    if table.latitude_kind == "planetographic":
+        latitude = planetocentric_latitude(latitude, figure)
+    return Site(
+        table.name,
+        float(latitude),
+        float(np.radians(table.longitude_deg)),
+        table.height_km * KM,
+        _mask(table),
+        figure,
+    )
+
+
+def cross_faults(raw: dict[str, Any]) -> list[str]:
+    """Faults between fields of a design, found on the raw tables, whatever is in them."""
+    figure_name = raw.get("figure", "iau-sphere")
+    figure = FIGURES.get(figure_name if isinstance(figure_name, str) else "", FIGURES["iau-sphere"])
+    faults: list[str] = []
+    table = raw.get("constellation")
+    if isinstance(table, dict):
+        if table.get("pattern") == "elements":
+            faults += _satellite_faults(table.get("satellite"), figure)
+        else:
+            faults += _pattern_faults(table) + _orbit_faults(table, figure)
+    if isinstance(raw.get("coverage"), dict):
+        faults += _horizon_faults(raw["coverage"], "coverage")
+    stations = raw.get("station")
+    for k, station in enumerate(stations if isinstance(stations, list) else [], start=1):
+        if isinstance(station, dict):
+            faults += _horizon_faults(station, f"station[{k}]")
+    epoch = raw.get("epoch")
+    if isinstance(epoch, datetime) and epoch.tzinfo is not None:
+        faults.append(
+            fault("epoch", epoch.isoformat(), "must be TDB, without a time zone; drop the Z or offset")
+        )
+    return faults
+
+
+def _number(table: dict[str, Any], key: str) -> float | None:
+    """Return the value of `key` if it is a usable number, else None (the model reports it)."""
+    value = table.get(key)
+    usable = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e15
+    return value if usable else None
+
+
+def _pattern_faults(table: dict[str, Any]) -> list[str]:
+    satellites, planes = table.get("satellites"), table.get("planes")
+    if not (_count(satellites) and _count(planes)):
+        return []
+    try:
+        check_counts(satellites, planes)
+    except ArgumentError as error:
+        return [f"constellation.{error}"]
+    if table.get("pattern") == "rosette":
+        multiplier = table.get("multiplier")
+        if isinstance(multiplier, bool) or not isinstance(multiplier, str | int | float):
+            return []
+        try:
+            walker_phasing(satellites, planes, Fraction(multiplier))
+        except ArgumentError as error:
+            return [f"constellation.{error}"]
+        except (ValueError, ZeroDivisionError, OverflowError):
+            allowed = 'must be a finite number or a fraction such as "1/4"'
+            return [fault("constellation.multiplier", multiplier, allowed)]
+        return []
+    phasing = table.get("phasing")
+    if isinstance(phasing, int) and not isinstance(phasing, bool) and phasing >= planes:
+        return [
+            fault(
+                "constellation.phasing",
+                phasing,
+                f"allowed 0 to {planes - 1} for {planes} planes; phasing is meant modulo planes, "
+                f"so write {phasing % planes}",
+            )
+        ]
+    return []
+
+
+def _count(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= 10_000
+
+
+def _orbit_faults(table: dict[str, Any], figure: Figure) -> list[str]:
+    given = [key for key in ("radius_km", "altitude_km", "orbit") if key in table]
+    faults = []
+    if len(given) != 1:
+        found = " and ".join(given) or "none"
+        faults.append(
+            f"constellation: needs exactly one of radius_km, altitude_km and orbit; found {found}"
+        )
+    radius, surface = _number(table, "radius_km"), figure.equatorial_radius / KM
+    if radius is not None and 0 < radius <= surface:
+        faults.append(
+            fault(
+                "constellation.radius_km",
+                radius,
+                f"is not above the surface; must be more than {surface:g} km "
+                "(an altitude goes under altitude_km)",
+            )
+        )
+    return faults
+
+
+def _satellite_faults(satellites: object, figure: Figure) -> list[str]:
+    faults, names = [], set()
+    surface = figure.equatorial_radius / KM
+    for k, satellite in enumerate(satellites if isinstance(satellites, list) else [], start=1):
+        if not isinstance(satellite, dict):
+            continue
+        field = f"constellation.satellite[{k}]"
+        name = satellite.get("name")
+        if isinstance(name, str):
+            if name in names:
+                faults.append(fault(f"{field}.name", name, "used twice; give each its own name"))
+            names.add(name)
+        by_axis = "semi_major_axis_km" in satellite or "eccentricity" in satellite
+        by_height = "periapsis_altitude_km" in satellite or "apoapsis_altitude_km" in satellite
+        if by_axis == by_height:
+            faults.append(
+                f"{field}: needs either semi_major_axis_km (and eccentricity) or "
+                "periapsis_altitude_km and apoapsis_altitude_km"
+            )
+            continue
+        keys = (
+            ("semi_major_axis_km",) if by_axis else ("periapsis_altitude_km", "apoapsis_altitude_km")
+        )
+        missing = [key for key in keys if key not in satellite]
+        faults += [f"{field}.{key}: missing; needed beside the others" for key in missing]
+        if missing or any(_number(satellite, key) is None for key in keys):
+            continue
+        if by_height:
+            low, high = (satellite[key] for key in keys)
+            if low > high:
+                faults.append(
+                    fault(
+                        f"{field}.periapsis_altitude_km",
+                        low,
+                        f"is above apoapsis_altitude_km = {high}; swap them",
+                    )
+                )
+            continue
+        axis, e = satellite["semi_major_axis_km"], _number(satellite, "eccentricity") or 0.0
+        if 0 <= e < 1 and 0 < axis * (1 - e) <= surface:
+            faults.append(
+                fault(
+                    f"{field}.semi_major_axis_km",
+                    axis,
+                    f"periapsis radius {axis * (1 - e):g} km is not above the surface "
+                    f"({surface:g} km); raise the axis or lower the eccentricity",
+                )
+            )
+    return faults
+
+
+def _horizon_faults(table: dict[str, Any], field: str) -> list[str]:
+    pairs = table.get("horizon_deg")
+    if pairs is None:
+        return []
+    if "mask_deg" in table:
+        return [f"{field}: has both mask_deg and horizon_deg; keep one"]
+    usable = isinstance(pairs, list) and all(
+        isinstance(pair, list)
+        and len(pair) == 2
+        and all(isinstance(x, int | float) and not isinstance(x, bool) for x in pair)
+        for pair in pairs
+    )
+    if not usable:
+        return []  # the model says what is wrong with it
+    try:
+        azimuths, elevations = np.radians(np.array(pairs, dtype=float).reshape(-1, 2)).T
+        Mask(tuple(azimuths), tuple(elevations))
+    except (ArgumentError, OverflowError) as error:
+        return [f"{field}.horizon_deg: {str(error).removeprefix('mask: ')}"]
+    return []

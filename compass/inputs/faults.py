@@ -1,0 +1,112 @@
+"""Faults of an input file, each said with field, value, what is allowed and the remedy."""
+
+import difflib
+from collections.abc import Iterable
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic_core import ErrorDetails
+
+_KINDS = {
+    "int": "a whole number",
+    "float": "a number",
+    "string": "text in quotes",
+    "bool": "true or false",
+    "list": "a list [...]",
+    "tuple": "a list [...]",
+    "dict": "a table",
+    "model": "a table [...]",
+    "datetime": "a date and time such as 2030-01-01T00:00:00, without quotes",
+}
+
+
+def fault(field: str, value: object, problem: str) -> str:
+    """One fault: ``field = value: problem``; long values are cut."""
+    shown = repr(value)
+    return f"{field} = {shown if len(shown) <= 60 else shown[:57] + '...'}: {problem}"
+
+
+def model_faults(errors: Iterable[ErrorDetails], model: type[BaseModel]) -> list[str]:
+    """Say pydantic's errors in the project's words, one sentence a fault."""
+    return [_sentence(error, model) for error in errors]
+
+
+def _sentence(error: ErrorDetails, model: type[BaseModel]) -> str:
+    kind, context = error["type"], error.get("ctx", {})
+    owner, field, path = _locate(error["loc"], model)
+    hint = f"; {field}" if field else ""
+    value: Any = error["input"]
+    if kind == "missing":
+        return f"{path}: missing{hint or '; add it'}"
+    if kind == "extra_forbidden":
+        known = sorted(owner.model_fields) if owner else []
+        near = difflib.get_close_matches(path.rpartition(".")[2], known, n=1)
+        guess = f"did you mean {near[0]}? " if near else ""
+        return fault(path, value, f"unknown key; {guess}allowed: {', '.join(known)}")
+    if kind == "union_tag_not_found":
+        name = str(context["discriminator"]).strip("'")
+        return f"{path}.{name}: missing; add one of the kinds that {path} can have{hint}"
+    if kind == "union_tag_invalid":
+        tag = str(context["discriminator"]).strip("'")
+        return fault(f"{path}.{tag}", context["tag"], f"allowed: {context['expected_tags']}")
+    if kind == "literal_error":
+        return fault(path, value, f"allowed: {context['expected']}")
+    if kind == "finite_number":
+        return fault(path, value, f"must be a finite number{hint}")
+    if kind in ("greater_than", "greater_than_equal", "less_than", "less_than_equal"):
+        (bound,) = context.values()
+        words = {
+            "greater_than": "must be above",
+            "greater_than_equal": "must be at least",
+            "less_than": "must be below",
+            "less_than_equal": "must be at most",
+        }
+        return fault(path, value, f"{words[kind]} {bound}{hint}")
+    for stem, words_for in _KINDS.items():
+        if kind.startswith(stem) and (kind.endswith("_type") or kind.endswith("_parsing")):
+            return fault(path, value, f"must be {words_for}{hint}")
+    return fault(path, value, f"{error['msg'].removeprefix('Value error, ')}{hint}")
+
+
+def _locate(
+    location: tuple[int | str, ...], model: type[BaseModel]
+) -> tuple[type[BaseModel] | None, str, str]:
+    """Walk `location` through nested models; return owner, field description, dotted path.
+
+    Tags of discriminated unions and of plain unions, which pydantic puts into the location but
+    which are not written in the file, are left out of the path.
+    """
+    owner: type[BaseModel] | None = model
+    here: Any = model
+    description, path = "", ""
+    for part in location:
+        if isinstance(part, int):
+            path += f"[{part + 1}]"
+            continue
+        candidates = _models(here)
+        tagged = [m for m in candidates if part in _tags(m)]
+        if tagged:
+            here = owner = tagged[0]
+            continue
+        holder = next((m for m in candidates if part in m.model_fields), None)
+        if holder is None and not candidates:
+            continue  # a tag of a plain union, such as "float"
+        owner = holder or (candidates[0] if candidates else None)
+        path += f".{part}" if path else part
+        field = holder.model_fields[part] if holder else None
+        description = (field.description or "") if field else ""
+        here = field.annotation if field else None
+    return owner, description, path
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """All pydantic models inside a type annotation."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [m for inner in getattr(annotation, "__args__", ()) for m in _models(inner)]
+
+
+def _tags(model: type[BaseModel]) -> tuple[str, ...]:
+    """Values of the model's discriminating field, if it has one."""
+    field = model.model_fields.get("pattern")
+    return tuple(getattr(field.annotation, "__args__", ())) if field else ()

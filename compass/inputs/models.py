@@ -1,0 +1,129 @@
+"""What a design file may say: one model a table, each field with unit, range and meaning."""
+
+from datetime import datetime
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+SatelliteCount = Annotated[int, Field(ge=1, le=10_000)]
+Inclination = Annotated[float, Field(ge=0, le=180)]
+Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+Kilometres = Annotated[float, Field(gt=0, le=1e7)]
+
+
+class Table(BaseModel):
+    """A TOML table: no unknown keys, no silent conversion, no nan or inf."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class CircularOrbit(Table):
+    """How high the circular orbits of a pattern are: exactly one of the three."""
+
+    radius_km: Kilometres | None = Field(None, description="orbit radius from Mars's centre, km")
+    altitude_km: Kilometres | None = Field(
+        None, description="orbit altitude over the reference figure's equator, km"
+    )
+    orbit: Literal["areosynchronous"] | None = Field(
+        None, description="areosynchronous: the radius that keeps pace with Mars"
+    )
+
+
+class WalkerTable(CircularOrbit):
+    """``i: t/p/f``."""
+
+    pattern: Literal["walker-delta", "walker-star"] = Field(description="kind of pattern")
+    satellites: SatelliteCount = Field(description="total number t, a whole number from 1 to 10000")
+    planes: SatelliteCount = Field(description="number of planes p; must divide satellites")
+    phasing: int = Field(ge=0, description="Walker's F, a whole number from 0 to planes - 1")
+    inclination_deg: Inclination = Field(description="inclination, 0 to 180 degrees")
+
+
+class RosetteTable(CircularOrbit):
+    """``(N, P, m)``."""
+
+    pattern: Literal["rosette"] = Field(description="kind of pattern")
+    satellites: SatelliteCount = Field(description="total number N, a whole number from 1 to 10000")
+    planes: SatelliteCount = Field(description="number of planes P; must divide satellites")
+    multiplier: str | int | float = Field(
+        description='Ballard\'s m: a multiple of planes/satellites, as a number or text like "1/4"'
+    )
+    inclination_deg: Inclination = Field(description="inclination, 0 to 180 degrees")
+
+
+class SatelliteTable(Table):
+    """Keplerian elements of one satellite."""
+
+    name: str = Field(min_length=1, description="what to call the satellite")
+    semi_major_axis_km: Kilometres | None = Field(None, description="semi-major axis, km")
+    eccentricity: float | None = Field(
+        None, ge=0, lt=1, description="eccentricity, 0 up to below 1; 0 if left out"
+    )
+    periapsis_altitude_km: Kilometres | None = Field(
+        None, description="lowest altitude over the equatorial radius, km (with apoapsis_altitude_km)"
+    )
+    apoapsis_altitude_km: Kilometres | None = Field(
+        None, description="highest altitude over the equatorial radius, km"
+    )
+    inclination_deg: Inclination = Field(description="inclination, 0 to 180 degrees")
+    raan_deg: float = Field(0.0, description="right ascension of the ascending node, degrees")
+    argument_of_periapsis_deg: float = Field(0.0, description="argument of periapsis, degrees")
+    mean_anomaly_deg: float = Field(0.0, description="mean anomaly at the epoch, degrees")
+
+
+class ElementsTable(Table):
+    """Explicit orbits."""
+
+    pattern: Literal["elements"] = Field(description="kind of pattern")
+    satellite: list[SatelliteTable] = Field(
+        min_length=1, max_length=10_000, description="one [[constellation.satellite]] a satellite"
+    )
+
+
+class CoverageTable(Table):
+    """What the user on the surface needs."""
+
+    mask_deg: float = Field(0.0, ge=0, lt=90, description="elevation mask, 0 up to below 90 degrees")
+    horizon_deg: list[Pair] | None = Field(
+        None, description="list of [azimuth, elevation] in degrees, instead of mask_deg"
+    )
+    fold: int = Field(4, ge=1, le=1000, description="satellites to be in view at once")
+
+
+class StationTable(Table):
+    """A place on the surface."""
+
+    name: str = Field(min_length=1, description="what to call the station")
+    latitude_deg: float = Field(ge=-90, le=90, description="latitude, -90 to 90 degrees")
+    latitude_kind: Literal["planetocentric", "planetographic"] = Field(
+        "planetocentric", description="kind of latitude"
+    )
+    longitude_deg: float = Field(ge=-180, le=360, description="east longitude, -180 to 360 degrees")
+    height_km: float = Field(0.0, ge=-10, le=30, description="height over the figure, -10 to 30 km")
+    mask_deg: float = Field(0.0, ge=0, lt=90, description="elevation mask, 0 up to below 90 degrees")
+    horizon_deg: list[Pair] | None = Field(
+        None, description="list of [azimuth, elevation] in degrees, instead of mask_deg"
+    )
+
+
+class DesignFile(Table):
+    """A whole design file."""
+
+    name: str = Field(min_length=1, max_length=200, description="what to call the constellation")
+    source: str = Field("", description="where the design comes from")
+    paper: Literal["kelly2018"] | None = Field(
+        None, description="source paper whose printed values to compare with"
+    )
+    figure: Literal["iau-sphere", "iau-ellipsoid", "kelly2018-sphere"] = Field(
+        "iau-sphere", description="reference figure of Mars"
+    )
+    epoch: datetime | None = Field(None, description="epoch of the elements, TDB; J2000 if left out")
+    constellation: Annotated[
+        WalkerTable | RosetteTable | ElementsTable, Field(discriminator="pattern")
+    ] = Field(description="the orbits: a table [constellation]")
+    coverage: CoverageTable = Field(
+        default_factory=lambda: CoverageTable.model_validate({}), description="coverage wanted"
+    )
+    station: list[StationTable] = Field(
+        default_factory=list, max_length=1000, description="one [[station]] a place"
+    )

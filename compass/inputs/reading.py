@@ -1,0 +1,87 @@
+"""Reading a TOML file into a checked model, whatever the file turns out to be."""
+
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from compass.errors import DesignError
+from compass.inputs.faults import model_faults
+
+#: A design file is some kilobytes; anything past this is not one.
+MAX_BYTES = 1_000_000
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def read_text(path: Path) -> str:
+    """Text of a small UTF-8 file.
+
+    Raises
+    ------
+    DesignError
+        The path is missing, a directory or a device, unreadable, empty, too large or binary.
+    """
+    if not path.exists():
+        raise DesignError(f"{path}: no such file; check the path")
+    if path.is_dir():
+        raise DesignError(f"{path}: is a directory; give the TOML file inside it")
+    if not path.is_file():
+        raise DesignError(f"{path}: is not a regular file; give a TOML file")
+    size = path.stat().st_size
+    if size > MAX_BYTES:
+        raise DesignError(
+            f"{path}: {size / 1e6:.1f} MB; a design file has at most {MAX_BYTES / 1e6:.0f} MB"
+        )
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise DesignError(f"{path}: cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise DesignError(
+            f"{path}: not text in UTF-8 (byte {error.start}); a design file is TOML"
+        ) from error
+    if not text.strip():
+        raise DesignError(f"{path}: empty; see designs/ for examples")
+    return text.replace("\r\n", "\n")
+
+
+def parse(
+    text: str, label: str, model: type[Model], cross_faults: Callable[[dict[str, Any]], list[str]]
+) -> Model:
+    """Parse TOML `text` and check it against `model` and against `cross_faults`.
+
+    Parameters
+    ----------
+    text
+        The file's text.
+    label
+        The file's name, put before every fault.
+    model
+        What the file must say.
+    cross_faults
+        Checks that concern several fields at once; takes the raw tables, whatever is in them,
+        and returns its faults. It runs even if `model` found faults, so all come together.
+
+    Raises
+    ------
+    DesignError
+        With every fault of the file.
+    """
+    try:
+        raw = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        reason = "nested too deeply" if isinstance(error, RecursionError) else str(error)
+        raise DesignError(f"{label}: not valid TOML: {reason}") from error
+    faults: list[str] = []
+    checked: Model | None = None
+    try:
+        checked = model.model_validate(raw)
+    except ValidationError as error:
+        faults += model_faults(error.errors(include_url=False), model)
+    faults += cross_faults(raw)
+    if faults or checked is None:
+        raise DesignError([f"{label}: {text}" for text in dict.fromkeys(faults)])
+    return checked

@@ -1,0 +1,107 @@
+"""Periods: of an orbit, of the ground tracks, and the radius that keeps pace with Mars."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq
+
+from compass.bodies import MARS_GM, MARS_J2, MARS_J2_RADIUS, MARS_ROTATION_RATE, sidereal_day
+from compass.orbits.constellation import Constellation
+
+
+def orbital_period(semi_major_axis: ArrayLike, gm: float = MARS_GM.value) -> NDArray[np.float64]:
+    """Two-body period ``2 pi sqrt(a^3/GM)``, seconds."""
+    return 2 * np.pi * np.sqrt(np.asarray(semi_major_axis, dtype=float) ** 3 / gm)
+
+
+def secular_rates(
+    semi_major_axis: ArrayLike,
+    eccentricity: ArrayLike,
+    inclination: ArrayLike,
+    gm: float = MARS_GM.value,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """First-order secular rates of node, periapsis and mean anomaly under J2, rad/s.
+
+    With ``k = 3/2 n J2 (R/p)^2``: ``dRAAN/dt = -k cos i``,
+    ``dargp/dt = k (2 - 5/2 sin^2 i)``, ``dM/dt = n + k sqrt(1-e^2) (1 - 3/2 sin^2 i)``.
+
+    References
+    ----------
+    Vallado 2013, Fundamentals of Astrodynamics and Applications, 4th ed., eqs. 9-37 to 9-41.
+    """
+    a = np.asarray(semi_major_axis, dtype=float)
+    e = np.asarray(eccentricity, dtype=float)
+    sin2 = np.sin(inclination) ** 2
+    n = np.sqrt(gm / a**3)
+    k = 1.5 * n * MARS_J2.value * (MARS_J2_RADIUS.value / (a * (1 - e**2))) ** 2
+    return (
+        -k * np.cos(inclination),
+        k * (2 - 2.5 * sin2),
+        n + k * np.sqrt(1 - e**2) * (1 - 1.5 * sin2),
+    )
+
+
+def areosynchronous_radius(
+    *, j2: bool = False, inclination: float = 0.0, gm: float = MARS_GM.value
+) -> float:
+    """Radius of the circular orbit whose ground track closes after one rotation of Mars, metres.
+
+    Without J2, ``a = (GM/omega^2)^(1/3)``. With J2, the radius at which argument of latitude
+    keeps pace with Mars under the drifting node: ``dargp/dt + dM/dt = omega - dRAAN/dt``.
+
+    Parameters
+    ----------
+    j2
+        Whether to include the secular rates of J2.
+    inclination
+        Radians; only the J2 rates depend on it.
+    gm
+        Gravitational parameter, m^3/s^2.
+    """
+    omega = MARS_ROTATION_RATE.value
+    kepler = float((gm / omega**2) ** (1.0 / 3.0))
+    if not j2:
+        return kepler
+
+    def pace(a: float) -> float:
+        node, periapsis, anomaly = secular_rates(a, 0.0, inclination, gm)
+        return float(periapsis + anomaly + node - omega)
+
+    return float(brentq(pace, 0.99 * kepler, 1.01 * kepler, xtol=1e-6, rtol=1e-14))
+
+
+@dataclass(frozen=True)
+class RepeatPeriod:
+    """The time after which the ground tracks repeat, as nearly as they do.
+
+    Attributes
+    ----------
+    duration
+        Seconds.
+    sidereal_days, revolutions
+        Mars rotations and orbits in it; for orbits of unequal period, those of the first.
+    closure
+        Largest angle by which a satellite misses its old place over Mars, radians.
+    """
+
+    duration: float
+    sidereal_days: int
+    revolutions: int
+    closure: float
+
+
+def repeat_period(constellation: Constellation, *, max_days: int = 10) -> RepeatPeriod:
+    """Smallest whole number of Mars rotations after which the ground tracks (nearly) repeat.
+
+    Of 1 to `max_days` rotations, the first that closes to 1 degree for every satellite in
+    two-body motion; if none does, the one that closes best. The miss is reported either way.
+    An empty constellation repeats at once, after one rotation.
+    """
+    day = sidereal_day()
+    turns = np.outer(np.arange(1, max_days + 1) * day, constellation.mean_motion) / (2 * np.pi)
+    miss = 2 * np.pi * np.abs(turns - np.round(turns)).max(axis=1, initial=0.0)
+    close = np.flatnonzero(miss <= np.radians(1.0))
+    best = int(close[0]) if close.size else int(miss.argmin())
+    revolutions = int(np.round(turns[best, 0])) if constellation.size else 0
+    return RepeatPeriod((best + 1) * day, best + 1, revolutions, float(miss[best]))

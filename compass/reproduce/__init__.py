@@ -1,0 +1,1 @@
+"""The source papers, number by number: published, computed, and who is right."""

@@ -1,0 +1,48 @@
+"""Writing results so that a killed run leaves the old file or the new one, never half of one."""
+
+import os
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from compass.errors import OutputError
+
+
+def check_writable(path: Path, inputs: Sequence[Path] = ()) -> None:
+    """Refuse an output path before any work is spent on it.
+
+    Raises
+    ------
+    OutputError
+        The path is a directory, is one of the inputs, or its folder is missing or read-only.
+    """
+    folder = path.parent
+    if path.is_dir():
+        raise OutputError(f"{path}: is a directory; give a file name inside it")
+    for source in inputs:
+        if path.exists() and source.exists() and path.samefile(source):
+            raise OutputError(f"{path}: is the input itself; choose another output name")
+    if not folder.is_dir():
+        raise OutputError(f"{path}: folder {folder} does not exist; create it first")
+    if not os.access(folder, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
+        raise OutputError(f"{path}: not writable; choose another place or change its permissions")
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Yield a temporary path beside `path`; on success rename it over `path`, else remove it."""
+    check_writable(path)
+    handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        mask = os.umask(0)
+        os.umask(mask)
+        temporary.chmod(0o666 & ~mask)  # mkstemp makes the file private; a result is not
+        temporary.replace(path)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+    finally:
+        temporary.unlink(missing_ok=True)

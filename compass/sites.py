@@ -1,0 +1,129 @@
+"""Places on Mars and the elevation mask of what stands around them."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compass.errors import ArgumentError
+from compass.frames import FIGURES, Figure, direction, east_north_up, planetographic_latitude
+
+
+@dataclass(frozen=True)
+class Mask:
+    """Elevation below which nothing is seen, as a function of azimuth.
+
+    Attributes
+    ----------
+    azimuth
+        Azimuths clockwise from north, radians, strictly increasing in [0, 2 pi).
+    elevation
+        Mask elevation at each azimuth, radians, in [0, pi/2); linear between, periodic.
+        A single pair is a constant mask.
+    """
+
+    azimuth: tuple[float, ...] = (0.0,)
+    elevation: tuple[float, ...] = (0.0,)
+
+    def __post_init__(self) -> None:
+        if len(self.azimuth) != len(self.elevation) or not self.azimuth:
+            raise ArgumentError(
+                f"mask: {len(self.azimuth)} azimuths and {len(self.elevation)} elevations; "
+                "give as many of one as of the other, and at least one"
+            )
+        azimuth, elevation = np.array(self.azimuth), np.array(self.elevation)
+        if not np.all((azimuth >= 0) & (azimuth < 2 * np.pi)) or np.any(np.diff(azimuth) <= 0):
+            raise ArgumentError(
+                f"mask: azimuths {np.degrees(azimuth).tolist()} deg; they must increase "
+                "strictly from 0 up to below 360"
+            )
+        if not np.all((elevation >= 0) & (elevation < np.pi / 2)):
+            raise ArgumentError(
+                f"mask: elevations {np.degrees(elevation).tolist()} deg; allowed 0 up to below 90"
+            )
+
+    @classmethod
+    def constant(cls, elevation: float) -> "Mask":
+        """Return the same mask elevation (radians) all around."""
+        return cls((0.0,), (float(elevation),))
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether the mask is the same in every direction."""
+        return len(set(self.elevation)) == 1
+
+    @property
+    def lowest(self) -> float:
+        """The smallest mask elevation, radians."""
+        return min(self.elevation)
+
+    @property
+    def highest(self) -> float:
+        """The largest mask elevation, radians."""
+        return max(self.elevation)
+
+    def at(self, azimuth: ArrayLike) -> NDArray[np.float64]:
+        """Mask elevation, radians, at azimuths in radians (any shape)."""
+        return np.interp(np.asarray(azimuth), self.azimuth, self.elevation, period=2 * np.pi)
+
+
+@dataclass(frozen=True)
+class Site:
+    """A place on the surface.
+
+    Attributes
+    ----------
+    name
+        What to call it.
+    latitude
+        Planetocentric latitude of the surface point, radians.
+    longitude
+        East longitude, radians.
+    height
+        Height above the reference figure along its normal, metres.
+    mask
+        What the site's horizon hides.
+    figure
+        The reference figure; its normal is the site's up.
+    """
+
+    name: str
+    latitude: float
+    longitude: float
+    height: float = 0.0
+    mask: Mask = field(default_factory=Mask)
+    figure: Figure = FIGURES["iau-ellipsoid"]
+
+    @cached_property
+    def r_mcmf(self) -> NDArray[np.float64]:
+        """Mars-fixed position, metres, shape (3,)."""
+        a, b = self.figure.equatorial_radius, self.figure.polar_radius
+        radius = a * b / np.hypot(b * np.cos(self.latitude), a * np.sin(self.latitude))
+        surface = radius * direction(self.latitude, self.longitude)
+        return surface + self.height * self.enu_mcmf[2]
+
+    @cached_property
+    def enu_mcmf(self) -> NDArray[np.float64]:
+        """Unit vectors east, north, up (rows) in the Mars-fixed frame, shape (3, 3)."""
+        up_latitude = planetographic_latitude(self.latitude, self.figure)
+        return east_north_up(up_latitude, self.longitude)
+
+    def elevation_azimuth(
+        self, r_mcmf: ArrayLike
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Elevation and azimuth (clockwise from north, in [0, 2 pi)) of points, radians.
+
+        Parameters
+        ----------
+        r_mcmf
+            Mars-fixed positions, metres, shape (..., 3).
+        """
+        east, north, up = np.moveaxis((np.asarray(r_mcmf) - self.r_mcmf) @ self.enu_mcmf.T, -1, 0)
+        elevation = np.arctan2(up, np.hypot(east, north))
+        return elevation, np.mod(np.arctan2(east, north), 2 * np.pi)
+
+    def sees(self, r_mcmf: ArrayLike) -> NDArray[np.bool_]:
+        """Whether each point (..., 3), metres, stands at or above the site's mask."""
+        elevation, azimuth = self.elevation_azimuth(r_mcmf)
+        return elevation >= self.mask.at(azimuth)
