@@ -1,0 +1,1 @@
+"""Telling what was found: pictures, tables and one self-contained HTML page."""
