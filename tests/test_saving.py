@@ -2,7 +2,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -43,7 +42,6 @@ def test_killed_process_leaves_the_old_file(tmp_path):
         process.send_signal(signal.SIGKILL)
         process.wait(10)
     assert path.read_text() == "old"
-    time.sleep(0)
 
 
 @pytest.mark.parametrize("case", ["folder", "missing", "input"])

@@ -1,6 +1,7 @@
 """``compass map``: satellite counts and dilution of precision over the sphere and a period."""
 
 from pathlib import Path
+from typing import Literal
 
 import click
 
@@ -50,7 +51,7 @@ def command(
     mask_deg: float | None,
     fold: int | None,
     pdop_max: float,
-    motion: str,
+    motion: Literal["two-body", "j2", "numerical"],
     duration_h: float | None,
     time_series: bool,
     as_json: bool,

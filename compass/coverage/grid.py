@@ -33,13 +33,16 @@ class Grid:
 
     @property
     def latitude(self) -> NDArray[np.float64]:
-        """Where each row is sampled, radians: the middle of its edges in latitude (equal angle)
-        or in sine of latitude (equal area).
+        """Where each row is sampled, radians, shape (rows,).
+
+        The middle of its edges in latitude (equal angle) or in sine of latitude (equal area).
         """
         if self.kind == "equal-area":
             sines = np.sin(self.latitude_edges)
-            return np.arcsin((sines[1:] + sines[:-1]) / 2)
-        return (self.latitude_edges[1:] + self.latitude_edges[:-1]) / 2
+            return np.asarray(np.arcsin((sines[1:] + sines[:-1]) / 2), dtype=np.float64)
+        return np.asarray(
+            (self.latitude_edges[1:] + self.latitude_edges[:-1]) / 2, dtype=np.float64
+        )
 
     @property
     def longitude(self) -> NDArray[np.float64]:
