@@ -45,25 +45,26 @@ def dops(n, sxx, syy, szz, sxy, sxz, syz, sx, sy, sz, ux, uy, uz):
     ux, uy, uz
         The local up.
     """
+    if n < 4.0:
+        return math.inf, math.inf, math.inf, math.inf, math.inf
     w = 1.0 / n
     a, b, c = sxx - sx * sx * w, syy - sy * sy * w, szz - sz * sz * w
     d, e, f = sxy - sx * sy * w, sxz - sx * sz * w, syz - sy * sz * w
     caa, cbb, ccc = b * c - f * f, a * c - e * e, a * b - d * d
     cab, cac, cbc = e * f - d * c, d * f - e * b, d * e - a * f
     det = a * caa + d * cab + e * cac
+    if det <= 64.0 * EPS * n * n * n:
+        return math.inf, math.inf, math.inf, math.inf, math.inf
     r = 1.0 / det
     p2 = (caa + cbb + ccc) * r
     v2 = _quadratic(caa, cbb, ccc, cab, cac, cbc, ux, uy, uz) * r
     t2 = w + _quadratic(caa, cbb, ccc, cab, cac, cbc, sx, sy, sz) * r * w * w
-    # Everything is computed and the useless thrown away: without a branch the compiler works on
-    # several users at once.
-    solved = (n >= 4.0) & (det > 64.0 * EPS * n * n * n)
     return (
-        math.sqrt(p2 + t2) if solved else math.inf,
-        math.sqrt(p2) if solved else math.inf,
-        math.sqrt(max(p2 - v2, 0.0)) if solved else math.inf,
-        math.sqrt(max(v2, 0.0)) if solved else math.inf,
-        math.sqrt(t2) if solved else math.inf,
+        math.sqrt(p2 + t2),
+        math.sqrt(p2),
+        math.sqrt(max(p2 - v2, 0.0)),
+        math.sqrt(max(v2, 0.0)),
+        math.sqrt(t2),
     )
 
 

@@ -48,7 +48,7 @@ class Grid:
     def longitude(self) -> NDArray[np.float64]:
         """Cell centres from -180 degrees eastwards, radians, shape (columns,)."""
         step = 2 * np.pi / self.columns
-        return -np.pi + step * (np.arange(self.columns) + 0.5)
+        return np.asarray(-np.pi + step * (np.arange(self.columns) + 0.5), dtype=np.float64)
 
     @property
     def longitude_edges(self) -> NDArray[np.float64]:

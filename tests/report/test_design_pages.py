@@ -124,7 +124,7 @@ def test_failed_write_leaves_the_old_page(tmp_path, monkeypatch):
 
 def test_cells():
     assert cell(float("inf")) == "∞"
-    assert cell(60422240.1) == "60,422,2"
+    assert cell(60422240.1) == "60,422,240"
     assert cell(0.1234567891) == "0.1234568"
     assert cell("x") == "x"
     assert cell(3) == "3"
