@@ -216,7 +216,9 @@ def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
         axes = figure.add_subplot()
         hours = dataset.time / 3600
         low, mean, high = (dataset[f"count_{s}_time"] for s in ("min", "mean", "max"))
-        axes.fill_between(hours, low, high, color=CYCLE[5], alpha=0.35, lw=0, label="range on Mars")
+        axes.fill_between(
+            hours, low, high, step="mid", color=CYCLE[5], alpha=0.35, lw=0, label="range on Mars"
+        )
         axes.plot(hours, mean, color=CYCLE[0], lw=1.8, label="mean on Mars")
         axes.plot(hours, low, color=MARS, lw=1.4, label="fewest")
         axes.axhline(dataset.attrs["wanted_fold"], color=INK, lw=0.8, ls="--", label="wanted")
