@@ -13,6 +13,8 @@ bounds: smallest and largest distance, largest speed, largest acceleration.
 
 import math
 
+import numpy as np
+
 from compass.core.jit import kernel
 from compass.core.kepler import eccentric_anomaly
 
@@ -141,3 +143,14 @@ def mover_bounds(mover, ra, rb, h):
         return ra, ra, rate * ra, rate * rate * ra, 0.0, 0.0
     low, high, speed, acceleration = mover[5], mover[6], mover[7], mover[8]
     return low, high, speed, acceleration, high * speed, speed * speed + high * acceleration
+
+
+@kernel
+def states(mover, table, times):
+    """States of a mover at many times, shape (t, 6)."""
+    found = np.empty((times.size, 6))
+    for k in range(times.size):
+        state = mover_state(mover, table, times[k])
+        for j in range(6):
+            found[k, j] = state[j]
+    return found
