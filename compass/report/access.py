@@ -1,0 +1,180 @@
+"""The access section of a report: timelines of sight, and what they come to."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from compass.access.record import survey_record
+from compass.access.spans import any_of
+from compass.access.survey import Survey, survey
+from compass.access.windows import Windows
+from compass.bodies import SOLAR_DAY
+from compass.inputs.design import Design
+from compass.report.section import Picture, Section, Table, picture
+from compass.report.style import CYCLE, FAINT, INK, look, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+#: A timeline shows this much of the span, so that single passes stay apart.
+SHOWN_SOLS = 5.0
+
+#: Rows of a timeline at most; above that it is a grey smear.
+MAX_ROWS = 60
+
+_KINDS = ("station", "moon", "earth")
+
+
+def access_section(design: Design) -> Section:
+    """Timelines and tables of everything that a design asks to be linked.
+
+    Raises
+    ------
+    ArgumentError
+        The design links nothing: it has no station and asks for no moon, Earth or crosslinks.
+    """
+    found = survey(
+        design.constellation,
+        design.stations,
+        design.access_duration,
+        design.access,
+        figure=design.figure,
+    )
+    record = survey_record(
+        found,
+        design.constellation.epoch,
+        radios=design.radios,
+        threshold=design.conjunction,
+        figure=design.figure,
+        eclipse=True,
+    )
+    pictures = [
+        timeline(found, node.name)
+        for node in found.nodes
+        if node.kind in _KINDS and found.of(node.name)
+    ]
+    return Section(
+        title="Access",
+        paragraphs=(_summary(record),),
+        pictures=tuple(pictures),
+        tables=tuple(_tables(record)),
+    )
+
+
+def timeline(found: Survey, name: str) -> Picture:
+    """Draw when a node sees each satellite, and any of them: one row a satellite, a bar a window."""
+    pairs = found.of(name)
+    shown = pairs[:MAX_ROWS]
+    sols = min(SHOWN_SOLS, found.sols)
+    figure = new_figure(8.0, 1.5 + 0.2 * len(shown))
+    with look():
+        axes = figure.add_subplot()
+        _bars(axes, shown, name)
+        merged = any_of([w.spans for w in pairs]) / SOLAR_DAY.value
+        axes.hlines(np.full(len(merged), -1.2), merged[:, 0], merged[:, 1], color=INK, lw=6)
+        labels = [_other(w, name) for w in shown]
+        axes.set_yticks([-1.2, *range(len(shown))], ["any", *labels], fontsize=8)
+        axes.set_ylim(len(shown) - 0.4, -1.9)
+        axes.set_xlim(0.0, sols)
+        axes.set_xlabel("time after the epoch [sols]")
+        axes.set_title(f"Satellites in sight of {name}")
+        axes.grid(axis="x")
+        axes.tick_params(axis="y", length=0)
+        axes.set_axisbelow(True)
+    left_out = len(pairs) - len(shown)
+    more = f" The first {len(shown)} of {len(pairs)} satellites." if left_out else ""
+    return picture(
+        figure,
+        f"access-{_stem(name)}",
+        f"Satellites in sight of {name}",
+        f"Each bar is a span of sight, found to 1 ms, one colour an orbital plane; the first {sols:g} of {found.sols:g} sols. "
+        f"The dark row is any satellite at all.{more}",
+    )
+
+
+def _bars(axes: "Axes", shown: list[Windows], name: str) -> None:
+    """Draw the windows, one colour an orbital plane where the names tell the plane."""
+    planes = list(dict.fromkeys(_other(w, name).partition("S")[0] for w in shown))
+    for row, w in enumerate(shown):
+        color = CYCLE[planes.index(_other(w, name).partition("S")[0]) % len(CYCLE)]
+        start, end = w.start / SOLAR_DAY.value, w.end / SOLAR_DAY.value
+        axes.axhline(row, color=FAINT, lw=0.4, alpha=0.5)
+        axes.hlines(np.full(w.count, row), start, end, color=color, lw=6)
+
+
+def _other(w: Windows, name: str) -> str:
+    return w.second if w.first == name else w.first
+
+
+def _stem(name: str) -> str:
+    return "".join(c if c.isalnum() else "-" for c in name.lower())
+
+
+def _summary(record: dict[str, Any]) -> str:
+    parts = [
+        f"{r['node']} sees {r['seen']} of {r['satellites']} satellites, at least one of them "
+        f"{100 * r['any_share']:.1f} % of the time."
+        for r in record["nodes"]
+    ]
+    return f"Over {record['duration_sols']:g} sols: " + " ".join(parts)
+
+
+def _tables(record: dict[str, Any]) -> list[Table]:
+    """Make the tables for which the record has something to say."""
+    tables = []
+    if record["nodes"]:
+        columns = {
+            "node": "node",
+            "seen": "satellites seen",
+            "mean_share": "mean share of time",
+            "least_share": "least share",
+            "passes_per_sol": "passes a sol and satellite",
+            "mean_pass_h": "mean pass [h]",
+            "longest_gap_h": "longest gap [h]",
+            "any_share": "share with any satellite",
+        }
+        tables.append(_table("Satellites in sight", columns, record["nodes"]))
+    if record["earth"]:
+        columns = {
+            "station": "station",
+            "direct_share": "share in direct sight",
+            "share": "share through the network",
+            "share_outside_conjunction": "share outside conjunction",
+            "longest_gap_h": "longest outage [h]",
+        }
+        tables.append(_table("Reaching the Earth", columns, record["earth"]["stations"]))
+    if record["latency"]:
+        columns = {
+            "source": "from",
+            "target": "to",
+            "at_once": "share at once",
+            "mean_h": "mean wait [h]",
+            "longest_h": "longest wait [h]",
+        }
+        tables.append(_table("Store and forward between stations", columns, record["latency"]))
+    if record["eclipses"]:
+        columns = {
+            "node": "node",
+            "count": "eclipses",
+            "share": "share of time",
+            "longest_h": "longest [h]",
+            "umbra_longest_h": "longest umbra [h]",
+        }
+        tables.append(_table("In Mars's shadow", columns, record["eclipses"]))
+    if record["radio"]:
+        columns = {
+            "first": "from",
+            "second": "to",
+            "largest_range_km": "largest range [km]",
+            "largest_range_rate_km_s": "largest range rate [km/s]",
+            "largest_light_time_s": "largest light time [s]",
+            "least_cn0_dbhz": "least C/N0 [dB Hz]",
+            "usable_share": "usable share of the windows",
+        }
+        tables.append(_table("Radio links", columns, record["radio"]))
+    return tables
+
+
+def _table(title: str, columns: dict[str, str], records: list[dict[str, Any]]) -> Table:
+    rows = tuple(tuple(record[key] for key in columns) for record in records)
+    return Table(title, tuple(columns.values()), rows)
