@@ -43,7 +43,7 @@ def polar_pass(mask: float, duration: float = 3 * SOLAR_DAY.value) -> float:
     site = Site("North pole", np.pi / 2, 0.0, mask=Mask.constant(mask), figure=FIGURE)
     station = station_node(site, c.epoch, duration)
     (found,) = windows([(station, satellite_nodes(c)[0])], duration)
-    return float(found.length.max())
+    return float(found.length.max(initial=0.0))
 
 
 def polar_rows() -> list[Row]:
