@@ -80,7 +80,9 @@ _SINCLAIR = "Sinclair 1989, Astron. Astrophys. 220:321 (orbital elements of Phob
 _IAU_NOMINAL = "Prsa et al. 2016, Astron. J. 152:41 (IAU 2015 Resolution B3), nominal value"
 _SI = "The International System of Units, 9th ed., 2019, BIPM: exact"
 
-PHOBOS_SEMI_MAJOR_AXIS = Constant(9.37940e6, "m", 5.0, f"{_SINCLAIR}; half a unit of the last digit")
+PHOBOS_SEMI_MAJOR_AXIS = Constant(
+    9.37940e6, "m", 5.0, f"{_SINCLAIR}; half a unit of the last digit"
+)
 DEIMOS_SEMI_MAJOR_AXIS = Constant(
     2.346113e7, "m", 5.0, f"{_SINCLAIR}; half a unit of the last digit"
 )

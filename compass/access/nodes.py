@@ -104,8 +104,7 @@ def station_node(site: Site, epoch: float, duration: float) -> Node:
     """
     half = 0.5 * duration
     cubic = Chebyshev.interpolate(
-        lambda x: prime_meridian_angle(epoch, half + half * x)
-        - prime_meridian_angle(epoch, half),
+        lambda x: prime_meridian_angle(epoch, half + half * x) - prime_meridian_angle(epoch, half),
         3,
     )
     coefficients = np.zeros(4)
@@ -123,9 +122,7 @@ def station_node(site: Site, epoch: float, duration: float) -> Node:
     return Node(site.name, "station", row, rate, float(np.linalg.norm(site.r_mcmf)), site=site)
 
 
-def moon_node(
-    name: str, epoch: float, duration: float, model: MoonModel = "precessing"
-) -> Node:
+def moon_node(name: str, epoch: float, duration: float, model: MoonModel = "precessing") -> Node:
     """Node of Phobos or Deimos (its centre) over a span; see `moon_row`."""
     row = moon_row(name, epoch, 0.5 * duration, model)
     return Node(name.capitalize(), "moon", row, float(row[10]), float(row[1] * (1 - row[2])))

@@ -74,9 +74,7 @@ def track(one: Node, two: Node, times: ArrayLike) -> Track:
     relative = node_states(two, seconds) - node_states(one, seconds)
     d, v = relative[:, :3], relative[:, 3:]
     distance = np.linalg.norm(d, axis=1)
-    return Track(
-        seconds, distance, (d * v).sum(axis=1) / distance, distance / SPEED_OF_LIGHT.value
-    )
+    return Track(seconds, distance, (d * v).sum(axis=1) / distance, distance / SPEED_OF_LIGHT.value)
 
 
 def free_space_loss(distance: ArrayLike, frequency: float) -> NDArray[np.float64]:

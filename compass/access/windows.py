@@ -167,9 +167,7 @@ def _station_first(pair: Pair) -> Pair:
     return one, two
 
 
-def _over_mask(
-    station: Node, masks: list[NDArray[np.float64]]
-) -> tuple[int, tuple[float, ...]]:
+def _over_mask(station: Node, masks: list[NDArray[np.float64]]) -> tuple[int, tuple[float, ...]]:
     """Kind and parameters of sight above a station's mask; a profile is added to `masks`."""
     mask = station.mask
     if mask.is_constant:

@@ -285,7 +285,13 @@ def _print_earth(earth: dict[str, Any]) -> None:
         ]
         for r in earth["stations"]
     ]
-    header = ["station", "direct", "through the network", "by links in the chain", "out of conjunction"]
+    header = [
+        "station",
+        "direct",
+        "through the network",
+        "by links in the chain",
+        "out of conjunction",
+    ]
     print_table("Reaching the Earth", rows, header)
     angle = earth["sun_earth_mars_angle_deg"]
     click.echo(

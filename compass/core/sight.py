@@ -157,4 +157,6 @@ def eclipse_curvature(radius, ends, h, one, two):
     near = two[0] - r
     turn = (v + two[2]) / near
     turn_rate = (a + two[3]) / near + 3.0 * turn * turn
-    return a + 2.0 * v * turn + r * turn_rate + t2 + 2.0 * t1 * turn + 2.0 * (r + radius) * turn_rate
+    return (
+        a + 2.0 * v * turn + r * turn_rate + t2 + 2.0 * t1 * turn + 2.0 * (r + radius) * turn_rate
+    )
