@@ -6,6 +6,7 @@ exact for the windows given; it is no sample. Light time is left out.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,8 +65,8 @@ def contacts(found: Sequence[Windows]) -> Contacts:
     return Contacts(names, edges, np.concatenate(parts).astype(np.intp))
 
 
-def _blocks(graph: Contacts) -> "csr_array":  # noqa: F821
-    """Adjacency of all intervals side by side: node j of interval k is row k n + j."""
+def _blocks(graph: Contacts) -> Any:
+    """Sparse adjacency of all intervals side by side: node j of interval k is row k n + j."""
     from scipy.sparse import csr_array
 
     n, k = len(graph.names), len(graph.lengths)
@@ -150,7 +151,7 @@ class Latency:
 
 
 def latency(graph: Contacts, source: str, target: str) -> Latency:
-    """Waiting times of messages that any node may store until its next link."""
+    """Find the waiting times of messages that any node may store until its next link."""
     from scipy.sparse.csgraph import connected_components
 
     n, k = len(graph.names), len(graph.lengths)

@@ -95,7 +95,7 @@ def survey(
     constellation: Constellation,
     sites: Sequence[Site],
     duration: float,
-    wanted: Wanted = Wanted(),  # noqa: B008 (frozen)
+    wanted: Wanted = Wanted(),
     *,
     figure: Figure = FIGURES["iau-ellipsoid"],
     model: DriftModel = "two-body",

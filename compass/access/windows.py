@@ -231,8 +231,10 @@ def _solve(
         )
         parts = np.split(found, np.cumsum(counts)[:-1])
         return [
-            Windows(pairs[k][0].name, pairs[k][1].name, *part.T.copy(), duration=duration)
-            for k, part in zip(block, parts, strict=True)
+            Windows(pairs[k][0].name, pairs[k][1].name, start, end, peak, highest, duration)
+            for k, (start, end, peak, highest) in zip(
+                block, (part.T.copy() for part in parts), strict=True
+            )
         ]
 
     with ThreadPoolExecutor(threads) as pool:

@@ -14,7 +14,6 @@ from compass.core.horizon import horizon_clear, horizon_state
 from compass.core.jit import kernel
 from compass.core.motion import meridian, mover_bounds, mover_state
 from compass.core.sight import (
-    ECLIPSE,
     ELEVATION,
     HORIZON,
     LIMB,
@@ -190,7 +189,7 @@ def culmination(one, two, table, begin, end, step):
 
     The highest of samples `step` apart, then the root of the elevation's rate beside it.
     """
-    n = max(int(math.ceil((end - begin) / step)), 2)
+    n = max(math.ceil((end - begin) / step), 2)
     h = (end - begin) / n
     best, highest = 0, -2.0
     for k in range(n + 1):

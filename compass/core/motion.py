@@ -83,7 +83,7 @@ def _table_state(m, table, t):
     """Cubic Hermite interpolation between rows of states."""
     h = m[4]
     last = int(m[2]) - 2
-    k = min(max(int(math.floor((t - m[3]) / h)), 0), last)
+    k = min(max(math.floor((t - m[3]) / h), 0), last)
     row = int(m[1]) + k
     s = (t - m[3]) / h - k
     h00, h10 = (1.0 + 2.0 * s) * (1.0 - s) ** 2, s * (1.0 - s) ** 2

@@ -100,7 +100,7 @@ def _tangent(p, radius, k):
 
 @kernel
 def limb_curvature(radius, stretch, scale, ends_p, ends_q, h, one, two):
-    """Bound on ``|f''|`` of `limb_sight`; `ends_p`, `ends_q` are stretched distances at the ends."""
+    """Bound on ``|f''|`` of `limb_sight`, from the stretched distances at the ends."""
     rp, vp, ap, tp, tp1, tp2 = _stretched(radius, stretch, ends_p, h, one)
     rq, vq, aq, tq, tq1, tq2 = _stretched(radius, stretch, ends_q, h, two)
     if tp <= 0.0 or tq <= 0.0:

@@ -62,7 +62,7 @@ def access_section(design: Design) -> Section:
 
 
 def timeline(found: Survey, name: str) -> Picture:
-    """Draw when a node sees each satellite, and any of them: one row a satellite, a bar a window."""
+    """Draw when a node sees each satellite, and any of them: a row a satellite, a bar a window."""
     pairs = found.of(name)
     shown = pairs[:MAX_ROWS]
     sols = min(SHOWN_SOLS, found.sols)
@@ -87,8 +87,8 @@ def timeline(found: Survey, name: str) -> Picture:
         figure,
         f"access-{_stem(name)}",
         f"Satellites in sight of {name}",
-        f"Each bar is a span of sight, found to 1 ms, one colour an orbital plane; the first {sols:g} of {found.sols:g} sols. "
-        f"The dark row is any satellite at all.{more}",
+        f"Each bar is a span of sight, found to 1 ms, one colour an orbital plane; the first "
+        f"{sols:g} of {found.sols:g} sols. The dark row is any satellite at all.{more}",
     )
 
 

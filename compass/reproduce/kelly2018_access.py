@@ -28,7 +28,7 @@ FIGURE = FIGURES["kelly2018-sphere"]
 
 
 def constellation() -> Constellation:
-    """The paper's 15/5/1 at 45 degrees (Table 1; its altitude is the radius of Table 2)."""
+    """Return the 15/5/1 at 45 degrees (Table 1, whose altitude is the radius of Table 2)."""
     return walker_delta(15, 5, 1, inclination=np.radians(45.0), radius=20427e3)
 
 
