@@ -139,7 +139,7 @@ def sun_node(epoch: float, duration: float) -> Node:
 
 
 def _tabulated(name: str, kind: NodeKind, epoch: float, duration: float) -> Node:
-    """Node interpolated between daily states: to 1 km, for ``(2e-7/s day)^4 / 384`` is 2e-10."""
+    """Node interpolated between daily states: to 20 km, for the theory's speeds err by 2 m/s."""
     step = SECONDS_PER_DAY
     count = int(np.ceil(duration / step)) + 1
     sun, earth = sun_earth_mci(epoch, step * np.arange(count))

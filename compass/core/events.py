@@ -196,7 +196,7 @@ def culmination(one, two, table, begin, end, step):
         sine, _ = climb(one, two, table, begin + k * h)
         if sine > highest:
             best, highest = k, sine
-    low, high = begin + max(best - 1, 0) * h, begin + min(best + 1, n) * h
+    low, high = begin + max(best - 1, 0) * h, min(begin + min(best + 1, n) * h, end)
     if climb(one, two, table, low)[1] > 0.0 > climb(one, two, table, high)[1]:
         while high - low > SHARPEST:
             t = 0.5 * (low + high)
@@ -206,7 +206,7 @@ def culmination(one, two, table, begin, end, step):
                 high = t
         t = 0.5 * (low + high)
     else:
-        t = begin + best * h
+        t = min(begin + best * h, end)
     sine = climb(one, two, table, t)[0]
     return t, math.asin(min(max(sine, -1.0), 1.0))
 
