@@ -6,6 +6,7 @@ exact for the windows given; it is no sample. Light time is left out.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,25 @@ class Contacts:
         """Lengths of the intervals, seconds, shape (k,)."""
         return np.diff(self.edges)
 
+    @cached_property
+    def adjacency(self) -> Any:
+        """Sparse adjacency of all intervals side by side: node j of interval k is row k n + j."""
+        from scipy.sparse import csr_array
+
+        n, k = len(self.names), len(self.lengths)
+        rows = self.links[:, 0] * n + self.links[:, 1]
+        columns = self.links[:, 0] * n + self.links[:, 2]
+        return csr_array((np.ones(len(rows)), (rows, columns)), shape=(k * n, k * n))
+
+    @cached_property
+    def components(self) -> NDArray[np.int32]:
+        """Label of the connected component of each node in each interval, shape (k, n)."""
+        from scipy.sparse.csgraph import connected_components
+
+        labels = connected_components(self.adjacency, directed=False)[1]
+        found: NDArray[np.int32] = labels.reshape(len(self.lengths), len(self.names))
+        return found
+
 
 def contacts(found: Sequence[Windows]) -> Contacts:
     """Cut the span of some windows (all of one duration) where any begins or ends.
@@ -65,16 +85,6 @@ def contacts(found: Sequence[Windows]) -> Contacts:
     return Contacts(names, edges, np.concatenate(parts).astype(np.intp))
 
 
-def _blocks(graph: Contacts) -> Any:
-    """Sparse adjacency of all intervals side by side: node j of interval k is row k n + j."""
-    from scipy.sparse import csr_array
-
-    n, k = len(graph.names), len(graph.lengths)
-    rows = graph.links[:, 0] * n + graph.links[:, 1]
-    columns = graph.links[:, 0] * n + graph.links[:, 2]
-    return csr_array((np.ones(len(rows)), (rows, columns)), shape=(k * n, k * n))
-
-
 def hops(graph: Contacts, source: str, target: str) -> NDArray[np.float64]:
     """Fewest links from source to target in each interval, shape (k,); inf where there is no path.
 
@@ -85,7 +95,7 @@ def hops(graph: Contacts, source: str, target: str) -> NDArray[np.float64]:
     n, k = len(graph.names), len(graph.lengths)
     starts = np.arange(k) * n + _index(graph, source)
     distance = dijkstra(
-        _blocks(graph), directed=False, unweighted=True, indices=starts, min_only=True
+        graph.adjacency, directed=False, unweighted=True, indices=starts, min_only=True
     )
     found: NDArray[np.float64] = distance.reshape(k, n)[:, _index(graph, target)]
     return found
@@ -152,13 +162,9 @@ class Latency:
 
 def latency(graph: Contacts, source: str, target: str) -> Latency:
     """Find the waiting times of messages that any node may store until its next link."""
-    from scipy.sparse.csgraph import connected_components
-
-    n, k = len(graph.names), len(graph.lengths)
-    labels = connected_components(_blocks(graph), directed=False)[1].reshape(k, n)
-    smallest = np.argmax(labels[:, :, None] == labels[:, None, :], axis=1)
+    labels = graph.components
     s, t = _index(graph, source), _index(graph, target)
-    arrivals = earliest_arrivals(smallest, graph.edges[:-1], t)[:, s]
+    arrivals = earliest_arrivals(labels, graph.edges[:-1], t)[:, s]
     begins, lengths = graph.edges[:-1], graph.lengths
     joined = labels[:, s] == labels[:, t]
     delivered = np.isfinite(arrivals)

@@ -23,6 +23,10 @@ from compass.orbits.constellation import Constellation
 from compass.sites import Site
 
 
+#: Pairs at most: beyond it memory, not time, would run out.
+MAX_PAIRS = 100_000
+
+
 @dataclass(frozen=True)
 class Wanted:
     """What to link.
@@ -127,7 +131,7 @@ def survey(
     Raises
     ------
     ArgumentError
-        There is nothing to link, two nodes have one name, or as in `windows`.
+        There is nothing or too much to link, two nodes have one name, or as in `windows`.
     """
     check_duration(duration)
     epoch = constellation.epoch
@@ -151,6 +155,11 @@ def survey(
         raise ArgumentError(
             "access: nothing to link; add a [[station]] or use --station, --moon, --earth or "
             "--crosslinks"
+        )
+    if len(pairs) > MAX_PAIRS:
+        raise ArgumentError(
+            f"access: {len(pairs)} pairs; at most {MAX_PAIRS} at once; leave out crosslinks or "
+            "some stations"
         )
     found = windows(
         pairs,

@@ -18,7 +18,7 @@ def earliest_arrivals(labels, begins, target):
     Parameters
     ----------
     labels
-        Component of each node in each interval, shape (k, n), integers from 0 to n - 1.
+        Component of each node in each interval, shape (k, n); any whole numbers.
     begins
         Begin of each interval, seconds, shape (k,).
     target
@@ -32,14 +32,18 @@ def earliest_arrivals(labels, begins, target):
     count, n = labels.shape
     arrivals = np.full((count, n), math.inf)
     least = np.empty(n)
+    groups = np.empty(n, dtype=np.int64)  # first node of each node's component
     for k in range(count - 1, -1, -1):
+        for node in range(n):
+            groups[node] = 0
+            while labels[k, groups[node]] != labels[k, node]:
+                groups[node] += 1
         least[:] = math.inf
         if k + 1 < count:
             for node in range(n):
-                group = labels[k, node]
+                group = groups[node]
                 least[group] = min(least[group], arrivals[k + 1, node])
         for node in range(n):
-            group = labels[k, node]
-            connected = group == labels[k, target]
-            arrivals[k, node] = begins[k] if connected else least[group]
+            connected = groups[node] == groups[target]
+            arrivals[k, node] = begins[k] if connected else least[groups[node]]
     return arrivals
