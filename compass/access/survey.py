@@ -22,7 +22,6 @@ from compass.frames import FIGURES, Figure
 from compass.orbits.constellation import Constellation
 from compass.sites import Site
 
-
 #: Pairs at most: beyond it memory, not time, would run out.
 MAX_PAIRS = 100_000
 

@@ -24,6 +24,9 @@ TITLE = (
 
 HOUR = 3600.0
 SPAN = 60 * SOLAR_DAY.value
+
+#: Longitudes of the first of the two equatorial stations, over half a turn.
+LONGITUDES = 180
 FIGURE = FIGURES["kelly2018-sphere"]
 
 
@@ -94,33 +97,25 @@ def polar_rows() -> list[Row]:
 def pair_shares(mask: float) -> NDArray[np.float64]:
     """Share of a sidereal day in which each satellite is in view of two stations 180 deg apart.
 
-    Shape (180, 15): first station at 0.5, 1.5, ... 179.5 deg east on the equator, the second
-    opposite. Over a day the ground tracks close, to 0.02 deg.
+    Shape (LONGITUDES, 15): the first station stands in the middle of each step from 0 to 180
+    degrees east on the equator, the second opposite. Over a day the ground tracks close, to
+    0.02 deg. `mask` is in degrees.
     """
     c, day = constellation(), sidereal_day()
     satellites = satellite_nodes(c)
+    horizon = Mask.constant(np.radians(mask))
+    longitudes = (np.arange(2 * LONGITUDES) + 0.5) * np.pi / LONGITUDES
     stations = [
-        station_node(
-            Site(
-                str(k),
-                0.0,
-                np.radians(k + 0.5),
-                mask=Mask.constant(np.radians(mask)),
-                figure=FIGURE,
-            ),
-            c.epoch,
-            day,
-        )
-        for k in range(360)
+        station_node(Site("", 0.0, longitude, mask=horizon, figure=FIGURE), c.epoch, day)
+        for longitude in longitudes
     ]
     found = windows([(s, satellite) for s in stations for satellite in satellites], day)
     n = len(satellites)
     shares = [
-        total(any_of([found[k * n + j].spans, found[(k + 180) * n + j].spans])) / day
-        for k in range(180)
-        for j in range(n)
+        total(any_of([found[k].spans, found[k + LONGITUDES * n].spans])) / day
+        for k in range(LONGITUDES * n)
     ]
-    return np.array(shares).reshape(180, n)
+    return np.array(shares).reshape(LONGITUDES, n)
 
 
 def equatorial_rows() -> list[Row]:

@@ -21,7 +21,7 @@ from compass.access.radio import node_states
 from compass.access.windows import eclipses, windows
 from compass.bodies import MARS_ROTATION_RATE, SOLAR_DAY, SUN_RADIUS, sidereal_day
 from compass.errors import ArgumentError
-from compass.frames import FIGURES
+from compass.frames import FIGURES, mcmf_from_mci, prime_meridian_angle
 from compass.orbits import areosynchronous_radius, from_elements, states_mci, walker_delta
 from compass.sites import Mask, Site
 
@@ -110,12 +110,10 @@ def test_culmination_is_the_highest_sampled_elevation(constellation, site):
     station = station_node(site, constellation.epoch, SPAN)
     (found,) = windows([(station, satellite_nodes(constellation)[0])], SPAN)
     relative = node_states(satellite_nodes(constellation)[0], TIMES)[:, :3]
-    from compass.frames import mcmf_from_mci, prime_meridian_angle
-
     fixed = mcmf_from_mci(relative, prime_meridian_angle(constellation.epoch, TIMES))
     elevation, _ = site.elevation_azimuth(fixed)
     for k in range(found.count):
-        within = elevation[(TIMES >= found.start[k]) & (TIMES <= found.end[k])]
+        within = elevation[covered(found.spans[k : k + 1], TIMES)[0]]
         assert found.max_elevation[k] >= within.max(initial=-2.0) - 1e-7
         assert found.start[k] <= found.culmination[k] <= found.end[k]
 
@@ -179,8 +177,6 @@ def test_an_areostationary_satellite_on_the_horizon_is_in_view_for_ever():
     r = areosynchronous_radius()
     c = from_elements(r, 0.0, 0.0, 0.0, 0.0, 0.0)
     day = sidereal_day()
-    from compass.frames import prime_meridian_angle
-
     below = -float(prime_meridian_angle(0.0, 0.0))
     for shift, seen in ((0.0, True), (-1e-5, True), (1e-5, False)):
         site = Site("rim", 0.0, below + np.arccos(R / r) + shift, figure=SPHERE)
@@ -208,8 +204,6 @@ def test_a_pass_through_the_zenith_of_a_walled_site():
     """All around a wall of 80 degrees but for a gap: only the zenith and the gap are open."""
     c = from_elements(5e6, 0.0, np.pi / 2, 0.0, 0.0, -0.5)
     t = 0.5 / c.mean_motion[0]
-    from compass.frames import prime_meridian_angle
-
     longitude = -float(prime_meridian_angle(0.0, t))
     mask = Mask(tuple(np.radians([0, 90, 180, 270])), tuple(np.radians([80.0, 80.0, 80.0, 79.0])))
     site = Site("well", 0.0, longitude, mask=mask, figure=SPHERE)
@@ -231,8 +225,6 @@ def test_nodes_move_as_the_ephemeris_says(eccentricity):
 
 
 def test_stations_turn_as_the_prime_meridian_does():
-    from compass.frames import prime_meridian_angle
-
     site = Site("s", 0.5, 2.0, 1e3)
     duration = 30 * SOLAR_DAY.value
     times = np.linspace(0, duration, 301)
@@ -289,7 +281,7 @@ def test_what_cannot_be_linked_is_refused():
         with pytest.raises(ArgumentError, match="cannot be asked for"):
             windows([pair], SPAN)
     low = satellite_nodes(from_elements(3.45e6, 0, 0, 0, 0, 0))[0]
-    with pytest.raises(ArgumentError, match="not above the limb at 3496.19 km"):
+    with pytest.raises(ArgumentError, match=r"not above the limb at 3496\.19 km"):
         windows([(satellite, low)], SPAN, atmosphere_height=1e5)
     with pytest.raises(ArgumentError, match="allowed two-body, j2"):
         satellite_nodes(from_elements(1e7, 0, 0, 0, 0, 0), "numerical")

@@ -34,6 +34,18 @@ def test_polar_rows():
     assert paper.polar_pass(np.radians(40.0)) == 0.0
 
 
+def test_equatorial_rows_on_few_longitudes(monkeypatch):
+    """Ground tracks lie 24 degrees apart, so both stations' blind spots come every 12 degrees."""
+    monkeypatch.setattr(paper, "LONGITUDES", 15)
+    once = paper.pair_shares(0.0)
+    assert once.shape == (15, 15)
+    np.testing.assert_allclose(once.min(axis=1), once.min(), atol=2e-3)
+    best, blind, masked = paper.equatorial_rows()
+    assert best.computed == once.min(axis=1).max()
+    assert blind.computed in (0.0, 1.0)
+    assert masked.computed == 1.0
+
+
 @pytest.mark.slow
 def test_equatorial_rows():
     """Against samples 2 minutes apart, at the best and the worst longitude and some between."""
