@@ -9,7 +9,7 @@ import numpy as np
 
 from compass.access.nodes import Node, find_node, sun_node
 from compass.access.planets import conjunction_seasons, sun_earth_mars_angle
-from compass.access.radio import Radio, carrier_to_noise, track
+from compass.access.radio import Radio, Track, carrier_to_noise, track
 from compass.access.relay import contacts, latency, reach
 from compass.access.spans import all_of, any_of, outside, total
 from compass.access.statistics import statistics
@@ -19,12 +19,26 @@ from compass.frames import FIGURES, SECONDS_PER_DAY, Figure
 
 HOUR = 3600.0
 
-#: Points along a window at which its range is taken.
-TRACK_POINTS = 33
+#: Range is taken this often in a turn of the faster node, and at most so often in all.
+POINTS_PER_TURN, MAX_POINTS = 64, 20_000
+
+#: Stations between which waiting times are worked out, at most: they grow with the square.
+MAX_MAIL_STATIONS = 20
 
 
-def pair_record(found: Windows) -> dict[str, Any]:
-    """Return windows and statistics of a pair."""
+def pair_track(survey: Survey, found: Windows) -> Track:
+    """Range, range rate and light time of a pair along its windows, their ends included."""
+    one, two = find_node(survey.nodes, found.first), find_node(survey.nodes, found.second)
+    step = 2 * np.pi / (POINTS_PER_TURN * max(one.rate, two.rate))
+    grid = np.arange(0.0, found.duration, max(step, found.duration / MAX_POINTS))
+    window = np.searchsorted(found.start, grid, side="right") - 1
+    inside = (window >= 0) & (grid < np.append(found.end, 0.0)[window])
+    return track(one, two, np.sort(np.concatenate([found.start, grid[inside], found.end])))
+
+
+def pair_record(survey: Survey, found: Windows) -> dict[str, Any]:
+    """Return windows, statistics and the extremes of the range of a pair."""
+    path = pair_track(survey, found) if found.count else None
     figures = statistics(found.spans, found.duration)
     rows = zip(
         found.start, found.end, found.length, found.culmination, found.max_elevation, strict=True
@@ -47,6 +61,10 @@ def pair_record(found: Windows) -> dict[str, Any]:
         "mean_duration_h": figures.mean_duration / HOUR,
         "longest_gap_h": figures.longest_gap / HOUR,
         "passes_per_sol": figures.passes_per_sol,
+        "least_range_km": path.distance.min() / 1e3 if path else None,
+        "largest_range_km": path.distance.max() / 1e3 if path else None,
+        "largest_range_rate_km_s": np.abs(path.range_rate).max() / 1e3 if path else None,
+        "largest_light_time_s": path.light_time.max() if path else None,
     }
 
 
@@ -114,9 +132,14 @@ def earth_record(survey: Survey, epoch: float, threshold: float) -> dict[str, An
     }
 
 
-def latency_records(survey: Survey) -> list[dict[str, Any]]:
-    """Store and forward between each two stations, both ways, through satellites and moons."""
+def latency_records(survey: Survey) -> list[dict[str, Any]] | None:
+    """Store and forward between each two stations, both ways, through satellites and moons.
+
+    None if there are more than `MAX_MAIL_STATIONS` stations.
+    """
     names = survey.names("station")
+    if len(names) > MAX_MAIL_STATIONS:
+        return None
     if len(names) < 2:
         return []
     graph = contacts(survey.without("earth"))
@@ -161,8 +184,7 @@ def radio_records(survey: Survey, radios: Sequence[Radio]) -> list[dict[str, Any
             one, two = find_node(survey.nodes, w.first), find_node(survey.nodes, w.second)
             if not w.count or not radio.serves(one, two):
                 continue
-            times = np.linspace(w.start, w.end, TRACK_POINTS).ravel()
-            path = track(one, two, times)
+            path = pair_track(survey, w)
             ratio = carrier_to_noise(radio, path.distance)
             records.append(
                 {
@@ -216,5 +238,5 @@ def survey_record(
         "earth": earth_record(survey, epoch, threshold) if has_earth else None,
         "eclipses": eclipse_records(survey, epoch, figure) if eclipse else [],
         "radio": radio_records(survey, radios),
-        "pairs": [pair_record(w) for w in survey.windows],
+        "pairs": [pair_record(survey, w) for w in survey.windows],
     }

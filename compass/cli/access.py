@@ -5,7 +5,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from compass.cli.shared import command_line, design_argument, emit_json, json_option, print_table
+from compass.cli.shared import (
+    command_line,
+    design_argument,
+    emit_json,
+    json_option,
+    print_table,
+    say,
+)
 
 if TYPE_CHECKING:
     from compass.access.survey import Survey
@@ -232,6 +239,8 @@ def _print(record: dict[str, Any], pairs: bool) -> None:
         print_table("Satellites in sight", rows, header)
     if record["earth"]:
         _print_earth(record["earth"])
+    if record["latency"] is None:
+        say("store and forward between stations: left out, there are too many stations")
     if record["latency"]:
         rows = [
             [
@@ -267,10 +276,11 @@ def _print(record: dict[str, Any], pairs: bool) -> None:
     if pairs:
         rows = [
             [f"{r['first']} - {r['second']}", r["count"], f"{r['passes_per_sol']:.3f}",
-             f"{r['mean_duration_h']:.3f}", _percent(r["share"]), f"{r['longest_gap_h']:.3f}"]
+             f"{r['mean_duration_h']:.3f}", _percent(r["share"]), f"{r['longest_gap_h']:.3f}",
+             _range(r)]
             for r in record["pairs"]
         ]  # fmt: skip
-        header = ["pair", "windows", "per sol", "mean h", "share", "longest gap h"]
+        header = ["pair", "windows", "per sol", "mean h", "share", "longest gap h", "range km"]
         print_table("Pairs", rows, header)
 
 
@@ -298,6 +308,12 @@ def _print_earth(earth: dict[str, Any]) -> None:
         f"Sun-Earth-Mars angle {angle['least']:.2f} to {angle['largest']:.2f} deg; "
         f"{len(earth['conjunction_seasons'])} season(s) below {earth['conjunction_deg']:g} deg"
     )
+
+
+def _range(pair: dict[str, Any]) -> str:
+    if not pair["count"]:
+        return "-"
+    return f"{pair['least_range_km']:.0f} to {pair['largest_range_km']:.0f}"
 
 
 def _percent(share: float) -> str:

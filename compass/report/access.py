@@ -4,7 +4,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compass.access.record import survey_record
+from compass.access.nodes import find_node
+from compass.access.radio import Radio, carrier_to_noise
+from compass.access.record import pair_track, survey_record
 from compass.access.spans import any_of
 from compass.access.survey import Survey, survey
 from compass.access.windows import Windows
@@ -53,6 +55,7 @@ def access_section(design: Design) -> Section:
         for node in found.nodes
         if node.kind in _KINDS and found.of(node.name)
     ]
+    pictures += [link_budget(found, radio) for radio in design.radios if _served(found, radio)]
     return Section(
         title="Access",
         paragraphs=(_summary(record),),
@@ -90,6 +93,49 @@ def timeline(found: Survey, name: str) -> Picture:
         f"Each bar is a span of sight, found to 1 ms, one colour an orbital plane; the first "
         f"{sols:g} of {found.sols:g} sols. The dark row is any satellite at all.{more}",
     )
+
+
+def link_budget(found: Survey, radio: Radio) -> Picture:
+    """Draw C/N0 along the windows that a radio serves, against what it needs."""
+    pairs = _served(found, radio)
+    shown = pairs[: len(CYCLE)]
+    sols = min(SHOWN_SOLS, found.sols)
+    figure = new_figure(8.0, 4.0)
+    with look():
+        axes = figure.add_subplot()
+        for color, w in zip(CYCLE, shown, strict=False):
+            path = pair_track(found, w)
+            # a nan at the end of each window breaks the line there
+            breaks = np.searchsorted(path.time, w.end, side="right")
+            time = np.insert(path.time, breaks, w.end) / SOLAR_DAY.value
+            ratio = np.insert(carrier_to_noise(radio, path.distance), breaks, np.nan)
+            axes.plot(time, ratio, color=color, label=f"{w.first} - {w.second}")
+        axes.axhline(radio.required, color=INK, ls="--", lw=1, label="needed")
+        axes.set_xlim(0.0, sols)
+        axes.set_xlabel("time after the epoch [sols]")
+        axes.set_ylabel("C/N$_0$ [dB Hz]")
+        title = f"Link budget, {radio.between[0]} - {radio.between[1]}"
+        axes.set_title(f"{title}, {radio.frequency / 1e6:g} MHz")
+        axes.grid()
+        figure.legend(loc="outside right upper", fontsize=8, frameon=False)
+    more = f" The first {len(shown)} of {len(pairs)} links." if len(pairs) > len(shown) else ""
+    return picture(
+        figure,
+        f"access-link-{_stem('-'.join(radio.between))}-{radio.frequency / 1e6:.0f}",
+        title,
+        f"Carrier to noise density in free space, for {radio.eirp:g} dBW and "
+        f"{radio.figure_of_merit:g} dB/K; usable above the dashed line.{more}",
+    )
+
+
+def _served(found: Survey, radio: Radio) -> list[Windows]:
+    """Windows of the pairs that a radio serves and that see each other."""
+    return [
+        w
+        for w in found.windows
+        if w.count
+        and radio.serves(find_node(found.nodes, w.first), find_node(found.nodes, w.second))
+    ]
 
 
 def _bars(axes: "Axes", shown: list[Windows], name: str) -> None:

@@ -6,14 +6,17 @@ import pytest
 from compass.access.dataset import windows_dataset
 from compass.access.radio import Radio
 from compass.access.record import (
+    MAX_MAIL_STATIONS,
     earth_record,
     eclipse_records,
     latency_records,
     node_record,
     pair_record,
+    pair_track,
     survey_record,
 )
-from compass.access.spans import any_of
+from compass.access.relay import contacts, reach
+from compass.access.spans import all_of, any_of, total
 from compass.access.survey import Wanted, survey
 from compass.bodies import SOLAR_DAY, SUN_RADIUS
 from compass.errors import ArgumentError
@@ -61,6 +64,20 @@ def test_stations_reach_the_earth_through_the_ring(full):
     assert angle["least"] <= angle["largest"]
 
 
+def test_reach_is_the_union_of_all_chains():
+    """Station, satellite, Earth: any of the satellites whose two links are both up, or direct."""
+    c = walker_delta(4, 2, 1, inclination=1.0, radius=5e6)
+    found = survey(c, SITES[:1], DURATION, Wanted(earth=True))
+    up, down = found.of("East"), found.of("Earth")
+    chains = [all_of([a.spans, b.spans]) for a, b in zip(up, down, strict=True)]
+    assert [w.second for w in up] == [w.second for w in down]
+    direct = [w.spans for w in found.of("East", "earth")]
+    through = reach(contacts(found.windows), "East", "Earth")
+    np.testing.assert_allclose(through.spans, any_of([*chains, *direct]))
+    assert 0.3 < through.share < 1
+    assert through.by_hops[1] == pytest.approx(total(direct[0]) / DURATION)
+
+
 def test_conjunction_takes_its_share_of_the_earth():
     from datetime import datetime
 
@@ -75,7 +92,7 @@ def test_conjunction_takes_its_share_of_the_earth():
 
 
 def test_records_of_pairs_and_nodes_agree(full):
-    pairs = [pair_record(w) for w in full.of("Phobos")]
+    pairs = [pair_record(full, w) for w in full.of("Phobos")]
     node = node_record(full, next(n for n in full.nodes if n.name == "Phobos"))
     assert node["mean_share"] == pytest.approx(np.mean([p["share"] for p in pairs]))
     assert node["least_share"] == min(p["share"] for p in pairs)
@@ -88,6 +105,17 @@ def test_records_of_pairs_and_nodes_agree(full):
             assert w["end_s"] - w["start_s"] == pytest.approx(w["duration_s"])
     lone = survey(RELAY, SITES[:1], DURATION, Wanted())
     assert node_record(lone, lone.nodes[-1]) is None
+
+
+def test_tracks_stay_inside_the_windows(full):
+    for w in full.windows:
+        if not w.count:
+            continue
+        path = pair_track(full, w)
+        inside = (path.time[:, None] >= w.start) & (path.time[:, None] <= w.end)
+        assert inside.any(axis=1).all()
+        assert np.isin(w.spans.ravel(), path.time).all()
+        assert np.all(np.diff(path.time) >= 0)
 
 
 def test_two_stations_on_one_satellite_wait_for_each_other():
@@ -105,6 +133,8 @@ def test_two_stations_on_one_satellite_wait_for_each_other():
     assert there["longest_h"] * 3600 == pytest.approx(gap + half, rel=1e-6)
     assert there["mean_h"] == pytest.approx(back["mean_h"], rel=0.02)
     assert latency_records(survey(c, poles[:1], DURATION)) == []
+    crowd = [Site(str(k), 0.0, 0.1 * k) for k in range(MAX_MAIL_STATIONS + 1)]
+    assert latency_records(survey(c, crowd, 1000.0)) is None
 
 
 def test_a_radio_is_judged_along_its_windows(full):

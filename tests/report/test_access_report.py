@@ -32,6 +32,7 @@ def test_every_node_has_its_timeline(design):
         "access-equator-180-e",
         "access-phobos",
         "access-earth",
+        "access-link-station-satellite-400",
     ]
     assert all(p.png.startswith(b"\x89PNG") for p in section.pictures)
     assert [t.title for t in section.tables] == [
