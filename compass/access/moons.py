@@ -63,9 +63,9 @@ def moon_row(
     References
     ----------
     Sinclair 1989, The orbits of the satellites of Mars determined from Earth-based and
-    spacecraft observations, Astron. Astrophys. 220:321. Against the numerical ephemeris of
-    Lainey, Dehant and Paetzold 2007 it is off by at most 17 km (Phobos) and 40 km (Deimos) in
-    2000, and against JPL's of 2024 by 29 and 40 km (tests).
+    spacecraft observations, Astron. Astrophys. 220:321. Within 20 km (Phobos) and 45 km
+    (Deimos) of the numerical ephemeris of Lainey, Dehant and Paetzold 2007 in 2000, and within
+    32 and 45 km of JPL Horizons in 2024 (tests).
     """
     if model not in get_args(MoonModel):
         raise ArgumentError(f"model = {model!r}: allowed {', '.join(get_args(MoonModel))}")

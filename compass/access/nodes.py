@@ -100,7 +100,8 @@ def station_node(site: Site, epoch: float, duration: float) -> Node:
     """Node of a site over a span.
 
     The prime meridian's angle W enters as the cubic that interpolates it at four Chebyshev
-    points of the span: within 1e-10 rad over 30 sols, 3e-6 rad over any span.
+    points of the span: to 1 mm of position over 30 sols (tests), and over any span to the sum
+    of W's fast periodic terms, 6e-6 rad or 20 m.
     """
     half = 0.5 * duration
     cubic = Chebyshev.interpolate(

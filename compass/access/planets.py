@@ -16,8 +16,8 @@ _RANGE_SECONDS = 100.0 * 365.25 * SECONDS_PER_DAY
 def sun_earth_states(seconds: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the Sun and the Earth from Mars's centre, ICRF: states, shape (t, 6), m and m/s.
 
-    Geometric, without light time or aberration, which together turn the directions by less
-    than 0.6 arcminutes.
+    Geometric, without light time and aberration, which together turn the direction of the Earth
+    by the relative speed over that of light: at most 39 arcseconds.
 
     Parameters
     ----------
@@ -33,8 +33,8 @@ def sun_earth_states(seconds: ArrayLike) -> tuple[NDArray[np.float64], NDArray[n
     ----------
     1. Mars: Simon et al. 1994, Astron. Astrophys. 282:663, with their largest error over 1800
        to 2050 of 17 arcseconds in longitude (``plan94`` of ERFA).
-    2. Earth: Bretagnon and Francou 1988 (VSOP2000 fit), within 5 km over 1900 to 2100
-       (``epv00`` of ERFA).
+    2. Earth: Moisson and Bretagnon 2001, Celest. Mech. Dyn. Astron. 80:205 (VSOP2000),
+       simplified; within 12 km of DE405 over 1900 to 2100 (``epv00`` of ERFA).
     """
     t = np.atleast_1d(np.asarray(seconds, dtype=float))
     if np.any(np.abs(t) > _RANGE_SECONDS):

@@ -99,7 +99,8 @@ def link_budget(found: Survey, radio: Radio) -> Picture:
     """Draw C/N0 along the windows that a radio serves, against what it needs."""
     pairs = _served(found, radio)
     shown = pairs[: len(CYCLE)]
-    sols = min(SHOWN_SOLS, found.sols)
+    # the Earth's distance changes over weeks, a satellite's over hours
+    sols = found.sols if "earth" in radio.between else min(SHOWN_SOLS, found.sols)
     figure = new_figure(8.0, 4.0)
     with look():
         axes = figure.add_subplot()

@@ -14,7 +14,7 @@ from compass.access.planets import (
     sun_mars_earth_angle,
 )
 from compass.access.radio import node_states
-from compass.bodies import ASTRONOMICAL_UNIT
+from compass.bodies import ASTRONOMICAL_UNIT, SPEED_OF_LIGHT
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY, seconds_past_j2000
 
@@ -172,3 +172,12 @@ def test_the_earth_is_where_brahes_sun_is():
 def test_times_outside_the_theories_are_refused():
     with pytest.raises(ArgumentError, match="1900 to 2100"):
         sun_earth_states(4e9)
+
+
+def test_light_time_and_aberration_are_within_the_stated_accuracy():
+    """They turn the Earth's direction by the transverse relative speed over that of light."""
+    _, earth = sun_earth_states(np.arange(0.0, 50 * 365.25, 5.0) * SECONDS_PER_DAY)
+    r, v = earth[:, :3], earth[:, 3:]
+    along = (v * r).sum(axis=1, keepdims=True) / (r * r).sum(axis=1, keepdims=True)
+    across = np.linalg.norm(v - along * r, axis=1)
+    assert np.degrees(across.max() / SPEED_OF_LIGHT.value) * 3600 < 39
