@@ -17,6 +17,9 @@ from compass.frames import FIGURES, Figure
 
 Pair = tuple[Node, Node]
 
+#: Metres. Mars's umbra reaches R d / (R_sun - R) = 1.01e9 m where Mars is nearest the Sun.
+UMBRA_LENGTH = 1e9
+
 
 @dataclass(frozen=True)
 class Windows:
@@ -133,14 +136,25 @@ def eclipses(
         The shadow is that of the sphere of its equatorial radius.
     total
         Whether to count the umbra alone, where the Sun is wholly hidden; else the penumbra
-        too. A satellite past the umbra's tip (270 000 km and more) is out of the question.
+        too.
     workers
         Threads.
+
+    Raises
+    ------
+    ArgumentError
+        The duration is out of range, or an orbit dips below the surface or leaves the umbra.
     """
     check_duration(duration)
     radius = figure.equatorial_radius
     for node in satellites:
         _check_above(node, radius, 0.0)
+        apoapsis = node.row[1] * (1 + node.row[2])
+        if apoapsis > UMBRA_LENGTH:
+            raise ArgumentError(
+                f"{node.name}: rises to {apoapsis / 1e3:.6g} km, past the tip of Mars's umbra; "
+                f"eclipses are found up to {UMBRA_LENGTH / 1e3:g} km"
+            )
     numbers = np.zeros((len(satellites), 5))
     numbers[:, :3] = radius, SUN_RADIUS.value, 1.0 if total else -1.0
     pairs = [(node, sun) for node in satellites]

@@ -217,104 +217,16 @@ def _write_csv(path: Path, record: dict[str, Any]) -> None:
 
 def _print(record: dict[str, Any], pairs: bool) -> None:
     """Print the record as tables."""
-    if record["nodes"]:
-        header = [
-            "node", "satellites seen", "share of time each", "least", "passes/sol each",
-            "mean pass h", "longest gap h", "any: share", "any: longest gap h",
-        ]  # fmt: skip
-        rows = [
-            [
-                r["node"],
-                f"{r['seen']} of {r['satellites']}",
-                _percent(r["mean_share"]),
-                _percent(r["least_share"]),
-                f"{r['passes_per_sol']:.3f}",
-                "-" if r["mean_pass_h"] is None else f"{r['mean_pass_h']:.3f}",
-                f"{r['longest_gap_h']:.3f}",
-                _percent(r["any_share"]),
-                f"{r['any_longest_gap_h']:.3f}",
-            ]
-            for r in record["nodes"]
-        ]
-        print_table("Satellites in sight", rows, header)
-    if record["earth"]:
-        _print_earth(record["earth"])
+    from compass.report.access_tables import access_tables
+
+    for table in access_tables(record, pairs=pairs):
+        print_table(table.title, table.rows, table.header)
     if record["latency"] is None:
         say("store and forward between stations: left out, there are too many stations")
-    if record["latency"]:
-        rows = [
-            [
-                f"{r['source']} -> {r['target']}",
-                _percent(r["at_once"]),
-                "-" if r["mean_h"] != r["mean_h"] else f"{r['mean_h']:.3f}",
-                "-" if r["longest_h"] != r["longest_h"] else f"{r['longest_h']:.3f}",
-                _percent(r["undelivered"]),
-            ]
-            for r in record["latency"]
-        ]
-        header = ["way", "at once", "mean wait h", "longest wait h", "not within the span"]
-        print_table("Store and forward between stations", rows, header)
-    if record["eclipses"]:
-        rows = [
-            [r["node"], r["count"], _percent(r["share"]), f"{r['longest_h']:.3f}",
-             r["umbra_count"], f"{r['umbra_longest_h']:.3f}"]
-            for r in record["eclipses"]
-        ]  # fmt: skip
-        header = ["node", "eclipses", "share", "longest h", "umbra", "longest umbra h"]
-        print_table("In Mars's shadow", rows, header)
-    if record["radio"]:
-        rows = [
-            [f"{r['first']} - {r['second']}", f"{r['least_range_km']:.0f}",
-             f"{r['largest_range_km']:.0f}", f"{r['largest_range_rate_km_s']:.3f}",
-             f"{r['largest_light_time_s']:.3f}", f"{r['least_cn0_dbhz']:.1f}",
-             f"{r['required_cn0_dbhz']:.1f}", _percent(r["usable_share"])]
-            for r in record["radio"]
-        ]  # fmt: skip
-        header = ["link", "least km", "largest km", "km/s", "light time s", "least C/N0 dBHz",
-                  "required", "usable"]  # fmt: skip
-        print_table("Radio links along their windows", rows, header)
-    if pairs:
-        rows = [
-            [f"{r['first']} - {r['second']}", r["count"], f"{r['passes_per_sol']:.3f}",
-             f"{r['mean_duration_h']:.3f}", _percent(r["share"]), f"{r['longest_gap_h']:.3f}",
-             _range(r)]
-            for r in record["pairs"]
-        ]  # fmt: skip
-        header = ["pair", "windows", "per sol", "mean h", "share", "longest gap h", "range km"]
-        print_table("Pairs", rows, header)
-
-
-def _print_earth(earth: dict[str, Any]) -> None:
-    rows = [
-        [
-            r["station"],
-            _percent(r["direct_share"]),
-            _percent(r["share"]),
-            ", ".join(f"{h}: {_percent(s)}" for h, s in r["by_hops"].items()) or "-",
-            _percent(r["share_outside_conjunction"]),
-        ]
-        for r in earth["stations"]
-    ]
-    header = [
-        "station",
-        "direct",
-        "through the network",
-        "by links in the chain",
-        "out of conjunction",
-    ]
-    print_table("Reaching the Earth", rows, header)
-    angle = earth["sun_earth_mars_angle_deg"]
-    click.echo(
-        f"Sun-Earth-Mars angle {angle['least']:.2f} to {angle['largest']:.2f} deg; "
-        f"{len(earth['conjunction_seasons'])} season(s) below {earth['conjunction_deg']:g} deg"
-    )
-
-
-def _range(pair: dict[str, Any]) -> str:
-    if not pair["count"]:
-        return "-"
-    return f"{pair['least_range_km']:.0f} to {pair['largest_range_km']:.0f}"
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.2f} %"
+    if record["earth"]:
+        angle = record["earth"]["sun_earth_mars_angle_deg"]
+        seasons = len(record["earth"]["conjunction_seasons"])
+        click.echo(
+            f"\nSun-Earth-Mars angle {angle['least']:.2f} to {angle['largest']:.2f} deg; "
+            f"{seasons} season(s) below {record['earth']['conjunction_deg']:g} deg"
+        )

@@ -12,7 +12,8 @@ from compass.access.survey import Survey, survey
 from compass.access.windows import Windows
 from compass.bodies import SOLAR_DAY
 from compass.inputs.design import Design
-from compass.report.section import Picture, Section, Table, picture
+from compass.report.access_tables import access_tables
+from compass.report.section import Picture, Section, picture
 from compass.report.style import CYCLE, FAINT, INK, look, new_figure
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def access_section(design: Design) -> Section:
         title="Access",
         paragraphs=(_summary(record),),
         pictures=tuple(pictures),
-        tables=tuple(_tables(record)),
+        tables=tuple(access_tables(record)),
     )
 
 
@@ -164,64 +165,3 @@ def _summary(record: dict[str, Any]) -> str:
         for r in record["nodes"]
     ]
     return f"Over {record['duration_sols']:g} sols: " + " ".join(parts)
-
-
-def _tables(record: dict[str, Any]) -> list[Table]:
-    """Make the tables for which the record has something to say."""
-    tables = []
-    if record["nodes"]:
-        columns = {
-            "node": "node",
-            "seen": "satellites seen",
-            "mean_share": "mean share of time",
-            "least_share": "least share",
-            "passes_per_sol": "passes a sol and satellite",
-            "mean_pass_h": "mean pass [h]",
-            "longest_gap_h": "longest gap [h]",
-            "any_share": "share with any satellite",
-        }
-        tables.append(_table("Satellites in sight", columns, record["nodes"]))
-    if record["earth"]:
-        columns = {
-            "station": "station",
-            "direct_share": "share in direct sight",
-            "share": "share through the network",
-            "share_outside_conjunction": "share outside conjunction",
-            "longest_gap_h": "longest outage [h]",
-        }
-        tables.append(_table("Reaching the Earth", columns, record["earth"]["stations"]))
-    if record["latency"]:
-        columns = {
-            "source": "from",
-            "target": "to",
-            "at_once": "share at once",
-            "mean_h": "mean wait [h]",
-            "longest_h": "longest wait [h]",
-        }
-        tables.append(_table("Store and forward between stations", columns, record["latency"]))
-    if record["eclipses"]:
-        columns = {
-            "node": "node",
-            "count": "eclipses",
-            "share": "share of time",
-            "longest_h": "longest [h]",
-            "umbra_longest_h": "longest umbra [h]",
-        }
-        tables.append(_table("In Mars's shadow", columns, record["eclipses"]))
-    if record["radio"]:
-        columns = {
-            "first": "from",
-            "second": "to",
-            "largest_range_km": "largest range [km]",
-            "largest_range_rate_km_s": "largest range rate [km/s]",
-            "largest_light_time_s": "largest light time [s]",
-            "least_cn0_dbhz": "least C/N0 [dB Hz]",
-            "usable_share": "usable share of the windows",
-        }
-        tables.append(_table("Radio links", columns, record["radio"]))
-    return tables
-
-
-def _table(title: str, columns: dict[str, str], records: list[dict[str, Any]]) -> Table:
-    rows = tuple(tuple(record[key] for key in columns) for record in records)
-    return Table(title, tuple(columns.values()), rows)

@@ -18,8 +18,14 @@ from compass.access.nodes import (
 )
 from compass.access.planets import sun_earth_mci
 from compass.access.radio import node_states
-from compass.access.windows import eclipses, windows
-from compass.bodies import MARS_ROTATION_RATE, SOLAR_DAY, SUN_RADIUS, sidereal_day
+from compass.access.windows import UMBRA_LENGTH, eclipses, windows
+from compass.bodies import (
+    ASTRONOMICAL_UNIT,
+    MARS_ROTATION_RATE,
+    SOLAR_DAY,
+    SUN_RADIUS,
+    sidereal_day,
+)
 from compass.errors import ArgumentError
 from compass.frames import FIGURES, mcmf_from_mci, prime_meridian_angle
 from compass.orbits import areosynchronous_radius, from_elements, states_mci, walker_delta
@@ -285,6 +291,14 @@ def test_what_cannot_be_linked_is_refused():
         windows([(satellite, low)], SPAN, atmosphere_height=1e5)
     with pytest.raises(ArgumentError, match="allowed two-body, j2"):
         satellite_nodes(from_elements(1e7, 0, 0, 0, 0, 0), "numerical")
+
+
+def test_eclipses_end_where_the_umbra_does():
+    far = satellite_nodes(from_elements(1.1e9, 0, 0, 0, 0, 0))
+    with pytest.raises(ArgumentError, match="past the tip of Mars's umbra"):
+        eclipses(far, sun_node(0.0, SPAN), SPAN)
+    nearest = 1.381 * ASTRONOMICAL_UNIT.value  # perihelion
+    assert UMBRA_LENGTH < R * nearest / (SUN_RADIUS.value - R) < 1.02 * UMBRA_LENGTH
 
 
 def test_nodes_are_found_by_name():

@@ -83,7 +83,16 @@ def test_text_is_a_summary(design, monkeypatch, capsys):
         "Pairs",
     ):
         assert heading in out
-    assert "Base - P1S1" in out
+    assert any(line.split()[:2] == ["Base", "P1S1"] for line in out.splitlines())
+    assert "season(s) below 2 deg" in out
+
+
+def test_many_stations_are_not_compared_with_each_other(design, monkeypatch, capsys):
+    stations = [part for k in range(21) for part in ("--station", f"S{k}={k},{k}")]
+    code, out, err = run(monkeypatch, capsys, design, "--duration-sols", "0.1", *stations)
+    assert code == 0
+    assert "too many stations" in err
+    assert "Store and forward" not in out
 
 
 @pytest.mark.parametrize("suffix", [".nc", ".csv", ".json"])

@@ -40,7 +40,7 @@ def test_every_node_has_its_timeline(design):
         "Reaching the Earth",
         "Store and forward between stations",
         "In Mars's shadow",
-        "Radio links",
+        "Radio links along their windows",
     ]
     for table in section.tables:
         assert all(len(row) == len(table.header) for row in table.rows)
