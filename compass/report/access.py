@@ -28,14 +28,11 @@ MAX_ROWS = 60
 _KINDS = ("station", "moon", "earth")
 
 
-def access_section(design: Design) -> Section:
-    """Timelines and tables of everything that a design asks to be linked.
-
-    Raises
-    ------
-    ArgumentError
-        The design links nothing: it has no station and asks for no moon, Earth or crosslinks.
-    """
+def access_section(design: Design) -> Section | None:
+    """Timelines and tables of everything that a design asks to be linked; None if it is nothing."""
+    wanted = design.access
+    if not (design.stations or wanted.moons or wanted.earth or wanted.crosslinks):
+        return None
     found = survey(
         design.constellation,
         design.stations,

@@ -67,7 +67,7 @@ def polar_rows() -> list[Row]:
     rows = [
         judge_claim(
             "polar station: passes a day, each satellite",
-            "section IV",
+            "Section IV",
             "once daily",
             daily,
             "1/sidereal day",
@@ -79,7 +79,7 @@ def polar_rows() -> list[Row]:
         rows.append(
             compare(
                 f"polar station: length of a pass, mask {mask:g} deg",
-                "section IV",
+                "Section IV",
                 "6",
                 polar_pass(np.radians(mask)) / HOUR,
                 "h",
@@ -131,7 +131,7 @@ def equatorial_rows() -> list[Row]:
         judge_claim(
             "two equatorial stations, mask 0 deg, best longitude: least share of time in view "
             "of any satellite",
-            "section IV",
+            "Section IV",
             published,
             float(worst.max()),
             "1",
@@ -145,7 +145,7 @@ def equatorial_rows() -> list[Row]:
             judge_claim(
                 f"two equatorial stations, mask {mask:g} deg: share of longitudes at which some "
                 "satellite is never in view",
-                "section IV",
+                "Section IV",
                 published,
                 blind,
                 "1",
@@ -180,7 +180,7 @@ def phobos_rows() -> list[Row]:
     found = moon_windows("phobos")
     spacing = np.concatenate([np.diff(w.start) for w in found])
     rate = SOLAR_DAY.value / float(np.median(spacing))
-    where = "section IV"
+    where = "Section IV"
     return [
         judge_claim(
             "Phobos: windows a sol and satellite while occultations recur",
@@ -205,7 +205,7 @@ def phobos_rows() -> list[Row]:
 
 def deimos_rows() -> list[Row]:
     """Deimos: nearly continuous, occultations under 3 hours."""
-    where, rows = "section IV", []
+    where, rows = "Section IV", []
     for model in ("precessing", "circular"):
         found = moon_windows("deimos", model)
         gaps = occultations(found) / HOUR

@@ -7,7 +7,6 @@ import pytest
 from compass.access.radio import Radio
 from compass.access.survey import Wanted
 from compass.bodies import SOLAR_DAY
-from compass.errors import ArgumentError
 from compass.inputs import read_design
 from compass.orbits import from_elements
 from compass.report.access import MAX_ROWS, access_section
@@ -58,5 +57,4 @@ def test_a_large_constellation_is_cut_and_said_so(design):
 
 
 def test_a_design_that_links_nothing_has_no_section(design):
-    with pytest.raises(ArgumentError, match="nothing to link"):
-        access_section(replace(design, stations=(), access=Wanted()))
+    assert access_section(replace(design, stations=(), access=Wanted())) is None
