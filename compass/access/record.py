@@ -10,7 +10,7 @@ import numpy as np
 from compass.access.nodes import Node, find_node, sun_node
 from compass.access.planets import conjunction_seasons, sun_earth_mars_angle
 from compass.access.radio import Radio, Track, carrier_to_noise, track
-from compass.access.relay import contacts, latency, reach
+from compass.access.relay import Contacts, contacts, latency, reach
 from compass.access.spans import all_of, any_of, outside, total
 from compass.access.statistics import statistics
 from compass.access.survey import Survey
@@ -24,6 +24,9 @@ POINTS_PER_TURN, MAX_POINTS = 64, 20_000
 
 #: Stations between which waiting times are worked out, at most: they grow with the square.
 MAX_MAIL_STATIONS = 20
+
+#: Nodes times intervals of a graph of links that is searched, at most: some 500 MB.
+MAX_GRAPH = 20_000_000
 
 
 def pair_track(survey: Survey, found: Windows) -> Track:
@@ -94,6 +97,9 @@ def node_record(survey: Survey, node: Node) -> dict[str, Any] | None:
 def earth_record(survey: Survey, epoch: float, threshold: float) -> dict[str, Any]:
     """How stations reach the Earth, alone and through the network, and the Sun's part in it.
 
+    Where the graph of links is too large to search (`MAX_GRAPH`), what would go through the
+    network is None and the rest is for direct sight.
+
     Parameters
     ----------
     survey
@@ -109,19 +115,20 @@ def earth_record(survey: Survey, epoch: float, threshold: float) -> dict[str, An
     clear = outside(lost, duration)
     days = np.append(np.arange(0.0, duration, SECONDS_PER_DAY), duration)
     angles = np.degrees(sun_earth_mars_angle(epoch + days))
-    graph = contacts(survey.windows)
+    graph = _graph(survey.windows)
     stations = []
     for name in survey.names("station"):
         direct = any_of([w.spans for w in survey.of(name, "earth")])
-        through = reach(graph, name, "Earth")
+        through = reach(graph, name, "Earth") if graph else None
+        spans = through.spans if through else direct
         stations.append(
             {
                 "station": name,
                 "direct_share": total(direct) / duration,
-                "share": through.share,
-                "by_hops": through.by_hops,
-                "share_outside_conjunction": total(all_of([through.spans, clear])) / duration,
-                "longest_gap_h": statistics(through.spans, duration).longest_gap / HOUR,
+                "share": through.share if through else None,
+                "by_hops": through.by_hops if through else None,
+                "share_outside_conjunction": total(all_of([spans, clear])) / duration,
+                "longest_gap_h": statistics(spans, duration).longest_gap / HOUR,
             }
         )
     return {
@@ -132,17 +139,26 @@ def earth_record(survey: Survey, epoch: float, threshold: float) -> dict[str, An
     }
 
 
+def _graph(found: Sequence[Windows]) -> Contacts | None:
+    """Graph of links over time, or None where it may be too large to search."""
+    nodes = len({name for w in found for name in (w.first, w.second)})
+    intervals = 1 + 2 * sum(w.count for w in found)
+    return contacts(found) if nodes * intervals <= MAX_GRAPH else None
+
+
 def latency_records(survey: Survey) -> list[dict[str, Any]] | None:
     """Store and forward between each two stations, both ways, through satellites and moons.
 
-    None if there are more than `MAX_MAIL_STATIONS` stations.
+    None if there are more than `MAX_MAIL_STATIONS` stations, or too many links.
     """
     names = survey.names("station")
     if len(names) > MAX_MAIL_STATIONS:
         return None
     if len(names) < 2:
         return []
-    graph = contacts(survey.without("earth"))
+    graph = _graph(survey.without("earth"))
+    if graph is None:
+        return None
     records = []
     for one, two in combinations(names, 2):
         for source, target in ((one, two), (two, one)):

@@ -222,7 +222,7 @@ def _print(record: dict[str, Any], pairs: bool) -> None:
     for table in access_tables(record, pairs=pairs):
         print_table(table.title, table.rows, table.header)
     if record["latency"] is None:
-        say("store and forward between stations: left out, there are too many stations")
+        say("store and forward between stations: left out, there is too much of it")
     if record["earth"]:
         angle = record["earth"]["sun_earth_mars_angle_deg"]
         seasons = len(record["earth"]["conjunction_seasons"])

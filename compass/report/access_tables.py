@@ -93,8 +93,10 @@ def access_tables(record: dict[str, Any], *, pairs: bool = False) -> list[Table]
 def _shown(value: Any, how: int | str | None) -> object:
     if isinstance(value, dict):
         return ", ".join(f"{n}: {100 * share:.1f} %" for n, share in value.items()) or "-"
+    if value is None:
+        return "-"
     if how is None:
         return value
-    if value is None or not math.isfinite(value):
+    if not math.isfinite(value):
         return "-"
     return f"{100 * value:.2f}" if how == _PERCENT else f"{value:.{how}f}"

@@ -193,6 +193,15 @@ def test_nothing_to_link_and_too_much_are_refused(monkeypatch):
         survey(RELAY, SITES, DURATION)
 
 
+def test_a_graph_too_large_is_not_searched(full, monkeypatch):
+    monkeypatch.setattr("compass.access.record.MAX_GRAPH", 10)
+    assert latency_records(full) is None
+    for entry in earth_record(full, RELAY.epoch, 0.0)["stations"]:
+        assert entry["share"] is None
+        assert entry["by_hops"] is None
+        assert entry["share_outside_conjunction"] == pytest.approx(entry["direct_share"])
+
+
 def test_the_dataset_holds_every_window(full):
     dataset = windows_dataset(full.windows, title="t")
     assert dataset.attrs["title"] == "t"
