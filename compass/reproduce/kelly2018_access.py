@@ -23,7 +23,7 @@ TITLE = (
 )
 
 HOUR = 3600.0
-SPAN = 60 * SOLAR_DAY.value
+SPAN = 30 * SOLAR_DAY.value
 
 #: Longitudes of the first of the two equatorial stations, over half a turn.
 LONGITUDES = 180
@@ -157,7 +157,7 @@ def equatorial_rows() -> list[Row]:
 
 
 def moon_windows(name: str, model: str = "precessing") -> list[Windows]:
-    """Windows of a moon's centre with all satellites over 60 sols from J2000."""
+    """Windows of a moon's centre with all satellites over 30 sols from J2000."""
     c = constellation()
     moon: Node = moon_node(name, c.epoch, SPAN, model)  # type: ignore[arg-type]
     return windows([(moon, satellite) for satellite in satellite_nodes(c)], SPAN, figure=FIGURE)
