@@ -9,6 +9,7 @@ import numpy as np
 from compass.coverage.geometry import pattern_geometry
 from compass.coverage.site import site_coverage
 from compass.inputs import Design
+from compass.report.access import access_section
 from compass.report.coverage import fold_pictures, map_figure, map_pictures
 from compass.report.orbits import cap_picture, gap_shapes, orbit_picture, track_picture
 from compass.report.page import render
@@ -46,6 +47,7 @@ def design_report(
         ("geometry", lambda: _geometry(design)),
         ("coverage pictures", lambda: _coverage(design, mapped)),
         ("stations", lambda: _stations(design, mapped)),
+        ("access", lambda: access_section(design)),
         ("comparison", lambda: _comparison(design)),
     ):
         progress(name)

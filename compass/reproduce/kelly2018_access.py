@@ -88,7 +88,7 @@ def polar_rows() -> list[Row]:
         )
     rows.append(
         Row(
-            "polar station: mask at which a pass lasts 6 h", "-", None, implied, "deg", "reproduced"
+            "polar station: mask at which a pass lasts 6 h", "-", None, implied, "deg", "not printed"
         )
     )
     return rows
@@ -191,14 +191,14 @@ def phobos_rows() -> list[Row]:
             rate >= 2,
             "fewer than two",
         ),
-        Row("Phobos: share of time in view", where, None, share_in_view(found), "1", "reproduced"),
+        Row("Phobos: share of time in view", where, None, share_in_view(found), "1", "not printed"),
         Row(
             "Phobos: longest occultation",
             where,
             None,
             float(occultations(found).max()) / HOUR,
             "h",
-            "reproduced",
+            "not printed",
         ),
     ]
 
