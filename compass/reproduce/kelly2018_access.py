@@ -88,7 +88,12 @@ def polar_rows() -> list[Row]:
         )
     rows.append(
         Row(
-            "polar station: mask at which a pass lasts 6 h", "-", None, implied, "deg", "not printed"
+            "polar station: mask at which a pass lasts 6 h",
+            "-",
+            None,
+            implied,
+            "deg",
+            "not printed",
         )
     )
     return rows
