@@ -32,7 +32,7 @@ def _nearer_than(u, p, sign, cosine, k, i, j, m):
 
 
 @kernel
-def covering_radius(u, k, p_best):
+def covering_radius(u, k, least, p_best):
     """Greatest k-th nearest distance, radians: the smallest radius of caps that cover k-fold.
 
     Parameters
@@ -41,22 +41,26 @@ def covering_radius(u, k, p_best):
         Unit vectors to the satellites, shape (n, 3).
     k
         Fold, at least 1.
+    least
+        Radius, radians, at or below which nothing needs to be told apart; 0 for all.
     p_best
         Takes the point where it is reached, shape (3,).
 
     Returns
     -------
     radius
-        Radians; infinity if there are fewer than `k` satellites.
+        Radians; `least` if it is not above that, infinity if there are fewer than `k` satellites.
     """
     n = u.shape[0]
     if n < k:
         return math.inf
-    best = 2.0
+    best = math.cos(min(max(least, 0.0), math.pi))
+    squared = best * abs(best)
+    found = False
     p = np.empty(3)
     for i in range(n):
         if -1.0 < best and _nearer_than(u, u[i], -1.0, -1.0, k, i, i, i):
-            best = -1.0
+            best, squared, found = -1.0, -1.0, True
             p_best[:] = -u[i]
         for j in range(i + 1, n):
             ax, ay, az = u[j, 0] - u[i, 0], u[j, 1] - u[i, 1], u[j, 2] - u[i, 2]
@@ -65,24 +69,32 @@ def covering_radius(u, k, p_best):
             if norm > 1e-12 and -0.5 * norm < best:
                 p /= norm
                 if _nearer_than(u, p, -1.0, -0.5 * norm, k, i, j, j):
-                    best = -0.5 * norm
+                    best, squared, found = -0.5 * norm, -0.25 * norm * norm, True
                     p_best[:] = -p
             for m in range(j + 1, n):
                 bx, by, bz = u[m, 0] - u[i, 0], u[m, 1] - u[i, 1], u[m, 2] - u[i, 2]
                 p[0], p[1], p[2] = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-                norm = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
-                if norm < 1e-12:
+                # compare cosines by their squares with signs: most triples end here
+                square = p[0] * p[0] + p[1] * p[1] + p[2] * p[2]
+                height = p[0] * u[i, 0] + p[1] * u[i, 1] + p[2] * u[i, 2]
+                if -height * abs(height) >= squared * square and (
+                    height * abs(height) >= squared * square
+                ):
                     continue
-                cosine = (p[0] * u[i, 0] + p[1] * u[i, 1] + p[2] * u[i, 2]) / norm
-                if abs(cosine) >= best and -abs(cosine) >= best:
+                if square < 1e-24:
                     continue
+                norm = math.sqrt(square)
                 p /= norm
-                if cosine < best and _nearer_than(u, p, 1.0, cosine, k, i, j, m):
-                    best = cosine
-                    p_best[:] = p
-                if -cosine < best and _nearer_than(u, p, -1.0, -cosine, k, i, j, m):
-                    best = -cosine
-                    p_best[:] = -p
+                cosine = height / norm
+                for sign in (1.0, -1.0):
+                    if sign * cosine < best and _nearer_than(
+                        u, p, sign, sign * cosine, k, i, j, m
+                    ):
+                        best, found = sign * cosine, True
+                        squared = best * abs(best)
+                        p_best[:] = sign * p
+    if not found:
+        return least
     return math.acos(min(1.0, max(-1.0, best)))
 
 
@@ -120,7 +132,7 @@ def worst_radius(orbits, poles, gm, spin, k, start, stop, tolerance, limit, max_
     sphere = 1e-9 * orbits[0].min()  # caps do not matter here, only directions
     for time in (start, stop):
         u, _, _ = caps_at(orbits, poles, gm, sphere, 0.0, spin, math.nan, time, 0.0)
-        value = covering_radius(u, k, candidate)
+        value = covering_radius(u, k, least, candidate)
         if value > least:
             least, when = value, time
             point[:] = candidate
@@ -138,13 +150,15 @@ def worst_radius(orbits, poles, gm, spin, k, start, stop, tolerance, limit, max_
         middle = 0.5 * (left + right)
         half = max(middle - left, right - middle)
         u, _, stray = caps_at(orbits, poles, gm, sphere, 0.0, spin, math.nan, middle, half)
-        value = covering_radius(u, k, candidate)
+        # a lower radius than this closes the interval, whatever it is
+        enough = least + tolerance - stray.max()
+        value = covering_radius(u, k, enough, candidate)
         nodes += 1
         if value > least:
             least, when = value, middle
             point[:] = candidate
         bound = value + stray.max()
-        if bound <= least + tolerance or nodes >= max_nodes or middle <= left or middle >= right:
+        if value <= enough or bound <= least + tolerance or nodes >= max_nodes or middle <= left or middle >= right:
             most = max(most, bound)
             continue
         stack[depth, 0], stack[depth, 1] = middle, right

@@ -12,7 +12,7 @@ from compass.coverage.cap import mask_for_cap
 from compass.coverage.certificate import fold_range, prove_fold
 from compass.coverage.motion import motion_of
 from compass.coverage.region import GLOBE, Region
-from compass.coverage.symmetry import Span, repeats, shortest_span, unlike_subsets
+from compass.coverage.symmetry import Span, one_circle, shortest_span, unlike_subsets
 from compass.orbits import Constellation
 
 #: To what smallest cap radii and mask margins are found, radians.
@@ -89,7 +89,7 @@ def highest_mask(
     span = span or shortest_span(constellation, region)
     if constellation.size < fold:
         return None
-    if region.is_globe and repeats(constellation):
+    if region.is_globe and one_circle(constellation):
         radius = covering_radius(constellation, fold, span=span, tolerance=0.5 * tolerance).radius
         return float(mask_for_cap(radius, constellation.semi_major_axis[0], sphere_radius))
 
@@ -204,7 +204,7 @@ def after_losses(
             left, sphere_radius=sphere_radius, mask=mask, region=region, span=span, greatest=False
         )
         radius = None
-        if region.is_globe and repeats(left):
+        if region.is_globe and one_circle(left):
             radius = covering_radius(left, fold, span=span, tolerance=1e-4).radius
         names = tuple(constellation.satellite_names[s] for s in subset)
         found.append(Loss(names, kinds[subset], least, radius))

@@ -96,11 +96,10 @@ def convex_polygon(latitudes: ArrayLike, longitudes: ArrayLike) -> Region:
     sides = corners @ normals.T
     for k in range(len(corners)):
         sides[k, k] = sides[(k + 1) % len(corners), k] = 0.0
-    if np.all(sides <= 1e-12):
-        normals, sides = -normals, -sides
-    turns = np.cross(normals, np.roll(normals, -1, axis=0))
-    turned_once = np.all((turns * following).sum(axis=1) > 0)
-    if np.any(sides < -1e-12) or not turned_once:
+    turns = (np.cross(normals, np.roll(normals, -1, axis=0)) * following).sum(axis=1)
+    if np.all(sides <= 1e-12):  # corners run clockwise
+        normals, sides, turns = -normals, -sides, -turns
+    if np.any(sides < -1e-12) or np.any(turns < 1e-12):
         raise ArgumentError(
             "region = polygon: not convex, or corners on one great circle; split it into convex "
             "polygons and ask for each"

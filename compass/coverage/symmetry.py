@@ -50,10 +50,15 @@ class Span:
     reason: str
 
 
-def repeats(constellation: Constellation) -> bool:
-    """Whether all orbits are circles of one radius, so that one period is all there is."""
+def one_period(constellation: Constellation) -> bool:
+    """Whether all orbits have the same period, after which everything repeats."""
     a = constellation.semi_major_axis
-    return constellation.is_circular and (a.size == 0 or bool(np.all(a == a[0])))
+    return a.size == 0 or bool(np.all(a == a[0]))
+
+
+def one_circle(constellation: Constellation) -> bool:
+    """Whether all orbits are circles of one radius, so that all caps are alike for ever."""
+    return constellation.is_circular and one_period(constellation)
 
 
 def phase_steps(pattern: Pattern) -> int:
@@ -89,7 +94,7 @@ def shortest_span(
         return Span(0.0, duration, False, "over the duration asked for")
     if constellation.size == 0:
         return Span(0.0, 0.0, True, "no satellite, nothing changes")
-    if region.mars_fixed or not repeats(constellation):
+    if region.mars_fixed or not one_period(constellation):
         track = repeat_period(constellation)
         return Span(
             0.0,
@@ -99,6 +104,8 @@ def shortest_span(
             f"repeat to {np.degrees(track.closure):.3g} deg",
         )
     period = float(orbital_period(constellation.semi_major_axis[0], constellation.gm))
+    if not constellation.is_circular:
+        return Span(0.0, period, True, "all orbits have one period")
     pattern = constellation.pattern
     steps = phase_steps(pattern) if pattern else 1
     mirrored = region.is_globe or region.is_mirrored
