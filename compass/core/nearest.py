@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from compass.core.certificate import caps_at
+from compass.core.fold import circle_frame
 from compass.core.jit import kernel
 
 #: Satellites whose distances differ by less than this count as equally far, cosine.
@@ -66,11 +67,13 @@ def covering_radius(u, k, least, p_best):
             ax, ay, az = u[j, 0] - u[i, 0], u[j, 1] - u[i, 1], u[j, 2] - u[i, 2]
             p[0], p[1], p[2] = u[j, 0] + u[i, 0], u[j, 1] + u[i, 1], u[j, 2] + u[i, 2]
             norm = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
-            if norm > 1e-12 and -0.5 * norm < best:
+            if norm < 1e-12:  # antipodes: any point of the great circle between them
+                p[:] = circle_frame(u[i])[0]
+            else:
                 p /= norm
-                if _nearer_than(u, p, -1.0, -0.5 * norm, k, i, j, j):
-                    best, squared, found = -0.5 * norm, -0.25 * norm * norm, True
-                    p_best[:] = -p
+            if -0.5 * norm < best and _nearer_than(u, p, -1.0, -0.5 * norm, k, i, j, j):
+                best, squared, found = -0.5 * norm, -0.25 * norm * norm, True
+                p_best[:] = -p
             for m in range(j + 1, n):
                 bx, by, bz = u[m, 0] - u[i, 0], u[m, 1] - u[i, 1], u[m, 2] - u[i, 2]
                 p[0], p[1], p[2] = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx

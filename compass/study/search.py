@@ -175,13 +175,13 @@ def _best(
 
 
 def optimal_inclination(
-    constellation: Constellation, fold: int, limit: float = np.pi
+    constellation: Constellation, fold: int, limit: float = np.pi, resolution: float = 5e-5
 ) -> float | None:
     """Inclination (radians, 0 to pi/2) at which a pattern needs the smallest caps for a fold.
 
     Only the pattern of the constellation matters, not its inclination. The caps are proven to
     be within 0.07 degree of the smallest at any inclination, and lie at a local minimum to
-    0.003 degree of inclination. None if they must be larger than `limit` everywhere.
+    `resolution` (radians; by default 0.003 degree) in inclination. None if they must be larger than `limit` everywhere.
     """
     span = shortest_span(constellation)
     rate = constellation.mean_motion[0]
@@ -193,7 +193,7 @@ def optimal_inclination(
         span.stop * rate,
         limit,
         np.radians(0.035),
-        np.radians(0.003),
+        resolution,
     )
     return float(inclination) if np.isfinite(radius) else None
 
