@@ -157,7 +157,7 @@ def worst_radius(orbits, poles, gm, spin, k, start, stop, tolerance, limit, max_
         enough = least + tolerance - stray.max()
         value = covering_radius(u, k, enough, candidate)
         nodes += 1
-        if value > least:
+        if value > max(least, enough):
             least, when = value, middle
             point[:] = candidate
         bound = value + stray.max()
