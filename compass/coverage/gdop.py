@@ -54,37 +54,30 @@ def gdop_samples(
 
     A cube of time, longitude and sine of latitude (in which volume is area-time) is cut into
     ``start**3`` cells, with two random points in each. Cells whose points lie on both sides of
-    the percentile so far, or differ in fold below 5, are cut into eight and sampled afresh,
-    `levels` times in all. Every point stands for its share of its cell, so the sums are
-    unbiased, but for what the choice of cells by a first sample brings.
+    the percentile, or differ in fold below 5, are cut into eight, `levels` times in all. These
+    points only steer; the answer comes from two fresh points in every cell in the end, each for
+    half of it, so the sums are unbiased.
     """
-    side = np.full(start**3, 1.0 / start)
     ticks = np.arange(start) / start
-    cells = _Cells(np.array(np.meshgrid(ticks, ticks, ticks)).reshape(3, -1).T, side)
-    kept: list[tuple[NDArray, NDArray, NDArray]] = []
-    for level in range(levels):
+    grid = np.array(np.meshgrid(ticks, ticks, ticks)).reshape(3, -1).T
+    cells = _Cells(grid, np.full(start**3, 1.0 / start))
+    done: list[_Cells] = []
+    edge = None
+    for _ in range(levels - 1):
         fold, gdop = _sample(constellation, sphere_radius, mask, span, generator, cells)
-        weight = np.repeat(cells.volume / 2, 2).reshape(-1, 2)
-        if level == levels - 1:
-            kept.append((gdop, fold, weight))
-            break
-        so_far = [*kept, (gdop, fold, weight)]
-        edge = _quantile(
-            np.concatenate([g.ravel() for g, _, _ in so_far]),
-            np.concatenate([w.ravel() for _, _, w in so_far]),
-            percent,
-        )
+        if edge is None:
+            edge = _quantile(gdop.ravel(), np.ones(gdop.size), percent)
+        low = np.minimum(fold, 5)
         split = (gdop <= edge).any(axis=1) & (gdop >= edge).any(axis=1)
-        split |= (np.minimum(fold, 5).min(axis=1)) != (np.minimum(fold, 5).max(axis=1))
-        kept.append((gdop[~split], fold[~split], weight[~split]))
-        if not split.any():
-            break
+        split |= low.min(axis=1) != low.max(axis=1)
+        done.append(_Cells(cells.corner[~split], cells.side[~split]))
         cells = _Cells(cells.corner[split], cells.side[split]).halved()
-    return (
-        np.concatenate([g.ravel() for g, _, _ in kept]),
-        np.concatenate([f.ravel() for _, f, _ in kept]),
-        np.concatenate([w.ravel() for _, _, w in kept]),
+    done.append(cells)
+    leaves = _Cells(
+        np.concatenate([part.corner for part in done]), np.concatenate([part.side for part in done])
     )
+    fold, gdop = _sample(constellation, sphere_radius, mask, span, generator, leaves)
+    return gdop.ravel(), fold.ravel(), np.repeat(leaves.volume / 2, 2)
 
 
 def _sample(
@@ -126,6 +119,8 @@ def gdop_percentile(
     span: Span | None = None,
     repetitions: int = 4,
     seed: int = 1,
+    levels: int = 3,
+    start: int = 10,
 ) -> Estimate:
     """GDOP not exceeded over `percent` of the sphere's area and the span's time.
 
@@ -150,6 +145,8 @@ def gdop_percentile(
             mask=mask,
             span=span,
             generator=np.random.default_rng(sequence),
+            levels=levels,
+            start=start,
         )
         values.append(_quantile(gdop, weight, percent))
     return _mean(values)
@@ -164,6 +161,8 @@ def gdop_availability(
     span: Span | None = None,
     repetitions: int = 4,
     seed: int = 1,
+    levels: int = 3,
+    start: int = 10,
 ) -> tuple[Estimate, Estimate]:
     """Shares of area and time with GDOP at or below a threshold, and with exactly four in view.
 
@@ -179,6 +178,8 @@ def gdop_availability(
             mask=mask,
             span=span,
             generator=np.random.default_rng(sequence),
+            levels=levels,
+            start=start,
         )
         available.append(float(weight[gdop <= threshold].sum()))
         four.append(float(weight[fold == 4].sum()))
