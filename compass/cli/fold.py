@@ -15,7 +15,9 @@ from compass.cli.shared import design_argument, emit_json, json_option, print_ta
 @click.option("--mask-deg", type=float, help="Elevation mask, degrees; else the design's.")
 @click.option("--losses", type=int, default=0, help="Also what is left after so many failures.")
 @click.option(
-    "--region", "where", help="lat:MIN:MAX or polygon:LAT,LON;LAT,LON;..., degrees; else everywhere."
+    "--region",
+    "where",
+    help="lat:MIN:MAX or polygon:LAT,LON;LAT,LON;..., degrees; else everywhere.",
 )
 @click.option("--duration-h", type=float, help="Hours from the epoch to look at, not all time.")
 @json_option
@@ -141,7 +143,9 @@ def _worst(sets: list[dict[str, Any]]) -> list[list[str]]:
 
 def _print(r: dict[str, Any]) -> None:
     """Print the result as a few sentences and tables."""
-    when = "for all time" if r["for_all_time"] else f"over {r['stop_s'] / 3600:.6g} h from the epoch"
+    when = (
+        "for all time" if r["for_all_time"] else f"over {r['stop_s'] / 3600:.6g} h from the epoch"
+    )
     claim = f"{r['fold']} or more satellites above {r['mask_deg']:g} deg, {r['region']}, {when}"
     click.echo(f"{r['design']}: {r['outcome'].upper()}: {claim} (two-body motion)")
     click.echo(

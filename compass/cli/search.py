@@ -97,6 +97,7 @@ def command(
         workers=os.cpu_count() or 1,
         progress=lambda work, total: tqdm(work, total=total, disable=None, desc="patterns"),
     )
+    rows = [candidate.as_dict() for candidate in found]
     result = {
         "fold": fold,
         "mask_deg": mask_deg,
@@ -105,7 +106,7 @@ def command(
         "pattern": pattern,
         "max_satellites": max_satellites,
         "smallest": found[0].constellation.size if found else None,
-        "candidates": [candidate.as_dict() for candidate in found],
+        "candidates": rows,
     }
     if as_json:
         emit_json(result)
@@ -124,7 +125,7 @@ def command(
                     "" if row["gdop_p95"] is None else f"{row['gdop_p95']:.2f}",
                     "proven" if row["proven"] else "",
                 ]
-                for candidate, row in zip(found[:25], result["candidates"], strict=False)
+                for candidate, row in zip(found[:25], rows, strict=False)
             ],
             [
                 "pattern",

@@ -180,9 +180,7 @@ def settle(
             u, cosines, region, floors, low, True, everywhere
         )
         if (low and fold < k) or (not low and fold > k):
-            point, fold, found = cell_point(
-                curve, azimuth, width, u, cosines, region, floors, low
-            )
+            point, fold, found = cell_point(curve, azimuth, width, u, cosines, region, floors, low)
             if found and ((low and fold < k) or (not low and fold > k)):
                 return REFUTED, nodes, open_parts, unsettled, middle, point, fold
         if largest <= tolerance or middle <= left or middle >= right:

@@ -90,9 +90,7 @@ def covering_radius(u, k, least, p_best):
                 p /= norm
                 cosine = height / norm
                 for sign in (1.0, -1.0):
-                    if sign * cosine < best and _nearer_than(
-                        u, p, sign, sign * cosine, k, i, j, m
-                    ):
+                    if sign * cosine < best and _nearer_than(u, p, sign, sign * cosine, k, i, j, m):
                         best, found = sign * cosine, True
                         squared = best * abs(best)
                         p_best[:] = sign * p
@@ -161,7 +159,13 @@ def worst_radius(orbits, poles, gm, spin, k, start, stop, tolerance, limit, max_
             least, when = value, middle
             point[:] = candidate
         bound = value + stray.max()
-        if value <= enough or bound <= least + tolerance or nodes >= max_nodes or middle <= left or middle >= right:
+        if (
+            value <= enough
+            or bound <= least + tolerance
+            or nodes >= max_nodes
+            or middle <= left
+            or middle >= right
+        ):
             most = max(most, bound)
             continue
         stack[depth, 0], stack[depth, 1] = middle, right

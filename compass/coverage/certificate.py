@@ -105,9 +105,7 @@ def prove_fold(
     if outcome == REFUTED:
         if region.mars_fixed:
             point = mcmf_from_mci(point, -prime_meridian_angle(constellation.epoch, time))
-        witness = find_witness(
-            constellation, sphere_radius, mask, fold, time, point, region
-        )
+        witness = find_witness(constellation, sphere_radius, mask, fold, time, point, region)
         if witness:
             return Certificate("refuted", fold, span, region, nodes, tolerance, witness)
         unsettled, parts = np.array([[time, time]]), 1

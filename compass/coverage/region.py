@@ -91,7 +91,9 @@ def convex_polygon(latitudes: ArrayLike, longitudes: ArrayLike) -> Region:
     normals = np.cross(corners, following)
     norms = np.linalg.norm(normals, axis=1, keepdims=True)
     if np.any(norms < 1e-9):
-        raise ArgumentError("region = polygon: two corners in a row are the same or opposite places")
+        raise ArgumentError(
+            "region = polygon: two corners in a row are the same or opposite places"
+        )
     normals /= norms
     sides = corners @ normals.T
     for k in range(len(corners)):

@@ -194,7 +194,9 @@ def _fold_over_time(
         below.plot(hours, np.degrees(needed), color=INK, lw=1.2)
         if one_circle(c) and c.size:
             cap = np.degrees(caps_of(c, sphere, mask, 0.0)[1][0])
-            below.axhline(cap, color=CYCLE[2], ls="--", lw=1, label=f"caps above the mask: {cap:.2f}")
+            below.axhline(
+                cap, color=CYCLE[2], ls="--", lw=1, label=f"caps above the mask: {cap:.2f}"
+            )
             below.legend(frameon=False, loc="best")
         below.set(xlabel="time after the epoch, h", ylabel=f"cap radius for {fold}-fold, deg")
         below.grid(True)

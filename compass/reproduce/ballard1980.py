@@ -115,9 +115,9 @@ def rows() -> list[Row]:
         radius = covering_radius(polar_network(p, q, np.radians(float(spacing))), 1).radius
         item = f"{n} satellites in {p} polar planes {spacing} deg apart: R"
         found.append(compare(item, "Table II", reach, float(np.degrees(radius)), "deg"))
-    for fold, n, m, inclination, reach in TABLE_3:
-        best, covering = best_rosette(n, n, Fraction(m), fold)
-        name = f"({n}, {n}, {m}), {fold}-fold"
+    for fold, n, harmonic, inclination, reach in TABLE_3:
+        best, covering = best_rosette(n, n, Fraction(harmonic), fold)
+        name = f"({n}, {n}, {harmonic}), {fold}-fold"
         found.append(_inclination("Table III", n, name, inclination, best))
         found.append(
             compare(f"{name}: R", "Table III", reach, float(np.degrees(covering.radius)), "deg")

@@ -93,7 +93,13 @@ def compare(
 
 
 def judge_claim(
-    item: str, where: str, published: str, computed: float | str, unit: str, holds: bool, reason: str
+    item: str,
+    where: str,
+    published: str,
+    computed: float | str,
+    unit: str,
+    holds: bool,
+    reason: str,
 ) -> Row:
     """Judge a claim made in words: ``reproduced`` if it holds, else an erratum with its reason."""
     verdict = "reproduced" if holds else f"erratum: {reason}"

@@ -243,7 +243,5 @@ def test_rosettes_are_proven_like_the_deltas_they_are():
     c = rosette(8, 8, 6, inclination=61.86 * DEGREE, radius=20428e3)
     d = walker_delta(8, 8, 6, inclination=61.86 * DEGREE, radius=20428e3)
     masks = (20 * DEGREE, 30 * DEGREE)
-    outcomes = [
-        [prove_fold(x, 1, sphere_radius=R, mask=m).outcome for m in masks] for x in (c, d)
-    ]
+    outcomes = [[prove_fold(x, 1, sphere_radius=R, mask=m).outcome for m in masks] for x in (c, d)]
     assert outcomes == [["proven", "refuted"]] * 2

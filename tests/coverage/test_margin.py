@@ -130,6 +130,7 @@ def test_losses_against_every_set_one_by_one():
     assert found[0].as_dict()["min_fold"] == min(least)[0]
 
 
+@pytest.mark.slow
 def test_a_loss_costs_at_most_one_and_all_satellites_are_alike():
     full = fold_range(small_design(), sphere_radius=R)[0]
     (loss,) = after_losses(small_design(), 1, 1, sphere_radius=R)

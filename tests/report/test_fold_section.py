@@ -51,7 +51,7 @@ def test_a_proven_design():
         "fold-margin-inclination",
     ]
     assert all(p.png.startswith(b"\x89PNG") for p in found.pictures)
-    assert dict((row[0], row[1]) for row in found.tables[0].rows)["outcome"] == "proven"
+    assert {row[0]: row[1] for row in found.tables[0].rows}["outcome"] == "proven"
 
 
 def test_a_refuted_design_shows_its_witness():

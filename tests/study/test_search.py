@@ -32,6 +32,10 @@ def five(inclination):
     return walker_delta(5, 5, 1, inclination=inclination, radius=RADIUS)
 
 
+def three(inclination):
+    return walker_delta(3, 3, 1, inclination=inclination, radius=RADIUS)
+
+
 def test_counts_of_patterns():
     # sum over t of the sum of its divisors; rosettes are the deltas that a multiplier gives
     assert len(list(patterns("walker-delta", 16, 1e7))) == 220
@@ -45,7 +49,7 @@ def test_counts_of_patterns():
 
 def test_a_pattern_at_its_best(monkeypatch):
     # Ballard 1980, Table I: (5, 5, 1) at 43.66 deg needs caps of 69.15 deg
-    monkeypatch.setattr(module, "patterns", only(five, lambda i: walker_delta(3, 3, 1, inclination=i, radius=RADIUS)))  # fmt: skip
+    monkeypatch.setattr(module, "patterns", only(five, three))
     seen = []
 
     def progress(work, total):
@@ -100,9 +104,7 @@ def test_fewer_than_15_satellites_have_fourfold_coverage():
     # the certificate is another algorithm: it agrees on both sides of the margin
     best = found[0]
     for change, outcome in ((-1e-5, "proven"), (1e-5, "refuted")):
-        claim = prove_fold(
-            best.constellation, 4, sphere_radius=R, mask=best.mask_margin + change
-        )
+        claim = prove_fold(best.constellation, 4, sphere_radius=R, mask=best.mask_margin + change)
         assert claim.outcome == outcome
 
 
@@ -129,7 +131,10 @@ def test_closest_approach_against_positions():
     assert closest_approach(c) == pytest.approx(np.arccos(nearest), abs=1e-3)
     assert closest_approach(c.without(range(1, 6))) == np.pi
     # all six meet where their planes cross
-    assert closest_approach(walker_delta(6, 6, 0, inclination=1.5707963267948966, radius=RADIUS)) < 1e-7
+    assert (
+        closest_approach(walker_delta(6, 6, 0, inclination=1.5707963267948966, radius=RADIUS))
+        < 1e-7
+    )
 
 
 @pytest.mark.parametrize("kind", ["walker-delta", "walker-star", "rosette"])
