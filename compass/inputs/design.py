@@ -18,7 +18,6 @@ from compass.inputs.models import (
     ElementsTable,
     RosetteTable,
     StationTable,
-    WalkerTable,
 )
 from compass.inputs.reading import parse, read_text
 from compass.orbits import (
@@ -108,9 +107,10 @@ def read_design_text(text: str, label: str = "design") -> Design:
 def _constellation(file: DesignFile, figure: Figure) -> Constellation:
     table, epoch = file.constellation, seconds_past_j2000(file.epoch) if file.epoch else 0.0
     if isinstance(table, ElementsTable):
-        axes, eccentricities = zip(*(_shape(s.model_dump(), figure) for s in table.satellite))
+        shapes = [_shape(s.model_dump(), figure) for s in table.satellite]
+        axes, eccentricities = np.array(shapes).T
         return from_elements(
-            np.array(axes) * KM,
+            axes * KM,
             eccentricities,
             np.radians([s.inclination_deg for s in table.satellite]),
             np.radians([s.raan_deg for s in table.satellite]),
@@ -215,8 +215,8 @@ def _number(table: dict[str, Any], key: str) -> float | None:
 
 
 def _pattern_faults(table: dict[str, Any]) -> list[str]:
-    satellites, planes = table.get("satellites"), table.get("planes")
-    if not (_count(satellites) and _count(planes)):
+    satellites, planes = _count(table, "satellites"), _count(table, "planes")
+    if satellites is None or planes is None:
         return []
     try:
         check_counts(satellites, planes)
@@ -247,8 +247,11 @@ def _pattern_faults(table: dict[str, Any]) -> list[str]:
     return []
 
 
-def _count(value: object) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= 10_000
+def _count(table: dict[str, Any], key: str) -> int | None:
+    """Return the value of `key` if it is a usable count, else None (the model reports it)."""
+    value = table.get(key)
+    usable = isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= 10_000
+    return value if usable else None
 
 
 def _orbit_faults(table: dict[str, Any], figure: Figure) -> list[str]:

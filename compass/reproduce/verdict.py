@@ -22,7 +22,8 @@ class Row:
     unit
         Unit of both.
     verdict
-        ``reproduced``, ``erratum: reason`` or ``differs: reason``.
+        ``reproduced``, ``erratum: reason``, ``differs: reason``, or ``not printed`` for a number
+        that the paper ought to have given.
     reason
         The reason alone; empty when reproduced.
     """

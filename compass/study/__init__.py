@@ -1,1 +1,1 @@
-"""Many designs through the same functions."""
+"""Designs through the pipe: one mapped, or many searched, traded and judged."""
