@@ -182,8 +182,12 @@ def _print(r: dict[str, Any]) -> None:
     )
     for after in r["after_losses"]:
         rows = [
-            [" ".join(kind["satellites"]), kind["alike"], bounds(kind["min_fold_bounds"])]
-            + [number(kind["cap_radius_min_deg"])]
+            [
+                " ".join(kind["satellites"]),
+                kind["alike"],
+                bounds(kind["min_fold_bounds"]),
+                number(kind["cap_radius_min_deg"]),
+            ]
             for kind in after["sets"]
         ]
         print_table(

@@ -7,13 +7,17 @@ is the least depth of the other caps along the circles, the maximum the greatest
 one circle every other cap is a single interval of azimuth, so a sort and a sweep suffice:
 ``O(N^2 log N)`` in all, and the ends of the intervals are the vertices of the arrangement.
 
+An azimuth's place along the circle is kept as its *diamond angle*, ``y/(|x| + |y|)`` continued
+to (-2, 2]: it rises with the angle by 1/2 to 1 a radian, and needs no trigonometry.
+
 Rounding. The products u_j.p on circle i carry an error below 30 unit roundoffs: 3 for the
 product that gives g, 9 each for those with the two frame vectors (3, and 6 in the vectors), and
-the scaling and summing of the three terms. `PRODUCT_SLACK`, twice that, moves every cap to its
-safe side; what remains (one inverse cosine, one arc tangent, one sum) is a few units in the last
-place of an angle, under `ANGLE_SLACK`. With ``certain`` caps shrink by both, so the depth is never
-above the true one; without, they grow, and it is never below. Where the two differ, circles meet
-in a point to within rounding, and the truth lies between.
+the scaling and summing of the three terms. The quotient that gives the ends of an interval adds
+less than 10, in the same measure. `PRODUCT_SLACK`, 64 of them, moves every cap to its safe side
+first; what remains (a root of a product, a rotation, one quotient) is a few roundoffs of angle,
+under `ANGLE_SLACK`. With ``certain`` caps shrink by both, so the depth is never above the true
+one; without, they grow, and it is never below. Where the two differ, circles meet in a point to
+within rounding, and the truth lies between.
 """
 
 import math
@@ -45,115 +49,149 @@ def cap_cosine(radius, growth):
 
 @kernel
 def circle_frame(u):
-    """Two unit vectors that make a right-handed frame with the unit vector `u`."""
-    x, y, z = abs(u[0]), abs(u[1]), abs(u[2])
-    e = np.zeros(3)
-    e[0 if x <= y and x <= z else (1 if y <= z else 2)] = 1.0
-    a = np.empty(3)
-    a[0] = e[1] * u[2] - e[2] * u[1]
-    a[1] = e[2] * u[0] - e[0] * u[2]
-    a[2] = e[0] * u[1] - e[1] * u[0]
-    a /= math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
-    b = np.empty(3)
-    b[0] = u[1] * a[2] - u[2] * a[1]
-    b[1] = u[2] * a[0] - u[0] * a[2]
-    b[2] = u[0] * a[1] - u[1] * a[0]
-    return a, b
+    """Two unit vectors, as tuples, that make a right-handed frame with the unit vector `u`."""
+    x, y, z = u[0], u[1], u[2]
+    if abs(x) <= abs(y) and abs(x) <= abs(z):
+        a = (0.0, -z, y)
+    elif abs(y) <= abs(z):
+        a = (z, 0.0, -x)
+    else:
+        a = (-y, x, 0.0)
+    norm = math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+    a = (a[0] / norm, a[1] / norm, a[2] / norm)
+    return a, (y * a[2] - z * a[1], z * a[0] - x * a[2], x * a[1] - y * a[0])
 
 
 @kernel
 def circle_point(u, cosine, azimuth):
-    """Point at `azimuth` (radians, in the frame of `circle_frame`) on the circle ``u.p = cosine``."""
+    """Point of the circle ``u.p = cosine`` at an azimuth, radians, in its `circle_frame`."""
     a, b = circle_frame(u)
     sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
-    return cosine * u + sine * (math.cos(azimuth) * a + math.sin(azimuth) * b)
+    c, s = sine * math.cos(azimuth), sine * math.sin(azimuth)
+    p = np.empty(3)
+    for k in range(3):
+        p[k] = cosine * u[k] + c * a[k] + s * b[k]
+    return p
 
 
 @kernel
-def _interval(u, a, b, cosine, sine, other, threshold, certain):
-    """Azimuths of a circle inside another cap: kind (0 none, 1 some, 2 all), middle, half width."""
-    g = u[0] * other[0] + u[1] * other[1] + u[2] * other[2]
-    slack = PRODUCT_SLACK if certain else -PRODUCT_SLACK
-    needed = threshold - cosine * g + slack
-    pa = other[0] * a[0] + other[1] * a[1] + other[2] * a[2]
-    pb = other[0] * b[0] + other[1] * b[1] + other[2] * b[2]
-    reach = sine * math.sqrt(pa * pa + pb * pb)
-    if needed > reach:
-        return 0, 0.0, 0.0
-    if needed <= -reach:
-        return 2, 0.0, math.pi
-    half = math.acos(needed / reach) + (-ANGLE_SLACK if certain else ANGLE_SLACK)
-    if half <= 0.0:
-        return 0, 0.0, 0.0
-    if half >= math.pi:
-        return 2, 0.0, math.pi
-    return 1, math.atan2(pb, pa), half
+def diamond(x, y):
+    """Diamond angle, in (-2, 2], of a plane vector that is not zero."""
+    ratio = y / (abs(x) + abs(y))
+    if x >= 0.0:
+        return ratio
+    return 2.0 - ratio if y >= 0.0 else -2.0 - ratio
+
+
+@kernel
+def azimuth_of(place):
+    """Angle, radians, of a diamond angle in [-2, 2]."""
+    if place > 1.0:
+        return math.atan2(2.0 - place, 1.0 - place)
+    if place < -1.0:
+        return math.atan2(-2.0 - place, 1.0 + place)
+    return math.atan2(place, 1.0 - abs(place))
+
+
+@kernel
+def _sort(place, step, events):
+    """Sort the first `events` places, and their steps along with them."""
+    if events > 48:
+        order = np.argsort(place[:events])
+        place[:events] = place[order]
+        step[:events] = step[order]
+        return
+    for k in range(1, events):
+        key, weight = place[k], step[k]
+        m = k
+        while m > 0 and place[m - 1] > key:
+            place[m], step[m] = place[m - 1], step[m - 1]
+            m -= 1
+        place[m], step[m] = key, weight
 
 
 @kernel
 def _sweep(u, cosine, skip, caps, cosines, region, floors, low, certain, place, step):
-    """Extreme depth of the caps but `skip` along a circle inside the region: depth, azimuth, width.
+    """Extreme depth of the caps but `skip` along a circle inside the region: depth, place, width.
 
-    `low` picks the least depth, else the greatest; `certain` as in `extreme_fold`. Width is that
-    of the widest such arc; the depth is past `OUTSIDE` if no arc is inside the region.
+    `low` picks the least depth, else the greatest; `certain` as in `extreme_fold`. Place and
+    width are diamond angles of the widest such arc; the depth is past `OUTSIDE` if no arc is
+    inside the region.
     """
     sign = 1 if low else -1
     a, b = circle_frame(u)
+    u0, u1, u2 = u
+    a0, a1, a2 = a
+    b0, b1, b2 = b
     sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
     base, events = 0, 0
     n, m = cosines.size, floors.size
     for j in range(n + m):
         if j < n:
-            if j == skip or cosines[j] >= 1.0:
+            threshold, shrink, weight = cosines[j], certain if low else not certain, sign
+            if j == skip or threshold >= 1.0:
                 continue
-            if cosines[j] <= -1.0:
+            if threshold <= -1.0:
                 base += sign
                 continue
-            weight = sign
-            kind, middle, half = _interval(
-                u, a, b, cosine, sine, caps[j], cosines[j], certain if low else not certain
-            )
+            o0, o1, o2 = caps[j, 0], caps[j, 1], caps[j, 2]
         else:
             # a place outside a part of the region's rim weighs more than any fold
-            base += OUTSIDE
-            weight = -OUTSIDE
             if j - n == -skip - 1:
-                base -= OUTSIDE
                 continue
-            kind, middle, half = _interval(
-                u, a, b, cosine, sine, region[j - n], floors[j - n], not certain
-            )
-        if kind == 0:
+            base += OUTSIDE
+            threshold, shrink, weight = floors[j - n], not certain, -OUTSIDE
+            o0, o1, o2 = region[j - n, 0], region[j - n, 1], region[j - n, 2]
+        needed = threshold - cosine * (u0 * o0 + u1 * o1 + u2 * o2)
+        needed += PRODUCT_SLACK if shrink else -PRODUCT_SLACK
+        pa = o0 * a0 + o1 * a1 + o2 * a2
+        pb = o0 * b0 + o1 * b1 + o2 * b2
+        reach = sine * math.sqrt(pa * pa + pb * pb)
+        if needed > reach:
             continue
-        if kind == 2:
+        if needed <= -reach:
             base += weight
             continue
-        start, stop = middle - half, middle + half
-        if start <= -math.pi:
-            start += 2.0 * math.pi
-        if stop > math.pi:
-            stop -= 2.0 * math.pi
+        # the ends are the middle (pa, pb), turned either way by the angle of cosine x, sine y
+        x = needed / reach
+        y = math.sqrt(max(0.0, (1.0 - x) * (1.0 + x)))
+        if y <= 2.0 * ANGLE_SLACK:
+            if x > 0.0 and shrink:
+                continue
+            if x < 0.0 and not shrink:
+                base += weight
+                continue
+        slack = ANGLE_SLACK if shrink else -ANGLE_SLACK
+        start = diamond(x * pa + y * pb, x * pb - y * pa) + slack
+        stop = diamond(x * pa - y * pb, x * pb + y * pa) - slack
+        if start > 2.0:
+            start -= 4.0
+        elif start <= -2.0:
+            start += 4.0
+        if stop > 2.0:
+            stop -= 4.0
+        elif stop <= -2.0:
+            stop += 4.0
         if start > stop:
             base += weight
         place[events], step[events] = start, weight
         place[events + 1], step[events + 1] = stop, -weight
         events += 2
     if events == 0:
-        return base * sign, 0.0, 2.0 * math.pi
-    order = np.argsort(place[:events])
-    # the arc across azimuth pi, before the first event and after the last
+        return base * sign, 0.0, 4.0
+    _sort(place, step, events)
+    # first the arc across place 2, before the first event and after the last
     best = base
-    before = place[order[events - 1]] - 2.0 * math.pi
-    width = place[order[0]] - before
-    azimuth = before + 0.5 * width
+    width = place[0] + 4.0 - place[events - 1]
+    middle = place[events - 1] + 0.5 * width
     depth = base
     for k in range(events - 1):
-        depth += step[order[k]]
+        depth += step[k]
         if depth <= best:
-            here, following = place[order[k]], place[order[k + 1]]
-            if depth < best or following - here > width:
-                best, width, azimuth = depth, following - here, 0.5 * (here + following)
-    return best * sign, azimuth, width
+            wide = place[k + 1] - place[k]
+            if depth < best or wide > width:
+                best, width, middle = depth, wide, place[k] + 0.5 * wide
+    return best * sign, middle - 4.0 if middle > 2.0 else middle, width
 
 
 @kernel
@@ -179,13 +217,14 @@ def extreme_fold(caps, cosines, region, floors, low, certain, stop):
     -------
     fold, curve, azimuth, width
         The extreme; the circle on which it was found (cap index, or ``-1 - k`` for the rim of
-        region part k); azimuth of the middle of the widest such arc and its width, radians.
+        region part k); azimuth of the middle of the widest such arc, radians, and its width, within
+        a factor of two in radians.
         Curve ``n`` stands for no curve at all: no circle is there.
     """
     n, m = cosines.size, floors.size
     place = np.empty(2 * (n + m))
     step = np.empty(2 * (n + m), dtype=np.int64)
-    fold, curve, azimuth, width = 0, n, 0.0, 0.0
+    fold, curve, middle, width = 0, n, 0.0, 0.0
     found = False
     for i in range(-m, n):
         if i >= 0:
@@ -203,14 +242,14 @@ def extreme_fold(caps, cosines, region, floors, low, certain, stop):
             depth += 1
         better = depth < fold if low else depth > fold
         if not found or better or (depth == fold and wide > width):
-            found, fold, curve, azimuth, width = True, depth, i, at, wide
+            found, fold, curve, middle, width = True, depth, i, at, wide
             if (low and fold < stop) or (not low and fold > stop):
-                return fold, curve, azimuth, width
+                break
     if not found:
         for j in range(n):
             if cosines[j] <= -1.0:
                 fold += 1
-    return fold, curve, azimuth, width
+    return fold, curve, azimuth_of(middle), width
 
 
 @kernel

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from compass.core.dop import GDOP, dops
 from compass.core.jit import fast_kernel
 
 
@@ -11,48 +12,25 @@ from compass.core.jit import fast_kernel
 def gdop_at(r, place, sphere_radius, sin_mask):
     """Fold and GDOP of a user at ``sphere_radius place``; GDOP is infinite with fold below 4.
 
-    ``GDOP = sqrt(trace (H^T H)^-1)`` with rows ``(unit line of sight, 1)`` of H for the satellites
-    `r`, shape (n, 3), whose elevation's sine is `sin_mask` or more.
+    Satellites `r`, shape (n, 3), count if the sine of their elevation is `sin_mask` or more.
     """
-    m = np.zeros((4, 4))
-    row = np.ones(4)
     fold = 0
+    xx = yy = zz = xy = xz = yz = x = y = z = 0.0
     for s in range(r.shape[0]):
         dx = r[s, 0] - sphere_radius * place[0]
         dy = r[s, 1] - sphere_radius * place[1]
         dz = r[s, 2] - sphere_radius * place[2]
         norm = math.sqrt(dx * dx + dy * dy + dz * dz)
-        row[0], row[1], row[2] = dx / norm, dy / norm, dz / norm
-        if row[0] * place[0] + row[1] * place[1] + row[2] * place[2] < sin_mask:
-            continue
-        fold += 1
-        for i in range(4):
-            for j in range(i + 1):
-                m[i, j] += row[i] * row[j]
+        dx, dy, dz = dx / norm, dy / norm, dz / norm
+        if dx * place[0] + dy * place[1] + dz * place[2] >= sin_mask:
+            fold += 1
+            x, y, z = x + dx, y + dy, z + dz
+            xx, yy, zz = xx + dx * dx, yy + dy * dy, zz + dz * dz
+            xy, xz, yz = xy + dx * dy, xz + dx * dz, yz + dy * dz
     if fold < 4:
         return fold, math.inf
-    # Cholesky factor in place, then the squared norm of its inverse
-    for j in range(4):
-        for i in range(j, 4):
-            total = m[i, j]
-            for q in range(j):
-                total -= m[i, q] * m[j, q]
-            if i == j:
-                if total <= 1e-14:
-                    return fold, math.inf
-                m[j, j] = math.sqrt(total)
-            else:
-                m[i, j] = total / m[j, j]
-    trace = 0.0
-    column = np.empty(4)
-    for c in range(4):
-        for i in range(c, 4):
-            total = 1.0 if i == c else 0.0
-            for q in range(c, i):
-                total -= m[i, q] * column[q]
-            column[i] = total / m[i, i]
-            trace += column[i] * column[i]
-    return fold, math.sqrt(trace)
+    dilutions = dops(float(fold), xx, yy, zz, xy, xz, yz, x, y, z, place[0], place[1], place[2])
+    return fold, dilutions[GDOP]
 
 
 @fast_kernel

@@ -23,7 +23,7 @@ def _nearer_than(u, p, sign, cosine, k, i, j, m):
     """Whether fewer than `k` satellites but i, j and m are nearer to ``sign p`` than `cosine`."""
     count = 0
     for s in range(u.shape[0]):
-        if s == i or s == j or s == m:
+        if s in (i, j, m):
             continue
         if sign * (u[s, 0] * p[0] + u[s, 1] * p[1] + u[s, 2] * p[2]) > cosine + EQUAL:
             count += 1
@@ -60,7 +60,7 @@ def covering_radius(u, k, least, p_best):
     found = False
     p = np.empty(3)
     for i in range(n):
-        if -1.0 < best and _nearer_than(u, u[i], -1.0, -1.0, k, i, i, i):
+        if best > -1.0 and _nearer_than(u, u[i], -1.0, -1.0, k, i, i, i):
             best, squared, found = -1.0, -1.0, True
             p_best[:] = -u[i]
         for j in range(i + 1, n):
@@ -68,7 +68,7 @@ def covering_radius(u, k, least, p_best):
             p[0], p[1], p[2] = u[j, 0] + u[i, 0], u[j, 1] + u[i, 1], u[j, 2] + u[i, 2]
             norm = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
             if norm < 1e-12:  # antipodes: any point of the great circle between them
-                p[:] = circle_frame(u[i])[0]
+                p[0], p[1], p[2] = circle_frame(u[i])[0]
             else:
                 p /= norm
             if -0.5 * norm < best and _nearer_than(u, p, -1.0, -0.5 * norm, k, i, j, j):

@@ -1,4 +1,4 @@
-"""Report section on continuous coverage: the worst moment, fold over time, margin by inclination."""
+"""Report section on continuous coverage: worst moment, fold over time, margin by inclination."""
 
 from typing import TYPE_CHECKING
 
@@ -211,7 +211,7 @@ def _fold_over_time(
 
 
 def _neighbours(pattern: Pattern) -> list[Pattern]:
-    """Patterns of the same size and planes with every phasing, the design's first; at most eight."""
+    """Patterns that differ in phasing alone, the design's first; at most eight."""
     others = [f for f in range(pattern.planes) if f != pattern.phasing % pattern.planes]
     near = sorted(others, key=lambda f: (abs(f - pattern.phasing), f))[:7]
     kind = "walker-star" if pattern.kind == "walker-star" else "walker-delta"

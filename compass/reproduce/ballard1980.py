@@ -156,7 +156,8 @@ def _table_1(
     phase = float(np.degrees(covering.time * c.mean_motion[0]))
     height = lowest_altitude(covering.radius, 1.0, np.radians(10.0))
     rounded = lowest_altitude(np.radians(float(reach)), 1.0, np.radians(10.0))
-    assert height is not None and rounded is not None
+    assert height is not None
+    assert rounded is not None
     from_rounded = abs(rounded - float(altitude)) <= printed_tolerance(altitude)
     return [
         compare(f"{name}: replication interval", "Table I", interval, 360.0 / steps, "deg"),

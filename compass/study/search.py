@@ -181,7 +181,8 @@ def optimal_inclination(
 
     Only the pattern of the constellation matters, not its inclination. The caps are proven to
     be within 0.07 degree of the smallest at any inclination, and lie at a local minimum to
-    `resolution` (radians; by default 0.003 degree) in inclination. None if they must be larger than `limit` everywhere.
+    `resolution` (radians; by default 0.003 degree) in inclination. None if they must be larger
+    than `limit` everywhere.
     """
     span = shortest_span(constellation)
     rate = constellation.mean_motion[0]

@@ -7,7 +7,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compass.core.fold import EVERYTHING, NOTHING, cap_cosine, circle_frame, extreme_fold
+from compass.core.fold import (
+    EVERYTHING,
+    NOTHING,
+    azimuth_of,
+    cap_cosine,
+    circle_frame,
+    diamond,
+    extreme_fold,
+)
 from compass.coverage.fold import fold_extremes
 
 
@@ -168,3 +176,29 @@ def test_shrunk_and_grown_caps():
 def test_frame_is_orthonormal(u):
     a, b = circle_frame(np.array(u))
     assert np.stack([a, b, u]) @ np.stack([a, b, u]).T == pytest.approx(np.eye(3), abs=1e-15)
+
+
+def test_diamond_angles_rise_with_the_angle_and_come_back():
+    angle = np.linspace(-np.pi, np.pi, 400)[1:]
+    place = np.array([diamond(np.cos(x), np.sin(x)) for x in angle])
+    slope = np.diff(place) / np.diff(angle)
+    assert slope.min() > 0.49
+    assert slope.max() < 1.01
+    assert [azimuth_of(x) for x in place] == pytest.approx(angle, abs=1e-14)
+
+
+def test_many_circles_sorted_the_other_way():
+    u, radius = random_caps(11, 40)
+    assert (fold_extremes(u, radius).least, fold_extremes(u, radius).greatest) == vertex_extremes(
+        u, radius
+    )
+
+
+@pytest.mark.parametrize("gap", [1e-7, 1e-9, 1e-12, -1e-12, -1e-9, -1e-7])
+def test_circles_that_barely_meet(gap):
+    """Two caps that overlap or miss by a hair: the overlap counts exactly when it is there."""
+    angle = 1.3 - gap
+    u = np.array([[0.0, 0.0, 1.0], [np.sin(angle), 0.0, np.cos(angle)]])
+    found = fold_extremes(u, 0.65)
+    assert found.least == 0
+    assert found.greatest_reached <= (2 if gap > 0 else 1) <= found.greatest
