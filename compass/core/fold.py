@@ -13,11 +13,12 @@ to (-2, 2]: it rises with the angle by 1/2 to 1 a radian, and needs no trigonome
 Rounding. The products u_j.p on circle i carry an error below 30 unit roundoffs: 3 for the
 product that gives g, 9 each for those with the two frame vectors (3, and 6 in the vectors), and
 the scaling and summing of the three terms. The quotient that gives the ends of an interval adds
-less than 10, in the same measure. `PRODUCT_SLACK`, 64 of them, moves every cap to its safe side
-first; what remains (a root of a product, a rotation, one quotient) is a few roundoffs of angle,
-under `ANGLE_SLACK`. With ``certain`` caps shrink by both, so the depth is never above the true
-one; without, they grow, and it is never below. Where the two differ, circles meet in a point to
-within rounding, and the truth lies between.
+less than 10 in the same measure, the cosine of a cap from its radius some 5. `PRODUCT_SLACK`,
+64 of them, moves every cap to its safe side first; what remains (a root of a product, a
+rotation, one quotient) is a few roundoffs of angle, under `ANGLE_SLACK`. With ``certain`` caps
+shrink by both, so the depth is never above the true one; without, they grow, and it is never
+below. Where the two differ, circles meet in a point to within rounding, and the truth lies
+between.
 """
 
 import math

@@ -145,13 +145,16 @@ def search(
         raise ArgumentError(f"mask_deg = {np.degrees(mask):g}: allowed 0 up to below 90")
     cap = float(cap_radius(radius, sphere_radius, mask))
     makers = list(patterns(kind, largest, radius, smallest=fold + 1))
-    with ThreadPoolExecutor(workers) as pool:
+    pool = ThreadPoolExecutor(workers)
+    try:
         work = pool.map(lambda make: _best(make, fold, cap, sphere_radius), makers)
         found = [c for c in progress(work, total=len(makers)) if c is not None]
         found.sort(key=lambda c: (c.constellation.size, -round(c.mask_margin, 9)))
         best = list(
             pool.map(lambda c: _examine(c, fold, mask, sphere_radius), found[: max(finalists, 0)])
         )
+    finally:
+        pool.shutdown(cancel_futures=True)  # an interrupted search does not finish its list first
     return best + found[len(best) :]
 
 
@@ -182,7 +185,7 @@ def optimal_inclination(
     Only the pattern of the constellation matters, not its inclination. The caps are proven to
     be within 0.07 degree of the smallest at any inclination, and lie at a local minimum to
     `resolution` (radians; by default 0.003 degree) in inclination. None if they must be larger
-    than `limit` everywhere.
+    than `limit` everywhere, or come within 0.07 degree of it and no more.
     """
     span = shortest_span(constellation)
     rate = constellation.mean_motion[0]
