@@ -11,6 +11,7 @@ from compass.coverage.site import site_coverage
 from compass.inputs import Design
 from compass.report.access import access_section
 from compass.report.coverage import fold_pictures, map_figure, map_pictures
+from compass.report.fold import fold_section
 from compass.report.orbits import cap_picture, gap_shapes, orbit_picture, track_picture
 from compass.report.page import render
 from compass.report.section import Picture, Section, Table, picture
@@ -46,6 +47,7 @@ def design_report(
         ("constellation", lambda: _constellation(design)),
         ("geometry", lambda: _geometry(design)),
         ("coverage pictures", lambda: _coverage(design, mapped)),
+        ("continuous fold", lambda: fold_section(design)),
         ("stations", lambda: _stations(design, mapped)),
         ("access", lambda: access_section(design)),
         ("comparison", lambda: _comparison(design)),

@@ -17,7 +17,7 @@ from compass.orbits import (
     orbital_period,
     walker_delta,
 )
-from compass.reproduce import kelly2018_access
+from compass.reproduce import kelly2018_access, kelly2018_smallest
 from compass.reproduce.verdict import Row, compare, judge_claim, printed_tolerance
 
 TITLE = (
@@ -43,10 +43,16 @@ def constellation(sphere_radius: float = ORBIT_RADIUS) -> Constellation:
 
 
 def rows() -> list[Row]:
-    """Every number of Tables 1 to 4, of the text about coverage, and of the stations' access."""
+    """Every number of Tables 1 to 4, of the text about coverage, population and stations' access."""
     geometry = pattern_geometry(constellation(), KELLY2018_RADIUS.value)
     assert geometry is not None
-    return _table1() + geometry_rows(geometry) + _fold_rows() + kelly2018_access.rows()
+    return [
+        *_table1(),
+        *geometry_rows(geometry),
+        *_fold_rows(),
+        *kelly2018_smallest.rows(),
+        *kelly2018_access.rows(),
+    ]
 
 
 def _table1() -> list[Row]:
