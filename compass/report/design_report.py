@@ -221,12 +221,14 @@ def _comparison(design: Design) -> Section | None:
         return None
     module = import_module(f"compass.reproduce.{design.paper}")
     rows = tuple(
-        (r.where, r.item, r.published or "–", r.computed, r.unit, r.verdict) for r in module.rows()
+        (r.where, r.item, r.published or "–", r.computed, r.unit, r.verdict)
+        for r in module.coverage_rows()
     )
     header = ("where", "item", "published", "computed", "unit", "verdict")
     text = (
-        "Every number of the paper beside the computed one. Reproduced: equal to the printed "
-        "digits. Erratum: the paper's number is wrong, and why."
+        "The paper's numbers on geometry and coverage beside the computed ones. Reproduced: equal to the printed "
+        "digits. Erratum: the paper's number is wrong, and why. Population and access of the "
+        f"stations: compass reproduce {design.paper}."
     )
     table = Table(module.TITLE, header, rows)
     return Section("Published against computed", (text,), (), (table,))
