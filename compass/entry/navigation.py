@@ -223,5 +223,5 @@ def run_monte_carlo(
 
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
         list(pool.map(work, range(0, runs, BLOCK)))
-    diverged = ~np.isfinite(errors).all(axis=(1, 2))
-    return MonteCarlo(errors, nees, sigmas, diverged)
+    finite: NDArray[np.bool_] = np.asarray(np.isfinite(errors).all(axis=(1, 2)))
+    return MonteCarlo(errors, nees, sigmas, ~finite)
