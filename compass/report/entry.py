@@ -218,10 +218,11 @@ def draw_map(axes: Axes, flight: Trajectory, beacons: Beacons) -> None:
         lon, lat = degrees(beacons.r[0, near])
         axes.plot(lon, lat, "^", color=INK, ms=7, label="ground beacons")
         for x, y, k in zip(lon, lat, np.flatnonzero(near), strict=True):
-            axes.annotate(beacons.names[k], (x, y), (5, 4), textcoords="offset points", fontsize=8)
+            place = (5, 4) if k % 2 == 0 else (5, -11)  # neighbours on different sides
+            axes.annotate(beacons.names[k], (x, y), place, textcoords="offset points", fontsize=8)
     axes.set_xlabel("east longitude, degrees")
     axes.set_ylabel("latitude, degrees")
-    axes.set_aspect(1 / np.cos(flight.states[:, 2].mean()))
+    axes.set_aspect(1 / np.cos(flight.states[:, 2].mean()), adjustable="datalim")
     axes.grid(True)
     axes.set_title("Where the lander flies and who sees it")
 
