@@ -51,6 +51,7 @@ def test_diverged_runs_are_mentioned(coarse):
     assert any("1 of 4 runs diverged" in words for words in section.paragraphs)
 
 
+@pytest.mark.slow
 def test_best_beacons_section(coarse):
     flight, found = search_scenario(coarse)
     section = best_beacons_section(coarse, flight, found)
