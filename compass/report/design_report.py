@@ -227,8 +227,8 @@ def _comparison(design: Design) -> Section | None:
     header = ("where", "item", "published", "computed", "unit", "verdict")
     text = (
         "The paper's numbers on geometry and coverage beside the computed ones. Reproduced: equal "
-        "to the printed digits. Erratum: the paper's number is wrong, and why. Population and access of the "
-        f"stations: compass reproduce {design.paper}."
+        "to the printed digits. Erratum: the paper's number is wrong, and why. Population and "
+        f"stations' access: compass reproduce {design.paper}."
     )
     table = Table(module.TITLE, header, rows)
     return Section("Published against computed", (text,), (), (table,))

@@ -43,7 +43,7 @@ def constellation(sphere_radius: float = ORBIT_RADIUS) -> Constellation:
 
 
 def rows() -> list[Row]:
-    """Every number of Tables 1 to 4, of the text about coverage, population and stations' access."""
+    """Every number of Tables 1 to 4 and of the text on coverage, population and stations."""
     return [*coverage_rows(), *kelly2018_smallest.rows(), *kelly2018_access.rows()]
 
 
