@@ -288,14 +288,15 @@ def joseph_rows(settings, z, x, cov, acc_factor, work):
         if i < ACCELERATIONS:
             noise *= acc_factor
         row = work.big_h[i]
+        width = n if i < ACCELERATIONS else 3  # a range depends on the position alone
         residual = z[i] - work.h[i]
         variance = noise
         for j in range(n):
             total = 0.0
-            for k in range(n):
+            for k in range(width):
                 total += cov[j, k] * row[k]
             u[j] = total
-        for j in range(n):
+        for j in range(width):
             variance += row[j] * u[j]
             residual -= row[j] * dx[j]
         if not variance > 0.0:
@@ -311,7 +312,7 @@ def joseph_rows(settings, z, x, cov, acc_factor, work):
                 cov[j, k] -= g * u[k]
         for j in range(n):
             total = 0.0
-            for k in range(n):
+            for k in range(width):
                 total += cov[j, k] * row[k]
             u[j] = total
         for j in range(n):
