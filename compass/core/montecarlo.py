@@ -59,8 +59,8 @@ class Tally(NamedTuple):
 
     `runs` (1,), errors `mean` and `m2` (K+1, n), mean variances `variance` (K+1, n), shares
     `captured` (K+1, n) of errors within 3 sigma, mean squared `position` error (K+1,), `nees`
-    mean and second moment (K+1, 2), mean `weights` and `arrivals` (K+1, m), mean refusals
-    `gated` (K+1, 3 + m), and at the end the mean and second moments (4, 3) of the east, north
+    mean and second moment (K+1, 2), mean `weights` (K+1, m), shares of rows that arrived in
+    `arrivals` and were refused in `gated` (K+1, 3 + m), and at the end the mean and second moments (4, 3) of the east, north
     and up `miss`, with the mean covariance of it in `claimed` (3, 3).
     """
 
@@ -79,32 +79,36 @@ class Tally(NamedTuple):
 
 
 class Trace(NamedTuple):
-    """One run: truth (K+1, 8), estimate (K+1, 8 or 11), and what the statistics are made of."""
+    """One run, for epochs 0 to K: `truth` (K+1, 8), measurements `z` (K+1, 3 + m) and whether they
+    `arrived`, estimates `x` (K+1, 8 or 11) with covariances `cov` (K+1, n, n), `weights` (K+1, m),
+    refusals `gated` (K+1, 3 + m), and then `error` (K+1, n) and `nees` (K+1,).
+    """
 
     truth: Array
+    z: Array
+    arrived: NDArray[np.bool_]
     x: Array
-    error: Array
-    variance: Array
-    nees: Array
-    weights: Array
-    arrivals: Array
-    gated: Array
     cov: Array
+    weights: Array
+    gated: NDArray[np.bool_]
+    error: Array
+    nees: Array
 
 
 @kernel
 def make_trace(n, size, epochs, m):
     """Return an empty record of one run."""
+    rows = ACCELERATIONS + m
     return Trace(
         np.zeros((epochs, TRUTH_STATES)),
+        np.zeros((epochs, rows)),
+        np.zeros((epochs, rows), dtype=np.bool_),
         np.zeros((epochs, size)),
-        np.zeros((epochs, n)),
+        np.zeros((epochs, n, n)),
+        np.zeros((epochs, m)),
+        np.zeros((epochs, rows), dtype=np.bool_),
         np.zeros((epochs, n)),
         np.zeros(epochs),
-        np.zeros((epochs, m)),
-        np.zeros((epochs, m)),
-        np.zeros((epochs, ACCELERATIONS + m)),
-        np.zeros((n, n)),
     )
 
 
@@ -125,93 +129,120 @@ def scaled_nees(error, cov, factor, work):
 
 
 @kernel
-def _note(trace, k, n, linear, bias, bank, work):
-    """Write the errors of epoch k; False if the covariance is not positive definite."""
-    for j in range(n):
-        if j == 6 and linear:
-            true = math.exp(trace.truth[k, 6])
-        elif j < TRUTH_STATES:
-            true = trace.truth[k, j]
-        else:
-            true = bias[j - TRUTH_STATES]
-        trace.error[k, j] = bank.x[j] - true
-        trace.variance[k, j] = bank.P[j, j]
-    for j in range(bank.x.size):
-        trace.x[k, j] = bank.x[j]
-    for i in range(bank.weights.size):
-        trace.weights[k, i] = bank.weights[i]
-    for i in range(bank.gated.size):
-        trace.gated[k, i] = 1.0 if bank.gated[i] else 0.0
-    trace.nees[k] = scaled_nees(trace.error[k], bank.P, work.a, work.u)
-    return math.isfinite(trace.nees[k])
+def fly(dt, world, normals, uniforms, trace):
+    """Fly the truth and measure it: write `truth`, `z` and `arrived` of the trace.
 
-
-@kernel
-def one_run(algorithm, settings, world, belief, normals, uniforms, trace):
-    """Fly the truth, measure it and filter; fill `trace`, return 0 or the epoch of divergence.
+    A range that does not arrive reads 0. The bank angle at an epoch holds over the step to the
+    next one, at whose end the accelerometers are read.
 
     Parameters
     ----------
-    algorithm, settings
-        Of `compass.core.filters.step`.
-    world, belief
-        The truth and what the filter assumes.
+    dt
+        Step, s.
+    world
+        The truth.
     normals
-        Standard normal numbers, shape (11 + K (11 + m),).
+        Standard normal numbers, shape (11 + K (11 + m),), the first 11 left for the start.
     uniforms
         Uniform numbers in [0, 1), shape (K m,).
     trace
         Output.
     """
     epochs, m = world.alive.shape
-    n, size = settings.states, belief.x0.size
-    rows = ACCELERATIONS + m
-    bank, work = make_bank(n, size, m), make_work(n, size, m, belief.p.size)
-    x0 = belief.x0.copy()
-    for i in range(n):
-        for j in range(n):
-            x0[i] += belief.spread[i, j] * normals[j]
-    start_bank(bank, x0, belief.p0)
-    p, p_filter = world.p.copy(), belief.p.copy()
-    true, moved = world.x0.copy(), np.empty(TRUTH_STATES)
-    z, exact = np.empty(rows), np.empty((rows, TRUTH_STATES))
-    arrived = np.ones(rows, dtype=np.bool_)
+    p, true, moved = world.p.copy(), world.x0.copy(), np.empty(TRUTH_STATES)
+    slopes = np.empty((ACCELERATIONS + m, TRUTH_STATES))
     trace.truth[0] = true
-    for i in range(m):
-        trace.arrivals[0, i] = 0.0
-    if not start(algorithm, settings, bank, work):
-        return 1
-    if not _note(trace, 0, n, settings.linear, world.bias, bank, work):
-        return 1
     place = START_DRAWS
     for k in range(1, epochs):
         p[BANK] = world.bank[k - 1]
-        rk4_step(true, p, settings.dt, moved)
+        rk4_step(true, p, dt, moved)
         for i in range(TRUTH_STATES):
             true[i] = moved[i] + world.noise[i] * normals[place + i]
             trace.truth[k, i] = true[i]
         place += TRUTH_STATES
-        p_filter[BANK] = world.bank[k - 1]
-        predict_measurements(true, TRUTH_STATES, p, False, world.beacons[k], z, exact)
+        z = trace.z[k]
+        predict_measurements(true, TRUTH_STATES, p, False, world.beacons[k], z, slopes)
         for i in range(ACCELERATIONS):
             z[i] += world.bias[i] + world.acc_sigma[i] * normals[place + i]
+            trace.arrived[k, i] = True
         place += ACCELERATIONS
         for i in range(m):
             row = ACCELERATIONS + i
-            z[row] += world.offset[k, i] + world.range_sigma[i] * normals[place + i]
             arrives = uniforms[(k - 1) * m + i] < world.arrival[k, i]
-            trace.arrivals[k, i] = 1.0 if arrives else 0.0
-            if not arrives:
-                z[row] = 0.0
-            arrived[row] = arrives or belief.trusts
+            trace.arrived[k, row] = arrives
+            error = world.offset[k, i] + world.range_sigma[i] * normals[place + i]
+            z[row] = z[row] + error if arrives else 0.0
         place += m
-        epoch = Epoch(p_filter, world.beacons[k], z, arrived, world.alive[k])
-        if not step(algorithm, settings, epoch, bank, work):
+
+
+@kernel
+def track(algorithm, settings, belief, x0, bank_angles, beacons, alive, trace):
+    """Filter the measurements of a trace; write `x`, `cov`, `weights` and `gated` of it.
+
+    Returns -1, or the epoch at which the filter diverged.
+
+    Parameters
+    ----------
+    algorithm, settings
+        Of `compass.core.filters.step`.
+    belief
+        What the filter assumes.
+    x0
+        The estimate at epoch 0, shape (8,) or (11,).
+    bank_angles, beacons, alive
+        As in `World`.
+    trace
+        Input `z` and `arrived`, and output.
+    """
+    epochs, m = alive.shape
+    n, size = settings.states, x0.size
+    bank, work = make_bank(n, size, m), make_work(n, size, m, belief.p.size)
+    start_bank(bank, x0, belief.p0)
+    p, arrived = belief.p.copy(), np.ones(ACCELERATIONS + m, dtype=np.bool_)
+    if not start(algorithm, settings, bank, work):
+        return 0
+    for k in range(epochs):
+        if k > 0:
+            p[BANK] = bank_angles[k - 1]
+            for i in range(arrived.size):
+                arrived[i] = trace.arrived[k, i] or belief.trusts
+            epoch = Epoch(p, beacons[k], trace.z[k], arrived, alive[k])
+            if not step(algorithm, settings, epoch, bank, work):
+                return k
+        trace.x[k] = bank.x
+        trace.cov[k] = bank.P
+        trace.weights[k] = bank.weights
+        trace.gated[k] = bank.gated
+    return -1
+
+
+@kernel
+def one_run(algorithm, settings, world, belief, normals, uniforms, trace):
+    """Fly, measure, filter and compare; fill `trace`, return -1 or the epoch of divergence."""
+    n = settings.states
+    x0 = belief.x0.copy()
+    for i in range(n):
+        for j in range(n):
+            x0[i] += belief.spread[i, j] * normals[j]
+    fly(settings.dt, world, normals, uniforms, trace)
+    end = track(
+        algorithm, settings, belief, x0, world.bank, world.beacons, world.alive, trace
+    )
+    factor, half = np.empty((n, n)), np.empty(n)
+    last = trace.nees.size if end < 0 else end
+    for k in range(last):
+        for j in range(n):
+            if j < TRUTH_STATES:
+                true = trace.truth[k, j]
+                if j == 6 and settings.linear:
+                    true = math.exp(true)
+            else:
+                true = world.bias[j - TRUTH_STATES]
+            trace.error[k, j] = trace.x[k, j] - true
+        trace.nees[k] = scaled_nees(trace.error[k], trace.cov[k], factor, half)
+        if not math.isfinite(trace.nees[k]):
             return k
-        if not _note(trace, k, n, settings.linear, world.bias, bank, work):
-            return k
-    trace.cov[:, :] = bank.P
-    return 0
+    return end
 
 
 @kernel
@@ -223,7 +254,7 @@ def add_run(trace, tally):
     share = 1.0 / tally.runs[0]
     for k in range(epochs):
         for j in range(n):
-            error, variance = trace.error[k, j], trace.variance[k, j]
+            error, variance = trace.error[k, j], trace.cov[k, j, j]
             delta = error - tally.mean[k, j]
             tally.mean[k, j] += delta * share
             tally.m2[k, j] += delta * (error - tally.mean[k, j])
@@ -240,9 +271,11 @@ def add_run(trace, tally):
         tally.nees[k, 1] += delta * (trace.nees[k] - tally.nees[k, 0])
         for i in range(m):
             tally.weights[k, i] += (trace.weights[k, i] - tally.weights[k, i]) * share
-            tally.arrivals[k, i] += (trace.arrivals[k, i] - tally.arrivals[k, i]) * share
         for i in range(ACCELERATIONS + m):
-            tally.gated[k, i] += (trace.gated[k, i] - tally.gated[k, i]) * share
+            came = 1.0 if trace.arrived[k, i] else 0.0
+            refused = 1.0 if trace.gated[k, i] else 0.0
+            tally.arrivals[k, i] += (came - tally.arrivals[k, i]) * share
+            tally.gated[k, i] += (refused - tally.gated[k, i]) * share
     _add_miss(trace, tally, share)
 
 
@@ -260,7 +293,7 @@ def _add_miss(trace, tally, share):
     for a in range(3):
         for b in range(3):
             tally.miss[1 + a, b] += before[a] * (miss[b] - tally.miss[0, b])
-            claim = arm[a] * arm[b] * trace.cov[column[a], column[b]]
+            claim = arm[a] * arm[b] * trace.cov[-1, column[a], column[b]]
             tally.claimed[a, b] += (claim - tally.claimed[a, b]) * share
 
 
@@ -268,14 +301,15 @@ def _add_miss(trace, tally, share):
 def run_block(algorithm, settings, world, belief, normals, uniforms, tally, ends, last_x):
     """Do one run for each row of `normals` and `uniforms`, and add those that did not diverge.
 
-    `ends` (runs,) takes 0 or the epoch of divergence, `last_x` (runs, 8 or 11) the estimate then.
+    `ends` (runs,) takes -1 or the epoch of divergence, `last_x` (runs, 8 or 11) the estimate at
+    the last epoch before it.
     """
     epochs, m = world.alive.shape
     trace = make_trace(settings.states, belief.x0.size, epochs, m)
     for run in range(normals.shape[0]):
         end = one_run(algorithm, settings, world, belief, normals[run], uniforms[run], trace)
         ends[run] = end
-        if end == 0:
+        if end < 0:
             add_run(trace, tally)
         else:
-            last_x[run] = trace.x[end - 1]
+            last_x[run] = trace.x[max(end - 1, 0)]
