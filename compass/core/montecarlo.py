@@ -42,8 +42,8 @@ class World(NamedTuple):
 class Belief(NamedTuple):
     """What a filter starts from and assumes.
 
-    Estimate `x0` (8 or 11,) around which the start is drawn with the factor `spread` (n, n)
-    (zero: the start is `x0`), covariance `p0` (n, n), parameters `p`, and whether the filter
+    Estimate `x0` (8 or 11,) around which the start is drawn with the factor `spread` (as many
+    rows and columns; zero: the start is `x0`), covariance `p0` (n, n), parameters `p`, and whether the filter
     `trusts` a range that did not arrive (it then reads 0).
     """
 
@@ -221,8 +221,8 @@ def one_run(algorithm, settings, world, belief, normals, uniforms, trace):
     """Fly, measure, filter and compare; fill `trace`, return -1 or the epoch of divergence."""
     n = settings.states
     x0 = belief.x0.copy()
-    for i in range(n):
-        for j in range(n):
+    for i in range(x0.size):
+        for j in range(x0.size):
             x0[i] += belief.spread[i, j] * normals[j]
     fly(settings.dt, world, normals, uniforms, trace)
     end = track(

@@ -97,6 +97,9 @@ class FilterSettings:
         R of the ranges, m^2, shape (m,).
     random_start
         Draw the start of each run from `p0` about `start`, instead of taking `start` itself.
+    parameter_sigma
+        For filters of six states: sigma of the error in each run of the ln rho0 and the L/D
+        that the filter takes as known.
     published_linear_density
         Carry rho0 itself as the seventh state, as the papers print it (P0 = 1e-2 then means
         0.1 kg/m^3, 500 times the density).
@@ -121,6 +124,7 @@ class FilterSettings:
     acceleration_variance: ArrayLike
     range_variance: ArrayLike
     random_start: bool = False
+    parameter_sigma: tuple[float, float] = (0.0, 0.0)
     published_linear_density: bool = False
     weighting: Weighting | None = None
     scale: ArrayLike | None = None
@@ -167,6 +171,11 @@ class FilterSettings:
             )
         if not self.gate_sigma > 0:
             raise ArgumentError(f"gate_sigma = {self.gate_sigma}: must be positive")
+        if self.states > 6 and any(self.parameter_sigma):
+            raise ArgumentError(
+                f"parameter_sigma = {self.parameter_sigma}: this filter estimates ln rho0 and L/D; "
+                "say how well they are known in p0"
+            )
         if self.iterations < 1:
             raise ArgumentError(f"iterations = {self.iterations}: must be at least 1")
 
@@ -201,6 +210,15 @@ class FilterSettings:
         """Return the settings with some values changed."""
         return replace(self, **values)  # type: ignore[arg-type]
 
+    def _spread(self) -> Array:
+        """Factor by which standard normal numbers become the error of a start."""
+        n, spread = self.states, np.zeros((max(self.states, 8), max(self.states, 8)))
+        if self.random_start:
+            spread[:n, :n] = np.linalg.cholesky(self.covariance)
+        if n == 6:
+            spread[6, 6], spread[7, 7] = self.parameter_sigma
+        return spread
+
     def kernel_arguments(self, step: float) -> tuple[int, Settings, Belief]:
         """Return algorithm number, settings and belief as the kernels take them."""
         n = self.states
@@ -222,7 +240,7 @@ class FilterSettings:
         belief = Belief(
             x0=self.full_start,
             p0=p0,
-            spread=np.linalg.cholesky(p0) if self.random_start else np.zeros((n, n)),
+            spread=self._spread(),
             p=self.model.parameters(),
             trusts=self.algorithm == "information",
         )
