@@ -10,6 +10,8 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "read_design": "compass.inputs",
+    "MapOptions": "compass.study.mapping",
+    "make_map": "compass.study.mapping",
     "Constellation": "compass.orbits",
     "walker_delta": "compass.orbits",
     "walker_star": "compass.orbits",

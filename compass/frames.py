@@ -177,9 +177,7 @@ def direction(latitude: ArrayLike, longitude: ArrayLike) -> NDArray[np.float64]:
     lat, lon = np.broadcast_arrays(
         np.asarray(latitude, dtype=float), np.asarray(longitude, dtype=float)
     )
-    return np.stack(
-        [np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)], axis=-1
-    )
+    return np.stack([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)], axis=-1)
 
 
 def latitude_longitude(r: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

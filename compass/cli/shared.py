@@ -40,7 +40,7 @@ def say(message: str) -> None:
 
 
 def print_table(title: str, rows: Sequence[Sequence[object]], header: Sequence[str] = ()) -> None:
-    """Print aligned columns under a title; numbers to seven digits."""
+    """Print aligned columns under a title; numbers to seven digits or to the unit."""
     cells = [[_cell(value) for value in row] for row in ([header] if header else []) + list(rows)]
     if not cells:
         return
@@ -52,7 +52,9 @@ def print_table(title: str, rows: Sequence[Sequence[object]], header: Sequence[s
 
 
 def _cell(value: object) -> str:
-    return f"{value:.7g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return f"{value:,.0f}" if 1e6 <= abs(value) < 1e15 else f"{value:.7g}"
+    return str(value)
 
 
 def command_line() -> str:

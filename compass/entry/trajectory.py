@@ -199,7 +199,7 @@ def _check_start(model: EntryModel, x: NDArray[np.float64], times: NDArray[np.fl
         )
     if abs(np.cos(x[2])) < 1e-9:
         raise ArgumentError(
-            f"latitude = {np.degrees(x[2]):g} deg: at a pole the longitude is undefined; move off it"
+            f"latitude = {np.degrees(x[2]):g} deg: at a pole the longitude is undefined; move away"
         )
 
 

@@ -200,7 +200,9 @@ def cross_faults(raw: dict[str, Any]) -> list[str]:
     epoch = raw.get("epoch")
     if isinstance(epoch, datetime) and epoch.tzinfo is not None:
         faults.append(
-            fault("epoch", epoch.isoformat(), "must be TDB, without a time zone; drop the Z or offset")
+            fault(
+                "epoch", epoch.isoformat(), "must be TDB, without a time zone; drop the Z or offset"
+            )
         )
     return faults
 
@@ -291,7 +293,9 @@ def _satellite_faults(satellites: object, figure: Figure) -> list[str]:
             )
             continue
         keys = (
-            ("semi_major_axis_km",) if by_axis else ("periapsis_altitude_km", "apoapsis_altitude_km")
+            ("semi_major_axis_km",)
+            if by_axis
+            else ("periapsis_altitude_km", "apoapsis_altitude_km")
         )
         missing = [key for key in keys if key not in satellite]
         faults += [f"{field}.{key}: missing; needed beside the others" for key in missing]

@@ -60,7 +60,8 @@ class SatelliteTable(Table):
         None, ge=0, lt=1, description="eccentricity, 0 up to below 1; 0 if left out"
     )
     periapsis_altitude_km: Kilometres | None = Field(
-        None, description="lowest altitude over the equatorial radius, km (with apoapsis_altitude_km)"
+        None,
+        description="lowest altitude over the equatorial radius, km (with apoapsis_altitude_km)",
     )
     apoapsis_altitude_km: Kilometres | None = Field(
         None, description="highest altitude over the equatorial radius, km"
@@ -83,7 +84,9 @@ class ElementsTable(Table):
 class CoverageTable(Table):
     """What the user on the surface needs."""
 
-    mask_deg: float = Field(0.0, ge=0, lt=90, description="elevation mask, 0 up to below 90 degrees")
+    mask_deg: float = Field(
+        0.0, ge=0, lt=90, description="elevation mask, 0 up to below 90 degrees"
+    )
     horizon_deg: list[Pair] | None = Field(
         None, description="list of [azimuth, elevation] in degrees, instead of mask_deg"
     )
@@ -100,7 +103,9 @@ class StationTable(Table):
     )
     longitude_deg: float = Field(ge=-180, le=360, description="east longitude, -180 to 360 degrees")
     height_km: float = Field(0.0, ge=-10, le=30, description="height over the figure, -10 to 30 km")
-    mask_deg: float = Field(0.0, ge=0, lt=90, description="elevation mask, 0 up to below 90 degrees")
+    mask_deg: float = Field(
+        0.0, ge=0, lt=90, description="elevation mask, 0 up to below 90 degrees"
+    )
     horizon_deg: list[Pair] | None = Field(
         None, description="list of [azimuth, elevation] in degrees, instead of mask_deg"
     )
@@ -117,7 +122,9 @@ class DesignFile(Table):
     figure: Literal["iau-sphere", "iau-ellipsoid", "kelly2018-sphere"] = Field(
         "iau-sphere", description="reference figure of Mars"
     )
-    epoch: datetime | None = Field(None, description="epoch of the elements, TDB; J2000 if left out")
+    epoch: datetime | None = Field(
+        None, description="epoch of the elements, TDB; J2000 if left out"
+    )
     constellation: Annotated[
         WalkerTable | RosetteTable | ElementsTable, Field(discriminator="pattern")
     ] = Field(description="the orbits: a table [constellation]")

@@ -200,7 +200,12 @@ def from_elements(
 
 
 def from_pattern(
-    pattern: Pattern, radius: float, *, name: str = "", epoch: float = 0.0, gm: float = MARS_GM.value
+    pattern: Pattern,
+    radius: float,
+    *,
+    name: str = "",
+    epoch: float = 0.0,
+    gm: float = MARS_GM.value,
 ) -> Constellation:
     """Lay out a symmetric pattern on circular orbits of one radius (metres)."""
     plane = np.repeat(np.arange(pattern.planes), pattern.per_plane)

@@ -38,7 +38,9 @@ def walker_delta(
     ----------
     Walker 1970, Circular Orbit Patterns Providing Continuous Whole Earth Coverage, RAE TR 70211.
     """
-    return _walker("walker-delta", satellites, planes, phasing, inclination, radius, name, epoch, gm)
+    return _walker(
+        "walker-delta", satellites, planes, phasing, inclination, radius, name, epoch, gm
+    )
 
 
 def walker_star(

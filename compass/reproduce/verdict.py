@@ -22,7 +22,8 @@ class Row:
     unit
         Unit of both.
     verdict
-        ``reproduced``, ``erratum: reason`` or ``differs: reason``.
+        ``reproduced``, ``erratum: reason``, ``differs: reason``, or ``not printed`` for a number
+        that the paper ought to have given.
     reason
         The reason alone; empty when reproduced.
     """
@@ -93,7 +94,13 @@ def compare(
 
 
 def judge_claim(
-    item: str, where: str, published: str, computed: float | str, unit: str, holds: bool, reason: str
+    item: str,
+    where: str,
+    published: str,
+    computed: float | str,
+    unit: str,
+    holds: bool,
+    reason: str,
 ) -> Row:
     """Judge a claim made in words: ``reproduced`` if it holds, else an erratum with its reason."""
     verdict = "reproduced" if holds else f"erratum: {reason}"

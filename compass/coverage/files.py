@@ -1,0 +1,119 @@
+"""Coverage maps as CF netCDF files that other programs read."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from compass.core.dop import dop_row
+from compass.coverage.grid import Grid
+from compass.coverage.maps import DOPS, LONG_NAMES
+from compass.coverage.view import View
+from compass.frames import Figure, mars_crs
+from compass.saving import replacing
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+CONVENTIONS = "CF-1.11"
+
+
+def write_map(
+    dataset: "xr.Dataset",
+    path: Path,
+    figure: Figure,
+    *,
+    series: tuple[View, Grid] | None = None,
+    progress: Callable[[int], None] = lambda rows: None,
+) -> None:
+    """Write a map with Mars as its grid mapping; a killed run leaves no partial file.
+
+    Parameters
+    ----------
+    dataset
+        From `coverage_map`, attributes completed by the caller (title, source, history, ...).
+    path
+        Where to.
+    figure
+        Reference figure; maps are on the sphere of its equatorial radius.
+    series
+        With the view and the grid of the map, also ``count_series`` and ``gdop_series`` ...
+        over (time, lat, lon), computed again row by row so that memory stays small.
+    progress
+        Called with the number of rows of the series just written.
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
+    """
+    mapped = with_grid_mapping(dataset, figure)
+    compression = {
+        name: {"zlib": True, "complevel": 1} for name, v in mapped.data_vars.items() if v.ndim >= 2
+    }
+    with replacing(path) as temporary:
+        mapped.to_netcdf(temporary, engine="h5netcdf", encoding=compression)
+        if series is not None:
+            _append_series(temporary, *series, progress)
+
+
+def with_grid_mapping(dataset: "xr.Dataset", figure: Figure) -> "xr.Dataset":
+    """Return the map with the grid-mapping variable ``mars`` and the convention's attributes."""
+    import xarray as xr
+
+    sphere = figure.name if figure.is_sphere else "iau-sphere"
+    mapping = mars_crs(sphere).to_cf()
+    mapped = dataset.assign(mars=xr.DataArray(np.int32(0), attrs=mapping))
+    mapped.attrs["Conventions"] = CONVENTIONS
+    for variable in mapped.data_vars.values():
+        if {"lat", "lon"} <= set(variable.dims):
+            variable.attrs["grid_mapping"] = "mars"
+    return mapped
+
+
+def _append_series(path: Path, view: View, grid: Grid, progress: Callable[[int], None]) -> None:
+    """Add counts and DOPs of every epoch, a row at a time."""
+    import h5netcdf
+
+    latitude, longitude = grid.latitude, grid.longitude
+    cos_lon, sin_lon = np.cos(longitude), np.sin(longitude)
+    epochs, m = view.times.size, grid.columns
+    px, py, moments = np.empty(m), np.empty(m), np.empty((10, m))
+    runs = np.empty((m, 2), np.int64)
+    counts, row = np.empty((epochs, m), np.int16), np.empty((epochs, 5, m))
+    with h5netcdf.File(path, "a") as file:
+        dims = ("time", "lat", "lon")
+        chunks = (epochs, 1, m)
+        options = {"chunks": chunks, "compression": "gzip", "compression_opts": 1}
+        variables = [file.create_variable("count_series", dims, np.int16, **options)]
+        variables[0].attrs["long_name"] = "satellite count"
+        for name in DOPS:
+            variables.append(file.create_variable(f"{name}_series", dims, np.float32, **options))
+            variables[-1].attrs["long_name"] = LONG_NAMES[name]
+        for variable in variables:
+            variable.attrs["units"] = "1"
+            variable.attrs["grid_mapping"] = "mars"
+        for i in range(grid.rows):
+            for t in range(epochs):
+                dop_row(
+                    view.r[t],
+                    view.cos_cap[t],
+                    view.azimuths,
+                    view.elevations,
+                    np.sin(latitude[i]),
+                    np.cos(latitude[i]),
+                    cos_lon,
+                    sin_lon,
+                    longitude[0],
+                    px,
+                    py,
+                    moments,
+                    runs,
+                    counts[t],
+                    row[t],
+                )
+            variables[0][:, i, :] = counts
+            for k, variable in enumerate(variables[1:]):
+                variable[:, i, :] = row[:, k]
+            progress(1)

@@ -1,0 +1,270 @@
+"""Coverage maps: counts, dilution of precision and gaps over the sphere and a period."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.core.coverage_map import empty_histograms, map_row
+from compass.coverage.grid import Grid
+from compass.coverage.view import View
+from compass.errors import ArgumentError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Order of the dilutions of precision in every array and table.
+DOPS = ("gdop", "pdop", "hdop", "vdop", "tdop")
+LONG_NAMES = {
+    "gdop": "geometric dilution of precision",
+    "pdop": "position dilution of precision",
+    "hdop": "horizontal dilution of precision",
+    "vdop": "vertical dilution of precision",
+    "tdop": "time dilution of precision",
+}
+CELL_PERCENTILES = (50, 95)
+#: Per-cell shares are kept up to this fold; the global ones have no limit.
+MAX_FOLD_KEPT = 16
+
+
+def coverage_map(
+    view: View,
+    grid: Grid,
+    *,
+    period: float,
+    fold: int = 4,
+    pdop_threshold: float = 6.0,
+    workers: int | None = None,
+    progress: Callable[[int], None] = lambda rows: None,
+) -> "xr.Dataset":
+    """Everything a map says about each cell, zone and epoch, and about the whole sphere.
+
+    The epochs of `view` are taken as equally spaced over a period after which everything
+    repeats, each with weight 1/epochs: a gap at the end goes on at the start.
+    A dilution of precision is infinite with fewer than four satellites in view or with singular
+    geometry; infinities count in every percentile and against availability.
+
+    Parameters
+    ----------
+    view
+        The constellation at the epochs.
+    grid
+        Cells; areas are exact, so global and zonal numbers are area- and time-weighted.
+    period
+        Seconds that the epochs stand for.
+    fold
+        Satellites wanted at once: gaps and response times are about it.
+    pdop_threshold
+        A cell is available while ``PDOP <= pdop_threshold``.
+    workers
+        Threads; by default one a core. The numbers do not depend on it.
+    progress
+        Called with the number of rows just finished.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (lat, lon): ``count_min``, ``count_mean``, ``count_max``, ``fold_share`` (by fold),
+        ``gdop`` ... ``tdop`` (by percentile, nearest rank), ``availability``, ``longest_gap``,
+        ``mean_gap``, ``mean_response_time``; over lat: ``fold_share_lat``; over time:
+        ``count_min_time``, ``count_mean_time``, ``count_max_time``; global: ``global_dop`` (dop,
+        global_percentile; relative error at most 4.9e-4), ``global_fold_share``,
+        ``global_count_mean``, ``global_availability``.
+
+    Raises
+    ------
+    ArgumentError
+        `fold` below 1 or a threshold that is not positive.
+    """
+    if fold < 1:
+        raise ArgumentError(f"fold = {fold}: must be at least 1")
+    if not pdop_threshold > 0:
+        raise ArgumentError(f"pdop_threshold = {pdop_threshold}: must be positive")
+    cells = _Cells(view, grid, fold, period)
+    latitude, longitude = grid.latitude, grid.longitude
+    columns = np.cos(longitude), np.sin(longitude), float(longitude[0])
+    epochs = view.times.size
+    # nearest rank: the smallest value that at least q percent of the epochs do not exceed
+    ranks = np.array([max(-(-q * epochs // 100), 1) - 1 for q in CELL_PERCENTILES])
+
+    def one_row(i: int) -> tuple[NDArray, NDArray, NDArray]:
+        tallies = empty_histograms(view.r.shape[1], epochs)
+        map_row(
+            view.r,
+            view.cos_cap,
+            view.azimuths,
+            view.elevations,
+            np.sin(latitude[i]),
+            np.cos(latitude[i]),
+            *columns,
+            fold,
+            pdop_threshold,
+            ranks,
+            grid.cell_share[i] / epochs,
+            cells.count_min[i],
+            cells.count_mean[i],
+            cells.count_max[i],
+            cells.share[i],
+            cells.percentiles[i],
+            cells.availability[i],
+            cells.gaps[i],
+            *tallies,
+        )
+        return tallies
+
+    totals = empty_histograms(view.r.shape[1], epochs)
+    with ThreadPoolExecutor(workers) as pool:
+        # rows are added in order, so the sums are the same for any number of threads
+        for histogram, counts, by_epoch in pool.map(one_row, range(grid.rows)):
+            totals[0][:] += histogram
+            totals[1][:] += counts
+            np.minimum(totals[2][0], by_epoch[0], out=totals[2][0])
+            totals[2][1] += by_epoch[1] * epochs
+            np.maximum(totals[2][2], by_epoch[2], out=totals[2][2])
+            progress(1)
+    return cells.dataset(totals, pdop_threshold)
+
+
+class _Cells:
+    """The arrays that the row kernel fills, and the dataset made of them."""
+
+    def __init__(self, view: View, grid: Grid, fold: int, period: float) -> None:
+        self.view, self.grid, self.fold = view, grid, fold
+        self.step = period / view.times.size
+        shape = (grid.rows, grid.columns)
+        self.kept = min(view.r.shape[1], MAX_FOLD_KEPT)
+        self.count_min = np.empty(shape, np.int16)
+        self.count_mean = np.empty(shape, np.float32)
+        self.count_max = np.empty(shape, np.int16)
+        self.availability = np.empty(shape, np.float32)
+        self.share = np.empty((grid.rows, self.kept, grid.columns), np.float32)
+        self.percentiles = np.empty(
+            (grid.rows, len(DOPS), len(CELL_PERCENTILES), grid.columns), np.float32
+        )
+        self.gaps = np.empty((grid.rows, 3, grid.columns), np.float32)
+
+    def dataset(
+        self, totals: tuple[NDArray, NDArray, NDArray], pdop_threshold: float
+    ) -> "xr.Dataset":
+        """Name, describe and summarise."""
+        import xarray as xr
+
+        from compass.core.ranking import histogram_quantile
+
+        grid, weight = self.grid, self.grid.cell_share
+        by_cell = ("lat", "lon")
+        global_percentiles = [50, 90, 95, 99]
+        quantiles = [
+            [histogram_quantile(row, q / 100) for q in global_percentiles] for row in totals[0]
+        ]
+        share_of_count = totals[1] / totals[1].sum()
+        at_least = share_of_count[::-1].cumsum()[::-1]
+        zone = self.share.mean(axis=2, dtype=np.float64)
+        data: dict[str, tuple] = {
+            "count_min": (by_cell, self.count_min, _attrs("smallest satellite count")),
+            "count_mean": (by_cell, self.count_mean, _attrs("mean satellite count")),
+            "count_max": (by_cell, self.count_max, _attrs("largest satellite count")),
+            "fold_share": (
+                ("fold", *by_cell),
+                self.share.transpose(1, 0, 2),
+                _attrs("share of time with at least this many satellites in view"),
+            ),
+            "availability": (
+                by_cell,
+                self.availability,
+                _attrs(f"share of time with PDOP at most {pdop_threshold:g}"),
+            ),
+        }
+        for k, dop in enumerate(DOPS):
+            data[dop] = (
+                ("percentile", *by_cell),
+                self.percentiles[:, k].transpose(1, 0, 2),
+                _attrs(f"{LONG_NAMES[dop]}, percentile over time (nearest rank, inf counts)"),
+            )
+        for k, (name, text) in enumerate(
+            {
+                "longest_gap": "longest time with fewer than the wanted satellites",
+                "mean_gap": "mean time with fewer than the wanted satellites, a gap",
+                "mean_response_time": "mean wait from a random moment for the wanted satellites",
+            }.items()
+        ):
+            seconds = self.gaps[:, k] * np.float32(self.step)
+            data[name] = (by_cell, seconds, _attrs(text, "s"))
+        data |= {
+            "fold_share_lat": (
+                ("fold", "lat"),
+                zone.T,
+                _attrs("share of longitude and time with at least this many in view"),
+            ),
+            "count_min_time": ("time", totals[2][0], _attrs("smallest count on the sphere")),
+            "count_mean_time": ("time", totals[2][1], _attrs("mean count on the sphere")),
+            "count_max_time": ("time", totals[2][2], _attrs("largest count on the sphere")),
+            "global_dop": (
+                ("dop", "global_percentile"),
+                np.array(quantiles),
+                _attrs("percentile over area and time, relative error at most 4.9e-4"),
+            ),
+            "global_fold_share": (
+                "global_fold",
+                at_least,
+                _attrs("share of area and time with at least this many in view"),
+            ),
+            "global_count_mean": (
+                (),
+                float(share_of_count @ np.arange(share_of_count.size)),
+                _attrs("mean satellite count over area and time"),
+            ),
+            "global_availability": (
+                (),
+                float(weight @ self.availability.sum(axis=1, dtype=np.float64)),
+                _attrs(f"share of area and time with PDOP at most {pdop_threshold:g}"),
+            ),
+            "cell_share": ("lat", weight, _attrs("share of the sphere in one cell of the row")),
+        }
+        coords = {
+            "lat": (
+                "lat",
+                np.degrees(grid.latitude),
+                {
+                    "units": "degrees_north",
+                    "standard_name": "latitude",
+                    "long_name": "planetocentric latitude",
+                },
+            ),
+            "lon": (
+                "lon",
+                np.degrees(grid.longitude),
+                {
+                    "units": "degrees_east",
+                    "standard_name": "longitude",
+                    "long_name": "east longitude",
+                },
+            ),
+            "time": (
+                "time",
+                self.view.times,
+                {"units": "s", "long_name": "time after the epoch of the orbits"},
+            ),
+            "fold": ("fold", np.arange(1, self.kept + 1), _attrs("satellites in view at once")),
+            "percentile": ("percentile", list(CELL_PERCENTILES), {"units": "percent"}),
+            "global_percentile": ("global_percentile", global_percentiles, {"units": "percent"}),
+            "global_fold": (
+                "global_fold",
+                np.arange(at_least.size),
+                _attrs("satellites in view at once"),
+            ),
+            "dop": ("dop", list(DOPS)),
+        }
+        attrs = {
+            "wanted_fold": self.fold,
+            "pdop_threshold": pdop_threshold,
+            "epochs": self.view.times.size,
+            "grid": f"{grid.kind}, {grid.rows} by {grid.columns} cells",
+        }
+        return xr.Dataset(data, coords, attrs)
+
+
+def _attrs(long_name: str, units: str = "1") -> dict[str, str]:
+    return {"units": units, "long_name": long_name}

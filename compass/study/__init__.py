@@ -1,0 +1,1 @@
+"""Designs through the pipe: one mapped, or many searched, traded and judged."""

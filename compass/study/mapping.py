@@ -1,0 +1,149 @@
+"""From a design to its coverage map, with the provenance that the map carries."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import compass
+from compass.coverage.grid import Grid, make_grid
+from compass.coverage.maps import coverage_map
+from compass.coverage.view import View, view
+from compass.errors import ArgumentError
+from compass.inputs import Design
+from compass.orbits import RepeatPeriod, repeat_period
+from compass.orbits.ephemeris import MotionModel
+from compass.sites import Mask
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+MAX_EPOCHS = 100_000
+MAX_DURATION_H = 1e6
+
+
+@dataclass(frozen=True)
+class MapOptions:
+    """How to map; None takes what the design says.
+
+    Attributes
+    ----------
+    step_deg, grid
+        Cell size in degrees and kind of cells (``equal-angle`` or ``equal-area``).
+    epochs
+        Equally spaced epochs in the period.
+    mask_deg, fold
+        Elevation mask and satellites wanted, instead of the design's.
+    pdop_max
+        Largest PDOP that counts as available.
+    motion
+        ``two-body``, ``j2`` or ``numerical``.
+    duration_h
+        Period to map, hours, instead of the ground tracks' repeat period.
+    """
+
+    step_deg: float = 1.0
+    grid: str = "equal-angle"
+    epochs: int = 96
+    mask_deg: float | None = None
+    fold: int | None = None
+    pdop_max: float = 6.0
+    motion: MotionModel = "two-body"
+    duration_h: float | None = None
+
+
+@dataclass(frozen=True)
+class DesignMap:
+    """A map, and what it was made from.
+
+    Attributes
+    ----------
+    dataset
+        See `compass.coverage.maps.coverage_map`.
+    grid, view
+        The cells; the constellation at the epochs.
+    repeat
+        The period over which the ground tracks repeat.
+    """
+
+    dataset: "xr.Dataset" = field(repr=False)
+    grid: Grid
+    view: View
+    repeat: RepeatPeriod
+
+
+def make_map(
+    design: Design,
+    options: MapOptions | None = None,
+    command: str = "",
+    *,
+    workers: int | None = None,
+    progress: Callable[[int], None] = lambda rows: None,
+) -> DesignMap:
+    """Map a design over one repeat period of its ground tracks (or over a given duration).
+
+    Raises
+    ------
+    ArgumentError
+        An option outside what is allowed.
+    """
+    chosen = options or MapOptions()
+    if not 1 <= chosen.epochs <= MAX_EPOCHS:
+        raise ArgumentError(f"epochs = {chosen.epochs}: allowed 1 to {MAX_EPOCHS}")
+    if chosen.duration_h is not None and not 0 < chosen.duration_h <= MAX_DURATION_H:
+        raise ArgumentError(
+            f"duration_h = {chosen.duration_h}: must be above 0, at most {MAX_DURATION_H:g} hours"
+        )
+    mask = design.mask if chosen.mask_deg is None else option_mask(chosen.mask_deg)
+    repeat = repeat_period(design.constellation)
+    duration = repeat.duration if chosen.duration_h is None else chosen.duration_h * 3600
+    times = np.arange(chosen.epochs) * (duration / chosen.epochs)
+    grid = make_grid(chosen.grid, chosen.step_deg)
+    seen = view(design.constellation, times, design.figure.equatorial_radius, mask, chosen.motion)
+    dataset = coverage_map(
+        seen,
+        grid,
+        period=duration,
+        fold=design.fold if chosen.fold is None else chosen.fold,
+        pdop_threshold=chosen.pdop_max,
+        workers=workers,
+        progress=progress,
+    )
+    dataset.attrs |= provenance(design, command) | {
+        "elevation_mask_deg": np.degrees(mask.elevation).tolist(),
+        "motion_model": chosen.motion,
+        "period_s": duration,
+        "repeat_miss_deg": float(np.degrees(repeat.closure)),
+    }
+    return DesignMap(dataset, grid, seen, repeat)
+
+
+def option_mask(mask_deg: float) -> Mask:
+    """Return a constant mask from degrees given as an option.
+
+    Raises
+    ------
+    ArgumentError
+        Outside 0 up to below 90 degrees.
+    """
+    if not 0 <= mask_deg < 90:
+        raise ArgumentError(f"mask_deg = {mask_deg:g}: allowed 0 up to below 90 degrees")
+    return Mask.constant(float(np.radians(mask_deg)))
+
+
+def provenance(design: Design, command: str) -> dict[str, str]:
+    """What a result was made from: global attributes of the convention, and the design itself."""
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    return {
+        "title": f"Coverage of Mars by {design.name}",
+        "source": f"compass {compass.__version__}",
+        "history": f"{now} {command}".strip(),
+        "references": " ".join(design.source.split()),
+        "design_file": design.label,
+        "design_text": design.text,
+        "design_sha256": design.digest,
+        "compass_version": compass.__version__,
+        "command_line": command,
+    }
