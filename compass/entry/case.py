@@ -1,7 +1,7 @@
 """A navigation case: who flies where, past which beacons, and what is measured."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.core.entry_dynamics import STATES, rk4_step
 from compass.core.montecarlo import World
+from compass.entry.beacons import Beacons, in_view
 from compass.entry.faults import Fault, fault_tables
 from compass.entry.imu import Imu
 from compass.entry.model import EntryModel
@@ -40,10 +41,8 @@ class NavigationCase:
         The true world.
     start
         True ``[r, lon, lat, V, gamma, psi]`` at epoch 0, shape (6,), SI, psi from north.
-    beacon_names
-        One name a beacon.
     beacons
-        Their positions in the axes of the state, metres, shape (K+1, m, 3).
+        The m beacons, at epochs 0 to K.
     range_sigma
         Standard deviations of the ranges, metres, shape (m,).
     imu
@@ -51,8 +50,6 @@ class NavigationCase:
     process_noise
         Variances added to the true state in one step, shape (8,), in the state's units squared
         (density as ln rho0). Needed wherever the consistency of a filter is judged.
-    step
-        Seconds.
     arrival
         Probability that a range gets through the plasma, shape (K+1, m) or (K+1, 1); 1 if None.
     """
@@ -60,45 +57,38 @@ class NavigationCase:
     name: str
     truth: EntryModel
     start: Array
-    beacon_names: tuple[str, ...]
-    beacons: Array
+    beacons: Beacons
     range_sigma: Array
     imu: Imu = field(default_factory=Imu)
     process_noise: Array = field(default_factory=lambda: np.zeros(STATES))
-    step: float = 1.0
     arrival: Array | None = None
 
     def __post_init__(self) -> None:
-        m = len(self.beacon_names)
-        if self.beacons.ndim != 3 or self.beacons.shape[1:] != (m, 3) or len(self.beacons) < 2:
+        m, times = self.beacons.size, self.beacons.times
+        steps = np.diff(times)
+        if times.size < 2 or steps[0] <= 0 or not np.allclose(steps, steps[0], rtol=1e-9):
             raise ArgumentError(
-                f"beacons: positions of shape {self.beacons.shape} for {m} names; the shape must be "
-                f"(epochs, {m}, 3) with at least two epochs"
+                "beacons: their times must be evenly spaced epochs, at least two; the filters step "
+                "from one to the next"
             )
         if np.shape(self.range_sigma) != (m,) or not np.all(np.asarray(self.range_sigma) > 0):
-            raise ArgumentError(
-                f"range_sigma = {np.asarray(self.range_sigma).tolist()} m: give one positive value a beacon"
-            )
-        if not (np.isfinite(self.step) and self.step > 0):
-            raise ArgumentError(f"step = {self.step} s: must be positive")
+            shown = np.asarray(self.range_sigma).tolist()
+            raise ArgumentError(f"range_sigma = {shown} m: give one positive value a beacon")
         if not np.all(np.asarray(self.process_noise) >= 0):
             raise ArgumentError("process_noise: every variance must be 0 or more")
-        for i in range(m):
-            for j in range(i):
-                apart = np.linalg.norm(self.beacons[:, i] - self.beacons[:, j], axis=-1)
-                if apart.min() < SAME_PLACE:
-                    raise ArgumentError(
-                        f"beacons {self.beacon_names[j]} and {self.beacon_names[i]}: at one place "
-                        f"(within {apart.min():.3g} m at {self.step * apart.argmin():g} s); move or "
-                        "remove one"
-                    )
+        check_distinct(self.beacons)
         if self.arrival is not None:
             check_probabilities(self.arrival)
 
     @property
     def times(self) -> Array:
         """Epochs, s, shape (K+1,)."""
-        return self.step * np.arange(len(self.beacons))
+        return self.beacons.times
+
+    @property
+    def step(self) -> float:
+        """Seconds between epochs."""
+        return float(self.times[1] - self.times[0])
 
     @cached_property
     def nominal(self) -> Array:
@@ -109,7 +99,7 @@ class NavigationCase:
         ArgumentError
             The flight cannot be continued (it says when), for instance at rest or vertical.
         """
-        states = np.empty((len(self.beacons), STATES))
+        states = np.empty((self.times.size, STATES))
         states[0] = self.truth.full_state(self.start)
         banks = self.truth.vehicle.bank(self.times)
         for k in range(1, len(states)):
@@ -122,20 +112,9 @@ class NavigationCase:
         return states
 
     @cached_property
-    def positions(self) -> Array:
-        """True positions without process noise, metres, shape (K+1, 3)."""
-        r, lon, lat = self.nominal[:, 0], self.nominal[:, 1], self.nominal[:, 2]
-        unit = [np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)]
-        return (r * np.array(unit)).T
-
-    @cached_property
     def visible(self) -> NDArray[np.bool_]:
         """Whether the line of sight to each beacon clears the planet, shape (K+1, m)."""
-        lander = self.positions[:, None, :]
-        sight = self.beacons - lander
-        along = -(lander * sight).sum(axis=-1) / (sight * sight).sum(axis=-1)
-        nearest = lander + np.clip(along, 0.0, 1.0)[..., None] * sight
-        return np.linalg.norm(nearest, axis=-1) >= self.truth.planet_radius
+        return in_view(self.beacons, self.nominal, self.truth.planet_radius)
 
     @cached_property
     def density(self) -> Array:
@@ -149,17 +128,15 @@ class NavigationCase:
 
     def through_plasma(self, model: ElectronModel | ElectronTable = WAKE) -> "NavigationCase":
         """Return the case with ranges that arrive as the plasma of a model lets them."""
-        from dataclasses import replace
-
         return replace(self, arrival=arrival_probability(self.electrons(model))[:, None])
 
     def visibility_report(self) -> tuple[str, ...]:
         """Return what is to be said about beacons that are hidden for part or all of the entry."""
         seen = self.visible.sum(axis=0)
-        total = len(self.beacons)
+        total = self.times.size
         lines = [
             f"beacon {name}: in line of sight at {count} of {total} epochs"
-            for name, count in zip(self.beacon_names, seen, strict=True)
+            for name, count in zip(self.beacons.names, seen, strict=True)
             if count < total
         ]
         if total and not seen.any():
@@ -176,7 +153,7 @@ class NavigationCase:
         see_through
             Let ranges pass through the planet, as sources do that do not check the line of sight.
         """
-        tables = fault_tables(faults, self.times, self.beacon_names)
+        tables = fault_tables(faults, self.times, self.beacons.names)
         arrival = np.ones(self.visible.shape) if self.arrival is None else self.arrival
         open_path = ~tables.lost if see_through else self.visible & ~tables.lost
         return World(
@@ -187,31 +164,65 @@ class NavigationCase:
             bias=np.array(self.imu.bias, dtype=float),
             acc_sigma=np.array(self.imu.sigma, dtype=float),
             range_sigma=np.asarray(self.range_sigma, dtype=float),
-            beacons=np.ascontiguousarray(self.beacons),
+            beacons=np.ascontiguousarray(self.beacons.r),
             arrival=np.ascontiguousarray(np.where(open_path, arrival, 0.0)),
             offset=tables.offset,
             alive=tables.alive,
         )
 
 
-def two_body_positions(r0: ArrayLike, v0: ArrayLike, times: Array, gm: float) -> Array:
-    """Positions (K+1, 3), metres, of an unpowered orbiter from its state at time 0.
+def check_distinct(beacons: Beacons) -> None:
+    """Refuse beacons at one place, whose ranges tell the same.
 
-    Integrated by SciPy's DOP853 to 1e-13 relative: any conic, whatever its periapsis.
+    Raises
+    ------
+    ArgumentError
+        Two beacons that come within a metre of each other.
+    """
+    for i in range(beacons.size):
+        for j in range(i):
+            apart = np.linalg.norm(beacons.r[:, i] - beacons.r[:, j], axis=-1)
+            if apart.min() < SAME_PLACE:
+                raise ArgumentError(
+                    f"beacons {beacons.names[j]} and {beacons.names[i]}: at one place (within "
+                    f"{apart.min():.3g} m at {beacons.times[apart.argmin()]:g} s); move or remove one"
+                )
+
+
+def beacons_from_states(
+    names: Sequence[str], r0: ArrayLike, v0: ArrayLike, times: Array, gm: float
+) -> Beacons:
+    """Beacons from state vectors at time 0 in axes that do not turn; those at rest stay.
+
+    The others move as two bodies do, integrated by SciPy's DOP853 to 1e-13 relative: any conic,
+    whatever its periapsis (sources print orbits that dip under the surface).
+
+    Parameters
+    ----------
+    names
+        One a beacon.
+    r0, v0
+        Metres and m/s, shape (m, 3); a velocity of zero marks a beacon at rest.
+    times
+        Epochs, s, shape (K+1,), the first 0.
+    gm
+        Gravitational parameter, m^3/s^2.
     """
     from scipy.integrate import solve_ivp
 
     def derivative(_: float, y: Array) -> Array:
         return np.concatenate([y[3:], -gm * y[:3] / np.linalg.norm(y[:3]) ** 3])
 
-    start = np.concatenate([np.asarray(r0, dtype=float), np.asarray(v0, dtype=float)])
-    solution = solve_ivp(
-        derivative,
-        (times[0], times[-1]),
-        start,
-        method="DOP853",
-        t_eval=times,
-        rtol=1e-13,
-        atol=1e-6,
-    )
-    return np.asarray(solution.y[:3].T)
+    start, speed = np.asarray(r0, dtype=float), np.asarray(v0, dtype=float)
+    moving = np.any(speed != 0.0, axis=1)
+    paths = np.empty((times.size, len(names), 6))
+    for i, y0 in enumerate(np.concatenate([start, speed], axis=1)):
+        paths[:, i] = y0
+        if moving[i]:
+            span = (times[0], times[-1])
+            solution = solve_ivp(
+                derivative, span, y0, method="DOP853", t_eval=times, rtol=1e-13, atol=1e-6
+            )
+            paths[:, i] = solution.y.T
+    r, v = np.ascontiguousarray(paths[..., :3]), np.ascontiguousarray(paths[..., 3:])
+    return Beacons(tuple(names), times, r, v, moving)

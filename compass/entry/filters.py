@@ -3,7 +3,6 @@
 The algorithms themselves, one a file, are in `compass.core.filters`.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import exp, inf, isfinite
 from typing import TYPE_CHECKING, Literal, get_args
@@ -16,6 +15,7 @@ from compass.core.entry_measurement import ACCELERATIONS
 from compass.core.filters import step as steps
 from compass.core.filters.common import Settings
 from compass.core.montecarlo import Belief, make_trace, track
+from compass.entry.beacons import Beacons
 from compass.entry.model import EntryModel
 from compass.errors import ArgumentError, CompassError
 
@@ -249,12 +249,10 @@ class FilterSettings:
 
 def run_filter(
     settings: FilterSettings,
-    beacons: Array,
+    beacons: Beacons,
     measurements: Array,
     arrived: NDArray[np.bool_] | None = None,
     alive: NDArray[np.bool_] | None = None,
-    step: float = 1.0,
-    beacon_names: Sequence[str] = (),
 ) -> "xr.Dataset":
     """Run a filter over measurements.
 
@@ -263,17 +261,13 @@ def run_filter(
     settings
         The filter.
     beacons
-        Positions at epochs 0 to K, metres, shape (K+1, m, 3).
+        The m beacons at evenly spaced epochs 0 to K.
     measurements
         Accelerations (m/s^2) and ranges (m), shape (K+1, 3 + m); row 0, the start, is not used.
     arrived
         Which of them arrived, same shape; all if None.
     alive
         Which subsystems work, shape (K+1, m); all if None.
-    step
-        Seconds between epochs.
-    beacon_names
-        One name a beacon; numbers if empty.
 
     Returns
     -------
@@ -290,7 +284,8 @@ def run_filter(
     import xarray as xr
 
     z = np.asarray(measurements, dtype=float)
-    epochs, m = beacons.shape[:2]
+    times, epochs, m = beacons.times, beacons.times.size, beacons.size
+    step = float(times[1] - times[0])
     if z.shape != (epochs, ACCELERATIONS + m):
         raise ArgumentError(
             f"measurements of shape {z.shape}: must be ({epochs}, {ACCELERATIONS + m}): three "
@@ -299,12 +294,12 @@ def run_filter(
     if np.size(settings.range_variance) != m:
         raise ArgumentError(f"range_variance: {np.size(settings.range_variance)} values for {m} beacons")
     came = np.ones(z.shape, bool) if arrived is None else np.asarray(arrived, dtype=bool)
-    sensors = [*("drag", "side", "lift"), *(beacon_names or [str(i + 1) for i in range(m)])]
+    sensors = ["drag", "side", "lift", *beacons.names]
     wrong = np.argwhere(came[1:] & ~np.isfinite(z[1:]))
     if wrong.size:
         k, row = wrong[0]
         raise ArgumentError(
-            f"measurement {sensors[row]} at {(k + 1) * step:g} s = {z[k + 1, row]}: must be a finite "
+            f"measurement {sensors[row]} at {times[k + 1]:g} s = {z[k + 1, row]}: must be a finite "
             "number; mark a measurement that is missing as not arrived"
         )
     algorithm, kernel_settings, belief = settings.kernel_arguments(step)
@@ -313,7 +308,6 @@ def run_filter(
     trace.z[:] = np.where(came, z, 0.0)
     trace.arrived[:] = came
     works = np.ones((epochs, m), bool) if alive is None else np.asarray(alive, dtype=bool)
-    times = step * np.arange(epochs)
     banks = settings.model.vehicle.bank(times)
     end = track(
         algorithm,
@@ -321,7 +315,7 @@ def run_filter(
         belief,
         belief.x0,
         banks,
-        np.ascontiguousarray(beacons, dtype=float),
+        np.ascontiguousarray(beacons.r),
         works,
         trace,
     )

@@ -91,7 +91,7 @@ def monte_carlo(
 
     if not 1 <= runs <= MOST_RUNS:
         raise ArgumentError(f"runs = {runs}: allowed 1 to {MOST_RUNS}")
-    m = len(case.beacon_names)
+    m = case.beacons.size
     if np.size(settings.range_variance) != m:
         raise ArgumentError(
             f"range_variance: {np.size(settings.range_variance)} values for {m} beacons; give one each"
@@ -261,8 +261,8 @@ def _dataset(
             "time": ("time", case.times, named("time after entry", "s")),
             "state": names,
             "unit": ("state", list(STATE_UNITS[:n])),
-            "beacon": list(case.beacon_names),
-            "sensor": ["drag", "side", "lift", *case.beacon_names],
+            "beacon": list(case.beacons.names),
+            "sensor": ["drag", "side", "lift", *case.beacons.names],
             "direction": ["east", "north", "up"],
             "direction_2": ["east", "north", "up"],
         },

@@ -1,10 +1,9 @@
 """The entry of Lou et al. 2019: its tables, as printed and as they should be."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compass.entry.atmosphere import Atmosphere
-from compass.entry.case import NavigationCase, two_body_positions
+from compass.entry.case import NavigationCase, beacons_from_states
 from compass.entry.filters import SCALE, Algorithm, FilterSettings, Weighting
 from compass.entry.imu import Imu
 from compass.entry.model import EntryModel
@@ -37,15 +36,6 @@ def entry_model(density: float = DENSITY, ld: float = LIFT_TO_DRAG, area: float 
     return EntryModel(Vehicle(area, ld), air, "none", GM, PLANET_RADIUS)
 
 
-def beacon_positions(times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Table 2 over time, metres, shape (K+1, 4, 3); the orbiters move as two bodies do."""
-    columns = [
-        two_body_positions(r * 1e3, v, times, GM) if np.any(v) else np.tile(r * 1e3, (times.size, 1))
-        for r, v in zip(POSITIONS_KM, VELOCITIES, strict=True)
-    ]
-    return np.stack(columns, axis=1)
-
-
 def case(
     point: tuple[float, float] = A0, *, noisy_truth: bool = False, bias: float = 0.0
 ) -> NavigationCase:
@@ -61,8 +51,7 @@ def case(
         "Lou et al. 2019",
         entry_model(),
         np.array(start),
-        BEACONS,
-        beacon_positions(times),
+        beacons_from_states(BEACONS, POSITIONS_KM * 1e3, VELOCITIES, times, GM),
         np.sqrt(RANGE_VARIANCE),
         Imu((1e-3, 1e-3, 1e-3), (bias, bias, bias)),
         RECOMMENDED_Q if noisy_truth else np.zeros(8),

@@ -327,16 +327,12 @@ def joseph_rows(settings, z, x, cov, acc_factor, work):
 
 @kernel
 def sound(x, cov):
-    """Whether a state is finite and the variances of its covariance are positive and finite."""
+    """Whether a state can be flown on: finite, radius and speed positive, variances positive."""
     for i in range(x.size):
         if not math.isfinite(x[i]):
             return False
-    return all_positive(cov)
-
-
-@kernel
-def all_positive(cov):
-    """Whether every variance is positive and finite."""
+    if not (x[0] > 0.0 and x[3] > 0.0):
+        return False
     for i in range(cov.shape[0]):
         if not (cov[i, i] > 0.0 and cov[i, i] < math.inf):
             return False

@@ -73,7 +73,6 @@ def predict_information(settings, y, work):
 @kernel
 def information_step(settings, epoch, bank, work):
     """Move the fused estimate over one epoch; False if it diverged."""
-    n, u = settings.states, settings.scale
     predict_state(settings, epoch.p, bank.x, work)
     if not predict_information(settings, bank.Y, work):
         return False
@@ -82,13 +81,22 @@ def information_step(settings, epoch, bank, work):
         if not covariance(settings, bank, work):
             return False
     choose_rows(settings, epoch, bank, bank.P, -1, work)
+    if not add_information(settings, epoch.z, bank, work):
+        return False
+    return sound(bank.x, bank.P)
+
+
+@kernel
+def add_information(settings, z, bank, work):
+    """Update by the rows in `work.used`, linearised in `work`; False if Y is not definite."""
+    n, u = settings.states, settings.scale
     for j in range(n):
         work.u[j] = 0.0
-    for i in range(epoch.z.size):
+    for i in range(z.size):
         if not work.used[i]:
             continue
         weight = 1.0 / row_noise(settings, i)
-        residual = weight * (epoch.z[i] - work.h[i])
+        residual = weight * (z[i] - work.h[i])
         for j in range(n):
             slope = work.big_h[i, j] * u[j]
             if slope == 0.0:
@@ -103,7 +111,7 @@ def information_step(settings, epoch, bank, work):
         for k in range(n):
             total += bank.P[j, k] / u[k] * work.u[k]
         bank.x[j] += total
-    return sound(bank.x, bank.P)
+    return True
 
 
 @kernel
