@@ -10,12 +10,12 @@ from compass.core.filters.common import (
     Epoch,
     Settings,
     add_noise,
-    joseph_rows,
     make_bank,
     make_work,
     predict_state,
     propagate,
     start_bank,
+    update,
 )
 from compass.core.filters.information import (
     add_information,
@@ -163,7 +163,7 @@ def test_rows_one_by_one_are_the_batch_update_in_joseph_form():
     predict_measurements(bank.x, 8, belief.p, False, CASE.beacons.r[1], work.h, work.big_h)
     work.used[:] = True
     big_h, h, p, x = work.big_h.copy(), work.h.copy(), bank.P.copy(), bank.x.copy()
-    assert joseph_rows(s, NOISY[1], bank.x, bank.P, 1.0, work)
+    assert update(s, NOISY[1], bank.x, bank.P, 1.0, work)
     r = np.diag(np.concatenate([s.r_acc, s.r_range]))
     gain = np.linalg.solve(big_h @ p @ big_h.T + r, big_h @ p).T
     rest = np.eye(8) - gain @ big_h

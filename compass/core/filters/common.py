@@ -227,16 +227,15 @@ def linearise(settings, epoch, x, work):
 
 
 @fast_kernel
-def innovation_variance(cov, row, noise):
+def innovation_variance(cov, big_h, row, noise):
     """``H P H^T + R`` of one row."""
     n = cov.shape[0]
     total = noise
     for i in range(n):
-        if row[i] != 0.0:
-            part = 0.0
-            for j in range(n):
-                part += cov[i, j] * row[j]
-            total += row[i] * part
+        part = 0.0
+        for j in range(n):
+            part += cov[i, j] * big_h[row, j]
+        total += big_h[row, i] * part
     return total
 
 
@@ -247,58 +246,88 @@ def choose_rows(settings, epoch, bank, cov, only, work):
     `only` -1 takes every range. The gate compares each row alone with the predicted covariance
     ``cov``, so its answer does not depend on the order of the rows.
     """
-    rows = epoch.z.size
-    for i in range(rows):
+    used, arrived = work.used, epoch.arrived
+    for i in range(arrived.size):
         mine = i < ACCELERATIONS or only < 0 or i - ACCELERATIONS == only
-        use = mine and epoch.arrived[i]
-        if use and settings.gate < math.inf:
-            noise = row_noise(settings, i)
-            residual = epoch.z[i] - work.h[i]
-            variance = innovation_variance(cov, work.big_h[i], noise)
-            if not residual * residual <= settings.gate * variance:
-                use = False
-                bank.gated[i] = True
-        work.used[i] = use
+        used[i] = mine and arrived[i]
+    if settings.gate < math.inf:
+        for i in range(arrived.size):
+            if used[i]:
+                noise = row_noise(settings.r_acc, settings.r_range, i)
+                residual = epoch.z[i] - work.h[i]
+                variance = innovation_variance(cov, work.big_h, i, noise)
+                if not residual * residual <= settings.gate * variance:
+                    used[i] = False
+                    bank.gated[i] = True
 
 
 @fast_kernel
-def row_noise(settings, row):
+def row_noise(r_acc, r_range, row):
     """Variance of a row of the measurements."""
-    if row < ACCELERATIONS:
-        return settings.r_acc[row]
-    return settings.r_range[row - ACCELERATIONS]
+    return r_acc[row] if row < ACCELERATIONS else r_range[row - ACCELERATIONS]
+
+
+@kernel
+def update(settings, z, x, cov, acc_factor, work):
+    """Update `x` and `cov` by the rows in `work.used`; see `joseph_rows`."""
+    return joseph_rows(
+        z,
+        work.used,
+        work.h,
+        work.big_h,
+        settings.r_acc,
+        settings.r_range,
+        acc_factor,
+        x,
+        cov,
+        work.dx,
+        work.u,
+        work.gain,
+    )
 
 
 @fast_kernel
-def joseph_rows(settings, z, x, cov, acc_factor, work):
-    """Measurement update of `x` and `cov` by the rows in `work.used`, one after the other.
+def joseph_rows(z, used, h, big_h, r_acc, r_range, acc_factor, x, cov, dx, u, gain):
+    """Measurement update of a state and its covariance, one row after the other.
 
     ``K = P H^T / (H P H^T + R)``, ``P <- (I - K H) P (I - K H)^T + K R K^T``: with uncorrelated
-    noise the same as all rows at once. Every row keeps the linearisation in `work` (at the
-    state before the first row). `acc_factor` multiplies the accelerometer variances.
+    noise the same as all rows at once. Every row keeps the linearisation at the state before the
+    first row. False if an innovation variance is not positive.
+
+    Parameters
+    ----------
+    z, used
+        Measurements and which of them to take, shape (3 + m,).
+    h, big_h
+        What the state would measure, and the derivative, shapes (3 + m,) and (3 + m, n).
+    r_acc, r_range
+        Variances, shapes (3,) and (m,); those of the accelerometers times `acc_factor`.
+    x, cov
+        Updated in place, shapes (8 or 11,) and (n, n).
+    dx, u, gain
+        Scratch, shape (n,).
     """
-    n = settings.states
-    dx, u, gain = work.dx, work.u, work.gain
+    n = cov.shape[0]
     for j in range(n):
         dx[j] = 0.0
     for i in range(z.size):
-        if not work.used[i]:
+        if not used[i]:
             continue
-        noise = row_noise(settings, i)
+        noise = row_noise(r_acc, r_range, i)
+        width = 3  # a range depends on the position alone
         if i < ACCELERATIONS:
             noise *= acc_factor
-        row = work.big_h[i]
-        width = n if i < ACCELERATIONS else 3  # a range depends on the position alone
-        residual = z[i] - work.h[i]
+            width = n
+        residual = z[i] - h[i]
         variance = noise
         for j in range(n):
             total = 0.0
             for k in range(width):
-                total += cov[j, k] * row[k]
+                total += cov[j, k] * big_h[i, k]
             u[j] = total
         for j in range(width):
-            variance += row[j] * u[j]
-            residual -= row[j] * dx[j]
+            variance += big_h[i, j] * u[j]
+            residual -= big_h[i, j] * dx[j]
         if not variance > 0.0:
             return False
         inverse = 1.0 / variance
@@ -313,11 +342,12 @@ def joseph_rows(settings, z, x, cov, acc_factor, work):
         for j in range(n):
             total = 0.0
             for k in range(width):
-                total += cov[j, k] * row[k]
+                total += cov[j, k] * big_h[i, k]
             u[j] = total
         for j in range(n):
+            correction = noise * gain[j] - u[j]
             for k in range(j, n):
-                value = cov[j, k] + (noise * gain[j] - u[j]) * gain[k]
+                value = cov[j, k] + correction * gain[k]
                 cov[j, k] = value
                 cov[k, j] = value
     for j in range(n):

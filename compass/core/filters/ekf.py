@@ -8,11 +8,11 @@ step and Phi its exact derivative. Rows that did not arrive are skipped.
 from compass.core.filters.common import (
     add_noise,
     choose_rows,
-    joseph_rows,
     linearise,
     predict_state,
     propagate,
     sound,
+    update,
 )
 from compass.core.jit import kernel
 
@@ -25,6 +25,6 @@ def ekf_step(settings, epoch, bank, work):
     add_noise(bank.P, settings.q, 1.0)
     linearise(settings, epoch, bank.x, work)
     choose_rows(settings, epoch, bank, bank.P, -1, work)
-    if not joseph_rows(settings, epoch.z, bank.x, bank.P, 1.0, work):
+    if not update(settings, epoch.z, bank.x, bank.P, 1.0, work):
         return False
     return sound(bank.x, bank.P)

@@ -95,7 +95,7 @@ def add_information(settings, z, bank, work):
     for i in range(z.size):
         if not work.used[i]:
             continue
-        weight = 1.0 / row_noise(settings, i)
+        weight = 1.0 / row_noise(settings.r_acc, settings.r_range, i)
         residual = weight * (z[i] - work.h[i])
         for j in range(n):
             slope = work.big_h[i, j] * u[j]

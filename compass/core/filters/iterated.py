@@ -7,11 +7,11 @@ that of the last linearisation. With one iteration it is the extended Kalman fil
 from compass.core.filters.common import (
     add_noise,
     choose_rows,
-    joseph_rows,
     linearise,
     predict_state,
     propagate,
     sound,
+    update,
 )
 from compass.core.jit import kernel
 
@@ -42,7 +42,7 @@ def iterated_step(settings, epoch, bank, work):
             work.c[0, j] = x[j]
             x[j] = predicted[j]
         bank.P[:, :] = before
-        if not joseph_rows(settings, epoch.z, x, bank.P, 1.0, work) or not sound(x, bank.P):
+        if not update(settings, epoch.z, x, bank.P, 1.0, work) or not sound(x, bank.P):
             return False
         for j in range(n):
             step = x[j] - work.c[0, j]

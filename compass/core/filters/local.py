@@ -8,11 +8,11 @@ the subsystems' information matrices with coefficients c_i:
 from compass.core.filters.common import (
     add_noise,
     choose_rows,
-    joseph_rows,
     linearise,
     predict_state,
     propagate,
     sound,
+    update,
 )
 from compass.core.fusion import (
     DETERMINANT,
@@ -65,7 +65,7 @@ def update_local(settings, epoch, bank, i, acc_factor, work):
     n, u = settings.states, settings.scale
     x, cov, y = bank.local_x[i], bank.local_P[i], work.information[i]
     choose_rows(settings, epoch, bank, cov, i, work)
-    if not joseph_rows(settings, epoch.z, x, cov, acc_factor, work) or not sound(x, cov):
+    if not update(settings, epoch.z, x, cov, acc_factor, work) or not sound(x, cov):
         return False
     if not invert(cov, y, work.a):
         return False
