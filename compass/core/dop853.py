@@ -12,7 +12,7 @@ from compass.core.entry_dynamics import BANK, STATES, entry_rates, rk4_step
 from compass.core.jit import fast_kernel
 
 STAGES = 12
-_ROWS = (
+_ROWS: tuple[list[float], ...] = (
     [],
     [0.05260015195876773],
     [0.0197250569845379, 0.0591751709536137],

@@ -228,15 +228,19 @@ def orbit_series(position, velocity, gm, omega, orders):
 
 
 @fast_kernel
-def range_series(w, beacon, out):
-    """Range from the flow `w` to a beacon with Taylor coefficients (3, orders): fills `out`."""
+def range_series(position, beacon, out):
+    """Range between two series: fills `out` (orders, 1 + duals).
+
+    `position` is the lander's, (3, orders, 1 + duals), such as ``w[X : Z + 1]`` of `flow_series`;
+    `beacon` the beacon's plain Taylor coefficients, (3, orders).
+    """
     orders, width = out.shape
     square = np.zeros((orders, width))
     part, product = np.empty((orders, width)), np.empty((orders, width))
     for i in range(3):
         for k in range(orders):
             for q in range(width):
-                part[k, q] = w[X + i, k, q]
+                part[k, q] = position[i, k, q]
             part[k, 0] -= beacon[i, k]
             multiply(part, part, k, product)
             add(square, product, k, square)

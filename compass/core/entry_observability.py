@@ -6,7 +6,7 @@ import numpy as np
 
 from compass.core.entry_dynamics import BANK, MU, OMEGA, entry_jacobian, entry_rates
 from compass.core.entry_geometry import cartesian, cartesian_jacobian, range_rows
-from compass.core.entry_jets import flow_series, orbit_series, range_series
+from compass.core.entry_jets import X, Z, flow_series, orbit_series, range_series
 from compass.core.jacobi_svd import jacobi_svd
 from compass.core.jit import kernel
 
@@ -39,7 +39,7 @@ def exact_matrix(x, p, r, v, moving, use_range, use_rate, orders, duals, out, li
         else:
             beacon = np.zeros((3, terms))
             beacon[:, 0] = r[i]
-        range_series(w, beacon, series)
+        range_series(w[X : Z + 1], beacon, series)
         factorial = 1.0
         for k in range(terms):
             if k > 0:

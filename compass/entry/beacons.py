@@ -52,7 +52,8 @@ class Beacons:
 
     def chosen(self, index: ArrayLike) -> "Beacons":
         """Return the beacons with these indices (or this mask)."""
-        kept = np.arange(self.size)[np.asarray(index)]
+        index = np.asarray(index)
+        kept = np.arange(self.size)[index if index.size else index.astype(int)]
         return Beacons(
             tuple(self.names[k] for k in kept),
             self.times,
