@@ -225,9 +225,7 @@ def one_run(algorithm, settings, world, belief, normals, uniforms, trace):
         for j in range(x0.size):
             x0[i] += belief.spread[i, j] * normals[j]
     fly(settings.dt, world, normals, uniforms, trace)
-    end = track(
-        algorithm, settings, belief, x0, world.bank, world.beacons, world.alive, trace
-    )
+    end = track(algorithm, settings, belief, x0, world.bank, world.beacons, world.alive, trace)
     factor, half = np.empty((n, n)), np.empty(n)
     last = trace.nees.size if end < 0 else end
     for k in range(last):

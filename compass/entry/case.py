@@ -22,6 +22,8 @@ from compass.entry.radio import (
     electron_density,
 )
 from compass.errors import ArgumentError
+from compass.orbits import states_mci
+from compass.orbits.states import from_states
 
 Array = NDArray[np.float64]
 
@@ -194,8 +196,8 @@ def beacons_from_states(
 ) -> Beacons:
     """Beacons from state vectors at time 0 in axes that do not turn; those at rest stay.
 
-    The others move as two bodies do, integrated by SciPy's DOP853 to 1e-13 relative: any conic,
-    whatever its periapsis (sources print orbits that dip under the surface).
+    The others move as two bodies do, whatever their periapsis (sources print orbits that dip
+    under the surface).
 
     Parameters
     ----------
@@ -204,25 +206,15 @@ def beacons_from_states(
     r0, v0
         Metres and m/s, shape (m, 3); a velocity of zero marks a beacon at rest.
     times
-        Epochs, s, shape (K+1,), the first 0.
+        Epochs, s, shape (K+1,).
     gm
         Gravitational parameter, m^3/s^2.
     """
-    from scipy.integrate import solve_ivp
-
-    def derivative(_: float, y: Array) -> Array:
-        return np.concatenate([y[3:], -gm * y[:3] / np.linalg.norm(y[:3]) ** 3])
-
     start, speed = np.asarray(r0, dtype=float), np.asarray(v0, dtype=float)
     moving = np.any(speed != 0.0, axis=1)
-    paths = np.empty((times.size, len(names), 6))
-    for i, y0 in enumerate(np.concatenate([start, speed], axis=1)):
-        paths[:, i] = y0
-        if moving[i]:
-            span = (times[0], times[-1])
-            solution = solve_ivp(
-                derivative, span, y0, method="DOP853", t_eval=times, rtol=1e-13, atol=1e-6
-            )
-            paths[:, i] = solution.y.T
-    r, v = np.ascontiguousarray(paths[..., :3]), np.ascontiguousarray(paths[..., 3:])
+    r = np.tile(start, (times.size, 1, 1))
+    v = np.tile(speed, (times.size, 1, 1))
+    if moving.any():
+        paths = states_mci(from_states(start[moving], speed[moving], gm=gm), times)
+        r[:, moving], v[:, moving] = (np.moveaxis(path, 0, 1) for path in paths)
     return Beacons(tuple(names), times, r, v, moving)

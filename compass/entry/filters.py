@@ -292,7 +292,9 @@ def run_filter(
             "accelerations and one range a beacon at every epoch of the beacons"
         )
     if np.size(settings.range_variance) != m:
-        raise ArgumentError(f"range_variance: {np.size(settings.range_variance)} values for {m} beacons")
+        raise ArgumentError(
+            f"range_variance: {np.size(settings.range_variance)} values for {m} beacons"
+        )
     came = np.ones(z.shape, bool) if arrived is None else np.asarray(arrived, dtype=bool)
     sensors = ["drag", "side", "lift", *beacons.names]
     wrong = np.argwhere(came[1:] & ~np.isfinite(z[1:]))

@@ -12,7 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry_measurement import ACCELERATIONS
-from compass.core.montecarlo import START_DRAWS, TRUTH_STATES, Tally, run_block
+from compass.core.montecarlo import (
+    START_DRAWS,
+    TRUTH_STATES,
+    Tally,
+    make_trace,
+    one_run,
+    run_block,
+)
 from compass.entry.case import NavigationCase
 from compass.entry.consistency import nees_bounds
 from compass.entry.faults import Fault
@@ -107,9 +114,7 @@ def monte_carlo(
         normals, uniforms = _draws(seed, first, count, len(case.times) - 1, m)
         tally = _empty_tally(len(case.times), settings.states, m)
         ends, last = np.empty(count, np.int64), np.zeros((count, belief.x0.size))
-        run_block(
-            algorithm, kernel_settings, world, belief, normals, uniforms, tally, ends, last
-        )
+        run_block(algorithm, kernel_settings, world, belief, normals, uniforms, tally, ends, last)
         return _Block(tally, ends, last, first)
 
     workers = threads or cpu_count() or 1
@@ -127,9 +132,52 @@ def monte_carlo(
     return _dataset(case, settings, total, runs, seed, diverged, messages)
 
 
-def _in_order(
-    pool: ThreadPoolExecutor, work: object, items: range, ahead: int
-) -> Iterator[_Block]:
+def single_run(
+    case: NavigationCase,
+    settings: FilterSettings,
+    seed: int = 0,
+    *,
+    faults: Sequence[Fault] = (),
+    see_through: bool = False,
+) -> "xr.Dataset":
+    """Return run 0 of `monte_carlo` of the same seed in full.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (time, state): `error` and `sigma`; (time, beacon): `weight`; (time, sensor):
+        `arrived` and `refused`; over time: `nees`. Values are nan from a divergence on, told in
+        the attribute `divergence`.
+    """
+    import xarray as xr
+
+    m = case.beacons.size
+    algorithm, kernel_settings, belief = settings.kernel_arguments(case.step)
+    normals, uniforms = _draws(seed, 0, 1, len(case.times) - 1, m)
+    trace = make_trace(settings.states, belief.x0.size, len(case.times), m)
+    world = case.world(faults, see_through)
+    end = one_run(algorithm, kernel_settings, world, belief, normals[0], uniforms[0], trace)
+    message = ""
+    if end >= 0:
+        message = divergence_message(settings, end * case.step, trace.x[max(end - 1, 0)])
+        for lost in (trace.error, trace.cov, trace.weights, trace.nees):
+            lost[end:] = np.nan
+    sigma = np.sqrt(np.diagonal(trace.cov, axis1=1, axis2=2))
+    return xr.Dataset(
+        {
+            "error": (("time", "state"), trace.error),
+            "sigma": (("time", "state"), sigma),
+            "weight": (("time", "beacon"), trace.weights),
+            "arrived": (("time", "sensor"), trace.arrived),
+            "refused": (("time", "sensor"), trace.gated),
+            "nees": ("time", trace.nees),
+        },
+        coords=_coordinates(case, settings),
+        attrs={"algorithm": settings.algorithm, "divergence": message},
+    )
+
+
+def _in_order(pool: ThreadPoolExecutor, work: object, items: range, ahead: int) -> Iterator[_Block]:
     """Yield results in the order of the items, with at most `ahead` of them under way."""
     waiting: deque[Future[_Block]] = deque()
     remaining = iter(items)
@@ -238,9 +286,6 @@ def _dataset(
     def named(long_name: str, units: str = "") -> dict[str, str]:
         return {"long_name": long_name, **({"units": units} if units else {})}
 
-    names = list(STATE_NAMES[:n])
-    if settings.published_linear_density:
-        names[6] = "rho0"
     spread = tally.miss[1:] / max(count - 1, 1)
     return xr.Dataset(
         {
@@ -258,11 +303,7 @@ def _dataset(
             "claimed_covariance": (axes, tally.claimed, named("mean covariance claimed", "m2")),
         },
         coords={
-            "time": ("time", case.times, named("time after entry", "s")),
-            "state": names,
-            "unit": ("state", list(STATE_UNITS[:n])),
-            "beacon": list(case.beacons.names),
-            "sensor": ["drag", "side", "lift", *case.beacons.names],
+            **_coordinates(case, settings),
             "direction": ["east", "north", "up"],
             "direction_2": ["east", "north", "up"],
         },
@@ -278,3 +319,19 @@ def _dataset(
             "nees_high": high,
         },
     )
+
+
+def _coordinates(case: NavigationCase, settings: FilterSettings) -> dict[str, object]:
+    """Time, states with their units, beacons and sensors."""
+    n = settings.states
+    names = list(STATE_NAMES[:n])
+    units = list(STATE_UNITS[:n])
+    if settings.published_linear_density:
+        names[6], units[6] = "rho0", "kg/m^3"
+    return {
+        "time": ("time", case.times, {"units": "s", "long_name": "time after entry"}),
+        "state": names,
+        "unit": ("state", units),
+        "beacon": list(case.beacons.names),
+        "sensor": ["drag", "side", "lift", *case.beacons.names],
+    }

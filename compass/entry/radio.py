@@ -198,7 +198,9 @@ def arrival_probability(
             "be positive and below the second"
         )
     if not 0 < in_blackout <= 1:
-        raise ArgumentError(f"arrival probability in blackout = {in_blackout}: allowed above 0 to 1")
+        raise ArgumentError(
+            f"arrival probability in blackout = {in_blackout}: allowed above 0 to 1"
+        )
     u = (np.asarray(electron_density, dtype=float) - brownout) / (ceiling - brownout)
     return np.exp(log(in_blackout) * np.clip(u, 0.0, 1.0) ** 2)
 

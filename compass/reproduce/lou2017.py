@@ -115,9 +115,7 @@ def _crossing_rows() -> list[Row]:
     assert beta is not None
     partial = (beta[:, 0] < 1) & (beta[:, 0] > 1.0001e-8)
     found += [
-        compare(
-            "seconds of brownout", "section 6", "17", float(partial.sum()), "s", tolerance=1.0
-        ),
+        compare("seconds of brownout", "section 6", "17", float(partial.sum()), "s", tolerance=1.0),
         judge_claim(
             "arrivals expected in brownout",
             "Figure 5",

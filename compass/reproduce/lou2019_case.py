@@ -30,7 +30,9 @@ RECOMMENDED_P0 = np.array([1e6, _DEGREES, _DEGREES, 100.0, _DEGREES, _DEGREES, 0
 RECOMMENDED_Q = np.array([1.0, 1e-14, 1e-14, 1e-2, 1e-10, 1e-10, 1e-6, 1e-6])
 
 
-def entry_model(density: float = DENSITY, ld: float = LIFT_TO_DRAG, area: float = DRAG_AREA) -> EntryModel:
+def entry_model(
+    density: float = DENSITY, ld: float = LIFT_TO_DRAG, area: float = DRAG_AREA
+) -> EntryModel:
     """Model of the paper: planet at rest, exponential atmosphere, bank angle 0."""
     air = Atmosphere(density, 3437.2e3, 7500.0)
     return EntryModel(Vehicle(area, ld), air, "none", GM, PLANET_RADIUS)

@@ -169,7 +169,9 @@ def test_rows_one_by_one_are_the_batch_update_in_joseph_form():
     rest = np.eye(8) - gain @ big_h
     batch = rest @ p @ rest.T + gain @ r @ gain.T
     sigma = np.sqrt(np.diag(batch))
-    np.testing.assert_allclose(bank.P / np.outer(sigma, sigma), batch / np.outer(sigma, sigma), atol=1e-6)
+    np.testing.assert_allclose(
+        bank.P / np.outer(sigma, sigma), batch / np.outer(sigma, sigma), atol=1e-6
+    )
     assert np.abs((bank.x - x - gain @ (NOISY[1] - h)) / sigma).max() < 1e-5
 
 
@@ -240,7 +242,9 @@ def test_a_lost_state_is_said(algorithm):
 
 def test_six_and_eleven_states_keep_to_their_part():
     eight = paper.recommended_filter("ekf")
-    six = eight.changed(p0=paper.RECOMMENDED_P0[:6], process_noise=paper.RECOMMENDED_Q[:6], scale=None)
+    six = eight.changed(
+        p0=paper.RECOMMENDED_P0[:6], process_noise=paper.RECOMMENDED_Q[:6], scale=None
+    )
     bank, ok = run(six, 5, NOISY)
     assert ok
     assert bank.P.shape == (6, 6)
@@ -306,11 +310,15 @@ def test_information_step_is_stone_soup_s(seed):
     phi, p0, q, big_h, r, x0, z = linear_case(seed)
     y0 = np.linalg.inv(p0)
     then = datetime(2030, 1, 1)
-    motion = LinearGaussianTimeInvariantTransitionModel(transition_matrix=phi, covariance_matrix=np.diag(q))
+    motion = LinearGaussianTimeInvariantTransitionModel(
+        transition_matrix=phi, covariance_matrix=np.diag(q)
+    )
     sensor = LinearGaussian(ndim_state=4, mapping=(0, 1, 2), noise_covar=np.diag(r))
     sensor.matrix = lambda **_: big_h
     prior = InformationState(state_vector=(y0 @ x0)[:, None], precision=y0, timestamp=then)
-    predicted = InformationKalmanPredictor(motion).predict(prior, timestamp=then + timedelta(seconds=1))
+    predicted = InformationKalmanPredictor(motion).predict(
+        prior, timestamp=then + timedelta(seconds=1)
+    )
     seen = Detection(z[:, None], timestamp=then + timedelta(seconds=1), measurement_model=sensor)
     updated = InformationKalmanUpdater(sensor).update(SingleHypothesis(predicted, seen))
 

@@ -26,7 +26,9 @@ def test_drag_is_what_slows_the_lander():
     h, _ = measure(X, 8)
     drag = 0.5 * 2e-4 * np.exp((3437.2e3 - 3450e3) / 7500) * 0.016 * 5000.0**2
     assert h[0] == pytest.approx(-drag, rel=1e-13)
-    np.testing.assert_allclose(h[1:3], 0.156 * drag * np.array([-np.sin(0.3), np.cos(0.3)]), rtol=1e-13)
+    np.testing.assert_allclose(
+        h[1:3], 0.156 * drag * np.array([-np.sin(0.3), np.cos(0.3)]), rtol=1e-13
+    )
 
 
 def test_measurements_one_second_after_entry():

@@ -11,7 +11,12 @@ from compass.core.fusion import equal_weights, fast_weights, infinity_norm, opti
 
 #: Information matrices of the exact check, and of two sensors.
 FOUR = np.array(
-    [[[4.0, 0.0], [0.0, 1.0]], [[1.0, 0.5], [0.5, 2.0]], [[0.5, 0.0], [0.0, 3.0]], [[2.0, -0.3], [-0.3, 0.7]]]
+    [
+        [[4.0, 0.0], [0.0, 1.0]],
+        [[1.0, 0.5], [0.5, 2.0]],
+        [[0.5, 0.0], [0.0, 3.0]],
+        [[2.0, -0.3], [-0.3, 0.7]],
+    ]
 )
 TWO = np.array([[[4.0, 0.0], [0.0, 1.0]], [[1.0, 0.0], [0.0, 2.0]]])
 

@@ -208,7 +208,9 @@ def test_error_ellipse_holds_what_it_says():
     ellipse = error_ellipse(np.array([3.0, -2.0]), covariance)
     assert ellipse.semi_major == pytest.approx(5 * np.sqrt(-2 * np.log(0.05)))
     points = rng.multivariate_normal([3.0, -2.0], covariance, 4000) - [3.0, -2.0]
-    inside = np.einsum("ia,ab,ib->i", points, np.linalg.inv(covariance), points) <= -2 * np.log(0.05)
+    inside = np.einsum("ia,ab,ib->i", points, np.linalg.inv(covariance), points) <= -2 * np.log(
+        0.05
+    )
     assert inside.mean() == pytest.approx(0.95, abs=5 * np.sqrt(0.95 * 0.05 / 4000))
     outline = ellipse.outline() - [3.0, -2.0]
     level = np.einsum("ia,ab,ib->i", outline, np.linalg.inv(covariance), outline)

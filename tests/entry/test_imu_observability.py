@@ -97,9 +97,7 @@ def _exponential(a, out, k):
         value = mpmath.exp(a[0][0])
         out.append([value] + [value * d for d in a[0][1:]])
         return
-    out.append(
-        _sum(*(_scaled(_one(a[j], out[k - j]), mpmath.mpf(j) / k) for j in range(1, k + 1)))
-    )
+    out.append(_sum(*(_scaled(_one(a[j], out[k - j]), mpmath.mpf(j) / k) for j in range(1, k + 1))))
 
 
 def _inverse(a, out, k):
@@ -121,9 +119,7 @@ def _root(a, out, k):
     for i in range(1, k):
         total = _sum(total, _scaled(_one(out[i], out[k - i]), -1))
     value = total[0] / (2 * out[0][0])
-    out.append(
-        [value] + [(total[q] / 2 - value * out[0][q]) / out[0][0] for q in range(1, 9)]
-    )
+    out.append([value] + [(total[q] / 2 - value * out[0][q]) / out[0][0] for q in range(1, 9)])
 
 
 def extended_matrix(x0, beacon, orders, bank):

@@ -92,7 +92,9 @@ def test_plasma_lets_ranges_through_now_and_then():
 def test_orbiters_move_as_kepler_says():
     gm, r = 4.282829e13, 7e6
     speed = np.sqrt(gm / r)
-    found = beacons_from_states(NAMES, [[r, 0, 0], [4e6, 0, 0]], [[0, speed, 0], [0, 0, 0]], TIMES, gm)
+    found = beacons_from_states(
+        NAMES, [[r, 0, 0], [4e6, 0, 0]], [[0, speed, 0], [0, 0, 0]], TIMES, gm
+    )
     angle = speed / r * TIMES
     expected = r * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=-1)
     np.testing.assert_allclose(found.r[:, 0], expected, atol=1e-5)

@@ -23,10 +23,10 @@ def ci_step(settings, epoch, bank, work):
         any_alive = True
         if bank.weights[i] < 0.0:  # was dead
             bank.local_x[i] = bank.x
-            bank.local_P[i] = bank.P
+            bank.local_cov[i] = bank.P
         predict_state(settings, epoch.p, bank.local_x[i], work)
-        propagate(work.phi, bank.local_P[i], work.a)
-        add_noise(bank.local_P[i], settings.q, 1.0)
+        propagate(work.phi, bank.local_cov[i], work.a)
+        add_noise(bank.local_cov[i], settings.q, 1.0)
         linearise(settings, epoch, bank.local_x[i], work)
         if not update_local(settings, epoch, bank, i, 1.0, work):
             return False

@@ -68,7 +68,7 @@ class Bank(NamedTuple):
     P: Array
     Y: Array
     local_x: Array
-    local_P: Array
+    local_cov: Array
     weights: Array
     gated: NDArray[np.bool_]
 
@@ -151,7 +151,7 @@ def start_bank(bank, x0, p0):
     bank.P[:, :] = p0
     for i in range(m):
         bank.local_x[i] = x0
-        bank.local_P[i] = p0
+        bank.local_cov[i] = p0
         bank.weights[i] = 1.0 / m
     bank.gated[:] = False
 

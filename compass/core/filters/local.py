@@ -47,7 +47,7 @@ def predict_shared(settings, epoch, bank, work):
 def inherit(settings, bank, i, p_factor, q_factor):
     """Give subsystem i the fused prediction, its covariance multiplied by the factors."""
     n = settings.states
-    cov = bank.local_P[i]
+    cov = bank.local_cov[i]
     for j in range(bank.x.size):
         bank.local_x[i, j] = bank.x[j]
     for j in range(n):
@@ -63,7 +63,7 @@ def update_local(settings, epoch, bank, i, acc_factor, work):
     The linearisation at the subsystem's prediction is in `work`.
     """
     n, u = settings.states, settings.scale
-    x, cov, y = bank.local_x[i], bank.local_P[i], work.information[i]
+    x, cov, y = bank.local_x[i], bank.local_cov[i], work.information[i]
     choose_rows(settings, epoch, bank, cov, i, work)
     if not update(settings, epoch.z, x, cov, acc_factor, work) or not sound(x, cov):
         return False
