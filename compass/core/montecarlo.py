@@ -43,8 +43,8 @@ class Belief(NamedTuple):
     """What a filter starts from and assumes.
 
     Estimate `x0` (8 or 11,) around which the start is drawn with the factor `spread` (as many
-    rows and columns; zero: the start is `x0`), covariance `p0` (n, n), parameters `p`, and whether the filter
-    `trusts` a range that did not arrive (it then reads 0).
+    rows and columns; zero: the start is `x0`), covariance `p0` (n, n), parameters `p`, and whether
+    the filter `trusts` a range that did not arrive (it then reads 0).
     """
 
     x0: Array
@@ -60,8 +60,8 @@ class Tally(NamedTuple):
     `runs` (1,), errors `mean` and `m2` (K+1, n), mean variances `variance` (K+1, n), shares
     `captured` (K+1, n) of errors within 3 sigma, mean squared `position` error (K+1,), `nees`
     mean and second moment (K+1, 2), mean `weights` (K+1, m), shares of rows that arrived in
-    `arrivals` and were refused in `gated` (K+1, 3 + m), and at the end the mean and second moments (4, 3) of the east, north
-    and up `miss`, with the mean covariance of it in `claimed` (3, 3).
+    `arrivals` and were refused in `gated` (K+1, 3 + m), and at the end the mean and second moments
+    (4, 3) of the east, north and up `miss`, with the mean covariance of it in `claimed` (3, 3).
     """
 
     runs: Array
@@ -79,8 +79,9 @@ class Tally(NamedTuple):
 
 
 class Trace(NamedTuple):
-    """One run, for epochs 0 to K: `truth` (K+1, 8), measurements `z` (K+1, 3 + m) and whether they
-    `arrived`, estimates `x` (K+1, 8 or 11) with covariances `cov` (K+1, n, n), `weights` (K+1, m),
+    """One run, for epochs 0 to K.
+
+    `truth` (K+1, 8), measurements `z` (K+1, 3 + m) and whether they `arrived`, estimates `x` (K+1, 8 or 11) with covariances `cov` (K+1, n, n), `weights` (K+1, m),
     refusals `gated` (K+1, 3 + m), and then `error` (K+1, n) and `nees` (K+1,).
     """
 

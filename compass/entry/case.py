@@ -108,8 +108,8 @@ class NavigationCase:
             rk4_step(states[k - 1], self.truth.parameters(banks[k - 1]), self.step, states[k])
             if not np.all(np.isfinite(states[k])) or states[k, 0] < self.truth.planet_radius:
                 raise ArgumentError(
-                    f"{self.name}: the flight ends at {self.times[k]:g} s, before the last epoch at "
-                    f"{self.times[-1]:g} s; shorten the duration"
+                    f"{self.name}: the flight ends at {self.times[k]:g} s, before the last epoch "
+                    f"at {self.times[-1]:g} s; shorten the duration"
                 )
         return states
 
@@ -187,7 +187,8 @@ def check_distinct(beacons: Beacons) -> None:
             if apart.min() < SAME_PLACE:
                 raise ArgumentError(
                     f"beacons {beacons.names[j]} and {beacons.names[i]}: at one place (within "
-                    f"{apart.min():.3g} m at {beacons.times[apart.argmin()]:g} s); move or remove one"
+                    f"{apart.min():.3g} m at {beacons.times[apart.argmin()]:g} s); move or remove "
+                    "one"
                 )
 
 

@@ -142,7 +142,8 @@ class FilterSettings:
         n = self.states
         if n not in (6, 8, 11):
             raise ArgumentError(
-                f"process_noise: {n} values; give 6 (motion), 8 (and ln rho0, L/D) or 11 (and biases)"
+                f"process_noise: {n} values; give 6 (motion), 8 (and ln rho0, L/D) or 11 (and "
+                "accelerometer biases)"
             )
         size = np.size(self.start)
         if size not in (6, 8, 11) or size > max(n, 8) or not np.all(np.isfinite(self.start)):

@@ -101,7 +101,8 @@ def monte_carlo(
     m = case.beacons.size
     if np.size(settings.range_variance) != m:
         raise ArgumentError(
-            f"range_variance: {np.size(settings.range_variance)} values for {m} beacons; give one each"
+            f"range_variance: {np.size(settings.range_variance)} values for {m} beacons; "
+            "give one each"
         )
     algorithm, kernel_settings, belief = settings.kernel_arguments(case.step)
     world = case.world(faults, see_through)
@@ -193,7 +194,7 @@ def _in_order(pool: ThreadPoolExecutor, work: object, items: range, ahead: int) 
 def _draws(
     seed: int, first: int, count: int, steps: int, m: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Normal and uniform numbers of `count` runs, each from its own child of the seed."""
+    """Draw normal and uniform numbers of `count` runs, each from its own child of the seed."""
     normals = np.empty((count, START_DRAWS + steps * (TRUTH_STATES + ACCELERATIONS + m)))
     uniforms = np.empty((count, steps * m))
     for i in range(count):

@@ -172,10 +172,10 @@ def arrival_probability(
 ) -> Array:
     """Probability that a range measurement gets through the plasma.
 
-    1 up to the brownout density n_b, ``beta0^(u^2)`` with ``u = (n - n_b)/(n_c - n_b)`` in brownout,
-    ``beta0`` from the blackout density n_c on: the survival function of a Rayleigh distribution of
-    scale ``(n_c - n_b)/sqrt(-2 ln beta0)``. (The distribution function, as Lou et al. 2017 print it,
-    would rise with the density.)
+    1 up to the brownout density n_b, ``beta0^(u^2)`` with ``u = (n - n_b)/(n_c - n_b)`` in
+    brownout, ``beta0`` from the blackout density n_c on: the survival function of a Rayleigh distribution of
+    scale ``(n_c - n_b)/sqrt(-2 ln beta0)``. (The distribution function, as Lou et al. 2017 print
+    it, would rise with the density.)
 
     Parameters
     ----------
@@ -227,7 +227,7 @@ def check_probabilities(probability: ArrayLike) -> Array:
 
 
 def crossing_times(times: ArrayLike, values: ArrayLike, level: float) -> Array:
-    """Times (s) at which positive `values` cross a level, log-linear between samples."""
+    """Find the times (s) at which positive `values` cross a level, log-linear between samples."""
     t, logs = np.asarray(times, dtype=float), np.log(np.asarray(values, dtype=float) / level)
     (at,) = np.nonzero((logs[:-1] < 0) != (logs[1:] < 0))
     share = logs[at] / (logs[at] - logs[at + 1])

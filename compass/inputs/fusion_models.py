@@ -35,8 +35,8 @@ class RadioTable(Table):
     """What the plasma around the lander does to the ranges."""
 
     electrons: Literal["stagnation", "wake", "table"] = Field(
-        description="electron density: the surrogate at the stagnation point or in the wake (fitted "
-        "to one trajectory), or a table"
+        description="electron density: the surrogate at the stagnation point or in the wake "
+        "(fitted to one trajectory), or a table"
     )
     table: str | None = Field(
         None, min_length=1, description="file of altitude (km) and electrons per cm^3, two columns"

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from compass.entry.consistency import error_ellipse
+from compass.entry.faults import Fault
 from compass.entry.radio import BROWNOUT_DENSITY, PER_CM3, attenuation, critical_density
 from compass.report.section import Picture, Section, Table, picture
 from compass.report.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 #: States shown in pictures: name, factor to the unit shown, unit.
 SHOWN = (
-    ("radius", 1e-3, "km"),
+    ("radius", 1.0, "m"),
     ("longitude", 180 / np.pi, "deg"),
     ("latitude", 180 / np.pi, "deg"),
     ("speed", 1.0, "m/s"),
@@ -39,7 +40,7 @@ def fusion_section(found: FusionRuns) -> Section:
 
 
 def fusion_words(found: FusionRuns) -> tuple[str, ...]:
-    """What is to be known before the numbers, and what went wrong on the way."""
+    """Say what is to be known before the numbers, and what went wrong on the way."""
     case = found.plan.case
     words = list(case.visibility_report())
     if words and found.plan.see_through:
@@ -54,13 +55,27 @@ def fusion_words(found: FusionRuns) -> tuple[str, ...]:
             f"{beta[partial].sum():.1f} of them get through) and stops them for "
             f"{case.step * dark.sum():g} s."
         )
-    for name, data in (*found.clear.items(), *found.faulty.items()):
-        if data.attrs["diverged"]:
-            said.append(
-                f"{data.attrs['diverged']} of {data.attrs['runs']} runs of {name} diverged and are "
-                f"left out of its statistics; the first: {data.attrs['divergences'][0]}."
-            )
+    if found.faulty:
+        said.append("The fault: " + "; ".join(_fault_words(f) for f in found.plan.faults) + ".")
+    for how, sets in (("", found.clear), (" with the fault", found.faulty)):
+        for name, data in sets.items():
+            if data.attrs["diverged"]:
+                said.append(
+                    f"{data.attrs['diverged']} of {data.attrs['runs']} runs of {name}{how} "
+                    "diverged and are left out of its statistics; the first: "
+                    f"{data.attrs['divergences'][0]}."
+                )
     return tuple(said)
+
+
+def _fault_words(fault: Fault) -> str:
+    """Say a fault."""
+    what = fault.kind.replace("-", " ") + (f" of {fault.beacon}" if fault.beacon else "")
+    size = f" by {fault.size:g} m" if fault.size else ""
+    if fault.kind == "spike":
+        return f"{what}{size} at {fault.start:g} s"
+    end = f"to {fault.end:g} s" if np.isfinite(fault.end) else "on"
+    return f"{what}{size} from {fault.start:g} s {end}"
 
 
 def _settled(data: "xr.Dataset", name: str) -> float:
@@ -176,8 +191,8 @@ def fusion_facts(found: FusionRuns) -> dict[str, Any]:
 
 def fusion_pictures(found: FusionRuns) -> tuple[Picture, ...]:
     """All pictures of a plan."""
-    first = next(iter(found.single))
-    shown = "dcifaif" if "dcifaif" in found.single else first
+    shown = next((n for n in ("dcifaif", "intermittent") if _holds(found, n)), None)
+    shown = shown or next(iter(found.single))
     pictures = [
         _rmse_picture(found),
         _error_picture(found.single[shown], shown, ""),
@@ -193,6 +208,11 @@ def fusion_pictures(found: FusionRuns) -> tuple[Picture, ...]:
     if found.plan.electrons is not None:
         pictures.append(_plasma_picture(found))
     return tuple(pictures)
+
+
+def _holds(found: FusionRuns, name: str) -> bool:
+    """Whether a filter was flown and its first run did not diverge."""
+    return name in found.single and not found.single[name].attrs["divergence"]
 
 
 def _finish(axes: Axes, ylabel: str, xlabel: str = "time after entry, s") -> None:
@@ -221,13 +241,13 @@ def _rmse_picture(found: FusionRuns) -> Picture:
                     )
             axes.set_title(title)
             _finish(axes, "position RMSE, m" if axes is panels[0] else "")
-        panels[-1].legend(loc="upper right", fontsize=8)
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right upper", fontsize=8)
     return picture(
         figure,
         "fusion-rmse",
         "Position error of the filters",
-        "Root mean square of the position error over the runs, logarithmic. Filters whose runs all "
-        "diverged are missing; where federated is the EKF's equal, its dashes lie on the EKF's line.",
+        "Root mean square of the position error over the runs, logarithmic. Filters whose runs "
+        "all diverged are missing; federated is dashed, for it lies on the EKF's line.",
     )
 
 
@@ -271,7 +291,7 @@ def _nees_picture(found: FusionRuns) -> Picture:
             first.attrs["nees_low"], first.attrs["nees_high"], color=FAINT, alpha=0.5, lw=0
         )
         _finish(axes, "mean NEES")
-        axes.legend(loc="upper right", fontsize=8)
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside right upper", fontsize=8)
     return picture(
         figure,
         "fusion-nees",
@@ -331,10 +351,19 @@ def _plasma_picture(found: FusionRuns) -> Picture:
         came = next(iter(found.single.values())).arrived[1:, 3:].values
         for k, name in enumerate(case.beacons.names):
             hits = case.times[1:][came[:, k]]
-            below.plot(hits, np.full(hits.size, -0.08 - 0.07 * k), "|", color=CYCLE[k], ms=4)
+            level, colour = -0.08 - 0.07 * k, CYCLE[k % len(CYCLE)]
+            below.plot(hits, np.full(hits.size, level), "|", color=colour, ms=4)
             below.annotate(
-                name, (case.times[-1], -0.08 - 0.07 * k), fontsize=7, color=CYCLE[k], va="center"
+                name,
+                (case.times[-1], level),
+                (4, 0),
+                textcoords="offset points",
+                fontsize=7,
+                color=colour,
+                va="center",
+                annotation_clip=False,
             )
+        below.set_yticks(np.linspace(0, 1, 6))
         below.set_ylim(-0.12 - 0.07 * case.beacons.size, 1.05)
         _finish(below, "arrival probability")
     return picture(

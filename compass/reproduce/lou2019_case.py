@@ -84,7 +84,7 @@ def recommended_filter(
     *,
     weighting: Weighting | None = None,
 ) -> FilterSettings:
-    """Matched model, ln rho0 as state, starts drawn from P0, information weighed in scaled units."""
+    """Match the truth: ln rho0 as state, starts drawn from P0, weights in scaled units."""
     lon, lat = np.radians(point)
     start = [3518.2e3, lon, lat, 5515.0, np.radians(-11.8), np.radians(5.156)]
     return FilterSettings(

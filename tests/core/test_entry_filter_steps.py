@@ -136,7 +136,7 @@ def test_iterated_update_is_the_least_squares_fit():
 
     chosen = paper.recommended_filter("iterated").changed(iterations=20, start=CASE.start * 1.0001)
     bank, _ = run(chosen, 1, NOISY)
-    number, kernel_settings, belief = chosen.kernel_arguments(1.0)
+    _, kernel_settings, belief = chosen.kernel_arguments(1.0)
     prior, work = make_bank(8, 8, 4), make_work(8, 8, 4, 7)
     start_bank(prior, belief.x0, belief.p0)
     predict_state(kernel_settings, belief.p, prior.x, work)
@@ -157,7 +157,7 @@ def test_iterated_update_is_the_least_squares_fit():
 
 
 def test_rows_one_by_one_are_the_batch_update_in_joseph_form():
-    number, s, belief = paper.recommended_filter("ekf").kernel_arguments(1.0)
+    _, s, belief = paper.recommended_filter("ekf").kernel_arguments(1.0)
     bank, work = make_bank(8, 8, 4), make_work(8, 8, 4, 7)
     start_bank(bank, belief.x0, belief.p0)
     predict_measurements(bank.x, 8, belief.p, False, CASE.beacons.r[1], work.h, work.big_h)

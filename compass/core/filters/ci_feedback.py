@@ -1,6 +1,6 @@
 """Covariance intersection with feedback: every subsystem starts from the fused estimate.
 
-``x_i = x_CI``, ``P_i = P_CI`` after every fusion: the fused estimate is the common prior, counted once.
+``x_i = x_CI``, ``P_i = P_CI`` after every fusion: the fused estimate is the common prior.
 """
 
 from compass.core.filters.common import add_noise

@@ -363,7 +363,9 @@ def sound(x, cov):
             return False
     if not (x[0] > 0.0 and x[3] > 0.0):
         return False
+    smallest = math.inf
     for i in range(cov.shape[0]):
-        if not (cov[i, i] > 0.0 and cov[i, i] < math.inf):
+        if not math.isfinite(cov[i, i]):
             return False
-    return True
+        smallest = min(smallest, cov[i, i])
+    return smallest > 0.0

@@ -1,7 +1,7 @@
 """Distributed covariance intersection fusion with adaptive information feedback, as published.
 
-After every fusion ``x_i = x_CI``, ``P_i = P_CI / w_i`` (Lou et al. 2019, eqs. 19 to 22). The feedback
-discounts the prior a second time, after covariance intersection has: a fading memory whose
+After every fusion ``x_i = x_CI``, ``P_i = P_CI / w_i`` (Lou et al. 2019, eqs. 19 to 22). The
+feedback discounts the prior a second time, after covariance intersection has: a fading memory whose
 sigma is about twice that of `federated`. Weights are floored in the division alone.
 """
 

@@ -1,8 +1,8 @@
 """Federated filter with sum-fusion: the centralised filter, cut into subsystems.
 
-``P_i = P_f / w``, ``Q_i = Q / w``, ``R_acc,i = R_acc / w`` with w = 1 over the number of live subsystems, then
-``P_f^-1 = sum_i P_i^-1``: shared information is divided before it is added, so nothing is counted
-twice and the result is that of the centralised filter to rounding (Carlson 1990).
+``P_i = P_f / w``, ``Q_i = Q / w``, ``R_acc,i = R_acc / w`` with w = 1 over the number of live
+subsystems, then ``P_f^-1 = sum_i P_i^-1``: shared information is divided before it is added, so
+nothing is counted twice and the result is the centralised filter's to rounding (Carlson 1990).
 """
 
 from compass.core.filters.common import add_noise

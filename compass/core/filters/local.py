@@ -37,10 +37,10 @@ def predict_shared(settings, epoch, bank, work):
     predict_state(settings, epoch.p, bank.x, work)
     propagate(work.phi, bank.P, work.a)
     linearise(settings, epoch, bank.x, work)
+    alive = 0
     for i in range(epoch.alive.size):
-        if epoch.alive[i]:
-            return True
-    return False
+        alive += 1 if epoch.alive[i] else 0
+    return alive > 0
 
 
 @kernel
