@@ -36,6 +36,7 @@ def best_ground_beacons(
     generations: int = 60,
     seed: int = 0,
     threads: int = 2,
+    progress: Callable[[], object] = lambda: None,
 ) -> Optimum:
     """Places on the surface, in view throughout, from which a lander navigates best.
 
@@ -53,6 +54,8 @@ def best_ground_beacons(
         Noise and prior of ``bound-trace``.
     starts, generations, seed, threads
         Of the search; the result does not depend on the threads.
+    progress
+        Called after each start.
 
     Raises
     ------
@@ -123,6 +126,7 @@ def best_ground_beacons(
         generations=generations,
         seed=seed,
         threads=threads,
+        progress=progress,
     )
     return _exponentiated(found) if objective == "minimum-delta" else found
 

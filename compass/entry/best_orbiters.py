@@ -1,5 +1,6 @@
 """The best circular orbits for navigation orbiters."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -24,6 +25,7 @@ def best_orbiters(
     generations: int = 60,
     seed: int = 0,
     threads: int = 2,
+    progress: Callable[[], object] = lambda: None,
 ) -> Optimum:
     """Circular orbits, in view throughout, of the largest integral of det N (eqs. 57 to 62).
 
@@ -40,6 +42,8 @@ def best_orbiters(
         Number of orbiters, at least 3.
     starts, generations, seed, threads
         Of the search.
+    progress
+        Called after each start.
 
     Raises
     ------
@@ -59,7 +63,6 @@ def best_orbiters(
     motion = float(np.sqrt(model.gm / radius**3))
 
     weights = simpson(np.eye(times.size), x=times)
-    few = slice(None, None, max(1, (times.size - 1) // 20))
 
     def beacons(x: NDArray) -> NDArray[np.float64]:
         r = np.empty((times.size, count, 3))
@@ -74,16 +77,15 @@ def best_orbiters(
     def margins(x: NDArray) -> NDArray[np.float64]:
         out = np.empty((times.size, count))
         view_margins(lander, beacons(x), model.planet_radius, out)
-        return out
+        return np.asarray(out.min(axis=0))
 
     steep = 10.0 * times[-1] * (count / 3.0) ** 3
 
     def penalised(x: NDArray) -> float:
-        return integral(x) + steep * max(0.0, -float(margins(x)[few].min()))
+        return integral(x) + steep * max(0.0, -float(margins(x).min()))
 
     def polish(x: NDArray) -> OptimizeResult:
-        # between two of the few epochs a margin can sag by (1e-3/s * 6 s)^2 / 2 = 2e-5
-        in_view = {"type": "ineq", "fun": lambda y: margins(y)[few].ravel() - 2e-5}
+        in_view = {"type": "ineq", "fun": lambda y: margins(y) - 1e-7}
         options = {"maxiter": 500, "ftol": 1e-10}
         return minimize(integral, x, method="SLSQP", constraints=[in_view], options=options)
 
@@ -104,6 +106,7 @@ def best_orbiters(
         generations=generations,
         seed=seed,
         threads=threads,
+        progress=progress,
     )
     feasible = [s for s in found.starts if margins(s.parameters.ravel()).min() > 0]
     if not feasible:

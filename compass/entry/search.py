@@ -70,6 +70,7 @@ def multistart(
     generations: int,
     seed: int,
     threads: int,
+    progress: Callable[[], object],
 ) -> Optimum:
     """Differential evolution, then a local polish from where it ended.
 
@@ -98,6 +99,7 @@ def multistart(
         polished = polish(found.x)
         value = sign * float(polished.fun)
         history.append(value)
+        progress()
         return Start(value, decode(polished.x), tuple(history), found.nfev + polished.nfev)
 
     with ThreadPoolExecutor(threads) as pool:

@@ -71,7 +71,7 @@ class VisibleArea:
         angle = (np.clip(fraction, 0.0, 1.0) * INSIDE * edge.min(axis=0))[:, None]
         return np.cos(angle) * self.centre + np.sin(angle) * tangent
 
-    def outline(self, count: int = 181) -> NDArray[np.float64]:
+    def outline(self, count: int = 721) -> NDArray[np.float64]:
         """Return unit vectors of the edge, closed, shape (count, 3)."""
         azimuth = np.linspace(0.0, 2 * np.pi, count)
         return self.points(np.stack([azimuth, np.ones(count)], axis=1))

@@ -2,11 +2,13 @@
 
 import hashlib
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import compass
 from compass.bodies import MARS_EQUATORIAL_RADIUS, MARS_GM, MARS_ROTATION_RATE
 from compass.entry.atmosphere import Atmosphere, read_atmosphere_table
 from compass.entry.beacons import Beacons, Measurements, orbiting_beacons, surface_beacons
@@ -339,3 +341,18 @@ def _circles(tables: list[OrbiterTable], model: EntryModel) -> Constellation:
         satellite_names=[o.name for o in tables],
         gm=model.gm,
     )
+
+
+def provenance(scenario: Scenario, command: str) -> dict[str, str]:
+    """Return what a result was made from: global attributes of the CF convention, the scenario."""
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    return {
+        "Conventions": "CF-1.11",
+        "title": f"Entry navigation: {scenario.name}",
+        "source": f"compass {compass.__version__}",
+        "history": f"{now} {command}".strip(),
+        "references": " ".join(scenario.source.split()),
+        "scenario_file": scenario.label,
+        "scenario_text": scenario.text,
+        "scenario_sha256": scenario.digest,
+    }

@@ -56,8 +56,11 @@ def scenario_faults(raw: dict[str, Any]) -> list[str]:
         if not any(key in measured for key in keys):
             faults.append(f"measurements: needs {keys[0]}, {keys[1]} or both")
     optimize = raw.get("optimize")
-    orbiters = isinstance(optimize, dict) and optimize.get("what") == "orbiters"
-    if orbiters and "altitude_km" not in optimize:
+    if (
+        isinstance(optimize, dict)
+        and optimize.get("what") == "orbiters"
+        and "altitude_km" not in optimize
+    ):
         faults.append("optimize.altitude_km: missing; needed to place orbiters")
     return faults
 

@@ -7,6 +7,8 @@ from compass.entry.montecarlo import monte_carlo, single_run
 from compass.inputs.fusion import FusionPlan
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     import xarray as xr
 
 
@@ -29,6 +31,18 @@ class FusionRuns:
     faulty: "dict[str, xr.Dataset]"
     single: "dict[str, xr.Dataset]"
     single_faulty: "dict[str, xr.Dataset]"
+
+    def groups(self) -> "Iterator[tuple[str, xr.Dataset]]":
+        """Name and dataset of every result, for the groups of a netCDF file."""
+        for kind, sets in (
+            ("clear", self.clear),
+            ("faulty", self.faulty),
+            ("single", self.single),
+            ("single_faulty", self.single_faulty),
+        ):
+            for name, data in sets.items():
+                said = {key: "\n".join(v) for key, v in data.attrs.items() if isinstance(v, list)}
+                yield f"fusion/{kind}/{name}", data.assign_attrs(said)
 
 
 def run_fusion(plan: FusionPlan, runs: int | None = None, progress: bool = True) -> FusionRuns:

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from compass.core.entry_measurement import predict_measurements
 from compass.core.filters import step as steps
 from compass.core.filters.common import (
     Epoch,
@@ -22,9 +23,8 @@ from compass.core.filters.information import (
     information_start,
     predict_information,
 )
-from compass.core.entry_measurement import predict_measurements
 from compass.core.fusion import DETERMINANT, EQUAL, FAST, TRACE
-from compass.entry.filters import FilterSettings, SCALE
+from compass.entry.filters import SCALE, FilterSettings
 from compass.reproduce import lou2019_case as paper
 
 RULES = {"equal": EQUAL, "fast": FAST, "determinant": DETERMINANT, "trace": TRACE}
