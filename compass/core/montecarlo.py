@@ -81,8 +81,9 @@ class Tally(NamedTuple):
 class Trace(NamedTuple):
     """One run, for epochs 0 to K.
 
-    `truth` (K+1, 8), measurements `z` (K+1, 3 + m) and whether they `arrived`, estimates `x` (K+1, 8 or 11) with covariances `cov` (K+1, n, n), `weights` (K+1, m),
-    refusals `gated` (K+1, 3 + m), and then `error` (K+1, n) and `nees` (K+1,).
+    `truth` (K+1, 8), measurements `z` (K+1, 3 + m) and whether they `arrived`, estimates `x`
+    (K+1, 8 or 11) with covariances `cov` (K+1, n, n), `weights` (K+1, m), refusals `gated`
+    (K+1, 3 + m), and then `error` (K+1, n) and `nees` (K+1,).
     """
 
     truth: Array

@@ -9,6 +9,8 @@ from compass.core.entry_dynamics import BANK, MU, OMEGA, STATES
 from compass.core.entry_jets import (
     DRAG_ACC,
     LIFT_ACC,
+    X,
+    Z,
     flow_series,
     orbit_series,
     range_series,
@@ -55,7 +57,7 @@ def imu_range_matrix(
             beacon = np.zeros((3, orders + 1))
             beacon[:, 0] = position
         coefficients = np.empty((orders + 1, 1 + STATES))
-        range_series(w, beacon, coefficients)
+        range_series(w[X : Z + 1], beacon, coefficients)
         series.append(coefficients[:orders, 1:])
     factorials = np.array([float(factorial(k)) for k in range(orders)])
     rows = np.stack(series, axis=1) * factorials[:, None, None]

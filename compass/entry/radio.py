@@ -131,7 +131,8 @@ class ElectronTable:
 
     def at(self, altitude: ArrayLike) -> Array:
         """Electrons per m^3 at altitudes in metres."""
-        logs = np.interp(altitude, self.altitude, np.log(self.electron_density))
+        z = np.asarray(altitude, dtype=float)
+        logs = np.interp(z, self.altitude, np.log(self.electron_density))
         return np.exp(logs)
 
 
@@ -173,9 +174,9 @@ def arrival_probability(
     """Probability that a range measurement gets through the plasma.
 
     1 up to the brownout density n_b, ``beta0^(u^2)`` with ``u = (n - n_b)/(n_c - n_b)`` in
-    brownout, ``beta0`` from the blackout density n_c on: the survival function of a Rayleigh distribution of
-    scale ``(n_c - n_b)/sqrt(-2 ln beta0)``. (The distribution function, as Lou et al. 2017 print
-    it, would rise with the density.)
+    brownout, ``beta0`` from the blackout density n_c on: the survival function of a Rayleigh
+    distribution of scale ``(n_c - n_b)/sqrt(-2 ln beta0)``. (The distribution function, as Lou et
+    al. 2017 print it, would rise with the density.)
 
     Parameters
     ----------

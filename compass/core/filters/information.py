@@ -3,9 +3,9 @@
 ``A = Phi^-T Y+ Phi^-1``, ``Y- = (I + A Q)^-1 A``;
 ``Y+ = Y- + sum_i lambda_i H_i^T R_i^-1 H_i``,
 ``x+ = x- + sum_i lambda_i K_i (z_i - h_i(x-))``, ``K_i = P H_i^T R_i^-1``, with ``lambda_i`` 1
-where the measurement arrived and 0 where not. Algebraically the extended Kalman filter that skips the
-missing rows. Y is scaled by the settings' `scale`, and ``(I + A Q)^-1 A`` is better conditioned
-than ``A - A (A + Q^-1)^-1 A`` (and allows Q = 0).
+where the measurement arrived and 0 where not. Algebraically the extended Kalman filter that skips
+the missing rows. Y is scaled by the settings' `scale`, and ``(I + A Q)^-1 A`` is better
+conditioned than ``A - A (A + Q^-1)^-1 A`` (and allows Q = 0).
 
 References
 ----------
