@@ -18,7 +18,6 @@ from compass.inputs.models import (
     ElementsTable,
     RosetteTable,
     StationTable,
-    WalkerTable,
 )
 from compass.inputs.reading import parse, read_text
 from compass.orbits import (

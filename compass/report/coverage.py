@@ -185,7 +185,7 @@ def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
     with look():
         figure = new_figure(8.0, 4.2)
         axes = figure.add_subplot()
-        partial = [k for k in share.fold.values if 1e-9 < float(share.sel(fold=k).mean())]
+        partial = [k for k in share.fold.values if float(share.sel(fold=k).mean()) > 1e-9]
         whole = [k for k in partial if float(share.sel(fold=k).min()) >= 1 - 1e-9]
         drawn = [k for k in partial if k not in whole[:-1]]
         for n, k in enumerate(drawn):
