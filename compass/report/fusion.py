@@ -163,7 +163,7 @@ def _miss_table(found: FusionRuns) -> Table:
 
 
 def _refused_table(found: FusionRuns) -> Table:
-    """What the gate refused, as a share of all epochs: the filters' own report of faults."""
+    """Say what the gate refused, as a share of all epochs: the filters' own fault report."""
     runs = found.faulty or found.clear
     first = next(iter(runs.values()))
     return Table(

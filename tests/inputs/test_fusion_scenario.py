@@ -175,8 +175,8 @@ def test_plasma_and_hidden_beacons_are_told():
         ("lou2017-recommended", 'electrons = "wake"', 'electrons = "soup"', "allowed"),
         (
             "lou2019-recommended",
-            'name = "orbiter 2"\nposition_km = [3492.7, 3659.2, 215.11]\nvelocity_m_s = [-605.1, 97, 3232.8]',
-            'name = "orbiter 2"\nposition_km = [7855.7, -461.8, 749.82]\nvelocity_m_s = [66.2, 2206.4, -413]',
+            "[3492.7, 3659.2, 215.11]\nvelocity_m_s = [-605.1, 97, 3232.8]",
+            "[7855.7, -461.8, 749.82]\nvelocity_m_s = [66.2, 2206.4, -413]",
             "beacons orbiter 1 and orbiter 2: at one place",
         ),
     ],

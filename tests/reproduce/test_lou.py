@@ -1,9 +1,12 @@
 """The companions' papers: every row judged, and the Monte Carlo figures behind them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
 
+from compass.entry.beacons import Beacons
 from compass.entry.consistency import nees_bounds
 from compass.entry.faults import Fault
 from compass.entry.montecarlo import monte_carlo
@@ -104,7 +107,7 @@ def told(errors, diverged=()):
         error = errors[settings.algorithm]
         lost = runs if settings.algorithm in diverged else 0
         state = ["radius", "longitude", "latitude", "speed", "flight-path angle", "azimuth"]
-        state = (state + ["ln rho0", "L/D"])[:n]
+        state = [*state, "ln rho0", "L/D"][:n]
         by_state = ("time", "state")
         ones = np.ones((epochs, n))
         return xr.Dataset(
@@ -169,6 +172,14 @@ def test_2017_rows_follow_the_numbers(monkeypatch):
     kept = verdicts(monkeypatch, lou2017, told(errors))
     assert kept[lost] == "erratum"
     assert kept["signal lost, wake"] == "reproduced"
+
+
+def test_a_step_takes_time():
+    case = lou2019_case.case()
+    b = case.beacons
+    short = Beacons(b.names, b.times[:4], b.r[:4], b.v[:4], b.moving)
+    settings = lou2019_case.recommended_filter("ekf")
+    assert 0 < lou2019.step_seconds(settings, replace(case, beacons=short), 1) < 1
 
 
 def test_noiseless_measurements_start_at_entry():

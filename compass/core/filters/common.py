@@ -24,7 +24,8 @@ class Settings(NamedTuple):
     `states` n is 6, 8 or 11; `linear` carries rho0 instead of its logarithm; `q` (n,) is the
     process noise variance of one step; `r_acc` (3,) and `r_range` (m,) the variances of the
     measurements; `scale` (n,) the size of each state in which information is weighed; `gate`
-    the largest squared innovation over its variance that is believed (inf: all);
+    the largest squared innovation over its variance that is believed (inf: all) from `gate_start`
+    seconds on;
     `weighting` and `floor` the rule of the fusion weights and their smallest value;
     `iterations` the relinearisations of the iterated filter.
     """
@@ -37,6 +38,7 @@ class Settings(NamedTuple):
     r_range: Array
     scale: Array
     gate: float
+    gate_start: float
     weighting: int
     floor: float
     iterations: int
@@ -61,7 +63,8 @@ class Bank(NamedTuple):
     """Estimates: fused `x` (8 or 11,) and `P` (n, n); those of m subsystems; weights (m,).
 
     `Y` (n, n) is the information matrix, scaled, of the filters that carry one instead of P.
-    `gated` (3 + m,) says which rows the gate refused at this step (by any subsystem).
+    `gated` (3 + m,) says which rows the gate refused at this step (by any subsystem), `waiting`
+    (m,) which subsystems without feedback are dead.
     """
 
     x: Array
@@ -71,6 +74,7 @@ class Bank(NamedTuple):
     local_cov: Array
     weights: Array
     gated: NDArray[np.bool_]
+    waiting: NDArray[np.bool_]
 
 
 class Work(NamedTuple):
@@ -100,6 +104,25 @@ class Work(NamedTuple):
 
 
 @kernel
+def without_gate(settings):
+    """Return the settings with every innovation believed."""
+    return Settings(
+        settings.states,
+        settings.linear,
+        settings.dt,
+        settings.q,
+        settings.r_acc,
+        settings.r_range,
+        settings.scale,
+        math.inf,
+        0.0,
+        settings.weighting,
+        settings.floor,
+        settings.iterations,
+    )
+
+
+@kernel
 def make_bank(n, size, subsystems):
     """Return a bank of estimates of the right shapes, zero."""
     return Bank(
@@ -110,6 +133,7 @@ def make_bank(n, size, subsystems):
         np.zeros((subsystems, n, n)),
         np.full(subsystems, 1.0 / max(subsystems, 1)),
         np.zeros(ACCELERATIONS + subsystems, dtype=np.bool_),
+        np.zeros(subsystems, dtype=np.bool_),
     )
 
 
@@ -154,6 +178,7 @@ def start_bank(bank, x0, p0):
         bank.local_cov[i] = p0
         bank.weights[i] = 1.0 / m
     bank.gated[:] = False
+    bank.waiting[:] = False
 
 
 @fast_kernel
