@@ -1,6 +1,7 @@
 """``compass map``: satellite counts and dilution of precision over the sphere and a period."""
 
 from pathlib import Path
+from typing import Literal
 
 import click
 
@@ -50,7 +51,7 @@ def command(
     mask_deg: float | None,
     fold: int | None,
     pdop_max: float,
-    motion: str,
+    motion: Literal["two-body", "j2", "numerical"],
     duration_h: float | None,
     time_series: bool,
     as_json: bool,
@@ -66,7 +67,7 @@ def command(
     from compass.coverage.files import write_map
     from compass.errors import ArgumentError
     from compass.inputs import read_design
-    from compass.report.coverage import map_figure, statistics, statistics_tables
+    from compass.report.statistics import statistics, statistics_tables
     from compass.saving import check_writable, replacing
     from compass.study.mapping import MapOptions, make_map
 
@@ -95,6 +96,8 @@ def command(
             series = (made.view, made.grid) if time_series else None
             write_map(made.dataset, output, chosen.figure, series=series, progress=bar.update)
     if picture:
+        from compass.report.coverage import map_figure
+
         title = f"{chosen.name}: GDOP, 95th percentile over time"
         figure = map_figure(
             made.dataset.gdop.sel(percentile=95).values,

@@ -1,9 +1,9 @@
 """Satellite counts on latitude rows."""
 
-import numpy as np
+import math
 
 from compass.core.jit import kernel
-from compass.core.runs import cap_runs
+from compass.core.runs import cap_run
 
 
 @kernel
@@ -28,28 +28,24 @@ def count_rows(u, cos_cap, sin_lat, cos_lat, cos_lon, sin_lon, lon0, out):
     out
         Filled; shape (epoch, row, column), int16.
     """
-    runs = np.empty((1, 2), np.int64)
     m = cos_lon.size
+    out[:] = 0
     for t in range(u.shape[0]):
-        for i in range(sin_lat.size):
-            row = out[t, i]
-            row[:] = 0
-            for s in range(u.shape[1]):
-                if not cap_runs(
-                    u[t, s, 0],
-                    u[t, s, 1],
-                    u[t, s, 2],
-                    cos_cap[t, s],
-                    sin_lat[i],
-                    cos_lat[i],
-                    cos_lon,
-                    sin_lon,
-                    lon0,
-                    runs,
-                ):
-                    continue
-                first, stop = runs[0, 0], runs[0, 1]
-                for j in range(first, min(stop, m)):
-                    row[j] += 1
-                for j in range(stop - m):
-                    row[j] += 1
+        for s in range(u.shape[1]):
+            ux, uy, uz = u[t, s, 0], u[t, s, 1], u[t, s, 2]
+            away, longitude = math.sqrt(ux * ux + uy * uy), math.atan2(uy, ux)
+            for i in range(sin_lat.size):
+                first, stop = cap_run(
+                    ux, uy, uz, away, longitude, cos_cap[t, s],
+                    sin_lat[i], cos_lat[i], cos_lon, sin_lon, lon0,
+                )  # fmt: skip
+                _increment(out[t, i, first : min(stop, m)])
+                _increment(out[t, i, : max(stop - m, 0)])
+
+
+@kernel
+def _increment(cells):
+    # a slice of its own from index 0, so that the compiler need not think of negative indices
+    # and fills whole vector registers
+    for j in range(cells.size):
+        cells[j] += 1

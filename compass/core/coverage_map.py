@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from compass.core.dop import dop_row
+from compass.core.dop import dop_row, row_scratch
 from compass.core.jit import kernel
 from compass.core.ranking import BINS, add_to_histogram, select
 
@@ -67,29 +67,15 @@ def map_row(
         Updated; shape (3, epoch): smallest, weighted sum and largest count.
     """
     epochs, m = r.shape[0], cos_lon.size
-    px, py = np.empty(m), np.empty(m)
-    moments, runs = np.empty((10, m)), np.empty((m, 2), np.int64)
+    tile, runs, owners = row_scratch(r.shape[1], m, azimuths.size)
     row, counts = np.empty((5, m)), np.empty(m, np.int16)
     series = np.empty((m, epochs), np.int16)
     dop = np.empty((5, m, epochs))
     for t in range(epochs):
         dop_row(
-            r[t],
-            cos_cap[t],
-            azimuths,
-            elevations,
-            sin_lat,
-            cos_lat,
-            cos_lon,
-            sin_lon,
-            lon0,
-            px,
-            py,
-            moments,
-            runs,
-            counts,
-            row,
-        )
+            r[t], cos_cap[t], azimuths, elevations, sin_lat, cos_lat, cos_lon, sin_lon, lon0,
+            tile, runs, owners, counts, row,
+        )  # fmt: skip
         low, high, total = counts[0], counts[0], 0
         for j in range(m):
             n = counts[j]

@@ -11,12 +11,18 @@ import math
 import numpy as np
 
 from compass.core.jit import fast_kernel, kernel
-from compass.core.runs import cap_runs, horizon_runs
+from compass.core.runs import cap_run, horizon_runs
 
 #: Order of the DOPs in every array.
 GDOP, PDOP, HDOP, VDOP, TDOP = range(5)
 
 EPS = np.finfo(np.float64).eps
+
+# A row is worked through in tiles of columns. All that a tile needs lies in one flat array, part
+# after part, a constant distance apart: so the compiler knows that the parts do not overlap, and
+# works on several columns at once; and the tile stays in the first-level cache.
+TILE = 128
+XX, YY, ZZ, XY, XZ, YZ, X, Y, Z, N, PX, PY = (k * TILE for k in range(12))
 
 
 @fast_kernel
@@ -39,7 +45,7 @@ def dops(n, sxx, syy, szz, sxy, sxz, syz, sx, sy, sz, ux, uy, uz):
     ux, uy, uz
         The local up.
     """
-    if n < 4:
+    if n < 4.0:
         return math.inf, math.inf, math.inf, math.inf, math.inf
     w = 1.0 / n
     a, b, c = sxx - sx * sx * w, syy - sy * sy * w, szz - sz * sz * w
@@ -68,27 +74,40 @@ def _quadratic(caa, cbb, ccc, cab, cac, cbc, x, y, z):
 
 
 @fast_kernel
-def _add_sights(moments, first, stop, rx, ry, rz, px, py, pz):
-    """Add one satellite's line of sight to the moments of columns first ... stop-1."""
+def _add_sights(tile, first, stop, rx, ry, rz, pz):
+    """Add one satellite's line of sight to the moments of columns first ... stop-1 of a tile."""
     r2 = rx * rx + ry * ry + rz * rz + 1.0
-    mxx, myy, mzz = moments[0], moments[1], moments[2]
-    mxy, mxz, myz = moments[3], moments[4], moments[5]
-    mx, my, mz, mn = moments[6], moments[7], moments[8], moments[9]
     zz = rz - pz
-    for j in range(first, stop):
-        dot = rx * px[j] + ry * py[j] + rz * pz
-        w = 1.0 / math.sqrt(r2 - 2.0 * dot)
-        x, y, z = (rx - px[j]) * w, (ry - py[j]) * w, zz * w
-        mxx[j] += x * x
-        myy[j] += y * y
-        mzz[j] += z * z
-        mxy[j] += x * y
-        mxz[j] += x * z
-        myz[j] += y * z
-        mx[j] += x
-        my[j] += y
-        mz[j] += z
-        mn[j] += 1.0
+    part = tile[first:]  # counted from 0 the compiler need not allow for negative indices
+    for j in range(stop - first):
+        px, py = part[PX + j], part[PY + j]
+        w = 1.0 / math.sqrt(r2 - 2.0 * (rx * px + ry * py + rz * pz))
+        x, y, z = (rx - px) * w, (ry - py) * w, zz * w
+        part[XX + j] += x * x
+        part[YY + j] += y * y
+        part[ZZ + j] += z * z
+        part[XY + j] += x * y
+        part[XZ + j] += x * z
+        part[YZ + j] += y * z
+        part[X + j] += x
+        part[Y + j] += y
+        part[Z + j] += z
+        part[N + j] += 1.0
+
+
+@fast_kernel
+def _solve(tile, pz):
+    """Turn the moments of a tile into DOPs, which take the place of the first five moments."""
+    for j in range(TILE):
+        g, p, h, v, t = dops(
+            tile[N + j], tile[XX + j], tile[YY + j], tile[ZZ + j], tile[XY + j], tile[XZ + j],
+            tile[YZ + j], tile[X + j], tile[Y + j], tile[Z + j], tile[PX + j], tile[PY + j], pz,
+        )  # fmt: skip
+        tile[XX + j] = g
+        tile[YY + j] = p
+        tile[ZZ + j] = h
+        tile[XY + j] = v
+        tile[XZ + j] = t
 
 
 @kernel
@@ -102,10 +121,9 @@ def dop_row(
     cos_lon,
     sin_lon,
     lon0,
-    px,
-    py,
-    moments,
+    tile,
     runs,
+    owners,
     counts,
     out,
 ):
@@ -123,67 +141,84 @@ def dop_row(
         Of the row.
     cos_lon, sin_lon, lon0
         Of the columns, shape (column,); longitude of column 0.
-    px, py
-        Scratch, shape (column,).
-    moments, runs
-        Scratch, shapes (10, column) and (column, 2).
+    tile, runs, owners
+        Scratch from `row_scratch`.
     counts
         Filled; shape (column,).
     out
         Filled; shape (5, column), in the order GDOP, PDOP, HDOP, VDOP, TDOP.
     """
     m = cos_lon.size
-    for j in range(m):
-        px[j] = cos_lat * cos_lon[j]
-        py[j] = cos_lat * sin_lon[j]
-    moments[:] = 0.0
+    found = 0
     for s in range(r.shape[0]):
         rx, ry, rz = r[s, 0], r[s, 1], r[s, 2]
+        before = found
         if azimuths.size == 1:
+            away = math.sqrt(rx * rx + ry * ry)
             w = 1.0 / math.sqrt(rx * rx + ry * ry + rz * rz)
-            found = cap_runs(
-                rx * w,
-                ry * w,
-                rz * w,
-                cos_cap[s],
-                sin_lat,
-                cos_lat,
-                cos_lon,
-                sin_lon,
-                lon0,
-                runs,
-            )
+            runs[found, 0], runs[found, 1] = cap_run(
+                rx * w, ry * w, rz * w, away * w, math.atan2(ry, rx), cos_cap[s],
+                sin_lat, cos_lat, cos_lon, sin_lon, lon0,
+            )  # fmt: skip
+            found += 1
         else:
-            found = horizon_runs(
-                rx, ry, rz, sin_lat, cos_lat, cos_lon, sin_lon, azimuths, elevations, runs
+            found += horizon_runs(
+                rx, ry, rz, sin_lat, cos_lat, cos_lon, sin_lon, azimuths, elevations, runs[found:]
             )
+        owners[before:found] = s
+    for start in range(0, m, TILE):
+        width = min(TILE, m - start)
+        tile[:PX] = 0.0
+        for j in range(width):
+            tile[PX + j] = cos_lat * cos_lon[start + j]
+            tile[PY + j] = cos_lat * sin_lon[start + j]
         for k in range(found):
-            first, stop = runs[k, 0], runs[k, 1]
-            _add_sights(moments, first, min(stop, m), rx, ry, rz, px, py, sin_lat)
-            _add_sights(moments, 0, stop - m, rx, ry, rz, px, py, sin_lat)
-    for j in range(m):
-        n = moments[9, j]
-        counts[j] = int(n)
-        g, p, h, v, t = dops(
-            n,
-            moments[0, j],
-            moments[1, j],
-            moments[2, j],
-            moments[3, j],
-            moments[4, j],
-            moments[5, j],
-            moments[6, j],
-            moments[7, j],
-            moments[8, j],
-            px[j],
-            py[j],
-            sin_lat,
-        )
-        out[0, j] = g
-        out[1, j] = p
-        out[2, j] = h
-        out[3, j] = v
-        out[4, j] = t
+            s = owners[k]
+            # a run that goes on past the last column continues at column 0
+            for turn in range(2):
+                a = max(runs[k, 0] - turn * m - start, 0)
+                b = min(min(runs[k, 1] - turn * m, m) - start, width)
+                _add_sights(tile, a, b, r[s, 0], r[s, 1], r[s, 2], sin_lat)
+        _solve(tile, sin_lat)
+        for d in range(5):
+            out[d, start : start + width] = tile[d * TILE : d * TILE + width]
+        for j in range(width):
+            counts[start + j] = int(tile[N + j])
+
+
+@kernel
+def row_scratch(satellites, columns, azimuths):
+    """Scratch arrays for `dop_row`: tile, runs and their owners."""
+    runs = satellites * (columns // 2 + 1) if azimuths > 1 else satellites
+    return np.zeros(12 * TILE), np.empty((runs, 2), np.int64), np.empty(runs, np.int64)
+
+
+@kernel
+def dop_rows(
+    r, cos_cap, azimuths, elevations, sin_lat, cos_lat, cos_lon, sin_lon, lon0, counts, out
+):
+    """Counts and DOPs in every column of some rows at every epoch.
+
+    Parameters
+    ----------
+    r, cos_cap
+        As in `dop_row`, with a leading epoch axis.
+    azimuths, elevations, cos_lon, sin_lon, lon0
+        As in `dop_row`.
+    sin_lat, cos_lat
+        Of the rows, shape (row,).
+    counts
+        Filled; shape (epoch, row, column).
+    out
+        Filled; shape (epoch, row, 5, column).
+    """
+    tile, runs, owners = row_scratch(r.shape[1], cos_lon.size, azimuths.size)
+    for t in range(r.shape[0]):
+        for i in range(sin_lat.size):
+            dop_row(
+                r[t], cos_cap[t], azimuths, elevations, sin_lat[i], cos_lat[i],
+                cos_lon, sin_lon, lon0, tile, runs, owners, counts[t, i], out[t, i],
+            )  # fmt: skip
 
 
 @kernel

@@ -10,20 +10,27 @@ from compass.core.jit import kernel
 
 TWO_PI = 2.0 * math.pi
 
+#: Below this reach rounding (1e-16 / reach, under a square root) could move an end of the interval
+#: by more than a column of 0.05 degree.
+FLAT = 1e-8
+
 
 @kernel
-def cap_runs(ux, uy, uz, cos_cap, sin_lat, cos_lat, cos_lon, sin_lon, lon0, runs):
+def cap_run(ux, uy, uz, out, longitude, cos_cap, sin_lat, cos_lat, cos_lon, sin_lon, lon0):
     """Columns inside a cap: none, all, or one run.
 
     A column is inside if ``u . p >= cos(lambda)``. On a row this is an interval of longitude
     about the satellite's, of half-width ``acos((cos lambda - u_z sin lat) / (|u_xy| cos lat))``;
     its two ends are settled by the inequality itself, so the run is equal to testing every
-    column.
+    column. Where u . p changes by less than 1e-8 along the row (a satellite or the row at a pole)
+    the row is taken whole or not at all.
 
     Parameters
     ----------
     ux, uy, uz
         Unit vector to the satellite.
+    out, longitude
+        Its distance ``|u_xy|`` from the axis and its longitude.
     cos_cap
         Cosine of the cap's radius.
     sin_lat, cos_lat
@@ -32,32 +39,28 @@ def cap_runs(ux, uy, uz, cos_cap, sin_lat, cos_lat, cos_lon, sin_lon, lon0, runs
         Of the columns, shape (m,).
     lon0
         Longitude of column 0, radians.
-    runs
-        Filled with (first, stop), shape (k, 2).
 
     Returns
     -------
-    int
-        Number of runs: 0 or 1.
+    first, stop
+        The run; (0, 0) if it is empty.
     """
     m = cos_lon.size
     offset = cos_cap - uz * sin_lat
-    reach = math.sqrt(ux * ux + uy * uy) * cos_lat
-    if offset > reach * (1.0 + 1e-9) + 1e-14:
-        return 0
-    if offset < -reach * (1.0 + 1e-9) - 1e-14:
-        runs[0, 0], runs[0, 1] = 0, m
-        return 1
-    ratio = 1.0 if offset > reach else -1.0
-    if abs(offset) < reach:
-        ratio = offset / reach
-    half = math.acos(ratio)
+    reach = out * cos_lat
+    if offset > reach + 1e-14:
+        return 0, 0
+    if offset < -reach - 1e-14 or (reach < FLAT and offset <= 0.0):
+        return 0, m
+    if reach < FLAT:
+        return 0, 0
+    half = math.acos(min(max(offset / reach, -1.0), 1.0))
     step = TWO_PI / m
-    centre = (math.atan2(uy, ux) - lon0) / step
-    first = math.ceil(centre - half / step)
-    last = math.floor(centre + half / step)
-    # acos is good to 1e-8 rad at worst, far less than a column: at most one column to settle
-    # on either side.
+    centre = (longitude - lon0) / step
+    first = int(math.ceil(centre - half / step))
+    last = int(math.floor(centre + half / step))
+    # With reach >= 1e-8 the ends are good to 2e-4 rad, less than a column: at most one column
+    # to settle on either side.
     first -= 1
     while first <= last and not _inside(
         ux, uy, uz, cos_cap, sin_lat, cos_lat, cos_lon, sin_lon, first
@@ -69,16 +72,16 @@ def cap_runs(ux, uy, uz, cos_cap, sin_lat, cos_lat, cos_lon, sin_lon, lon0, runs
     ):
         last -= 1
     if last < first:
-        return 0
-    width = min(last - first + 1, m)
-    first = first % m
-    runs[0, 0], runs[0, 1] = first, first + width
-    return 1
+        return 0, 0
+    if first < 0:
+        first, last = first + m, last + m
+    return first, first + min(last - first + 1, m)
 
 
 @kernel
 def _inside(ux, uy, uz, cos_cap, sin_lat, cos_lat, cos_lon, sin_lon, column):
-    k = column % cos_lon.size
+    m = cos_lon.size
+    k = column + m if column < 0 else (column - m if column >= m else column)
     return (ux * cos_lon[k] + uy * sin_lon[k]) * cos_lat + uz * sin_lat >= cos_cap
 
 

@@ -10,6 +10,9 @@ from compass.coverage.grid import Grid
 from compass.coverage.view import View
 from compass.errors import ArgumentError
 
+#: Pieces of work: enough to share among threads, few enough that handing out costs nothing.
+PARTS = 8
+
 
 def count_map(view: View, grid: Grid, workers: int | None = None) -> NDArray[np.int16]:
     """Number of satellites in view, shape (epoch, row, column); constant mask.
@@ -34,18 +37,19 @@ def count_map(view: View, grid: Grid, workers: int | None = None) -> NDArray[np.
     cos_lon, sin_lon = np.cos(longitude), np.sin(longitude)
     u, out = view.directions, np.empty((view.times.size, grid.rows, grid.columns), np.int16)
 
-    def fill(t: int) -> None:
+    def fill(part: slice) -> None:
         count_rows(
-            u[t : t + 1],
-            view.cos_cap[t : t + 1],
+            u[part],
+            view.cos_cap[part],
             np.sin(latitude),
             np.cos(latitude),
             cos_lon,
             sin_lon,
             longitude[0],
-            out[t : t + 1],
+            out[part],
         )
 
+    edges = np.linspace(0, view.times.size, min(PARTS, view.times.size) + 1).astype(int)
     with ThreadPoolExecutor(workers) as pool:
-        list(pool.map(fill, range(view.times.size)))
+        list(pool.map(fill, map(slice, edges[:-1], edges[1:])))
     return out

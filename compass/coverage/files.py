@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from compass.core.dop import dop_row
+from compass.core.dop import dop_rows
 from compass.coverage.grid import Grid
 from compass.coverage.maps import DOPS, LONG_NAMES
 from compass.coverage.view import View
@@ -79,9 +79,7 @@ def _append_series(path: Path, view: View, grid: Grid, progress: Callable[[int],
     latitude, longitude = grid.latitude, grid.longitude
     cos_lon, sin_lon = np.cos(longitude), np.sin(longitude)
     epochs, m = view.times.size, grid.columns
-    px, py, moments = np.empty(m), np.empty(m), np.empty((10, m))
-    runs = np.empty((m, 2), np.int64)
-    counts, row = np.empty((epochs, m), np.int16), np.empty((epochs, 5, m))
+    counts, row = np.empty((epochs, 1, m), np.int16), np.empty((epochs, 1, len(DOPS), m))
     with h5netcdf.File(path, "a") as file:
         dims = ("time", "lat", "lon")
         chunks = (epochs, 1, m)
@@ -95,25 +93,20 @@ def _append_series(path: Path, view: View, grid: Grid, progress: Callable[[int],
             variable.attrs["units"] = "1"
             variable.attrs["grid_mapping"] = "mars"
         for i in range(grid.rows):
-            for t in range(epochs):
-                dop_row(
-                    view.r[t],
-                    view.cos_cap[t],
-                    view.azimuths,
-                    view.elevations,
-                    np.sin(latitude[i]),
-                    np.cos(latitude[i]),
-                    cos_lon,
-                    sin_lon,
-                    longitude[0],
-                    px,
-                    py,
-                    moments,
-                    runs,
-                    counts[t],
-                    row[t],
-                )
-            variables[0][:, i, :] = counts
+            dop_rows(
+                view.r,
+                view.cos_cap,
+                view.azimuths,
+                view.elevations,
+                np.sin(latitude[i : i + 1]),
+                np.cos(latitude[i : i + 1]),
+                cos_lon,
+                sin_lon,
+                longitude[0],
+                counts,
+                row,
+            )
+            variables[0][:, i, :] = counts[:, 0]
             for k, variable in enumerate(variables[1:]):
-                variable[:, i, :] = row[:, k]
+                variable[:, i, :] = row[:, 0, k]
             progress(1)

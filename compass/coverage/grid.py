@@ -33,19 +33,22 @@ class Grid:
 
     @property
     def latitude(self) -> NDArray[np.float64]:
-        """Where each row is sampled, radians: the middle of its edges in latitude (equal angle)
-        or in sine of latitude (equal area).
+        """Where each row is sampled, radians, shape (rows,).
+
+        The middle of its edges in latitude (equal angle) or in sine of latitude (equal area).
         """
         if self.kind == "equal-area":
             sines = np.sin(self.latitude_edges)
-            return np.arcsin((sines[1:] + sines[:-1]) / 2)
-        return (self.latitude_edges[1:] + self.latitude_edges[:-1]) / 2
+            return np.asarray(np.arcsin((sines[1:] + sines[:-1]) / 2), dtype=np.float64)
+        return np.asarray(
+            (self.latitude_edges[1:] + self.latitude_edges[:-1]) / 2, dtype=np.float64
+        )
 
     @property
     def longitude(self) -> NDArray[np.float64]:
         """Cell centres from -180 degrees eastwards, radians, shape (columns,)."""
         step = 2 * np.pi / self.columns
-        return -np.pi + step * (np.arange(self.columns) + 0.5)
+        return np.asarray(-np.pi + step * (np.arange(self.columns) + 0.5), dtype=np.float64)
 
     @property
     def longitude_edges(self) -> NDArray[np.float64]:

@@ -27,6 +27,8 @@ LONG_NAMES = {
 CELL_PERCENTILES = (50, 95)
 #: Per-cell shares are kept up to this fold; the global ones have no limit.
 MAX_FOLD_KEPT = 16
+#: Pieces of work, the same for any number of threads, so that sums come out the same.
+BLOCKS = 32
 
 
 def coverage_map(
@@ -89,41 +91,43 @@ def coverage_map(
     # nearest rank: the smallest value that at least q percent of the epochs do not exceed
     ranks = np.array([max(-(-q * epochs // 100), 1) - 1 for q in CELL_PERCENTILES])
 
-    def one_row(i: int) -> tuple[NDArray, NDArray, NDArray]:
+    def one_block(rows: NDArray[np.int64]) -> tuple[NDArray, NDArray, NDArray]:
         tallies = empty_histograms(view.r.shape[1], epochs)
-        map_row(
-            view.r,
-            view.cos_cap,
-            view.azimuths,
-            view.elevations,
-            np.sin(latitude[i]),
-            np.cos(latitude[i]),
-            *columns,
-            fold,
-            pdop_threshold,
-            ranks,
-            grid.cell_share[i] / epochs,
-            cells.count_min[i],
-            cells.count_mean[i],
-            cells.count_max[i],
-            cells.share[i],
-            cells.percentiles[i],
-            cells.availability[i],
-            cells.gaps[i],
-            *tallies,
-        )
+        for i in rows:
+            map_row(
+                view.r,
+                view.cos_cap,
+                view.azimuths,
+                view.elevations,
+                np.sin(latitude[i]),
+                np.cos(latitude[i]),
+                *columns,
+                fold,
+                pdop_threshold,
+                ranks,
+                grid.cell_share[i] / epochs,
+                cells.count_min[i],
+                cells.count_mean[i],
+                cells.count_max[i],
+                cells.share[:, i],
+                cells.percentiles[:, :, i],
+                cells.availability[i],
+                cells.gaps[:, i],
+                *tallies,
+            )
         return tallies
 
     totals = empty_histograms(view.r.shape[1], epochs)
+    blocks = np.array_split(np.arange(grid.rows), min(BLOCKS, grid.rows))
     with ThreadPoolExecutor(workers) as pool:
-        # rows are added in order, so the sums are the same for any number of threads
-        for histogram, counts, by_epoch in pool.map(one_row, range(grid.rows)):
-            totals[0][:] += histogram
-            totals[1][:] += counts
-            np.minimum(totals[2][0], by_epoch[0], out=totals[2][0])
-            totals[2][1] += by_epoch[1] * epochs
-            np.maximum(totals[2][2], by_epoch[2], out=totals[2][2])
-            progress(1)
+        # blocks are added in order, so the sums are the same for any number of threads
+        for block, tallies in zip(blocks, pool.map(one_block, blocks), strict=True):
+            totals[0][:] += tallies[0]
+            totals[1][:] += tallies[1]
+            np.minimum(totals[2][0], tallies[2][0], out=totals[2][0])
+            totals[2][1] += tallies[2][1] * epochs
+            np.maximum(totals[2][2], tallies[2][2], out=totals[2][2])
+            progress(block.size)
     return cells.dataset(totals, pdop_threshold)
 
 
@@ -139,11 +143,9 @@ class _Cells:
         self.count_mean = np.empty(shape, np.float32)
         self.count_max = np.empty(shape, np.int16)
         self.availability = np.empty(shape, np.float32)
-        self.share = np.empty((grid.rows, self.kept, grid.columns), np.float32)
-        self.percentiles = np.empty(
-            (grid.rows, len(DOPS), len(CELL_PERCENTILES), grid.columns), np.float32
-        )
-        self.gaps = np.empty((grid.rows, 3, grid.columns), np.float32)
+        self.share = np.empty((self.kept, *shape), np.float32)
+        self.percentiles = np.empty((len(DOPS), len(CELL_PERCENTILES), *shape), np.float32)
+        self.gaps = np.empty((3, *shape), np.float32)
 
     def dataset(
         self, totals: tuple[NDArray, NDArray, NDArray], pdop_threshold: float
@@ -161,14 +163,14 @@ class _Cells:
         ]
         share_of_count = totals[1] / totals[1].sum()
         at_least = share_of_count[::-1].cumsum()[::-1]
-        zone = self.share.mean(axis=2, dtype=np.float64)
+        zone = self.share.mean(axis=2, dtype=np.float64)  # (fold, lat)
         data: dict[str, tuple] = {
             "count_min": (by_cell, self.count_min, _attrs("smallest satellite count")),
             "count_mean": (by_cell, self.count_mean, _attrs("mean satellite count")),
             "count_max": (by_cell, self.count_max, _attrs("largest satellite count")),
             "fold_share": (
                 ("fold", *by_cell),
-                self.share.transpose(1, 0, 2),
+                self.share,
                 _attrs("share of time with at least this many satellites in view"),
             ),
             "availability": (
@@ -180,7 +182,7 @@ class _Cells:
         for k, dop in enumerate(DOPS):
             data[dop] = (
                 ("percentile", *by_cell),
-                self.percentiles[:, k].transpose(1, 0, 2),
+                self.percentiles[k],
                 _attrs(f"{LONG_NAMES[dop]}, percentile over time (nearest rank, inf counts)"),
             )
         for k, (name, text) in enumerate(
@@ -190,12 +192,12 @@ class _Cells:
                 "mean_response_time": "mean wait from a random moment for the wanted satellites",
             }.items()
         ):
-            seconds = self.gaps[:, k] * np.float32(self.step)
+            seconds = self.gaps[k] * np.float32(self.step)
             data[name] = (by_cell, seconds, _attrs(text, "s"))
         data |= {
             "fold_share_lat": (
                 ("fold", "lat"),
-                zone.T,
+                zone,
                 _attrs("share of longitude and time with at least this many in view"),
             ),
             "count_min_time": ("time", totals[2][0], _attrs("smallest count on the sphere")),

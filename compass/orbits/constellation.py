@@ -181,22 +181,29 @@ def from_elements(
         raise ArgumentError(f"semi_major_axis = {a.min()} m: must be positive")
     if np.any((e < 0) | (e >= 1)):
         raise ArgumentError(f"eccentricity = {e[(e < 0) | (e >= 1)][0]}: allowed 0 up to below 1")
-    frozen = []
-    for element in elements:
-        copy = np.array(element)
-        copy.flags.writeable = False
-        frozen.append(copy)
+    frozen = [_read_only(element) for element in elements]
     names = tuple(satellite_names) or tuple(f"S{k + 1:02d}" for k in range(a.size))
     if len(names) != a.size:
         raise ArgumentError(f"satellite_names: {len(names)} names for {a.size} satellites")
     return Constellation(
         name,
-        *frozen,
+        frozen[0],
+        frozen[1],
+        frozen[2],
+        frozen[3],
+        frozen[4],
+        frozen[5],
         epoch=epoch,
         satellite_names=names,
         pattern=pattern,
         gm=gm,
     )
+
+
+def _read_only(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    copy = np.array(values)
+    copy.flags.writeable = False
+    return copy
 
 
 def from_pattern(

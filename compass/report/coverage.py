@@ -1,14 +1,16 @@
-"""Coverage pictures and tables: counts, dilution of precision, fold by latitude and over time."""
+"""Coverage pictures: counts, dilution of precision, fold by latitude and over time."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.colors import BoundaryNorm, LogNorm
 from numpy.typing import NDArray
 
 from compass.report.mars_map import MarsMap, colour_bar
-from compass.report.section import Picture, Table, picture
+from compass.report.section import Picture, picture
+from compass.report.statistics import NAMES
 from compass.report.style import CYCLE, FAINT, INK, MARS, look, new_figure, steps_of
 
 if TYPE_CHECKING:
@@ -17,8 +19,6 @@ if TYPE_CHECKING:
     from shapely import MultiPolygon
 
     from compass.coverage.grid import Grid
-
-NAMES = {"gdop": "GDOP", "pdop": "PDOP", "hdop": "HDOP", "vdop": "VDOP", "tdop": "TDOP"}
 
 
 def map_figure(
@@ -91,8 +91,8 @@ def _dop_field(
     else:
         low = float(finite.min())
         high = max(float(np.quantile(finite, 0.99)), low * 1.05)
-    mesh = chart.field(lon, lat, shown, cmap="magma_r", norm=LogNorm(low, high))
-    mesh.get_cmap().set_bad("#8a8f98")
+    colours = colormaps["magma_r"].with_extremes(bad="#8a8f98")
+    mesh = chart.field(lon, lat, shown, cmap=colours, norm=LogNorm(low, high))
     missing = 1 - finite.size / values.size
     note = f" (grey: none, {missing:.1%} of cells)" if missing else ""
     bar = colour_bar(chart.axes, mesh, label + note, extend="max")
@@ -216,7 +216,9 @@ def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
         axes = figure.add_subplot()
         hours = dataset.time / 3600
         low, mean, high = (dataset[f"count_{s}_time"] for s in ("min", "mean", "max"))
-        axes.fill_between(hours, low, high, color=CYCLE[5], alpha=0.35, lw=0, label="range on Mars")
+        axes.fill_between(
+            hours, low, high, step="mid", color=CYCLE[5], alpha=0.35, lw=0, label="range on Mars"
+        )
         axes.plot(hours, mean, color=CYCLE[0], lw=1.8, label="mean on Mars")
         axes.plot(hours, low, color=MARS, lw=1.4, label="fewest")
         axes.axhline(dataset.attrs["wanted_fold"], color=INK, lw=0.8, ls="--", label="wanted")
@@ -236,61 +238,3 @@ def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
             "Fewest, mean and most satellites in view anywhere on the grid, by epoch.",
         )
     return [by_latitude, over_time]
-
-
-def statistics(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Area- and time-weighted numbers of a map, as in the JSON of ``compass map``."""
-    shares = dataset.global_fold_share
-    dops = {
-        str(name): {
-            f"p{int(q)}": float(dataset.global_dop.sel(dop=name, global_percentile=q))
-            for q in dataset.global_percentile.values
-        }
-        for name in dataset.dop.values
-    }
-    return {
-        "count": {
-            "min": int(dataset.count_min.min()),
-            "mean": float(dataset.global_count_mean),
-            "max": int(dataset.count_max.max()),
-        },
-        "fold_share": {
-            int(k): float(shares.sel(global_fold=k))
-            for k in shares.global_fold.values
-            if k and (k <= dataset.attrs["wanted_fold"] or float(shares.sel(global_fold=k)) > 0)
-        },
-        **dops,
-        "availability": float(dataset.global_availability),
-        "longest_gap_s": float(dataset.longest_gap.max()),
-        "mean_response_time_s": float(
-            (dataset.mean_response_time.mean("lon") * dataset.cell_share * dataset.lon.size).sum()
-        ),
-    }
-
-
-def statistics_tables(dataset: "xr.Dataset") -> tuple[Table, ...]:
-    """The same numbers as tables for reading."""
-    numbers = statistics(dataset)
-    threshold, fold = dataset.attrs["pdop_threshold"], dataset.attrs["wanted_fold"]
-    count = numbers["count"]
-    percentiles = [f"p{int(q)}" for q in dataset.global_percentile.values]
-    return (
-        Table(
-            "Satellites in view, over area and time",
-            ("figure of merit", "value"),
-            (
-                ("fewest", count["min"]),
-                ("mean", count["mean"]),
-                ("most", count["max"]),
-                *((f"share with at least {k}", v) for k, v in numbers["fold_share"].items()),
-                (f"availability (PDOP at most {threshold:g})", numbers["availability"]),
-                (f"longest gap below {fold} in view, s", numbers["longest_gap_s"]),
-                (f"mean response time to {fold} in view, s", numbers["mean_response_time_s"]),
-            ),
-        ),
-        Table(
-            "Dilution of precision: percentiles over area and time",
-            ("", *percentiles),
-            tuple((NAMES[str(name)], *numbers[str(name)].values()) for name in dataset.dop.values),
-        ),
-    )

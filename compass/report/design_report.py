@@ -9,16 +9,11 @@ import numpy as np
 from compass.coverage.geometry import pattern_geometry
 from compass.coverage.site import site_coverage
 from compass.inputs import Design
-from compass.report.coverage import (
-    NAMES,
-    fold_pictures,
-    map_figure,
-    map_pictures,
-    statistics_tables,
-)
+from compass.report.coverage import fold_pictures, map_figure, map_pictures
 from compass.report.orbits import cap_picture, gap_shapes, orbit_picture, track_picture
 from compass.report.page import render
 from compass.report.section import Picture, Section, Table, picture
+from compass.report.statistics import NAMES, statistics_tables
 from compass.report.tables import constellation_facts, geometry_facts, satellite_table
 from compass.study.mapping import DesignMap, MapOptions, make_map, provenance
 

@@ -68,12 +68,13 @@ class MarsMap:
     def graticule(self, step_deg: int = 30) -> None:
         """Meridians and parallels every `step_deg` degrees, labelled, and the rim of the map."""
         lines = []
+        along_meridian, along_parallel = np.linspace(-90, 90, 91), np.linspace(-180, 180, 181)
         for lon in range(-180 + step_deg, 180, step_deg):
-            lat = np.linspace(-90, 90, 91)
-            lines.append(np.column_stack(self.project(np.full(91, float(lon)), lat)))
+            meridian = self.project(np.full(91, float(lon)), along_meridian)
+            lines.append(np.column_stack(meridian))
         for lat in range(-90 + step_deg, 90, step_deg):
-            lon = np.linspace(-180, 180, 181)
-            lines.append(np.column_stack(self.project(lon, np.full(181, float(lat)))))
+            parallel = self.project(along_parallel, np.full(181, float(lat)))
+            lines.append(np.column_stack(parallel))
             x, y = self.project(-180.0, float(lat))
             label = self.axes.annotate(
                 _degrees(lat, "N", "S"), (float(x), float(y)), (-3, 0),
@@ -168,5 +169,5 @@ def colour_bar(axes: Axes, mesh: Any, label: str, **options: Any) -> Any:
         mesh, ax=axes, orientation="horizontal", shrink=0.62, aspect=38, pad=0.03, **options
     )
     bar.set_label(label)
-    bar.outline.set_edgecolor(FAINT)  # type: ignore[operator]
+    bar.outline.set_edgecolor(FAINT)
     return bar

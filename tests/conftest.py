@@ -1,0 +1,38 @@
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+import compass
+from compass.cli import main as program
+
+# The first example compiles kernels, so none has a deadline; a machine's run must be repeatable.
+settings.register_profile("compass", deadline=None, derandomize=bool(os.environ.get("CI")))
+settings.load_profile("compass")
+
+DESIGNS = Path(__file__).parents[1] / "designs"
+
+
+@pytest.fixture(scope="session")
+def designs():
+    return DESIGNS
+
+
+@pytest.fixture(scope="session")
+def seed_design():
+    return compass.read_design(DESIGNS / "compass-15-5-1.toml")
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Run the program as a user does; return exit status, stdout and stderr."""
+
+    def call(*arguments):
+        monkeypatch.setattr("sys.argv", ["compass", *map(str, arguments)])
+        with pytest.raises(SystemExit) as finished:
+            program.main()
+        captured = capsys.readouterr()
+        return finished.value.code, captured.out, captured.err
+
+    return call

@@ -1,0 +1,254 @@
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from compass import Mask, Site, from_elements, walker_delta
+from compass.coverage.count import count_map
+from compass.coverage.files import write_map
+from compass.coverage.grid import equal_angle_grid, make_grid
+from compass.coverage.maps import DOPS, coverage_map
+from compass.coverage.site import site_coverage
+from compass.coverage.view import view
+from compass.errors import ArgumentError
+from compass.frames import FIGURES, direction
+
+R, ORBIT = 3396.2e3, 20427e3
+COARSE = make_grid("equal-angle", 15)
+
+
+def seed(inclination_deg=45.0, **more):
+    return walker_delta(15, 5, 1, inclination=np.radians(inclination_deg), radius=ORBIT, **more)
+
+
+def brute(seen, grid, mask_deg=0.0):
+    """Counts and DOPs cell by cell, with matrices: shapes (epoch, row, column) and (5, ...)."""
+    p = direction(grid.latitude[:, None], grid.longitude)
+    sights = seen.r[:, None, None] - p[None, :, :, None]
+    sights /= np.linalg.norm(sights, axis=-1, keepdims=True)
+    visible = np.einsum("tijsc,ijc->tijs", sights, p) >= np.sin(np.radians(mask_deg))
+    counts = visible.sum(-1)
+    dops = np.full((5, *counts.shape), np.inf)
+    for index in np.argwhere(counts >= 4):
+        t, i, j = index
+        u = sights[t, i, j][visible[t, i, j]]
+        g = np.column_stack([u, np.ones(len(u))])
+        normal = g.T @ g
+        if np.linalg.cond(normal) > 1e12:
+            continue
+        q = np.linalg.inv(normal)
+        p2, v2 = np.trace(q[:3, :3]), p[i, j] @ q[:3, :3] @ p[i, j]
+        dops[:, t, i, j] = np.sqrt([p2 + q[3, 3], p2, p2 - v2, v2, q[3, 3]])
+    return counts, dops
+
+
+@pytest.mark.parametrize("kind", ["equal-angle", "equal-area"])
+def test_cells_cover_the_sphere_once(kind):
+    grid = make_grid(kind, 10)
+    assert grid.cell_share.sum() * grid.columns == pytest.approx(1.0, abs=1e-14)
+    assert grid.rows == 18 and grid.columns == 36
+    assert np.all(np.diff(grid.latitude) > 0)
+    inside = (grid.latitude_edges[:-1] < grid.latitude) & (grid.latitude < grid.latitude_edges[1:])
+    assert inside.all()
+    if kind == "equal-area":
+        np.testing.assert_allclose(grid.cell_share, 1 / (18 * 36), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("kind", "step", "message"),
+    [
+        ("equal-angle", 0.0, "allowed 0.05 to 90"),
+        ("equal-angle", float("nan"), "allowed 0.05 to 90"),
+        ("equal-angle", 7.3, "nearest that fits is 7.2"),
+        ("hexagons", 1.0, "allowed equal-angle, equal-area"),
+    ],
+)
+def test_impossible_grids_are_refused(kind, step, message):
+    with pytest.raises(ArgumentError, match=message):
+        make_grid(kind, step)
+
+
+@pytest.mark.parametrize("mask_deg", [0.0, 12.0])
+def test_map_equals_brute_force_in_every_cell(mask_deg):
+    seen = view(seed(), np.linspace(0, 5e4, 3), R, Mask.constant(np.radians(mask_deg)))
+    counts, dops = brute(seen, COARSE, mask_deg)
+    np.testing.assert_array_equal(count_map(seen, COARSE), counts)
+    made = coverage_map(seen, COARSE, period=9e4)
+    np.testing.assert_array_equal(made.count_min, counts.min(0))
+    np.testing.assert_array_equal(made.count_max, counts.max(0))
+    np.testing.assert_allclose(made.count_mean, counts.mean(0), rtol=1e-6)
+    for k in (1, 5, 9):
+        np.testing.assert_allclose(made.fold_share.sel(fold=k), (counts >= k).mean(0), atol=1e-6)
+    for name, values in zip(DOPS, dops, strict=True):
+        ranked = np.sort(values, axis=0)
+        # nearest rank of three: the second is the median, the third the 95th percentile
+        np.testing.assert_allclose(made[name].sel(percentile=50), ranked[1], rtol=1e-5)
+        np.testing.assert_allclose(made[name].sel(percentile=95), ranked[2], rtol=1e-5)
+    np.testing.assert_allclose(made.availability, (dops[1] <= 6).mean(0), atol=1e-6)
+
+
+def test_global_numbers_are_weighted_by_area():
+    seen = view(seed(), np.linspace(0, 5e4, 4), R)
+    counts, dops = brute(seen, COARSE)
+    made = coverage_map(seen, COARSE, period=9e4)
+    weight = np.broadcast_to(COARSE.cell_share[None, :, None] / 4, counts.shape)
+    assert float(made.global_count_mean) == pytest.approx((counts * weight).sum(), rel=1e-12)
+    for k in (4, 6, 8):
+        share = weight[counts >= k].sum()
+        assert float(made.global_fold_share.sel(global_fold=k)) == pytest.approx(share, abs=1e-12)
+    for name, values in zip(DOPS, dops, strict=True):
+        order = np.argsort(values, axis=None)
+        cumulative = np.cumsum(weight.ravel()[order])
+        for q in (50, 90, 95):
+            exact = values.ravel()[order][np.searchsorted(cumulative, q / 100 - 1e-12)]
+            found = float(made.global_dop.sel(dop=name, global_percentile=q))
+            neighbours = values[np.isfinite(values)]
+            gap = np.abs(np.log(neighbours / exact))
+            assert abs(np.log(found / exact)) <= max(5e-4, np.partition(gap, 2)[2] + 5e-4)
+    assert float(made.global_availability) == pytest.approx(weight[dops[1] <= 6].sum(), abs=1e-6)
+    np.testing.assert_allclose(
+        made.count_mean_time, (counts * COARSE.cell_share[:, None]).sum((1, 2)), rtol=1e-12
+    )
+    np.testing.assert_array_equal(made.count_min_time, counts.min((1, 2)))
+    np.testing.assert_array_equal(made.count_max_time, counts.max((1, 2)))
+
+
+@pytest.mark.slow
+def test_mean_fold_is_the_sum_of_the_caps():
+    seen = view(seed(), np.arange(8) * 11000.0, R)
+    made = coverage_map(seen, equal_angle_grid(np.radians(1.0)), period=88000.0)
+    expected = 15 * (1 - np.cos(np.radians(80.429542))) / 2
+    assert float(made.global_count_mean) == pytest.approx(expected, abs=1e-3)
+
+
+@settings(max_examples=10)
+@given(st.floats(-3.0, 3.0))
+def test_turning_every_node_turns_the_map(turn):
+    c = seed()
+    turned = from_elements(c.semi_major_axis, 0, c.inclination, c.raan + turn, 0, c.mean_anomaly)
+    grid = make_grid("equal-area", 30)
+    columns = round(turn / (2 * np.pi / grid.columns))
+    exact = columns * 2 * np.pi / grid.columns
+    turned = from_elements(c.semi_major_axis, 0, c.inclination, c.raan + exact, 0, c.mean_anomaly)
+    one, other = (count_map(view(x, [0.0], R), grid) for x in (c, turned))
+    different = np.roll(one, columns, axis=2) != other
+    # rounding may move a cell centre that lies on a rim
+    assert different.mean() < 0.03
+
+
+def test_number_of_threads_does_not_change_a_bit():
+    seen = view(seed(), np.linspace(0, 5e4, 3), R)
+    one, other = (coverage_map(seen, COARSE, period=9e4, workers=n) for n in (1, 3))
+    xr.testing.assert_identical(one, other)
+
+
+def test_gaps_and_response_time_of_one_satellite_in_view_half_the_time():
+    # a low satellite over the equator, in and out of view every hour or so
+    c = from_elements(6e6, 0, 0.0, 0.0, 0, 0.0)
+    period = 8.0 * 3600
+    seen = view(c, np.arange(8) * 3600.0, R)
+    made = coverage_map(seen, COARSE, period=period, fold=1)
+    counts = count_map(seen, COARSE)
+    i, j = np.argwhere((counts.sum(0) > 0) & (counts.sum(0) < 8))[0]
+    series = counts[:, i, j]
+    start = int(np.flatnonzero(series)[0])
+    runs = [len(r) for r in "".join(map(str, np.roll(series, -start))).split("1") if r]
+    cell = made.isel(lat=i, lon=j)
+    assert float(cell.longest_gap) == max(runs) * 3600
+    assert float(cell.mean_gap) == pytest.approx(np.mean(runs) * 3600)
+    assert float(cell.mean_response_time) == pytest.approx(sum(r * r for r in runs) / 16 * 3600)
+    never = made.where(made.count_max == 0).longest_gap
+    assert np.isinf(never.values[~np.isnan(never.values)]).all()
+
+
+def test_azimuth_dependent_mask_equals_sites_one_by_one():
+    mask = Mask(tuple(np.radians([0, 90, 180, 270])), tuple(np.radians([5.0, 25, 5, 15])))
+    times = np.array([0.0, 4000.0])
+    seen = view(seed(), times, R, mask)
+    made = coverage_map(seen, COARSE, period=8e3)
+    for i, j in [(0, 0), (3, 11), (6, 20), (11, 5)]:
+        site = Site(
+            "x",
+            COARSE.latitude[i],
+            COARSE.longitude[j],
+            mask=mask,
+            figure=FIGURES["kelly2018-sphere"],
+        )
+        single = site_coverage(seed(), site, times)
+        cell = made.isel(lat=i, lon=j)
+        assert int(cell.count_min) == int(single["count"].min())
+        assert int(cell.count_max) == int(single["count"].max())
+        assert float(cell.gdop.sel(percentile=95)) == pytest.approx(
+            float(single.gdop.max()), rel=1e-5
+        )
+    with pytest.raises(ArgumentError, match="changes with azimuth"):
+        count_map(seen, COARSE)
+
+
+def test_elliptical_orbits_have_caps_that_breathe():
+    c = from_elements(8e6, 0.4, 0.6, [0, 2, 4], 0.3, [0, 1, 2])
+    seen = view(c, np.linspace(0, 9e3, 4), R)
+    assert np.ptp(seen.cos_cap, axis=0).min() > 0.05
+    counts, _ = brute(seen, COARSE)
+    np.testing.assert_array_equal(count_map(seen, COARSE), counts)
+
+
+def test_draims_four_satellites_cover_mars_always_and_just_so(designs):
+    """Draim 1987: single coverage at all times if the period is long enough (7.06 radii)."""
+    import compass
+
+    c = compass.read_design(designs / "draim-four.toml").constellation
+    for radii, least in ((7.2, 1), (6.6, 0)):
+        scaled = from_elements(
+            radii * 3396.19e3, c.eccentricity, c.inclination, c.raan,
+            c.argument_of_periapsis, c.mean_anomaly,
+        )  # fmt: skip
+        period = 2 * np.pi / scaled.mean_motion[0]
+        seen = view(scaled, np.arange(60) * period / 60, 3396.19e3)
+        assert count_map(seen, make_grid("equal-area", 6)).min() == least
+
+
+@pytest.mark.parametrize(
+    ("options", "message"), [({"fold": 0}, "at least 1"), ({"pdop_threshold": 0.0}, "positive")]
+)
+def test_impossible_options_are_refused(options, message):
+    with pytest.raises(ArgumentError, match=message):
+        coverage_map(view(seed(), [0.0], R), COARSE, period=1.0, **options)
+
+
+@pytest.mark.parametrize("figure", list(FIGURES.values()), ids=lambda f: f.name)
+def test_file_is_cf_with_mars_as_grid_mapping(tmp_path, figure):
+    from pyproj import CRS
+
+    seen = view(seed(), [0.0, 9000.0], R)
+    made = coverage_map(seen, COARSE, period=18000.0)
+    path = tmp_path / "map.nc"
+    write_map(made, path, figure, series=(seen, COARSE))
+    with xr.open_dataset(path, engine="h5netcdf") as back:
+        assert back.attrs["Conventions"] == "CF-1.11"
+        assert back.gdop.attrs["grid_mapping"] == "mars"
+        assert back.lat.attrs["standard_name"] == "latitude"
+        crs = CRS.from_cf(back.mars.attrs)
+        assert crs.ellipsoid.semi_major_metre == figure.equatorial_radius
+        assert crs.ellipsoid.inverse_flattening == 0
+        for name in back.data_vars:
+            if name != "mars":
+                assert "units" in back[name].attrs, name
+                assert "long_name" in back[name].attrs, name
+        np.testing.assert_array_equal(back.count_series, count_map(seen, COARSE))
+        np.testing.assert_allclose(
+            back.gdop_series.max("time"), made.gdop.sel(percentile=95), rtol=1e-5
+        )
+    assert [p.name for p in tmp_path.iterdir()] == ["map.nc"]
+
+
+def test_site_on_the_ellipsoid_sees_by_its_own_normal(seed_design):
+    times = np.linspace(0, 8e4, 30)
+    site = Site("x", 0.8, 0.3, 2000.0)
+    data = site_coverage(seed_design.constellation, site, times)
+    assert data["count"].shape == (30,)
+    assert int(data["count"].min()) >= 4
+    np.testing.assert_array_equal(data["count"], data.visible.sum("satellite"))
+    assert np.all(data.gdop**2 == pytest.approx(data.pdop**2 + data.tdop**2))
+    assert np.all(data.pdop**2 == pytest.approx(data.hdop**2 + data.vdop**2))

@@ -1,0 +1,110 @@
+import numpy as np
+import pytest
+
+from compass import areosynchronous_radius, ephemeris, from_elements, walker_delta
+from compass.bodies import MARS_GM, MARS_J2, MARS_ROTATION_RATE, sidereal_day
+from compass.errors import ArgumentError
+from compass.frames import latitude_longitude
+from compass.orbits import orbital_period, positions_mcmf, repeat_period, states_mci
+from compass.orbits.ephemeris import acceleration_j2
+from compass.orbits.period import secular_rates
+
+
+def one(a=8e6, e=0.2, i=1.0, **more):
+    return from_elements(a, e, i, 0.5, 0.4, 0.3, **more)
+
+
+def test_areosynchronous_radius():
+    # 20 428 km to the kilometre; GM and rate are known to 1e-8, so 1e-3 km is the model's own
+    radius = areosynchronous_radius()
+    assert radius == pytest.approx(20_427_685, abs=1)
+    assert orbital_period(radius) == pytest.approx(sidereal_day(), rel=1e-12)
+
+
+@pytest.mark.parametrize("inclination", [0.0, np.pi / 4, np.pi / 2])
+def test_areosynchronous_radius_with_j2_keeps_pace_with_mars(inclination):
+    a = areosynchronous_radius(j2=True, inclination=inclination)
+    node, periapsis, anomaly = secular_rates(a, 0.0, inclination)
+    assert periapsis + anomaly == pytest.approx(MARS_ROTATION_RATE.value - node, rel=1e-12)
+
+
+def test_areostationary_satellite_stands_still_over_mars():
+    c = walker_delta(1, 1, 0, inclination=0.0, radius=areosynchronous_radius())
+    _, lon = latitude_longitude(positions_mcmf(c, np.linspace(0, 3 * sidereal_day(), 9)))
+    # the periodic terms of W: at most the sum of amplitude times rate, 1.1e-12 rad/s, for 3 days
+    assert np.ptp(np.unwrap(lon[0])) < 3e-7
+
+
+def test_models_agree_to_first_order_in_j2():
+    c, times = one(), np.linspace(0, 4e4, 5)
+    plain, drift, exact = (states_mci(c, times, m)[0][0] for m in ("two-body", "j2", "numerical"))
+    # J2 moves a satellite by about 3/2 J2 (R/a)^2 n t a; the secular model takes most of that
+    assert np.linalg.norm(plain - exact, axis=-1).max() > 2e4
+    short_periodic = 20 * MARS_J2.value * 8e6
+    assert np.linalg.norm(drift - exact, axis=-1).max() < short_periodic
+
+
+def test_secular_node_rate_equals_integration():
+    # circular and long enough that short-periodic wiggles do not matter
+    c = from_elements(1e7, 0.0, 1.0, 0.0, 0.0, 0.0)
+    period = float(orbital_period(1e7))
+    r, v = states_mci(c, np.array([0.0, 40 * period]), "numerical")
+    h = np.cross(r[0], v[0])
+    node = np.unwrap(np.arctan2(h[:, 0], -h[:, 1]))
+    rate = secular_rates(1e7, 0.0, 1.0)[0]
+    # second order in J2: J2 (R/a)^2 = 2e-4 of the rate, plus short-periodic 1e-4 rad in 0.03 rad
+    assert (node[1] - node[0]) / (40 * period) == pytest.approx(rate, rel=5e-3)
+
+
+def test_numerical_motion_keeps_energy_and_axial_momentum():
+    c = one()
+    r, v = (x[0] for x in states_mci(c, np.linspace(-2e4, 5e4, 8), "numerical"))
+    z2 = r[:, 2] ** 2 / (r * r).sum(-1)
+    d = np.linalg.norm(r, axis=-1)
+    bulge = MARS_GM.value * MARS_J2.value * 3.396e6**2 / (2 * d**3) * (3 * z2 - 1)
+    energy = (v * v).sum(-1) / 2 - MARS_GM.value / d + bulge
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-9)
+    momentum = np.cross(r, v)[:, 2]
+    np.testing.assert_allclose(momentum, momentum[0], rtol=1e-9)
+
+
+def test_gravity_is_the_gradient_of_its_potential():
+    r, h = np.array([4e6, -2e6, 3e6]), 1.0
+
+    def potential(p):
+        d = np.linalg.norm(p)
+        z2 = p[2] ** 2 / d**2
+        j2 = MARS_J2.value * (3.396e6 / d) ** 2
+        return -MARS_GM.value / d * (1 - j2 * (3 * z2 - 1) / 2)
+
+    steps = np.eye(3) * h
+    gradient = [(potential(r + s) - potential(r - s)) / (2 * h) for s in steps]
+    np.testing.assert_allclose(acceleration_j2(r, MARS_GM.value), -np.array(gradient), rtol=1e-6)
+
+
+def test_repeat_period():
+    synchronous = walker_delta(15, 5, 1, inclination=0.8, radius=20427e3)
+    repeat = repeat_period(synchronous)
+    assert (repeat.sidereal_days, repeat.revolutions) == (1, 1)
+    assert repeat.closure < np.radians(0.05)
+    half = areosynchronous_radius() * 2 ** (-2 / 3)
+    assert repeat_period(walker_delta(3, 3, 0, inclination=0.8, radius=half)).revolutions == 2
+    low = repeat_period(walker_delta(1, 1, 0, inclination=0.8, radius=4.196e6))
+    assert 1 <= low.sidereal_days <= 10
+    two_thirds = areosynchronous_radius() * (2 / 3) ** (2 / 3)
+    assert (
+        repeat_period(walker_delta(1, 1, 0, inclination=0.8, radius=two_thirds)).sidereal_days == 2
+    )
+
+
+def test_ephemeris_is_a_dataset_with_units():
+    data = ephemeris(one(satellite_names=["A"]), [0.0, 60.0])
+    assert data.r_mci.sel(satellite="A").shape == (2, 3)
+    assert data.v_mci.attrs["units"] == "m s-1"
+    norms = [np.linalg.norm(data[name], axis=-1) for name in ("r_mci", "r_mcmf")]
+    np.testing.assert_allclose(*norms, rtol=1e-14)
+
+
+def test_unknown_model_is_refused():
+    with pytest.raises(ArgumentError, match="allowed two-body, j2, numerical"):
+        states_mci(one(), [0.0], "sgp4")

@@ -1,0 +1,68 @@
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from compass.errors import OutputError
+from compass.saving import check_writable, replacing
+
+
+def test_success_replaces_and_failure_leaves_the_old_file(tmp_path):
+    path = tmp_path / "result.nc"
+    with replacing(path) as temporary:
+        temporary.write_text("old")
+    with pytest.raises(ZeroDivisionError, match="division"), replacing(path) as temporary:
+        temporary.write_text("half")
+        raise ZeroDivisionError("division")
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_result_has_ordinary_permissions(tmp_path):
+    path = tmp_path / "result"
+    with replacing(path) as temporary:
+        temporary.write_text("x")
+    mask = os.umask(0)
+    os.umask(mask)
+    assert path.stat().st_mode & 0o777 == 0o666 & ~mask
+
+
+def test_killed_process_leaves_the_old_file(tmp_path):
+    path = tmp_path / "result.nc"
+    path.write_text("old")
+    script = (
+        "import sys, time; from pathlib import Path; from compass.saving import replacing\n"
+        f"with replacing(Path({str(path)!r})) as t:\n"
+        "    t.write_text('half'); print('ready', flush=True); time.sleep(60)\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE) as process:
+        assert process.stdout.readline() == b"ready\n"
+        process.send_signal(signal.SIGKILL)
+        process.wait(10)
+    assert path.read_text() == "old"
+
+
+@pytest.mark.parametrize("case", ["folder", "missing", "input"])
+def test_impossible_outputs_are_refused(tmp_path, case):
+    source = tmp_path / "design.toml"
+    source.write_text("x")
+    path, message = {
+        "folder": (tmp_path, "is a directory"),
+        "missing": (tmp_path / "no" / "x.nc", "does not exist"),
+        "input": (source, "is the input itself"),
+    }[case]
+    with pytest.raises(OutputError, match=message):
+        check_writable(path, [source])
+
+
+def test_unwritable_folder_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("os.access", lambda *_: False)  # root may write anywhere
+    with pytest.raises(OutputError, match="not writable"):
+        check_writable(tmp_path / "x.nc")
+
+
+def test_full_disk_is_said_plainly(tmp_path):
+    with pytest.raises(OutputError, match="cannot be written: No space"), replacing(tmp_path / "x"):
+        raise OSError(28, "No space left on device")
