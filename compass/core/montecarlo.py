@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from compass.core.entry_dynamics import BANK, rk4_step
 from compass.core.entry_measurement import ACCELERATIONS, predict_measurements
-from compass.core.filters.common import Array, Epoch, make_bank, make_work, start_bank, without_gate
+from compass.core.filters.common import Array, Epoch, make_bank, make_work, start_bank
 from compass.core.filters.step import start, step
 from compass.core.jit import kernel
 from compass.core.smallmatrix import cholesky
@@ -201,7 +201,6 @@ def track(algorithm, settings, belief, x0, bank_angles, beacons, alive, trace):
     bank, work = make_bank(n, size, m), make_work(n, size, m, belief.p.size)
     start_bank(bank, x0, belief.p0)
     p, arrived = belief.p.copy(), np.ones(ACCELERATIONS + m, dtype=np.bool_)
-    ungated = without_gate(settings)
     if not start(algorithm, settings, bank, work):
         return 0
     for k in range(epochs):
@@ -209,9 +208,9 @@ def track(algorithm, settings, belief, x0, bank_angles, beacons, alive, trace):
             p[BANK] = bank_angles[k - 1]
             for i in range(arrived.size):
                 arrived[i] = trace.arrived[k, i] or belief.trusts
-            epoch = Epoch(p, beacons[k], trace.z[k], arrived, alive[k])
-            here = settings if k * settings.dt >= settings.gate_start else ungated
-            if not step(algorithm, here, epoch, bank, work):
+            gate = settings.gate if k * settings.dt >= settings.gate_start else math.inf
+            epoch = Epoch(p, beacons[k], trace.z[k], arrived, alive[k], gate)
+            if not step(algorithm, settings, epoch, bank, work):
                 return k
         trace.x[k] = bank.x
         trace.cov[k] = bank.P

@@ -24,7 +24,7 @@ class Settings(NamedTuple):
     `states` n is 6, 8 or 11; `linear` carries rho0 instead of its logarithm; `q` (n,) is the
     process noise variance of one step; `r_acc` (3,) and `r_range` (m,) the variances of the
     measurements; `scale` (n,) the size of each state in which information is weighed; `gate`
-    the largest squared innovation over its variance that is believed (inf: all) from `gate_start`
+    the largest squared innovation over its variance that is believed (inf: all), from `gate_start`
     seconds on;
     `weighting` and `floor` the rule of the fusion weights and their smallest value;
     `iterations` the relinearisations of the iterated filter.
@@ -48,8 +48,8 @@ class Epoch(NamedTuple):
     """What one step is given.
 
     Parameters `p` of the dynamics (filter's side), `beacons` (m, 3) at the new epoch, the
-    measurements `z` (3 + m,), which of them `arrived` (3 + m,), and which subsystems are
-    `alive` (m,).
+    measurements `z` (3 + m,), which of them `arrived` (3 + m,), which subsystems are `alive` (m,),
+    and the `gate` in force.
     """
 
     p: Array
@@ -57,6 +57,7 @@ class Epoch(NamedTuple):
     z: Array
     arrived: NDArray[np.bool_]
     alive: NDArray[np.bool_]
+    gate: float
 
 
 class Bank(NamedTuple):
@@ -101,25 +102,6 @@ class Work(NamedTuple):
     direction: Array
     trial: Array
     used: NDArray[np.bool_]
-
-
-@kernel
-def without_gate(settings):
-    """Return the settings with every innovation believed."""
-    return Settings(
-        settings.states,
-        settings.linear,
-        settings.dt,
-        settings.q,
-        settings.r_acc,
-        settings.r_range,
-        settings.scale,
-        math.inf,
-        0.0,
-        settings.weighting,
-        settings.floor,
-        settings.iterations,
-    )
 
 
 @kernel
@@ -275,13 +257,13 @@ def choose_rows(settings, epoch, bank, cov, only, work):
     for i in range(arrived.size):
         mine = i < ACCELERATIONS or only < 0 or i - ACCELERATIONS == only
         used[i] = mine and arrived[i]
-    if settings.gate < math.inf:
+    if epoch.gate < math.inf:
         for i in range(arrived.size):
             if used[i]:
                 noise = row_noise(settings.r_acc, settings.r_range, i)
                 residual = epoch.z[i] - work.h[i]
                 variance = innovation_variance(cov, work.big_h, i, noise)
-                if not residual * residual <= settings.gate * variance:
+                if not residual * residual <= epoch.gate * variance:
                     used[i] = False
                     bank.gated[i] = True
 
