@@ -1,0 +1,195 @@
+"""Proof over time: bisect an interval until the fold of shrunk caps settles every part of it.
+
+In a frame that turns at Omega, a satellite direction moves at most ``|W h - Omega|`` rad/s, h the
+orbit's pole and W the rate of the true anomaly, and the radius of its cap changes at most
+``V = dlambda/dr e sqrt(GM/p)``. Over a half interval H the cap at any moment therefore contains
+the one of mid-time shrunk by ``(|W h - Omega| + V) H`` and lies inside the one grown by as much.
+W = sqrt(GM p)/r^2 and dlambda/dr fall with r, so they are bounded at the least radius that can
+occur in the interval, ``max(r_p, r - e sqrt(GM/p) H)``; ``|W h - Omega|`` is convex in W, so its
+bound is at one end of the range of W.
+"""
+
+import math
+
+import numpy as np
+
+from compass.core.fold import cap_cosine, cell_point, extreme_fold
+from compass.core.jit import kernel
+from compass.core.kepler import elliptic_states
+
+UNIT_ROUNDOFF = 1.1102230246251565e-16
+
+PROVEN, REFUTED, UNDECIDED = 0, 1, 2
+
+#: Unsettled intervals that are kept for the user to see.
+KEPT = 32
+
+
+@kernel
+def caps_at(orbits, poles, gm, sphere_radius, mask, spin, frame_angle, time, half):
+    """Directions, cap radii and how far both can stray within `half` of `time`.
+
+    Parameters
+    ----------
+    orbits
+        Rows a, e, i, RAAN, argument of periapsis, mean anomaly, mean motion; shape (7, n), SI.
+    poles
+        Unit vectors along the angular momenta in the inertial frame, shape (n, 3).
+    gm, sphere_radius, mask
+        m^3/s^2, m, rad.
+    spin
+        Angular velocity Omega of the frame, shape (3,), rad/s.
+    frame_angle
+        Angle at time 0 of a frame that turns about z with ``spin[2]``; nan for directions in
+        the inertial frame (their arrangement is the same, whichever way it is turned).
+    time, half
+        Seconds.
+
+    Returns
+    -------
+    u, radius, stray
+        Shapes (n, 3), (n,), (n,); radians. `stray` includes the rounding of the motion: phases
+        are good to ``4 (|M| + 8)`` roundoffs, times the greatest ``d(true)/d(mean anomaly)``.
+    """
+    n = orbits.shape[1]
+    still = np.zeros(n)
+    times = np.empty(1)
+    times[0] = time
+    r, _ = elliptic_states(
+        orbits[0],
+        orbits[1],
+        orbits[2],
+        orbits[3],
+        orbits[4],
+        orbits[5],
+        still,
+        still,
+        orbits[6],
+        times,
+    )
+    turned = not math.isnan(frame_angle)
+    angle = frame_angle + spin[2] * time if turned else 0.0
+    ca, sa = math.cos(angle), math.sin(angle)
+    u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty(n)
+    for s in range(n):
+        x, y, z = r[s, 0, 0], r[s, 0, 1], r[s, 0, 2]
+        distance = math.sqrt(x * x + y * y + z * z)
+        u[s, 0], u[s, 1], u[s, 2] = (
+            (ca * x + sa * y) / distance,
+            (ca * y - sa * x) / distance,
+            z / distance,
+        )
+        a, e = orbits[0, s], orbits[1, s]
+        p = a * (1.0 - e * e)
+        radial = e * math.sqrt(gm / p)
+        nearest = max(a * (1.0 - e), distance - radial * half)
+        farthest = min(a * (1.0 + e), distance + radial * half)
+        momentum = math.sqrt(gm * p)
+        rate = 0.0
+        for w in (momentum / (nearest * nearest), momentum / (farthest * farthest)):
+            dx = w * poles[s, 0] - spin[0]
+            dy = w * poles[s, 1] - spin[1]
+            dz = w * poles[s, 2] - spin[2]
+            rate = max(rate, math.sqrt(dx * dx + dy * dy + dz * dz))
+        rim = sphere_radius * math.cos(mask)
+        growth = radial * rim / (nearest * math.sqrt(nearest * nearest - rim * rim))
+        radius[s] = math.acos(rim / distance) - mask
+        phase = abs(orbits[5, s]) + abs(orbits[6, s] * time) + abs(angle) + 8.0
+        steepest = momentum / (a * a * (1.0 - e) * (1.0 - e)) / orbits[6, s]
+        stray[s] = (rate + growth) * half + 4.0 * UNIT_ROUNDOFF * phase * steepest
+    return u, radius, stray
+
+
+@kernel
+def settle(
+    orbits,
+    poles,
+    gm,
+    sphere_radius,
+    mask,
+    spin,
+    frame_angle,
+    frame_error,
+    region,
+    floors,
+    low,
+    k,
+    start,
+    stop,
+    tolerance,
+    max_nodes,
+):
+    """Settle "fold >= k" (`low`) or "fold <= k" (not `low`) on the whole of [start, stop].
+
+    Parameters
+    ----------
+    orbits, poles, gm, sphere_radius, mask, spin, frame_angle
+        As in `caps_at`.
+    frame_error
+        Further error of the directions, radians.
+    region, floors
+        As in `extreme_fold`.
+    low, k
+        The claim.
+    start, stop
+        Seconds.
+    tolerance
+        An interval in which no cap strays more than this, radians, is split no further.
+    max_nodes
+        Intervals to look at before giving up.
+
+    Returns
+    -------
+    outcome, nodes, open_parts, unsettled, time, point, fold
+        `PROVEN`, `REFUTED` or `UNDECIDED`; intervals looked at; intervals left, and the first
+        `KEPT` of them (rows start, stop); the moment, place and fold of the counter-example.
+    """
+    n = orbits.shape[1]
+    stack = np.empty((128, 2))
+    stack[0, 0], stack[0, 1] = start, stop
+    depth, nodes, open_parts = 1, 0, 0
+    unsettled = np.zeros((KEPT, 2))
+    nowhere = np.zeros(3)
+    cosines = np.empty(n)
+    while depth > 0:
+        depth -= 1
+        left, right = stack[depth, 0], stack[depth, 1]
+        if nodes >= max_nodes:
+            if open_parts < KEPT:
+                unsettled[open_parts, 0], unsettled[open_parts, 1] = left, right
+            open_parts += 1
+            continue
+        nodes += 1
+        middle = 0.5 * (left + right)
+        half = max(middle - left, right - middle)
+        u, radius, stray = caps_at(
+            orbits, poles, gm, sphere_radius, mask, spin, frame_angle, middle, half
+        )
+        largest = 0.0
+        for s in range(n):
+            wander = stray[s] + frame_error
+            largest = max(largest, wander)
+            cosines[s] = cap_cosine(radius[s], -wander if low else wander)
+        fold, _, _, _ = extreme_fold(u, cosines, region, floors, low, True, k)
+        if (low and fold >= k) or (not low and fold <= k):
+            continue
+        for s in range(n):
+            cosines[s] = cap_cosine(radius[s], 0.0)
+        everywhere = -1 if low else n + 1  # no early return: the widest of the extreme arcs
+        fold, curve, azimuth, width = extreme_fold(
+            u, cosines, region, floors, low, True, everywhere
+        )
+        if (low and fold < k) or (not low and fold > k):
+            point, fold, found = cell_point(curve, azimuth, width, u, cosines, region, floors, low)
+            if found and ((low and fold < k) or (not low and fold > k)):
+                return REFUTED, nodes, open_parts, unsettled, middle, point, fold
+        if largest <= tolerance or middle <= left or middle >= right:
+            if open_parts < KEPT:
+                unsettled[open_parts, 0], unsettled[open_parts, 1] = left, right
+            open_parts += 1
+            continue
+        stack[depth, 0], stack[depth, 1] = middle, right
+        stack[depth + 1, 0], stack[depth + 1, 1] = left, middle
+        depth += 2
+    outcome = UNDECIDED if open_parts else PROVEN
+    return outcome, nodes, open_parts, unsettled, 0.0, nowhere, 0

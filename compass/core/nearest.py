@@ -1,0 +1,174 @@
+"""The smallest common cap radius for k-fold coverage, at a moment and over an interval.
+
+The fold of caps of radius lambda is k or more everywhere exactly if no point is farther than
+lambda from its k-th nearest satellite. So the smallest radius is the greatest k-th nearest
+distance over the sphere. Its local maxima are points equally far from three satellites, far
+midpoints of two, or antipodes of one, where fewer than k satellites are nearer.
+"""
+
+import math
+
+import numpy as np
+
+from compass.core.certificate import caps_at
+from compass.core.fold import circle_frame
+from compass.core.jit import kernel
+
+#: Satellites whose distances differ by less than this count as equally far, cosine.
+EQUAL = 1e-13
+
+
+@kernel
+def _nearer_than(u, p, sign, cosine, k, i, j, m):
+    """Whether fewer than `k` satellites but i, j and m are nearer to ``sign p`` than `cosine`."""
+    count = 0
+    for s in range(u.shape[0]):
+        if s in (i, j, m):
+            continue
+        if sign * (u[s, 0] * p[0] + u[s, 1] * p[1] + u[s, 2] * p[2]) > cosine + EQUAL:
+            count += 1
+            if count >= k:
+                return False
+    return True
+
+
+@kernel
+def covering_radius(u, k, least, p_best):
+    """Greatest k-th nearest distance, radians: the smallest radius of caps that cover k-fold.
+
+    Parameters
+    ----------
+    u
+        Unit vectors to the satellites, shape (n, 3).
+    k
+        Fold, at least 1.
+    least
+        Radius, radians, at or below which nothing needs to be told apart; 0 for all.
+    p_best
+        Takes the point where it is reached, shape (3,).
+
+    Returns
+    -------
+    radius
+        Radians; `least` if it is not above that, infinity if there are fewer than `k` satellites.
+    """
+    n = u.shape[0]
+    if n < k:
+        return math.inf
+    best = math.cos(min(max(least, 0.0), math.pi))
+    squared = best * abs(best)
+    found = False
+    p = np.empty(3)
+    for i in range(n):
+        if best > -1.0 and _nearer_than(u, u[i], -1.0, -1.0, k, i, i, i):
+            best, squared, found = -1.0, -1.0, True
+            p_best[:] = -u[i]
+        for j in range(i + 1, n):
+            ax, ay, az = u[j, 0] - u[i, 0], u[j, 1] - u[i, 1], u[j, 2] - u[i, 2]
+            p[0], p[1], p[2] = u[j, 0] + u[i, 0], u[j, 1] + u[i, 1], u[j, 2] + u[i, 2]
+            norm = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
+            if norm < 1e-12:  # antipodes: any point of the great circle between them
+                p[0], p[1], p[2] = circle_frame(u[i])[0]
+            else:
+                p /= norm
+            if -0.5 * norm < best and _nearer_than(u, p, -1.0, -0.5 * norm, k, i, j, j):
+                best, squared, found = -0.5 * norm, -0.25 * norm * norm, True
+                p_best[:] = -p
+            for m in range(j + 1, n):
+                bx, by, bz = u[m, 0] - u[i, 0], u[m, 1] - u[i, 1], u[m, 2] - u[i, 2]
+                p[0], p[1], p[2] = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+                # compare cosines by their squares with signs: most triples end here
+                square = p[0] * p[0] + p[1] * p[1] + p[2] * p[2]
+                height = p[0] * u[i, 0] + p[1] * u[i, 1] + p[2] * u[i, 2]
+                if -height * abs(height) >= squared * square and (
+                    height * abs(height) >= squared * square
+                ):
+                    continue
+                if square < 1e-24:
+                    continue
+                norm = math.sqrt(square)
+                p /= norm
+                cosine = height / norm
+                for sign in (1.0, -1.0):
+                    if sign * cosine < best and _nearer_than(u, p, sign, sign * cosine, k, i, j, m):
+                        best, found = sign * cosine, True
+                        squared = best * abs(best)
+                        p_best[:] = sign * p
+    if not found:
+        return least
+    return math.acos(min(1.0, max(-1.0, best)))
+
+
+@kernel
+def worst_radius(orbits, poles, gm, spin, k, start, stop, tolerance, limit, max_nodes):
+    """Greatest `covering_radius` over [start, stop], bracketed to `tolerance`.
+
+    The covering radius changes no faster than the satellites move in a frame that turns with
+    `spin`, so half an interval times that rate, added to its value at mid-time, bounds it; the
+    intervals are bisected until the bounds exceed the best value by no more than `tolerance`.
+
+    Parameters
+    ----------
+    orbits, poles, gm, spin
+        As in `caps_at`.
+    k, start, stop
+        Fold; seconds.
+    tolerance, limit
+        Radians; the search ends early, with what it has, once the radius exceeds `limit`.
+    max_nodes
+        Moments to look at before giving up; the bracket is then wider than `tolerance`.
+
+    Returns
+    -------
+    least, most, time, point, nodes
+        The greatest radius is in [least, most]; `least` is reached at `time` and `point`. After
+        an early end `most` is infinite.
+    """
+    parts = 8
+    stack = np.empty((parts + 128, 2))
+    point, candidate = np.zeros(3), np.zeros(3)
+    least, most, when = -1.0, 0.0, start
+    if orbits.shape[1] < k:
+        return math.inf, math.inf, start, point, 0
+    sphere = 1e-9 * orbits[0].min()  # caps do not matter here, only directions
+    for time in (start, stop):
+        u, _, _ = caps_at(orbits, poles, gm, sphere, 0.0, spin, math.nan, time, 0.0)
+        value = covering_radius(u, k, least, candidate)
+        if value > least:
+            least, when = value, time
+            point[:] = candidate
+    depth, nodes = 0, 2
+    if stop > start:
+        for part in range(parts):
+            stack[part, 0] = start + (stop - start) * part / parts
+            stack[part, 1] = start + (stop - start) * (part + 1) / parts
+        depth = parts
+    while depth > 0:
+        if least > limit:
+            return least, math.inf, when, point, nodes
+        depth -= 1
+        left, right = stack[depth, 0], stack[depth, 1]
+        middle = 0.5 * (left + right)
+        half = max(middle - left, right - middle)
+        u, _, stray = caps_at(orbits, poles, gm, sphere, 0.0, spin, math.nan, middle, half)
+        # a lower radius than this closes the interval, whatever it is
+        enough = least + tolerance - stray.max()
+        value = covering_radius(u, k, enough, candidate)
+        nodes += 1
+        if value > max(least, enough):
+            least, when = value, middle
+            point[:] = candidate
+        bound = value + stray.max()
+        if (
+            value <= enough
+            or bound <= least + tolerance
+            or nodes >= max_nodes
+            or middle <= left
+            or middle >= right
+        ):
+            most = max(most, bound)
+            continue
+        stack[depth, 0], stack[depth, 1] = middle, right
+        stack[depth + 1, 0], stack[depth + 1, 1] = left, middle
+        depth += 2
+    return least, max(least, most), when, point, nodes

@@ -1,0 +1,209 @@
+"""Proof, not sample, of continuous coverage: every moment of a span and every point of a region."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from compass.core.certificate import PROVEN, REFUTED, settle
+from compass.coverage.cap import cap_radius
+from compass.coverage.fold import caps_of, fold_extremes
+from compass.coverage.motion import motion_of
+from compass.coverage.region import GLOBE, Region
+from compass.coverage.symmetry import Span, shortest_span
+from compass.coverage.witness import Witness, find_witness
+from compass.errors import ArgumentError
+from compass.frames import mcmf_from_mci, prime_meridian_angle
+from compass.orbits import Constellation
+
+Outcome = Literal["proven", "refuted", "undecided"]
+
+#: Intervals in which no cap moves more than this, radians, are not split further.
+TOLERANCE = 1e-9
+
+#: Intervals to look at before giving up: a minute or so for 15 satellites.
+MAX_INTERVALS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What was settled about "at least `fold` satellites above the mask", and how.
+
+    Attributes
+    ----------
+    outcome
+        ``proven``, ``refuted`` or ``undecided``.
+    fold
+        As claimed.
+    span
+        The time looked at, and what it stands for.
+    region
+        Where.
+    intervals
+        Intervals looked at.
+    tolerance
+        Radians: to what motion of the caps intervals were split.
+    witness
+        The counter-example of a refuted claim.
+    unsettled
+        First intervals, seconds, of an undecided claim.
+    """
+
+    outcome: Outcome
+    fold: int
+    span: Span
+    region: Region
+    intervals: int
+    tolerance: float
+    witness: Witness | None = None
+    unsettled: tuple[tuple[float, float], ...] = ()
+
+
+def prove_fold(
+    constellation: Constellation,
+    fold: int,
+    *,
+    sphere_radius: float,
+    mask: float = 0.0,
+    region: Region = GLOBE,
+    span: Span | None = None,
+    tolerance: float = TOLERANCE,
+    max_intervals: int = MAX_INTERVALS,
+) -> Certificate:
+    """Prove or refute that `fold` satellites are above the mask everywhere, all the time.
+
+    If at the middle of an interval the fold of caps shrunk by the furthest they can stray in
+    half of it is `fold` or more, it is so in the whole interval; intervals are halved until all
+    are settled or a counter-example turns up, which is then confirmed without caps.
+
+    Parameters
+    ----------
+    constellation
+        The orbits, in two-body motion.
+    fold
+        At least 1.
+    sphere_radius, mask
+        Metres and radians.
+    region, span
+        Where, and when; without `span` the one of `shortest_span`.
+    tolerance, max_intervals
+        When to give up, see `Certificate`; margins below the tolerance stay undecided.
+
+    Raises
+    ------
+    ArgumentError
+        An orbit meets the sphere, a mask outside (-pi/2, pi/2), or a fold below 1.
+    """
+    _check(constellation, fold, sphere_radius, mask)
+    span = span or shortest_span(constellation, region)
+    outcome, nodes, parts, unsettled, time, point, _ = _settle(
+        constellation, sphere_radius, mask, region, span, True, fold, tolerance, max_intervals
+    )
+    if outcome == PROVEN:
+        return Certificate("proven", fold, span, region, nodes, tolerance)
+    witness = None
+    if outcome == REFUTED:
+        if region.mars_fixed:
+            point = mcmf_from_mci(point, -prime_meridian_angle(constellation.epoch, time))
+        witness = find_witness(constellation, sphere_radius, mask, fold, time, point, region)
+        if witness:
+            return Certificate("refuted", fold, span, region, nodes, tolerance, witness)
+        unsettled, parts = np.array([[time, time]]), 1
+    kept = tuple((float(a), float(b)) for a, b in unsettled[:parts])
+    return Certificate("undecided", fold, span, region, nodes, tolerance, None, kept)
+
+
+def fold_range(
+    constellation: Constellation,
+    *,
+    sphere_radius: float,
+    mask: float = 0.0,
+    region: Region = GLOBE,
+    span: Span | None = None,
+    greatest: bool = True,
+    tolerance: float = 1e-7,
+    max_intervals: int = 20_000,
+) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Least and greatest fold over a region and all the time of a span, each as bounds.
+
+    Parameters
+    ----------
+    constellation, sphere_radius, mask, region, span, tolerance, max_intervals
+        As in `prove_fold`, with its errors.
+    greatest
+        Whether to settle the greatest too; else its bounds are those of the first moment and
+        the number of satellites.
+
+    Returns
+    -------
+    least, greatest
+        Pairs (not below, not above); equal where the extreme is settled. The greatest is that
+        of cells: two rims that touch for a moment do not count.
+    """
+    _check(constellation, 1, sphere_radius, mask)
+    span = span or shortest_span(constellation, region)
+    directions, radius = caps_of(constellation, sphere_radius, mask, span.start)
+    if region.mars_fixed:
+        turn = prime_meridian_angle(constellation.epoch, span.start)
+        directions = mcmf_from_mci(directions, turn)
+    now = fold_extremes(directions, radius, region)
+    bounds = []
+    for low, k, reached in (
+        (True, now.least, now.least_reached),
+        (False, now.greatest, now.greatest_reached),
+    ):
+        if not (low or greatest):
+            bounds.append((reached, constellation.size))
+            continue
+        outcome = -1
+        while outcome != PROVEN:
+            outcome, *_, found = _settle(
+                constellation, sphere_radius, mask, region, span, low, k, tolerance, max_intervals
+            )
+            if outcome == REFUTED:
+                k = reached = int(found)
+            elif outcome != PROVEN:
+                k += -1 if low else 1
+        bounds.append((k, reached) if low else (reached, k))
+    return bounds[0], bounds[1]
+
+
+def _settle(
+    constellation: Constellation,
+    sphere_radius: float,
+    mask: float,
+    region: Region,
+    span: Span,
+    low: bool,
+    k: int,
+    tolerance: float,
+    max_intervals: int,
+) -> tuple:
+    """Run the kernel on a claim."""
+    motion = motion_of(constellation, span, region)
+    return settle(
+        motion.orbits,
+        motion.poles,
+        motion.gm,
+        sphere_radius,
+        mask,
+        motion.spin,
+        motion.frame_angle,
+        motion.frame_error,
+        region.normals,
+        region.floors,
+        low,
+        k,
+        span.start,
+        span.stop,
+        tolerance,
+        max_intervals,
+    )
+
+
+def _check(constellation: Constellation, fold: int, sphere_radius: float, mask: float) -> None:
+    if fold < 1:
+        raise ArgumentError(f"fold = {fold}: must be a whole number from 1 on")
+    if not -np.pi / 2 < mask < np.pi / 2:
+        raise ArgumentError(f"mask_deg = {np.degrees(mask):g}: allowed above -90 up to below 90")
+    cap_radius(constellation.periapsis_radius, sphere_radius, mask)

@@ -1,0 +1,79 @@
+"""A constellation's motion in the form the certificate kernels take, in the frame that suits."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.coverage.region import GLOBE, Region
+from compass.coverage.symmetry import Span
+from compass.frames import prime_meridian_angle
+from compass.orbits import Constellation
+
+#: Bound on the second derivative of W, rad/s^2: the sum over its trigonometric terms of amplitude
+#: times rate squared (Archinal et al. 2018, Table 1), 2.30e-19, rounded up.
+MERIDIAN_CURVATURE = 3e-19
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Orbits and a frame.
+
+    Attributes
+    ----------
+    orbits
+        Rows a, e, i, RAAN, argument of periapsis, mean anomaly, mean motion, shape (7, n), SI.
+    poles
+        Unit vectors along the angular momenta, shape (n, 3).
+    gm
+        m^3/s^2.
+    spin
+        Angular velocity of the frame in which motion is bounded, shape (3,), rad/s.
+    frame_angle
+        Angle of a Mars-fixed frame at the epoch, radians; nan for the inertial frame.
+    frame_error
+        Bound on the departure of Mars's rotation from uniform in the span, radians.
+    """
+
+    orbits: NDArray[np.float64]
+    poles: NDArray[np.float64]
+    gm: float
+    spin: NDArray[np.float64]
+    frame_angle: float
+    frame_error: float
+
+
+def motion_of(constellation: Constellation, span: Span, region: Region = GLOBE) -> Motion:
+    """Motion of a constellation over a span, in the frame in which a region stands still.
+
+    Any turning frame will do for the whole sphere and any that turns about the pole for a band
+    of latitude: the one that follows the satellites on average makes their motion smallest. A
+    polygon needs the Mars-fixed frame; there W is taken as the chord over the span, which
+    departs from it by at most an eighth of its curvature times the span squared.
+    """
+    c = constellation
+    orbits = np.array(
+        [
+            c.semi_major_axis,
+            c.eccentricity,
+            c.inclination,
+            c.raan,
+            c.argument_of_periapsis,
+            c.mean_anomaly,
+            c.mean_motion,
+        ]
+    )
+    si, ci = np.sin(c.inclination), np.cos(c.inclination)
+    poles = np.stack([si * np.sin(c.raan), -si * np.cos(c.raan), ci], axis=-1)
+    if region.mars_fixed:
+        length = span.stop - span.start
+        first, last = prime_meridian_angle(c.epoch, [span.start, span.stop])
+        rate = (last - first) / length
+        spin = np.array([0.0, 0.0, rate])
+        error = MERIDIAN_CURVATURE * length**2 / 8 + 2 * np.spacing(abs(last))
+        angle = float(np.mod(first - rate * span.start, 2 * np.pi))
+        return Motion(orbits, poles, c.gm, spin, angle, float(error))
+    spin = (c.mean_motion[:, np.newaxis] * poles).mean(axis=0) if c.size else np.zeros(3)
+    if not region.is_globe:
+        spin = spin * [0.0, 0.0, 1.0]
+    return Motion(orbits, poles, c.gm, spin, float("nan"), 0.0)

@@ -1,0 +1,122 @@
+"""Counter-examples: a moment and a place with too few satellites in view, checked plainly."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.coverage.fold import in_view
+from compass.coverage.region import GLOBE, Region
+from compass.frames import latitude_longitude, mcmf_from_mci, prime_meridian_angle
+from compass.orbits import Constellation
+
+#: A satellite is hidden for sure if it is this far below the mask, radians: the rounding of the
+#: positions and of one arc tangent is some 1e-14.
+SURE = 1e-12
+
+
+@dataclass(frozen=True)
+class Witness:
+    """A moment and a place where the fold is too low.
+
+    Attributes
+    ----------
+    time
+        Seconds after the epoch.
+    latitude, longitude
+        Planetocentric and east, Mars-fixed, radians.
+    fold
+        Satellites in view there.
+    satellites
+        Their names.
+    shortfall
+        How far the best hidden satellite that is needed stands below the mask, radians.
+    """
+
+    time: float
+    latitude: float
+    longitude: float
+    fold: int
+    satellites: tuple[str, ...]
+    shortfall: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values with degrees and hours."""
+        return {
+            "time_s": self.time,
+            "latitude_deg": float(np.degrees(self.latitude)),
+            "longitude_deg": float(np.degrees(self.longitude)),
+            "fold": self.fold,
+            "satellites": list(self.satellites),
+            "shortfall_deg": float(np.degrees(self.shortfall)),
+        }
+
+
+def find_witness(
+    constellation: Constellation,
+    sphere_radius: float,
+    mask: float,
+    fold: int,
+    time: float,
+    start: NDArray[np.float64],
+    region: Region = GLOBE,
+) -> Witness | None:
+    """Walk from a point to where `fold` satellites are missed by most, and confirm the miss.
+
+    Parameters
+    ----------
+    constellation, sphere_radius, mask, fold
+        What is claimed: at least `fold` satellites above the mask.
+    time
+        Seconds after the epoch.
+    start
+        Unit vector to begin at, in the inertial frame.
+    region
+        Where the claim is made.
+
+    Returns
+    -------
+    witness
+        None if no point on the way has fewer than `fold` satellites in view, by `SURE`.
+    """
+    angle = float(prime_meridian_angle(constellation.epoch, time))
+
+    def missing(points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Clearance of the fold-th best satellite; infinite outside the region."""
+        clearance = in_view(constellation, sphere_radius, mask, time, points)
+        best = (
+            -np.sort(-clearance, axis=-1)[..., fold - 1]
+            if fold <= constellation.size
+            else np.full(points.shape[:-1], -np.pi)
+        )
+        framed = mcmf_from_mci(points, angle) if region.mars_fixed else points
+        return np.where(region.contains(framed), best, np.inf)
+
+    place = np.array(start, dtype=float)
+    value = float(missing(place))
+    step = 0.05
+    compass_rose = np.linspace(0.0, 2 * np.pi, 12, endpoint=False)
+    while step > 1e-7:
+        east = np.cross([0.0, 0.0, 1.0] if abs(place[2]) < 0.9 else [1.0, 0.0, 0.0], place)
+        east /= np.linalg.norm(east)
+        north = np.cross(place, east)
+        ways = np.outer(np.cos(compass_rose), east) + np.outer(np.sin(compass_rose), north)
+        around = np.cos(step) * place + np.sin(step) * ways
+        values = missing(around)
+        if values.min() < value:
+            value, place = float(values.min()), around[values.argmin()]
+        else:
+            step *= 0.5
+    if value > -SURE:
+        return None
+    seen = in_view(constellation, sphere_radius, mask, time, place) >= 0
+    latitude, longitude = latitude_longitude(mcmf_from_mci(place, angle))
+    return Witness(
+        float(time),
+        float(latitude),
+        float(longitude),
+        int(seen.sum()),
+        tuple(np.array(constellation.satellite_names)[seen].tolist()),
+        -value,
+    )

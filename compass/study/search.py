@@ -1,0 +1,279 @@
+"""The smallest constellation: every pattern of every size, each at its best inclination."""
+
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import gcd
+from typing import Any
+
+import numpy as np
+
+from compass.core.inclination import best_inclination
+from compass.coverage.cap import cap_radius, mask_for_cap
+from compass.coverage.certificate import prove_fold
+from compass.coverage.gdop import gdop_percentile
+from compass.coverage.margin import covering_radius
+from compass.coverage.symmetry import shortest_span
+from compass.errors import ArgumentError
+from compass.orbits import Constellation, rosette, walker_delta, walker_star
+
+KINDS = ("walker-delta", "walker-star", "rosette")
+
+#: Sizes that a search can take on in reasonable time.
+MOST_SATELLITES = 64
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A pattern at its best inclination.
+
+    Attributes
+    ----------
+    constellation
+        The pattern at that inclination, rounded to the search's resolution.
+    radius
+        Smallest cap radius that it needs, radians.
+    mask_margin
+        Highest mask with the fold wanted, radians.
+    closest_approach
+        Least angle between two satellites at any time, radians: 0 means that some collide.
+    proven
+        Whether the certificate of continuous coverage confirms it.
+    gdop_p95
+        GDOP not exceeded over 95 % of area and time; None if not asked for.
+    """
+
+    constellation: Constellation
+    radius: float
+    mask_margin: float
+    closest_approach: float
+    proven: bool = False
+    gdop_p95: float | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values with degrees."""
+        pattern = self.constellation.pattern
+        assert pattern is not None
+        return {
+            "pattern": pattern.kind,
+            "satellites": pattern.satellites,
+            "planes": pattern.planes,
+            "phasing": pattern.phasing,
+            "multiplier": None if pattern.multiplier is None else str(pattern.multiplier),
+            "inclination_deg": round(float(np.degrees(pattern.inclination)), 6),
+            "cap_radius_min_deg": float(np.degrees(self.radius)),
+            "mask_margin_deg": float(np.degrees(self.mask_margin)),
+            "closest_approach_deg": float(np.degrees(self.closest_approach)),
+            "proven": self.proven,
+            "gdop_p95": self.gdop_p95,
+        }
+
+
+def patterns(
+    kind: str, largest: int, radius: float, smallest: int = 1
+) -> Iterator[Callable[[float], Constellation]]:
+    """Makers of every pattern of a kind with `smallest` to `largest` satellites.
+
+    Each takes an inclination in radians. Walker phasings run from 0 to planes - 1; rosettes are
+    those of them that a multiplier gives, under the least multiplier.
+    """
+    for t in range(smallest, largest + 1):
+        for p in (p for p in range(1, t + 1) if t % p == 0):
+            if kind == "rosette":
+                seen = set()
+                for c in range(t):
+                    if gcd(c, t // p) == 1 and c % p not in seen:
+                        seen.add(c % p)
+                        yield _maker(rosette, t, p, Fraction(c * p, t), radius)
+            else:
+                make = walker_delta if kind == "walker-delta" else walker_star
+                for f in range(p):
+                    yield _maker(make, t, p, f, radius)
+
+
+def _maker(make: Callable, t: int, p: int, third: Any, radius: float) -> Callable:
+    return lambda inclination: make(t, p, third, inclination=inclination, radius=radius)
+
+
+def search(
+    fold: int,
+    mask: float,
+    *,
+    radius: float,
+    sphere_radius: float,
+    largest: int,
+    kind: str = "walker-delta",
+    finalists: int = 10,
+    workers: int = 2,
+    progress: Callable[..., Iterable[Any]] = lambda items, **_: items,
+) -> list[Candidate]:
+    """All patterns with continuous `fold`-fold coverage, smallest first, then largest margin.
+
+    Inclinations from 0 to 90 degrees are searched by branch and bound, so no local minimum is
+    missed, and rounded to 0.01 degree; more than 90 degrees give the mirror images.
+
+    Parameters
+    ----------
+    fold, mask
+        Satellites to be in view at once, above this elevation (radians, not negative).
+    radius, sphere_radius
+        Of the orbits and of the sphere, metres.
+    largest
+        Largest number of satellites.
+    kind
+        One of `KINDS`.
+    finalists
+        How many of the best get a certificate and their GDOP.
+    workers
+        Threads; the result does not depend on them.
+    progress
+        Wraps the patterns in work, called with ``total``, as tqdm is.
+
+    Raises
+    ------
+    ArgumentError
+        Something out of range.
+    """
+    if kind not in KINDS:
+        raise ArgumentError(f"pattern = {kind!r}: allowed {', '.join(KINDS)}")
+    if not 1 <= largest <= MOST_SATELLITES:
+        raise ArgumentError(f"max_satellites = {largest}: allowed 1 to {MOST_SATELLITES}")
+    if fold < 1:
+        raise ArgumentError(f"fold = {fold}: must be a whole number from 1 on")
+    if not 0 <= mask < np.pi / 2:
+        raise ArgumentError(f"mask_deg = {np.degrees(mask):g}: allowed 0 up to below 90")
+    cap = float(cap_radius(radius, sphere_radius, mask))
+    makers = list(patterns(kind, largest, radius, smallest=fold + 1))
+    with ThreadPoolExecutor(workers) as pool:
+        work = pool.map(lambda make: _best(make, fold, cap, sphere_radius), makers)
+        found = [c for c in progress(work, total=len(makers)) if c is not None]
+        found.sort(key=lambda c: (c.constellation.size, -round(c.mask_margin, 9)))
+        best = list(
+            pool.map(lambda c: _examine(c, fold, mask, sphere_radius), found[: max(finalists, 0)])
+        )
+    return best + found[len(best) :]
+
+
+def _best(
+    make: Callable[[float], Constellation], fold: int, cap: float, sphere_radius: float
+) -> Candidate | None:
+    """Optimise the inclination of a pattern; None if it cannot cover with caps of radius `cap`."""
+    start = make(0.0)
+    inclination = optimal_inclination(start, fold, cap)
+    if inclination is None:
+        return None
+    rounded = np.radians(round(np.degrees(inclination), 2) + np.array([-0.01, 0.0, 0.01]))
+    tried = [make(float(i)) for i in rounded if 0 <= i <= np.pi / 2]
+    radii = [covering_radius(c, fold).radius for c in tried]
+    chosen = int(np.argmin(radii))
+    if radii[chosen] > cap:
+        return None
+    c = tried[chosen]
+    margin = float(mask_for_cap(radii[chosen], c.semi_major_axis[0], sphere_radius))
+    return Candidate(c, radii[chosen], margin, closest_approach(c))
+
+
+def optimal_inclination(
+    constellation: Constellation, fold: int, limit: float = np.pi, resolution: float = 5e-5
+) -> float | None:
+    """Inclination (radians, 0 to pi/2) at which a pattern needs the smallest caps for a fold.
+
+    Only the pattern of the constellation matters, not its inclination. The caps are proven to
+    be within 0.07 degree of the smallest at any inclination, and lie at a local minimum to
+    `resolution` (radians; by default 0.003 degree) in inclination. None if they must be larger
+    than `limit` everywhere.
+    """
+    span = shortest_span(constellation)
+    rate = constellation.mean_motion[0]
+    inclination, radius = best_inclination(
+        constellation.raan,
+        constellation.mean_anomaly,
+        fold,
+        span.start * rate,
+        span.stop * rate,
+        limit,
+        np.radians(0.035),
+        resolution,
+    )
+    return float(inclination) if np.isfinite(radius) else None
+
+
+def closest_approach(constellation: Constellation) -> float:
+    """Least angle between two satellites of equal circular orbits at any time, radians.
+
+    With ``u = P cos x + Q sin x`` the cosine of the angle between two of them is
+    ``(P.P' + Q.Q')/2 + (P.P' - Q.Q')/2 cos 2x + (P.Q' + Q.P')/2 sin 2x``. A single satellite
+    has pi.
+    """
+    c = constellation
+    co, so = np.cos(c.raan), np.sin(c.raan)
+    ci, si = np.cos(c.inclination), np.sin(c.inclination)
+    node = np.stack([co, so, 0 * co], axis=-1)
+    ahead = np.stack([-so * ci, co * ci, si], axis=-1)
+    cu, su = np.cos(c.mean_anomaly)[:, np.newaxis], np.sin(c.mean_anomaly)[:, np.newaxis]
+    p, q = node * cu + ahead * su, ahead * cu - node * su
+    pp, qq, pq = p @ p.T, q @ q.T, p @ q.T
+    nearest = (pp + qq) / 2 + np.hypot((pp - qq) / 2, (pq + pq.T) / 2)
+    pairs = np.triu_indices(c.size, k=1)
+    if not pairs[0].size:
+        return float(np.pi)
+    return float(np.arccos(np.clip(nearest[pairs].max(), -1.0, 1.0)))
+
+
+def _examine(candidate: Candidate, fold: int, mask: float, sphere_radius: float) -> Candidate:
+    """Add certificate and GDOP to a finalist."""
+    c = candidate.constellation
+    certificate = prove_fold(c, fold, sphere_radius=sphere_radius, mask=mask)
+    p95 = gdop_percentile(c, 95.0, sphere_radius=sphere_radius, mask=mask).value
+    return replace(candidate, proven=certificate.outcome == "proven", gdop_p95=p95)
+
+
+def design_toml(candidate: Candidate, *, fold: int, mask: float, figure: str, origin: str) -> str:
+    """Design file of a candidate, for the other commands to read.
+
+    Parameters
+    ----------
+    candidate
+        One of `search`.
+    fold, mask
+        As searched for; the mask in radians.
+    figure
+        Name of the reference figure.
+    origin
+        The command line that found it.
+    """
+    import json
+
+    pattern = candidate.constellation.pattern
+    assert pattern is not None
+    third = (
+        f"phasing = {pattern.phasing}"
+        if pattern.multiplier is None
+        else f'multiplier = "{pattern.multiplier}"'
+    )
+    radius_km = candidate.constellation.semi_major_axis[0] / 1e3
+    source = (
+        f"Smallest of its kind with continuous {fold}-fold coverage, found by: {origin}. "
+        f"Highest mask {np.degrees(candidate.mask_margin):.4f} deg."
+    )
+    return "\n".join(
+        [
+            f"name = {json.dumps(pattern.notation, ensure_ascii=False)}",
+            f"source = {json.dumps(source, ensure_ascii=False)}",
+            f'figure = "{figure}"',
+            "",
+            "[constellation]",
+            f'pattern = "{pattern.kind}"',
+            f"satellites = {pattern.satellites}",
+            f"planes = {pattern.planes}",
+            third,
+            f"inclination_deg = {np.degrees(pattern.inclination):.2f}",
+            f"radius_km = {float(radius_km)!r}",
+            "",
+            "[coverage]",
+            f"mask_deg = {float(np.degrees(mask)):.10g}",
+            f"fold = {fold}",
+            "",
+        ]
+    )

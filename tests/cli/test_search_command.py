@@ -1,0 +1,90 @@
+"""``compass search`` as a user runs it."""
+
+import json
+from functools import partial
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from compass.cli.search import command
+from compass.errors import CompassError
+from compass.inputs import read_design
+from compass.orbits import walker_delta
+from compass.study import search as module
+
+
+def run(*arguments):
+    return CliRunner().invoke(command, [str(a) for a in arguments])
+
+
+@pytest.fixture
+def one_pattern(monkeypatch):
+    """Only 5/5/1 is tried: the kernels are slow when interpreted."""
+
+    def patterns(_kind, _largest, radius, smallest):
+        assert smallest == 2
+        yield lambda i: walker_delta(5, 5, 1, inclination=i, radius=radius)
+
+    monkeypatch.setattr(module, "patterns", patterns)
+    monkeypatch.setattr(
+        module,
+        "optimal_inclination",
+        lambda _c, _fold, limit: None if limit < 1.2 else np.radians(43.66),
+    )
+    monkeypatch.setattr(module, "covering_radius", partial(module.covering_radius, tolerance=1e-3))
+
+
+def test_smallest_is_written_as_a_design(one_pattern, tmp_path):
+    path = tmp_path / "best.toml"
+    result = run("--fold", 1, "--radius-km", 20428, "--max-satellites", 5, "-o", path, "--json")
+    assert result.exit_code == 0
+    found = json.loads(result.stdout)
+    assert found["smallest"] == 5
+    (candidate,) = found["candidates"]
+    assert {
+        "satellites",
+        "planes",
+        "phasing",
+        "inclination_deg",
+        "cap_radius_min_deg",
+        "mask_margin_deg",
+        "gdop_p95",
+    } <= set(candidate)
+    assert candidate["proven"] is True
+    design = read_design(path)
+    assert design.constellation.size == 5
+    assert np.degrees(design.constellation.inclination[0]) == pytest.approx(
+        candidate["inclination_deg"]
+    )
+
+
+def test_none_found_is_1(one_pattern):
+    result = run("--fold", 1, "--altitude-km", 300, "--max-satellites", 5)
+    assert result.exit_code == 1
+    assert "no walker-delta of up to 5 satellites" in result.output
+
+
+@pytest.mark.slow
+def test_the_table_of_an_areosynchronous_search():
+    result = run("--fold", 1, "--orbit", "areosynchronous", "--max-satellites", 6)
+    assert result.exit_code == 0
+    assert "5/5/1" in result.stdout
+    assert "proven" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "exactly one of"),
+        (["--radius-km", 2e4, "--altitude-km", 2e4], "exactly one of"),
+        (["--radius-km", 1000], "must be above the surface"),
+        (["--radius-km", "nan"], "allowed below 1e7 km"),
+        (["--radius-km", 2e4, "--mask-deg", 90], "mask_deg = 90"),
+        (["--radius-km", 2e4, "-o", "/nowhere/at/all.toml"], "does not exist"),
+    ],
+)
+def test_bad_options(arguments, message):
+    result = run("--fold", 1, "--max-satellites", 3, *arguments)
+    assert isinstance(result.exception, CompassError)
+    assert message in str(result.exception)

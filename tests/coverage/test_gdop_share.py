@@ -1,0 +1,98 @@
+"""GDOP over area and time: the kernel against linear algebra, percentiles against many samples."""
+
+import numpy as np
+import pytest
+
+from compass.core.gdop import gdop_at
+from compass.coverage.gdop import gdop_availability, gdop_percentile, gdop_samples
+from compass.coverage.symmetry import shortest_span
+from compass.errors import ArgumentError
+from compass.orbits import positions_mci, walker_delta
+
+R = 3396.2e3
+
+
+def design():
+    return walker_delta(15, 5, 1, inclination=np.radians(45), radius=20428e3)
+
+
+def plain_gdop(r, place, mask):
+    sight = r - R * place
+    unit = sight / np.linalg.norm(sight, axis=1, keepdims=True)
+    unit = unit[unit @ place >= np.sin(mask)]
+    if len(unit) < 4:
+        return len(unit), np.inf
+    h = np.hstack([unit, np.ones((len(unit), 1))])
+    return len(unit), np.sqrt(np.trace(np.linalg.inv(h.T @ h)))
+
+
+def test_kernel_against_numpy():
+    r = positions_mci(design(), [1234.0])[:, 0]
+    for place in np.random.default_rng(0).normal(size=(30, 3)):
+        up = place / np.linalg.norm(place)
+        for mask in (0.0, 0.15):
+            fold, gdop = gdop_at(r, up, R, np.sin(mask))
+            expected = plain_gdop(r, up, mask)
+            assert fold == expected[0]
+            assert gdop == pytest.approx(expected[1], rel=1e-7)
+
+
+def test_singular_geometry_is_infinite():
+    # four lines of sight on one cone about the vertical
+    turn = np.radians([0, 90, 180, 270])
+    up = np.array([0.0, 0.0, 1.0])
+    r = R * up + 1e7 * np.stack([np.cos(turn), np.sin(turn), np.ones(4)], axis=1)
+    assert gdop_at(r, up, R, 0.0) == (4, np.inf)
+
+
+def test_weights_are_shares_of_area_and_time():
+    c = design()
+    gdop, fold, weight = gdop_samples(
+        c,
+        95.0,
+        sphere_radius=R,
+        mask=0.0,
+        span=shortest_span(c),
+        generator=np.random.default_rng(0),
+        start=4,
+        levels=2,
+    )
+    assert weight.sum() == pytest.approx(1.0)
+    assert gdop.size == fold.size
+    # mean fold is the total area of the caps: 15 times 41.687 % (specification, section 1)
+    assert (fold * weight).sum() == pytest.approx(6.253, abs=0.12)
+
+
+@pytest.mark.slow
+def test_percentile_and_availability_against_many_samples():
+    c = design()
+    rng = np.random.default_rng(7)
+    times = rng.uniform(0, shortest_span(c).stop, 300)
+    r = positions_mci(c, times).transpose(1, 0, 2)
+    samples = []
+    for moment in r:
+        p = rng.normal(size=(300, 3))
+        samples += [
+            gdop_at(moment, up, R, 0.0) for up in p / np.linalg.norm(p, axis=1, keepdims=True)
+        ]
+    fold, gdop = np.array(samples).T
+    found = gdop_percentile(c, 95.0, sphere_radius=R)
+    assert found.value == pytest.approx(np.percentile(gdop, 95), abs=5 * found.error + 0.05)
+    available, four = gdop_availability(c, 4.0, sphere_radius=R)
+    assert available.value == pytest.approx((gdop <= 4.0).mean(), abs=5 * available.error + 0.005)
+    assert four.value == pytest.approx((fold == 4).mean(), abs=5 * four.error + 0.005)
+    assert 0 < available.error < 0.01
+
+
+def test_same_seed_same_number():
+    c = walker_delta(6, 3, 1, inclination=1.0, radius=20428e3)
+    one, other = (
+        gdop_availability(c, 6.0, sphere_radius=R, repetitions=2, start=4, levels=2)
+        for _ in range(2)
+    )
+    assert one == other
+
+
+def test_percent_is_checked():
+    with pytest.raises(ArgumentError, match="percent = 100"):
+        gdop_percentile(design(), 100.0, sphere_radius=R)

@@ -1,0 +1,152 @@
+"""Margins: the specification's numbers, samples, losses one by one."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from compass.coverage.cap import cap_radius
+from compass.coverage.certificate import fold_range, prove_fold
+from compass.coverage.margin import after_losses, covering_radius, highest_mask, lowest_altitude
+from compass.coverage.region import read_region
+from compass.coverage.symmetry import Span
+from compass.errors import ArgumentError
+from compass.orbits import from_elements, positions_mci, walker_delta
+
+R = 3396.2e3
+DEGREE = np.radians(1.0)
+
+
+def seed_design():
+    return walker_delta(15, 5, 1, inclination=45 * DEGREE, radius=20428e3)
+
+
+def small_design():
+    return walker_delta(6, 3, 1, inclination=52 * DEGREE, radius=20428e3)
+
+
+@pytest.mark.slow
+def test_covering_radius_of_the_seed_design():
+    # specification, section 3: 74.250 deg and a mask of 6.24 deg
+    found = covering_radius(seed_design(), 4)
+    assert np.degrees(found.radius) == pytest.approx(74.250, abs=6e-4)
+    assert 0 <= found.radius - found.at_least <= 1e-6
+    margin = highest_mask(seed_design(), 4, sphere_radius=R)
+    assert np.degrees(margin) == pytest.approx(6.24, abs=5e-3)
+    for change, outcome in ((-1e-6, "proven"), (2e-6, "refuted")):
+        claim = prove_fold(seed_design(), 4, sphere_radius=R, mask=margin + change)
+        assert claim.outcome == outcome
+
+
+def test_the_place_is_as_far_as_it_says():
+    c = small_design()
+    for fold in (1, 2, 3):
+        found = covering_radius(c, fold, tolerance=1e-3)
+        r = positions_mci(c, [found.time])[:, 0]
+        distance = np.arccos(r @ found.place / np.linalg.norm(r, axis=1))
+        assert np.sort(distance)[fold - 1] == pytest.approx(found.at_least, abs=1e-9)
+
+
+def test_no_sample_is_farther():
+    c = small_design()
+    rng = np.random.default_rng(3)
+    p = rng.normal(size=(3000, 3))
+    p /= np.linalg.norm(p, axis=1, keepdims=True)
+    r = positions_mci(c, rng.uniform(0, 1e5, 60))
+    r /= np.linalg.norm(r, axis=-1, keepdims=True)
+    far = np.sort(np.arccos(np.clip(np.einsum("stk,pk->tps", r, p), -1, 1)), axis=-1)
+    for fold in (1, 2, 4, 6):
+        found = covering_radius(c, fold, tolerance=1e-3)
+        assert far[..., fold - 1].max() <= found.radius
+        # and samples come near
+        assert far[..., fold - 1].max() >= found.radius - 0.06
+
+
+def test_known_covering_radii():
+    fixed = Span(0.0, 0.0, False, "")
+    six = from_elements(
+        1e7, 0.0, [0, 0, 0, 0, 1.5707963267948966, 1.5707963267948966], 0.0, 0.0,
+        np.radians([0, 90, 180, 270, 90, 270]),
+    )  # fmt: skip
+    octahedron = np.arccos(1 / np.sqrt(3))
+    assert covering_radius(six, 1, span=fixed).at_least == pytest.approx(octahedron, abs=1e-12)
+    one = walker_delta(1, 1, 0, inclination=1.0, radius=1e7)
+    assert covering_radius(one, 1, span=fixed).at_least == pytest.approx(np.pi)
+    two = walker_delta(2, 1, 0, inclination=1.0, radius=1e7)
+    assert covering_radius(two, 1, span=fixed).at_least == pytest.approx(np.pi / 2)
+    assert covering_radius(two, 2, span=fixed).at_least == pytest.approx(np.pi)
+    apart = from_elements(1e7, 0.0, 0.0, 0.0, 0.0, [0.0, 1.0])
+    # far midpoint of two satellites a radian apart
+    assert covering_radius(apart, 1, span=fixed).at_least == pytest.approx(np.pi - 0.5)
+    assert covering_radius(apart, 3, span=fixed).radius == np.inf
+    assert highest_mask(apart, 3, sphere_radius=R) is None
+
+
+def test_a_bracket_without_enough_intervals_stays_a_bracket():
+    c = small_design()
+    rough, fine = covering_radius(c, 2, max_intervals=12), covering_radius(c, 2, tolerance=1e-4)
+    assert rough.at_least <= fine.radius
+    assert rough.radius >= fine.at_least
+    assert rough.radius - rough.at_least > 1e-6
+
+
+def test_lowest_altitude_inverts_the_cap():
+    for mask in (0.0, 0.1):
+        height = lowest_altitude(1.1, R, mask)
+        assert cap_radius(R + height, R, mask) == pytest.approx(1.1, abs=1e-14)
+    assert lowest_altitude(1.5, R, 0.1) is None
+
+
+def test_highest_mask_of_a_region_by_halving():
+    c = small_design()
+    band = read_region("lat:40:90")
+    # a coarse tolerance: the halving is the same
+    mask = highest_mask(c, 1, sphere_radius=R, region=band, tolerance=2e-3)
+    claim = {"sphere_radius": R, "region": band}
+    assert prove_fold(c, 1, mask=mask, **claim).outcome == "proven"
+    assert prove_fold(c, 1, mask=mask + 3e-3, **claim).outcome == "refuted"
+
+
+def test_no_mask_will_do():
+    # both satellites on one side for ever: even through the ground not everyone sees two
+    c = from_elements([1e7, 1e7], 0.1, 0.0, 0.0, 0.0, [0.0, 0.1])
+    mask = highest_mask(c, 1, sphere_radius=9.0e6 - 1.0, tolerance=0.02)
+    assert mask is None or mask < 0
+
+
+def test_losses_against_every_set_one_by_one():
+    c = small_design()
+    found = after_losses(c, 2, 1, sphere_radius=R)
+    assert sum(loss.alike for loss in found) == 15
+    least = [
+        fold_range(c.without(pair), sphere_radius=R, greatest=False)[0]
+        for pair in itertools.combinations(range(6), 2)
+    ]
+    counted = [loss.least for loss in found for _ in range(loss.alike)]
+    assert sorted(counted) == sorted(least)
+    assert found[0].least == min(least)
+    worst = [c.satellite_names.index(name) for name in found[0].satellites]
+    assert fold_range(c.without(worst), sphere_radius=R)[0] == min(least)
+    assert found[0].as_dict()["min_fold"] == min(least)[0]
+
+
+@pytest.mark.slow
+def test_a_loss_costs_at_most_one_and_all_satellites_are_alike():
+    full = fold_range(small_design(), sphere_radius=R)[0]
+    (loss,) = after_losses(small_design(), 1, 1, sphere_radius=R)
+    assert loss.alike == 6
+    assert full[0] - 1 <= loss.least[0] <= full[0]
+
+
+def test_losses_in_a_region_have_no_common_radius():
+    found = after_losses(
+        small_design(), 6, 1, sphere_radius=R, region=read_region("lat:-10:10"), progress=list
+    )
+    assert found[0].least == (0, 0)
+    assert found[0].radius is None
+    assert found[0].as_dict()["cap_radius_min_deg"] is None
+
+
+def test_more_losses_than_satellites():
+    with pytest.raises(ArgumentError, match="losses = 7"):
+        after_losses(small_design(), 7, 1, sphere_radius=R)

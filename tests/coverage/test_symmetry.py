@@ -1,0 +1,156 @@
+"""The span that decides: against the unreduced period, and the rosettes' trap."""
+
+import numpy as np
+import pytest
+
+from compass.coverage.margin import covering_radius
+from compass.coverage.region import GLOBE, read_region
+from compass.coverage.symmetry import Span, phase_steps, shortest_span, unlike_subsets
+from compass.errors import ArgumentError
+from compass.orbits import from_elements, orbital_period, rosette, walker_delta, walker_star
+
+RADIUS = 2e7
+PERIOD = float(orbital_period(RADIUS))
+WHOLE = Span(0.0, PERIOD, True, "no symmetry")
+
+
+def radius_at(constellation, time):
+    """Covering radius at one moment."""
+    return covering_radius(constellation, 1, span=Span(time, time, False, "")).at_least
+
+
+@pytest.mark.parametrize(
+    ("make", "counts"),
+    [
+        (walker_delta, (6, 3, 1)),
+        (walker_delta, (6, 2, 0)),
+        (walker_delta, (8, 4, 2)),
+        (walker_delta, (5, 5, 2)),
+        (walker_star, (6, 3, 1)),
+        (walker_star, (8, 2, 1)),
+        (walker_star, (9, 3, 2)),
+        (rosette, (8, 8, 6)),
+        (rosette, (6, 6, 4)),
+    ],
+)
+def test_every_moment_looks_like_one_in_the_span(make, counts):
+    c = make(*counts, inclination=1.0, radius=RADIUS)
+    span = shortest_span(c)
+    parts = round(PERIOD / (span.stop - span.start) / 2)
+    period, middle = PERIOD / parts, span.start
+    for offset in (0.013, 0.21, 0.47):
+        first = radius_at(c, middle + offset * period)
+        # repeated, and run backwards about the start of the span
+        for time in (offset + 1, offset + 2, -offset, 3 - offset):
+            assert radius_at(c, middle + time * period) == pytest.approx(first, abs=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "c",
+    [
+        walker_delta(12, 3, 1, inclination=0.9, radius=RADIUS),
+        walker_star(8, 2, 1, inclination=1.5, radius=RADIUS),
+        rosette(8, 8, 6, inclination=1.08, radius=RADIUS),
+        rosette(12, 12, 9, inclination=0.9, radius=RADIUS),
+        rosette(12, 3, "1/4", inclination=0.9, radius=RADIUS),
+    ],
+    ids=lambda c: c.name,
+)
+def test_covering_radius_of_the_span_is_that_of_the_period(c):
+    short, whole = covering_radius(c, 1), covering_radius(c, 1, span=WHOLE)
+    assert short.radius == pytest.approx(whole.radius, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("n", "m", "steps"), [(8, 6, 4), (8, 3, 8), (12, 9, 4), (12, 8, 3), (12, 5, 12), (5, 0, 1)]
+)
+def test_a_rosette_repeats_after_gcd_steps(n, m, steps):
+    c = rosette(n, n, m, inclination=1.0, radius=RADIUS)
+    assert phase_steps(c.pattern) == steps
+
+
+@pytest.mark.parametrize(("n", "m"), [(8, 6), (12, 9)])
+def test_one_step_is_not_enough_for_8_and_12(n, m):
+    """The trap: 2 pi/N is no period of these, and taking it for one gives wrong radii."""
+    c = rosette(n, n, m, inclination=1.08, radius=RADIUS)
+    wrong = Span(0.0, PERIOD / (2 * np.lcm(n, 2)), True, "wrong")
+    right = covering_radius(c, 1, span=shortest_span(c)).radius
+    assert covering_radius(c, 1, span=wrong).radius < right - 1e-3 or radius_at(
+        c, 0.3 * PERIOD / n
+    ) != pytest.approx(radius_at(c, 1.3 * PERIOD / n), abs=1e-6)
+
+
+def test_spans_of_other_constellations():
+    no_pattern = walker_delta(6, 3, 1, inclination=1.0, radius=RADIUS).without([0])
+    half = shortest_span(no_pattern)
+    assert half.stop == pytest.approx(PERIOD / 2)
+    assert half.for_all_time
+    assert radius_at(no_pattern, 1000.0) == pytest.approx(
+        radius_at(no_pattern, 1000.0 + PERIOD / 2), abs=1e-12
+    )
+    ellipse = from_elements(RADIUS, 0.2, 1.0, [0.0, 1.0], 0.0, 0.0)
+    assert shortest_span(ellipse).stop == pytest.approx(PERIOD)
+    two = from_elements([RADIUS, 1.1 * RADIUS], 0.0, 1.0, [0.0, 1.0], 0.0, 0.0)
+    assert not shortest_span(two).for_all_time
+    assert shortest_span(two.without([0, 1])) == Span(
+        0.0, 0.0, True, "no satellite, nothing changes"
+    )
+
+
+def test_spans_of_regions():
+    c = walker_delta(6, 3, 1, inclination=1.0, radius=RADIUS)
+    assert shortest_span(c, read_region("lat:-30:30")) == shortest_span(c, GLOBE)
+    north = shortest_span(c, read_region("lat:30:90"))
+    assert north.stop == pytest.approx(PERIOD / 6)
+    assert north.for_all_time
+    assert not shortest_span(c, read_region("polygon:0,0;0,60;50,30")).for_all_time
+
+
+def test_a_duration_is_taken_as_it_is():
+    c = walker_delta(6, 3, 1, inclination=1.0, radius=RADIUS)
+    assert shortest_span(c, duration=100.0).stop == 100.0
+    with pytest.raises(ArgumentError, match="duration = -1"):
+        shortest_span(c, duration=-1.0)
+
+
+@pytest.mark.parametrize(
+    "c",
+    [
+        walker_delta(6, 3, 1, inclination=1.0, radius=RADIUS),
+        walker_delta(6, 2, 1, inclination=1.0, radius=RADIUS),
+        walker_star(6, 3, 1, inclination=1.3, radius=RADIUS),
+    ],
+    ids=lambda c: c.pattern.kind + str(c.pattern.planes),
+)
+def test_subsets_alike_leave_constellations_alike(c):
+    from itertools import combinations
+
+    from compass.coverage.symmetry import _relabellings
+
+    kinds = unlike_subsets(c, 2)
+    assert sum(kinds.values()) == 15
+    moves = list(_relabellings(c, GLOBE))
+    spread = {}
+    for pair in combinations(range(6), 2):
+        kind = min(tuple(sorted(move[s] for s in pair)) for move in moves)
+        left = c.without(pair)
+        samples = [radius_at(left, t * PERIOD / 48) for t in range(24)]
+        spread.setdefault(kind, []).append(max(samples))
+    assert set(spread) == set(kinds)
+    for values in spread.values():
+        assert np.ptp(values) < 1e-9
+
+
+def test_satellites_of_a_delta_pattern_are_all_alike():
+    c = walker_delta(15, 5, 1, inclination=1.0, radius=RADIUS)
+    assert unlike_subsets(c, 1) == {(0,): 15}
+    assert len(unlike_subsets(c, 1, read_region("polygon:0,0;0,60;50,30"))) == 15
+
+
+def test_too_many_or_too_few_subsets():
+    c = walker_delta(60, 60, 1, inclination=1.0, radius=RADIUS)
+    with pytest.raises(ArgumentError, match="ask for fewer losses"):
+        unlike_subsets(c, 5)
+    with pytest.raises(ArgumentError, match="losses = 61: allowed 1 to 60"):
+        unlike_subsets(c, 61)

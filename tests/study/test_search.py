@@ -1,0 +1,170 @@
+"""Search: known minima, brute force over inclination, order, and the written design."""
+
+import numpy as np
+import pytest
+
+from compass.core.inclination import pattern_radius
+from compass.coverage.cap import cap_radius
+from compass.coverage.certificate import prove_fold
+from compass.coverage.margin import covering_radius
+from compass.errors import ArgumentError
+from compass.inputs import read_design_text
+from compass.orbits import areosynchronous_radius, positions_mci, walker_delta
+from compass.study import search as module
+from compass.study.search import (
+    closest_approach,
+    design_toml,
+    optimal_inclination,
+    patterns,
+    search,
+)
+
+R = 3396.19e3
+RADIUS = areosynchronous_radius()
+
+
+def only(*makers):
+    """Stand-in for `patterns` that offers a few."""
+    return lambda *_args, **_options: iter(makers)
+
+
+def five(inclination):
+    return walker_delta(5, 5, 1, inclination=inclination, radius=RADIUS)
+
+
+def three(inclination):
+    return walker_delta(3, 3, 1, inclination=inclination, radius=RADIUS)
+
+
+def test_counts_of_patterns():
+    # sum over t of the sum of its divisors; rosettes are the deltas that a multiplier gives
+    assert len(list(patterns("walker-delta", 16, 1e7))) == 220
+    assert len(list(patterns("walker-star", 6, 1e7, smallest=6))) == 12
+    rosettes = [make(0.5).pattern for make in patterns("rosette", 12, 1e7, smallest=12)]
+    assert len({(p.planes, p.phasing) for p in rosettes}) == len(rosettes)
+    assert {p.multiplier.limit_denominator(100) for p in rosettes if p.planes == 12} == set(
+        range(12)
+    )
+
+
+def test_a_pattern_at_its_best(monkeypatch):
+    # Ballard 1980, Table I: (5, 5, 1) at 43.66 deg needs caps of 69.15 deg
+    monkeypatch.setattr(module, "patterns", only(five, three))
+    seen = []
+
+    def progress(work, total):
+        seen.append(total)
+        return work
+
+    (found,) = search(1, 0.0, radius=RADIUS, sphere_radius=R, largest=5, progress=progress)
+    assert seen == [2]
+    assert found.proven
+    assert np.degrees(found.constellation.inclination[0]) == pytest.approx(43.66, abs=0.011)
+    assert np.degrees(found.radius) == pytest.approx(69.15, abs=0.006)
+    assert cap_radius(RADIUS, R, found.mask_margin) == pytest.approx(found.radius, abs=1e-12)
+    row = found.as_dict()
+    assert (row["satellites"], row["planes"], row["phasing"]) == (5, 5, 1)
+    # fold 1 leaves most places with fewer than four satellites
+    assert row["gdop_p95"] == np.inf
+
+
+def test_a_pattern_that_needs_more_than_its_caps_is_out(monkeypatch):
+    monkeypatch.setattr(module, "patterns", only(five))
+    mask = np.radians(12.0)  # caps of 68.7 deg
+    assert search(1, mask, radius=RADIUS, sphere_radius=R, largest=5) == []
+
+
+@pytest.mark.slow
+def test_optimal_inclination_against_a_scan():
+    for counts, fold in (((8, 8, 6), 1), ((10, 5, 2), 2), ((9, 3, 1), 1)):
+        c = walker_delta(*counts, inclination=0.0, radius=RADIUS)
+        best = optimal_inclination(c, fold)
+        scan = np.radians(np.arange(2.0, 90.0, 0.25))
+        radii = [
+            covering_radius(
+                walker_delta(*counts, inclination=i, radius=RADIUS), fold, tolerance=1e-4
+            ).at_least
+            for i in scan
+        ]
+        found = covering_radius(walker_delta(*counts, inclination=best, radius=RADIUS), fold)
+        assert found.radius <= min(radii) + 2e-5
+        assert found.radius >= min(radii) - np.radians(0.26)
+
+
+@pytest.mark.slow
+def test_fewer_than_15_satellites_have_fourfold_coverage():
+    found = search(4, 0.0, radius=RADIUS, sphere_radius=R, largest=14, finalists=3)
+    sizes = [c.constellation.size for c in found]
+    assert sizes == sorted(sizes)
+    assert sizes[0] == 13
+    assert [c.proven for c in found[:3]] == [True] * 3
+    assert found[3].gdop_p95 is None
+    margins = [c.mask_margin for c in found if c.constellation.size == 13]
+    assert margins == sorted(margins, reverse=True)
+    # the certificate is another algorithm: it agrees on both sides of the margin
+    best = found[0]
+    for change, outcome in ((-1e-5, "proven"), (1e-5, "refuted")):
+        claim = prove_fold(best.constellation, 4, sphere_radius=R, mask=best.mask_margin + change)
+        assert claim.outcome == outcome
+
+
+@pytest.mark.slow
+def test_the_result_does_not_depend_on_the_number_of_threads():
+    one, two = (
+        search(1, 0.2, radius=RADIUS, sphere_radius=R, largest=6, workers=w) for w in (1, 2)
+    )
+    assert [c.as_dict() for c in one] == [c.as_dict() for c in two]
+
+
+def test_the_phase_stands_for_time():
+    c = five(0.8)
+    least, most = pattern_radius(c.raan, c.mean_anomaly, 0.8, 1, 0.0, np.pi / 10, 1e-3, np.inf)
+    found = covering_radius(c, 1, tolerance=1e-3)
+    assert most >= found.at_least - 1e-9
+    assert least <= found.radius + 1e-9
+
+
+def test_closest_approach_against_positions():
+    c = walker_delta(6, 3, 1, inclination=1.1, radius=RADIUS)
+    r = positions_mci(c, np.linspace(0, 1e5, 4000)) / RADIUS
+    nearest = max((r[i] * r[j]).sum(axis=-1).max() for i in range(6) for j in range(i))
+    assert closest_approach(c) == pytest.approx(np.arccos(nearest), abs=1e-3)
+    assert closest_approach(c.without(range(1, 6))) == np.pi
+    # all six meet where their planes cross
+    assert (
+        closest_approach(walker_delta(6, 6, 0, inclination=1.5707963267948966, radius=RADIUS))
+        < 1e-7
+    )
+
+
+@pytest.mark.parametrize("kind", ["walker-delta", "walker-star", "rosette"])
+def test_the_design_file_says_the_same(kind):
+    make = list(patterns(kind, 6, RADIUS, smallest=6))[-2]
+    c = make(np.radians(61.25))
+    candidate = module.Candidate(c, 1.0, 0.25, 0.3)
+    text = design_toml(
+        candidate, fold=3, mask=np.radians(5.0), figure="iau-sphere", origin="compass search"
+    )
+    read = read_design_text(text)
+    assert read.constellation.raan == pytest.approx(c.raan)
+    assert read.constellation.mean_anomaly == pytest.approx(c.mean_anomaly)
+    assert read.constellation.semi_major_axis == pytest.approx(c.semi_major_axis, rel=1e-15)
+    assert np.degrees(read.constellation.inclination[0]) == pytest.approx(61.25)
+    assert (read.fold, read.mask.highest) == (3, pytest.approx(np.radians(5.0)))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"kind": "flower"}, "pattern = 'flower'"),
+        ({"largest": 0}, "max_satellites = 0"),
+        ({"largest": 65}, "max_satellites = 65"),
+        ({"fold": 0}, "fold = 0"),
+        ({"mask": -0.1}, "mask_deg = -5.7"),
+        ({"radius": 1e6}, "must be above the surface"),
+    ],
+)
+def test_bad_arguments(change, message):
+    arguments = {"fold": 4, "mask": 0.0, "radius": RADIUS, "largest": 5} | change
+    with pytest.raises(ArgumentError, match=message):
+        search(arguments.pop("fold"), arguments.pop("mask"), sphere_radius=R, **arguments)
