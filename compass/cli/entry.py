@@ -1,0 +1,51 @@
+"""``compass entry``: how well a lander navigates on radio beacons."""
+
+from pathlib import Path
+
+import click
+
+from compass.cli.shared import command_line, emit_json, json_option, print_table, say
+
+
+@click.command("entry")
+@click.argument("scenario", type=click.Path(path_type=Path))
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="netCDF file to write.")
+@click.option(
+    "--figures", type=click.Path(path_type=Path), help="Folder to write the pictures (PNG) into."
+)
+@click.option("--runs", type=click.IntRange(1, 100_000), help="Monte Carlo runs, 1 to 100000.")
+@json_option
+def command(
+    scenario: Path, output: Path | None, figures: Path | None, runs: int | None, as_json: bool
+) -> None:
+    """Fly a SCENARIO and navigate it: trajectory, view, observability, bound and filter."""
+    from compass.entry.assess import assessment_dataset
+    from compass.inputs.scenario import provenance, read_scenario
+    from compass.report.entry import assess_scenario, entry_facts, entry_section
+    from compass.report.pictures import check_folder, write_pictures
+    from compass.saving import check_writable, replacing
+
+    chosen = read_scenario(scenario)
+    if output:
+        check_writable(output, [scenario])
+    if figures:
+        check_folder(figures)
+    found = assess_scenario(chosen, runs)
+    section = entry_section(chosen, found)
+    if output:
+        data = assessment_dataset(found)
+        data.attrs |= provenance(chosen, command_line())
+        with replacing(output) as temporary:
+            data.to_netcdf(temporary, engine="h5netcdf")
+        say(f"wrote {output}")
+    if figures:
+        write_pictures(section.pictures, figures)
+        say(f"wrote {len(section.pictures)} pictures into {figures}")
+    if as_json:
+        emit_json(entry_facts(chosen, found) | {"provenance": provenance(chosen, command_line())})
+        return
+    click.echo(chosen.name)
+    for paragraph in section.paragraphs:
+        click.echo(f"\n{paragraph}")
+    for table in section.tables:
+        print_table(table.title, table.rows, table.header)

@@ -1,0 +1,98 @@
+"""Objectives of beacon placement, fast enough to be called a hundred thousand times."""
+
+import math
+
+import numpy as np
+
+from compass.core.entry_dynamics import BANK
+from compass.core.entry_jets import X, Z, flow_series, range_series
+from compass.core.jacobi_svd import jacobi_svd
+from compass.core.jit import kernel
+
+
+@kernel
+def position_series(states, p, banks, orders):
+    """Lander position as Taylor series with gradients at each epoch, (t, 3, orders, 7).
+
+    It does not depend on the beacons, so a search over them computes it once.
+    """
+    p = p.copy()
+    out = np.empty((states.shape[0], 3, orders, 7))
+    for t in range(states.shape[0]):
+        p[BANK] = banks[t]
+        out[t] = flow_series(states[t], p, orders, 6)[X : Z + 1]
+    return out
+
+
+@kernel
+def minimum_degree(series, beacons):
+    """Smallest ``sigma_min/sigma_max`` over the epochs, SI, of ranges to beacons (n, 3) at rest."""
+    epochs, _, orders, _ = series.shape
+    n = beacons.shape[0]
+    rows = max(6, n * orders)
+    matrix, values, vectors = np.zeros((rows, 6)), np.empty(6), np.empty((6, 6))
+    beacon, out = np.zeros((3, orders)), np.empty((orders, 7))
+    least = np.inf
+    for t in range(epochs):
+        for b in range(n):
+            beacon[:, 0] = beacons[b]
+            range_series(series[t], beacon, out)
+            factorial = 1.0
+            for k in range(orders):
+                factorial *= max(1, k)
+                for j in range(6):
+                    matrix[b * orders + k, j] = factorial * out[k, 1 + j]
+        for k in range(n * orders, rows):
+            matrix[k, :] = 0.0
+        jacobi_svd(matrix, values, vectors)
+        least = min(least, values[5] / values[0])
+    return least
+
+
+@kernel
+def determinants(lander, beacons, out):
+    """``det(sum n n^T)`` at each epoch; lander (t, 3), beacons (t, n, 3)."""
+    for t in range(lander.shape[0]):
+        xx, yy, zz, xy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for b in range(beacons.shape[1]):
+            dx = lander[t, 0] - beacons[t, b, 0]
+            dy = lander[t, 1] - beacons[t, b, 1]
+            dz = lander[t, 2] - beacons[t, b, 2]
+            square = dx * dx + dy * dy + dz * dz
+            xx += dx * dx / square
+            yy += dy * dy / square
+            zz += dz * dz / square
+            xy += dx * dy / square
+            xz += dx * dz / square
+            yz += dy * dz / square
+        out[t] = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+
+
+@kernel
+def circle_positions(angles, radius, motion, times, out):
+    """Positions (t, n, 3) on circles; `angles` (n, 3): node, inclination, argument of latitude."""
+    for b in range(angles.shape[0]):
+        cn, sn = math.cos(angles[b, 0]), math.sin(angles[b, 0])
+        ci, si = math.cos(angles[b, 1]), math.sin(angles[b, 1])
+        for t in range(times.size):
+            u = angles[b, 2] + motion * times[t]
+            cu, su = math.cos(u), math.sin(u)
+            out[t, b, 0] = radius * (cn * cu - sn * ci * su)
+            out[t, b, 1] = radius * (sn * cu + cn * ci * su)
+            out[t, b, 2] = radius * si * su
+
+
+@kernel
+def view_margins(lander, beacons, planet_radius, out):
+    """``cos(theta) - cos(limit)`` of eqs. 58 to 60 into `out` (t, n): positive while in view."""
+    for t in range(lander.shape[0]):
+        far = math.sqrt(lander[t, 0] ** 2 + lander[t, 1] ** 2 + lander[t, 2] ** 2)
+        dip = math.acos(min(1.0, planet_radius / far))
+        for b in range(beacons.shape[1]):
+            away, product = 0.0, 0.0
+            for i in range(3):
+                away += beacons[t, b, i] ** 2
+                product += beacons[t, b, i] * lander[t, i]
+            away = math.sqrt(away)
+            limit = dip + math.acos(min(1.0, planet_radius / away))
+            out[t, b] = product / (far * away) - math.cos(limit)

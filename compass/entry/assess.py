@@ -1,0 +1,195 @@
+"""One scenario from end to end: flight, view, observability, bound and filter."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.entry.beacons import Beacons, Measurements, check_apart, in_view
+from compass.entry.fisher import Bound, cramer_rao_bound
+from compass.entry.model import EntryModel
+from compass.entry.navigation import Filter, MonteCarlo, run_monte_carlo
+from compass.entry.observability import BlindSpots, Observability, blind_spots, observability
+from compass.entry.trajectory import Trajectory, trajectory_dataset
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """How well a lander can navigate, and does.
+
+    Attributes
+    ----------
+    flight
+        The true trajectory.
+    beacons
+        At its times.
+    seen, taken
+        Which are in view, and which are measured, shape (t, n).
+    observability, observability_scaled
+        Of what is in view at every epoch, in SI and in nondimensional form.
+    blind
+        What cannot be seen at the epoch of lowest rank (of these, of lowest degree).
+    blind_epoch
+        Index of that epoch.
+    bound
+        Cramer-Rao bound with the filter's prior and process noise.
+    monte_carlo
+        The filter, many times.
+    """
+
+    flight: Trajectory
+    beacons: Beacons
+    seen: NDArray[np.bool_]
+    taken: NDArray[np.bool_]
+    observability: Observability
+    observability_scaled: Observability
+    blind: BlindSpots
+    blind_epoch: int
+    bound: Bound
+    monte_carlo: MonteCarlo
+
+
+def assess(
+    model: EntryModel,
+    flight: Trajectory,
+    beacons: Beacons,
+    measurements: Measurements,
+    settings: Filter,
+    *,
+    mask: float | None = None,
+    runs: int = 500,
+    seed: int = 0,
+) -> Assessment:
+    """Assess navigation along a flight.
+
+    Parameters
+    ----------
+    model
+        The world as the filter knows it; `flight.model` is the world as it is.
+    flight
+        The true trajectory.
+    beacons
+        At the flight's times.
+    measurements, settings, mask, runs, seed
+        As in `compass.entry.navigation.run_monte_carlo` and `compass.entry.beacons.in_view`.
+
+    Raises
+    ------
+    ArgumentError
+        A beacon at the lander's own place.
+    """
+    check_apart(beacons, flight.states)
+    seen = in_view(beacons, flight.states, flight.model.planet_radius, mask)
+    taken = measurements.taken(seen, flight.times)
+    ranges, rates = measurements.range_sigma is not None, measurements.rate_sigma is not None
+    degrees = {
+        scaling: observability(
+            flight.model,
+            flight.states,
+            beacons,
+            seen,
+            ranges=ranges,
+            rates=rates,
+            scaling=scaling,
+        )
+        for scaling in ("si", "nondimensional")
+    }
+    scaled = degrees["nondimensional"]
+    worst = int(np.lexsort((scaled.degree, scaled.rank))[0])
+    return Assessment(
+        flight,
+        beacons,
+        seen,
+        taken,
+        degrees["si"],
+        scaled,
+        blind_spots(
+            flight.model,
+            flight.states[worst],
+            beacons,
+            worst,
+            seen[worst],
+            ranges=ranges,
+            rates=rates,
+        ),
+        worst,
+        cramer_rao_bound(
+            flight.model,
+            flight.states,
+            beacons,
+            taken,
+            measurements,
+            settings.covariance0,
+            settings.noise,
+        ),
+        run_monte_carlo(
+            model,
+            flight.states[0],
+            beacons,
+            taken,
+            measurements,
+            settings,
+            runs=runs,
+            seed=seed,
+            truth=flight.model,
+        ),
+    )
+
+
+def assessment_dataset(found: Assessment) -> "xr.Dataset":
+    """Everything over time: the trajectory's variables, view, observability, bound and errors."""
+    data = trajectory_dataset(found.flight)
+    mc, by_time = found.monte_carlo, ("time",)
+    columns = {
+        "observability_degree": (
+            found.observability.degree,
+            "1",
+            "smallest over largest singular value of the observability matrix in m, s, rad",
+        ),
+        "observability_degree_scaled": (
+            found.observability_scaled.degree,
+            "1",
+            "the same with lengths in 3400 km and times in 100 s",
+        ),
+        "observability_rank": (found.observability.rank, "1", "rank of the observability matrix"),
+        "geometric_index": (
+            found.observability.index,
+            "1",
+            "sum over triples of beacons of [n_i . (n_j x n_k)]^2",
+        ),
+        "position_bound": (found.bound.position_sigma, "m", "Cramer-Rao bound of the position"),
+        "velocity_bound": (found.bound.velocity_sigma, "m s-1", "Cramer-Rao bound of the velocity"),
+        "position_rms_error": (mc.position_rms, "m", "root mean square position error"),
+        "velocity_rms_error": (mc.velocity_rms, "m s-1", "root mean square velocity error"),
+        "position_sigma": (_mean_sigma(mc, 0), "m", "position sigma claimed by the filter"),
+        "velocity_sigma": (_mean_sigma(mc, 1), "m s-1", "velocity sigma claimed by the filter"),
+        "nees": (mc.mean_nees, "1", "mean normalised estimation error squared, 6 if consistent"),
+    }
+    for name, (values, unit, text) in columns.items():
+        data[name] = (by_time, values, {"units": unit, "long_name": text})
+    data = data.assign_coords(beacon=list(found.beacons.names), axis=["x", "y", "z"])
+    grid = ("time", "beacon")
+    data["in_view"] = (grid, found.seen.astype("i1"), {"units": "1", "long_name": "beacon in view"})
+    data["measured"] = (
+        grid,
+        found.taken.astype("i1"),
+        {"units": "1", "long_name": "beacon measured"},
+    )
+    data["beacon_position"] = (
+        (*grid, "axis"),
+        found.beacons.r,
+        {"units": "m", "long_name": "beacon position, Mars-fixed"},
+    )
+    data.attrs["monte_carlo_runs"] = len(mc.errors)
+    data.attrs["monte_carlo_diverged"] = int(mc.diverged.sum())
+    return data
+
+
+def _mean_sigma(mc: MonteCarlo, part: int) -> NDArray[np.float64]:
+    """Root mean square over the runs of what the filter claims, shape (t,)."""
+    kept = mc.sigmas[~mc.diverged, :, part]
+    return np.sqrt((kept**2).mean(axis=0)) if len(kept) else np.full(mc.sigmas.shape[1], np.nan)

@@ -1,0 +1,149 @@
+"""The atmosphere: exponential as the papers take it, or a tabulated profile from a file."""
+
+from dataclasses import dataclass, replace
+from math import log, sqrt
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compass.bodies import Constant
+from compass.core.entry_dynamics import log_density_ratio
+from compass.errors import ArgumentError, DesignError
+
+CO2_GAS_CONSTANT = Constant(
+    188.924, "J/(kg K)", 1e-3, "8.314462618 J/(mol K) over 44.0095 g/mol (CODATA 2018, IUPAC 2021)"
+)
+CO2_HEAT_RATIO = Constant(
+    1.294, "1", 5e-3, "Span and Wagner 1996, J. Phys. Chem. Ref. Data 25:1509: CO2 at 300 K, 0 MPa"
+)
+
+
+@dataclass(frozen=True)
+class Atmosphere:
+    """Density over radius, and the speed of sound.
+
+    Attributes
+    ----------
+    reference_density
+        Density at `reference_radius`, kg/m^3.
+    reference_radius
+        r0, metres from Mars's centre.
+    scale_height
+        h of ``rho0 exp((r0 - r)/h)``, metres; unused where a table is given.
+    table_radius, table_density
+        A tabulated profile, metres and kg/m^3, or empty; exponential between its rows. The
+        whole profile is scaled to `reference_density` at `reference_radius`.
+    temperature
+        Kelvin, for the speed of sound of an isothermal CO2 atmosphere.
+    """
+
+    reference_density: float
+    reference_radius: float
+    scale_height: float
+    table_radius: tuple[float, ...] = ()
+    table_density: tuple[float, ...] = ()
+    temperature: float = 200.0
+
+    def __post_init__(self) -> None:
+        for name in ("reference_density", "reference_radius", "scale_height", "temperature"):
+            if not 0 < getattr(self, name) < float("inf"):
+                raise ArgumentError(f"{name} = {getattr(self, name)}: must be positive")
+        if len(self.table_radius) != len(self.table_density) or len(self.table_radius) == 1:
+            raise ArgumentError(
+                f"atmosphere table: {len(self.table_radius)} radii and "
+                f"{len(self.table_density)} densities; give as many of each, at least two"
+            )
+        if np.any(np.diff(self.table_radius) <= 0):
+            raise ArgumentError("atmosphere table: altitudes must increase strictly")
+        if any(not 0 < density < float("inf") for density in self.table_density):
+            raise ArgumentError("atmosphere table: every density must be positive")
+
+    @property
+    def log_reference_density(self) -> float:
+        """``ln rho0``, the seventh state of the entry dynamics."""
+        return log(self.reference_density)
+
+    @property
+    def speed_of_sound(self) -> float:
+        """``sqrt(gamma R T)`` of CO2, m/s."""
+        return sqrt(CO2_HEAT_RATIO.value * CO2_GAS_CONSTANT.value * self.temperature)
+
+    def table_parameters(self) -> NDArray[np.float64]:
+        """Tail of the kernel's parameter array: radii, then ``ln(rho/rho(r0))``; may be empty."""
+        if not self.table_radius:
+            return np.empty(0)
+        radius, logs = np.array(self.table_radius), np.log(self.table_density)
+        tail = np.concatenate([radius, logs])
+        head = np.zeros(7)
+        at_reference, _ = log_density_ratio(self.reference_radius, np.concatenate([head, tail]))
+        return np.concatenate([radius, logs - at_reference])
+
+    def density(self, radius: ArrayLike) -> NDArray[np.float64]:
+        """Density at distances from Mars's centre (m, any shape), kg/m^3."""
+        head = np.zeros(7)
+        head[1], head[2] = self.reference_radius, self.scale_height
+        p = np.concatenate([head, self.table_parameters()])
+        r = np.asarray(radius, dtype=float)
+        ratio = np.array([log_density_ratio(value, p)[0] for value in r.ravel()])
+        return self.reference_density * np.exp(ratio).reshape(r.shape)
+
+    def changed(
+        self, *, density_bias: float = 0.0, scale_height_factor: float = 1.0
+    ) -> "Atmosphere":
+        """Return the atmosphere as it might really be.
+
+        Parameters
+        ----------
+        density_bias
+            Relative error of the density: the new density is ``1 + density_bias`` times the old.
+        scale_height_factor
+            Stretches the profile about the reference radius: the new scale height (of every
+            layer of a table) is this many times the old.
+
+        Raises
+        ------
+        ArgumentError
+            A density or scale height that would not be positive.
+        """
+        if not 0 < scale_height_factor < float("inf"):
+            raise ArgumentError(f"scale_height_factor = {scale_height_factor}: must be positive")
+        r0 = self.reference_radius
+        return replace(
+            self,
+            reference_density=self.reference_density * (1.0 + density_bias),
+            scale_height=self.scale_height * scale_height_factor,
+            table_radius=tuple(r0 + scale_height_factor * (r - r0) for r in self.table_radius),
+        )
+
+
+def read_atmosphere_table(path: Path) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Altitudes (m) and densities (kg/m^3) of a text file of two columns: km and kg/m^3.
+
+    Columns are separated by a comma or blanks; lines that start with ``#`` are comments.
+
+    Raises
+    ------
+    DesignError
+        The file is missing or a row is not two numbers.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "not text in UTF-8"
+        raise DesignError(f"{path}: cannot be read: {reason}; check the path") from error
+    rows = []
+    for number, line in enumerate(lines, start=1):
+        text = line.split("#")[0].replace(",", " ").split()
+        if not text:
+            continue
+        try:
+            altitude, density = (float(word) for word in text)
+        except ValueError as error:
+            raise DesignError(
+                f"{path}: line {number} = {line.strip()!r}: must be two numbers, "
+                "altitude in km and density in kg/m^3"
+            ) from error
+        rows.append((altitude * 1e3, density))
+    altitudes, densities = zip(*rows, strict=True) if rows else ((), ())
+    return tuple(altitudes), tuple(densities)

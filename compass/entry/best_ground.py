@@ -1,0 +1,185 @@
+"""The best places for ground beacons."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import Bounds, OptimizeResult, minimize
+
+from compass.core.entry_filter import posterior_bound
+from compass.core.entry_geometry import cartesian_jacobian, cartesian_of
+from compass.core.entry_search import determinants, minimum_degree, position_series
+from compass.entry.beacons import Measurements
+from compass.entry.fisher import noise_variances
+from compass.entry.search import Optimum, Start, multistart
+from compass.entry.trajectory import Trajectory
+from compass.entry.visible_area import VisibleArea
+from compass.errors import ArgumentError
+from compass.frames import latitude_longitude
+
+GroundObjective = Literal["minimum-delta", "mean-log-index", "bound-trace"]
+
+#: The search looks at every fourth epoch, the polish and the result at all.
+STRIDE = 4
+
+
+def best_ground_beacons(
+    flight: Trajectory,
+    count: int = 3,
+    *,
+    objective: GroundObjective = "minimum-delta",
+    measurements: Measurements | None = None,
+    covariance0: ArrayLike | None = None,
+    starts: int = 4,
+    generations: int = 60,
+    seed: int = 0,
+    threads: int = 2,
+    progress: Callable[[], object] = lambda: None,
+) -> Optimum:
+    """Places on the surface, in view throughout, from which a lander navigates best.
+
+    Parameters
+    ----------
+    flight
+        The trajectory.
+    count
+        Number of beacons.
+    objective
+        ``minimum-delta``: the smallest observability degree on the way (eq. 49, SI), as large as
+        can be; ``mean-log-index``: mean of ``ln I`` (eq. 54), likewise; ``bound-trace``: root of
+        the mean trace of the position's Cramer-Rao bound, m, as small as can be.
+    measurements, covariance0
+        Noise and prior of ``bound-trace``.
+    starts, generations, seed, threads
+        Of the search; the result does not depend on the threads.
+    progress
+        Called after each start.
+
+    Raises
+    ------
+    ArgumentError
+        An unknown objective, no place that sees the lander throughout, too few beacons for the
+        objective, or no prior for ``bound-trace``.
+    """
+    if objective not in get_args(GroundObjective):
+        allowed = ", ".join(get_args(GroundObjective))
+        raise ArgumentError(f"objective = {objective!r}: allowed {allowed}")
+    least = 1 if objective == "bound-trace" else 3
+    if count < least:
+        raise ArgumentError(
+            f"count = {count}: {objective} is zero or undefined below {least} beacons; use more, "
+            "or the objective bound-trace"
+        )
+    model = flight.model
+    area = VisibleArea(flight)
+    banks, p = model.vehicle.bank(flight.times), model.parameters()
+
+    def places(x: NDArray) -> NDArray[np.float64]:
+        return model.planet_radius * area.points(x.reshape(count, 2))
+
+    if objective == "minimum-delta":
+        series = position_series(flight.states, p, banks, 6)
+        few = np.ascontiguousarray(series[::STRIDE])
+
+        def degree(kept: NDArray) -> Callable[[NDArray], float]:
+            # beacons at one place leave the matrix singular: ln 0 is a wall, not an error
+            return lambda x: -float(np.log(max(minimum_degree(kept, places(x)), 1e-300)))
+
+        coarse, fine = degree(few), degree(series)
+    elif objective == "mean-log-index":
+        lander = cartesian_of(flight.states)[:, :3].copy()
+
+        def coarse(x: NDArray) -> float:
+            out = np.empty(len(lander))
+            determinants(lander, np.broadcast_to(places(x), (len(lander), count, 3)), out)
+            return -float(np.log(np.maximum(out, 1e-300)).mean())
+
+        fine = coarse
+    else:
+        if covariance0 is None:
+            raise ArgumentError("covariance0: missing; bound-trace needs a prior")
+        coarse = _bound_objective(
+            flight, banks, p, measurements or Measurements(), np.array(covariance0), places, count
+        )
+        fine = coarse
+
+    def decode(x: NDArray) -> NDArray[np.float64]:
+        return np.stack(latitude_longitude(places(x)), axis=1)
+
+    bounds = [(0.0, 2 * np.pi), (0.0, 1.0)] * count
+
+    def polish(x: NDArray) -> OptimizeResult:
+        options = {"maxfev": 200 * count, "xatol": 1e-7, "fatol": 0.0, "adaptive": True}
+        edges = Bounds(*np.transpose(bounds))
+        return minimize(fine, x, method="Nelder-Mead", bounds=edges, options=options)
+
+    found = multistart(
+        coarse,
+        polish,
+        bounds,
+        decode,
+        objective=objective,
+        maximise=objective != "bound-trace",
+        starts=starts,
+        generations=generations,
+        seed=seed,
+        threads=threads,
+        progress=progress,
+    )
+    return _exponentiated(found) if objective == "minimum-delta" else found
+
+
+def _exponentiated(found: Optimum) -> Optimum:
+    """Turn ``ln delta``, which the search works on, back into delta."""
+    starts = tuple(
+        Start(
+            float(np.exp(s.value)),
+            s.parameters,
+            tuple(np.exp(s.history).tolist()),
+            s.evaluations,
+        )
+        for s in found.starts
+    )
+    return replace(
+        found, objective="minimum-delta (m, s, rad)", value=starts[0].value, starts=starts
+    )
+
+
+def _bound_objective(
+    flight: Trajectory,
+    banks: NDArray,
+    p: NDArray,
+    measurements: Measurements,
+    covariance0: NDArray,
+    places: Callable[[NDArray], NDArray],
+    count: int,
+) -> Callable[[NDArray], float]:
+    epochs = len(flight.times)
+    taken = measurements.taken(np.ones((epochs, count), dtype=bool), flight.times)
+    jacobians = np.empty((epochs, 6, 6))
+    for t in range(epochs):
+        cartesian_jacobian(flight.states[t], jacobians[t])
+
+    def objective(x: NDArray) -> float:
+        covariance = np.empty((epochs, 6, 6))
+        r = np.repeat(places(x)[None], epochs, axis=0)
+        posterior_bound(
+            flight.states,
+            covariance0,
+            p,
+            banks,
+            flight.times,
+            np.zeros(6),
+            r,
+            np.zeros_like(r),
+            taken,
+            noise_variances(measurements),
+            covariance,
+        )
+        rows = jacobians[:, :3]
+        trace = np.einsum("tia,tab,tib->t", rows, covariance, rows, optimize=True)
+        return float(np.sqrt(trace.mean()))
+
+    return objective

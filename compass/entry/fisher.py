@@ -1,0 +1,277 @@
+"""Fisher information of radio beacons: what it is, how large it can be, what it bounds."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compass.core.entry_filter import posterior_bound, spread
+from compass.core.entry_geometry import cartesian_jacobian
+from compass.entry.beacons import Beacons, Measurements
+from compass.entry.model import EntryModel
+from compass.errors import ArgumentError
+
+#: Angle of the cone on which equally spaced directions form a tight frame: acos(1/sqrt 3), rad.
+TIGHT_CONE = float(np.arccos(1 / np.sqrt(3)))
+
+
+def _weights(sigma: ArrayLike, count: int | None = None) -> NDArray[np.float64]:
+    """``sigma^-2`` of each beacon, shape (n,)."""
+    sigmas = np.atleast_1d(np.asarray(sigma, dtype=float))
+    if count is not None:
+        sigmas = np.broadcast_to(sigmas, (count,))
+    if np.any(~(sigmas > 0) | ~np.isfinite(sigmas)):
+        bad = sigmas[~(sigmas > 0) | ~np.isfinite(sigmas)][0]
+        raise ArgumentError(f"sigma = {bad}: measurement noise must be positive and finite")
+    return sigmas**-2.0
+
+
+def range_information(directions: ArrayLike, sigma: ArrayLike) -> NDArray[np.float64]:
+    """Information of ranges on position: ``F = sum n_i n_i^T / sigma_i^2``, shape (3, 3).
+
+    Also that of range rates on *velocity* (eq. 42), with their noise.
+
+    Parameters
+    ----------
+    directions
+        Unit vectors n between beacons and lander, shape (n, 3).
+    sigma
+        One sigma noise, scalar or (n,).
+    """
+    n = np.asarray(directions, dtype=float).reshape(-1, 3)
+    return (n * _weights(sigma, len(n))[:, None]).T @ n
+
+
+def rate_information(
+    directions: ArrayLike, distances: ArrayLike, velocities: ArrayLike, sigma: ArrayLike
+) -> NDArray[np.float64]:
+    """Information of range rates on position: ``sum L_i w_i w_i^T L_i^T / sigma_i^2``, (3, 3).
+
+    ``L_i = (I - n n^T)/R_i`` and w the velocity *relative to the beacon* (eqs. 43 and 44 of
+    Yu et al. 2018, which take the lander's own velocity).
+
+    Parameters
+    ----------
+    directions, distances
+        Unit vectors (n, 3) and ranges (n,), m.
+    velocities
+        Lander minus beacon velocity, m/s, (3,) or (n, 3).
+    sigma
+        One sigma noise, m/s, scalar or (n,).
+    """
+    return range_information(_rate_gradients(directions, distances, velocities), sigma)
+
+
+def _rate_gradients(
+    directions: ArrayLike, distances: ArrayLike, velocities: ArrayLike
+) -> NDArray[np.float64]:
+    n = np.asarray(directions, dtype=float).reshape(-1, 3)
+    w = np.broadcast_to(np.asarray(velocities, dtype=float), n.shape)
+    across = w - (w * n).sum(axis=1, keepdims=True) * n
+    return across / np.asarray(distances, dtype=float).reshape(-1, 1)
+
+
+def full_information(
+    directions: ArrayLike,
+    distances: ArrayLike,
+    velocities: ArrayLike,
+    range_sigma: ArrayLike | None,
+    rate_sigma: ArrayLike | None,
+) -> NDArray[np.float64]:
+    """Information on position and velocity together, shape (6, 6), of ranges, rates or both.
+
+    Parameters as in `range_information` and `rate_information`; None for what is not measured.
+    """
+    n = np.asarray(directions, dtype=float).reshape(-1, 3)
+    total = np.zeros((6, 6))
+    if range_sigma is not None:
+        total[:3, :3] += range_information(n, range_sigma)
+    if rate_sigma is not None:
+        rows = np.concatenate([_rate_gradients(n, distances, velocities), n], axis=1)
+        total += (rows * _weights(rate_sigma, len(n))[:, None]).T @ rows
+    return total
+
+
+def best_eigenvalues(sigma: ArrayLike) -> NDArray[np.float64]:
+    """Eigenvalues, descending, of the best range information that any directions reach, (3,).
+
+    With weights ``w = sigma^-2``: while the largest left exceeds the mean share of what is left,
+    it is an eigenvalue by itself; the rest share equally. That is the least spread spectrum that
+    the Schur-Horn theorem allows, so it maximises the determinant and minimises the trace of the
+    inverse at once. Fewer than three beacons leave zeros.
+
+    Parameters
+    ----------
+    sigma
+        One sigma of each beacon, shape (n,).
+    """
+    left = np.sort(_weights(sigma))[::-1]
+    found: list[float] = []
+    while len(found) < 3 and left.size and left[0] > left.sum() / (3 - len(found)):
+        found.append(float(left[0]))
+        left = left[1:]
+    share = left.sum() / max(1, 3 - len(found))
+    return np.sort(np.array(found + [share] * (3 - len(found))))[::-1]
+
+
+def best_determinant(sigma: ArrayLike) -> float:
+    """Return the largest determinant of the range information: ``(N/3)^3 sigma^-6`` if alike.
+
+    Parameters as in `best_eigenvalues`; in units of ``sigma^-6``. Zero below three beacons.
+    """
+    return float(np.prod(best_eigenvalues(sigma)))
+
+
+def best_directions(count: int) -> NDArray[np.float64]:
+    """Directions of `count` >= 3 equally good beacons that reach `best_determinant`, (n, 3).
+
+    Equally spaced on a cone of half-angle ``acos(1/sqrt 3)``: a unit tight frame.
+    """
+    if count < 3:
+        raise ArgumentError(f"count = {count}: at least 3 beacons determine a position")
+    angle = 2 * np.pi * np.arange(count) / count
+    across, along = np.sin(TIGHT_CONE), np.cos(TIGHT_CONE)
+    return np.stack([across * np.cos(angle), across * np.sin(angle), np.full(count, along)], axis=1)
+
+
+def position_variance_bound(sigma: ArrayLike) -> float:
+    """Lower bound of the trace of the position covariance from one epoch of ranges, m^2.
+
+    ``9 / sum sigma^-2``, from ``tr F^-1 >= 9 / tr F``: ``9 sigma^2 / N``. Infinite below three
+    beacons, whose information is singular.
+    """
+    w = _weights(sigma)
+    return float(9.0 / w.sum()) if w.size >= 3 else float("inf")
+
+
+def published_position_variance_bound(sigma: ArrayLike) -> float:
+    """Bound as Yu et al. 2018 print it (eqs. 28, 32, 35, 41): ``3 / tr F``; true but weak."""
+    return float(3.0 / _weights(sigma).sum())
+
+
+def two_beacon_eigenvalues(sigma_1: float, sigma_2: float, angle: float) -> NDArray[np.float64]:
+    """Nonzero eigenvalues, descending, of two beacons whose directions are `angle` (rad) apart.
+
+    ``(w1 + w2)/2 +- sqrt((w1 - w2)^2 + 4 w1 w2 cos^2 angle)/2``: equal only if orthogonal and
+    equally good (section 4.3 of Yu et al. 2018 takes them equal always).
+    """
+    w1, w2 = _weights([sigma_1, sigma_2])
+    root = np.sqrt((w1 - w2) ** 2 + 4 * w1 * w2 * np.cos(angle) ** 2)
+    return np.array([(w1 + w2 + root) / 2, (w1 + w2 - root) / 2])
+
+
+def best_rate_determinant(count: int, sigma: float, speed: float, distance: float) -> float:
+    """Return the largest determinant of range rates on position, all at one distance.
+
+    ``sigma^-6 (4 N^3/729) (v/R)^6``, with every direction 54.7356 deg from the velocity.
+    """
+    weight = _weights(sigma)[0]
+    return float(weight**3 * 4 * count**3 / 729 * (speed / distance) ** 6) if count >= 3 else 0.0
+
+
+def rate_variance_bound(sigma: ArrayLike, speed: float, distances: ArrayLike) -> float:
+    """Lower bound of the trace of the position covariance from range rates, m^2 (eq. 47 mended).
+
+    ``9 / sum(sigma^-2 v^2 / R^2)``.
+    """
+    r = np.atleast_1d(np.asarray(distances, dtype=float))
+    return float(9.0 / (_weights(sigma, r.size) * speed**2 / r**2).sum())
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Cramer-Rao bound along a trajectory.
+
+    Attributes
+    ----------
+    covariance
+        Of the six states after each epoch's measurements, shape (t, 6, 6), SI.
+    position_sigma, velocity_sigma
+        Root of the trace of the Cartesian position (m) and velocity (m/s) covariance, (t,).
+    """
+
+    covariance: NDArray[np.float64]
+    position_sigma: NDArray[np.float64]
+    velocity_sigma: NDArray[np.float64]
+
+
+def initial_covariance(
+    state: ArrayLike, position_sigma: float, velocity_sigma: float
+) -> NDArray[np.float64]:
+    """Covariance (6, 6) of the states for one sigma per Cartesian axis of position and velocity.
+
+    Parameters
+    ----------
+    state
+        Where, shape (>= 6,).
+    position_sigma, velocity_sigma
+        Metres and metres a second.
+    """
+    for name, sigma in (("position_sigma", position_sigma), ("velocity_sigma", velocity_sigma)):
+        if not 0 < sigma < float("inf"):
+            raise ArgumentError(f"{name} = {sigma}: must be positive")
+    jacobian = np.empty((6, 6))
+    cartesian_jacobian(np.asarray(state, dtype=float), jacobian)
+    inverse = np.linalg.inv(jacobian)
+    variances = np.repeat([position_sigma**2, velocity_sigma**2], 3)
+    covariance = (inverse * variances) @ inverse.T
+    return 0.5 * (covariance + covariance.T)
+
+
+def cramer_rao_bound(
+    model: EntryModel,
+    states: ArrayLike,
+    beacons: Beacons,
+    taken: ArrayLike,
+    measurements: Measurements,
+    covariance0: ArrayLike,
+    noise: ArrayLike = 0.0,
+) -> Bound:
+    """Posterior Cramer-Rao bound with prior and process noise, along the true trajectory.
+
+    Without process noise it is exact for the linearised problem; with it, Phi and H are taken on
+    the given trajectory rather than averaged over its scatter.
+
+    Parameters
+    ----------
+    model
+        The world.
+    states
+        Trajectory at the beacons' times, shape (t, 6) or (t, 8).
+    beacons, taken, measurements
+        What is measured: `taken` has shape (t, n).
+    covariance0
+        Prior at the first time, (6, 6), SI.
+    noise
+        Process noise variance per second of the six states, scalar or (6,).
+
+    References
+    ----------
+    Tichavsky, Muravchik and Nehorai 1998, IEEE Trans. Signal Process. 46:1386, eq. 21.
+    """
+    x = np.ascontiguousarray(model.full_state(states))
+    covariance = np.empty((len(x), 6, 6))
+    posterior_bound(
+        x,
+        np.array(covariance0, dtype=float),
+        model.parameters(),
+        model.vehicle.bank(beacons.times),
+        beacons.times,
+        np.broadcast_to(np.asarray(noise, dtype=float), (6,)).copy(),
+        beacons.r,
+        beacons.v,
+        np.asarray(taken, dtype=bool),
+        noise_variances(measurements),
+        covariance,
+    )
+    sigmas, jacobian = np.empty((len(x), 2)), np.empty((6, 6))
+    for t in range(len(x)):
+        cartesian_jacobian(x[t], jacobian)
+        spread(covariance[t], jacobian, sigmas[t])
+    return Bound(covariance, sigmas[:, 0], sigmas[:, 1])
+
+
+def noise_variances(measurements: Measurements) -> NDArray[np.float64]:
+    """Variances of ranges (m^2) and range rates (m^2/s^2), nan for one that is not measured."""
+    pair = (measurements.range_sigma, measurements.rate_sigma)
+    return np.array([np.nan if sigma is None else sigma**2 for sigma in pair])

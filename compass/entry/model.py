@@ -1,0 +1,94 @@
+"""The world of an entry: planet, rotation, atmosphere and vehicle, as the kernels want it."""
+
+from dataclasses import dataclass, replace
+from math import isfinite
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compass.bodies import MARS_EQUATORIAL_RADIUS, MARS_GM, MARS_ROTATION_RATE
+from compass.core.entry_dynamics import CENTRIFUGAL, CORIOLIS, SWAPPED
+from compass.entry.atmosphere import Atmosphere
+from compass.entry.vehicle import Vehicle
+from compass.errors import ArgumentError
+
+Rotation = Literal["none", "coriolis", "full", "published-coriolis"]
+
+_TERMS = {
+    "none": CORIOLIS,
+    "coriolis": CORIOLIS,
+    "full": CENTRIFUGAL,
+    "published-coriolis": SWAPPED,
+}
+
+
+@dataclass(frozen=True)
+class EntryModel:
+    """Everything the equations of motion depend on but the state.
+
+    Attributes
+    ----------
+    vehicle, atmosphere
+        What flies, and in what.
+    rotation
+        ``none``: planet at rest; ``coriolis``: terms of first order in the rotation rate;
+        ``full``: Coriolis and centrifugal; ``published-coriolis``: the Coriolis terms of the
+        flight-path and heading rates exchanged, as Yu et al. 2018 print eq. 1 (wrong, kept for
+        comparison).
+    gm
+        Gravitational parameter, m^3/s^2.
+    planet_radius
+        Radius of the sphere that blocks the view and ends the flight, metres.
+    rotation_rate
+        Rad/s; of no effect with ``none``.
+    """
+
+    vehicle: Vehicle
+    atmosphere: Atmosphere
+    rotation: Rotation = "full"
+    gm: float = MARS_GM.value
+    planet_radius: float = MARS_EQUATORIAL_RADIUS.value
+    rotation_rate: float = MARS_ROTATION_RATE.value
+
+    def __post_init__(self) -> None:
+        if self.rotation not in _TERMS:
+            allowed = ", ".join(get_args(Rotation))
+            raise ArgumentError(f"rotation = {self.rotation!r}: allowed {allowed}")
+        for name in ("gm", "planet_radius"):
+            if not 0 < getattr(self, name) < float("inf"):
+                raise ArgumentError(f"{name} = {getattr(self, name)}: must be positive")
+        if not isfinite(self.rotation_rate):
+            raise ArgumentError(f"rotation_rate = {self.rotation_rate}: must be finite")
+
+    @property
+    def omega(self) -> float:
+        """Rate at which the Mars-fixed axes turn, rad/s: zero for a planet at rest."""
+        return 0.0 if self.rotation == "none" else self.rotation_rate
+
+    def parameters(self, bank: float = 0.0) -> NDArray[np.float64]:
+        """Parameter array of `compass.core.entry_dynamics`, for one bank angle (radians)."""
+        air = self.atmosphere
+        head = [
+            self.gm,
+            air.reference_radius,
+            air.scale_height,
+            self.vehicle.drag_area_per_mass,
+            bank,
+            self.omega,
+            _TERMS[self.rotation],
+        ]
+        return np.concatenate([head, air.table_parameters()])
+
+    def full_state(self, state: ArrayLike) -> NDArray[np.float64]:
+        """State of eight: ``[r, lon, lat, V, gamma, psi]`` with ln rho0 and L/D put behind."""
+        six = np.asarray(state, dtype=float)[..., :6]
+        tail = [self.atmosphere.log_reference_density, self.vehicle.lift_to_drag]
+        return np.concatenate([six, np.broadcast_to(tail, (*six.shape[:-1], 2))], axis=-1)
+
+    def truth(self, density_bias: float = 0.0, scale_height_factor: float = 1.0) -> "EntryModel":
+        """Return the model with the atmosphere as it might really be; see `Atmosphere.changed`."""
+        changed = self.atmosphere.changed(
+            density_bias=density_bias, scale_height_factor=scale_height_factor
+        )
+        return replace(self, atmosphere=changed)

@@ -1,0 +1,68 @@
+"""The entry state at the border: both heading conventions, and Cartesian vectors."""
+
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compass.errors import ArgumentError
+
+HeadingFrom = Literal["north", "east"]
+
+
+def azimuth_from_heading(heading: ArrayLike, heading_from: HeadingFrom) -> NDArray[np.float64]:
+    """Azimuth clockwise from north, radians in (-pi, pi], of a heading as a source counts it.
+
+    Parameters
+    ----------
+    heading
+        Radians: clockwise from north, or from east, positive to the north.
+    heading_from
+        ``north`` or ``east``. The conversion is its own inverse.
+
+    Raises
+    ------
+    ArgumentError
+        The convention is neither.
+    """
+    angle = np.asarray(heading, dtype=float)
+    if heading_from == "east":
+        angle = np.pi / 2 - angle
+    elif heading_from != "north":
+        allowed = ", ".join(get_args(HeadingFrom))
+        raise ArgumentError(f"heading_from = {heading_from!r}: allowed {allowed}")
+    return np.pi - np.mod(np.pi - angle, 2 * np.pi)
+
+
+heading_from_azimuth = azimuth_from_heading
+
+
+def state_from_cartesian(r: ArrayLike, v: ArrayLike) -> NDArray[np.float64]:
+    """State ``[r, lon, lat, V, gamma, psi]``, shape (6,), SI, psi clockwise from north.
+
+    Parameters
+    ----------
+    r, v
+        Mars-fixed position, m, and velocity relative to the rotating planet, m/s, shape (3,).
+
+    Raises
+    ------
+    ArgumentError
+        A vehicle at the centre or on the polar axis, or without velocity.
+    """
+    position, velocity = np.asarray(r, dtype=float), np.asarray(v, dtype=float)
+    radius, speed = float(np.linalg.norm(position)), float(np.linalg.norm(velocity))
+    across = float(np.hypot(position[0], position[1]))
+    if across == 0.0 or speed == 0.0:
+        raise ArgumentError(
+            f"position {position.tolist()} m, velocity {velocity.tolist()} m/s: longitude or "
+            "heading is undefined; use a point off the polar axis and a speed above 0"
+        )
+    lon, lat = np.arctan2(position[1], position[0]), np.arctan2(position[2], across)
+    up = position / radius
+    east = np.array([-np.sin(lon), np.cos(lon), 0.0])
+    north = np.cross(up, east)
+    climb = velocity @ up
+    gamma = np.arctan2(climb, np.hypot(velocity @ east, velocity @ north))
+    psi = np.arctan2(velocity @ east, velocity @ north)
+    return np.array([radius, lon, lat, speed, gamma, psi])

@@ -1,0 +1,352 @@
+"""Scenario files: read, check across fields, and turn into an entry and its beacons."""
+
+import hashlib
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import compass
+from compass.bodies import MARS_EQUATORIAL_RADIUS, MARS_GM, MARS_ROTATION_RATE
+from compass.entry.atmosphere import Atmosphere, read_atmosphere_table
+from compass.entry.beacons import Beacons, Measurements, orbiting_beacons, surface_beacons
+from compass.entry.fisher import initial_covariance
+from compass.entry.model import EntryModel
+from compass.entry.navigation import Filter
+from compass.entry.state import azimuth_from_heading, state_from_cartesian
+from compass.entry.trajectory import Trigger
+from compass.entry.vehicle import Vehicle
+from compass.errors import ArgumentError, CompassError, DesignError
+from compass.frames import prime_meridian_angle
+from compass.inputs.design import read_design
+from compass.inputs.reading import parse, read_text
+from compass.inputs.scenario_faults import scenario_faults
+from compass.inputs.scenario_models import (
+    EntryTable,
+    FilterTable,
+    OptimizeTable,
+    OrbiterTable,
+    ScenarioFile,
+)
+from compass.orbits import Constellation, from_elements, states_mci
+from compass.orbits.states import from_states
+
+KM = 1e3
+
+
+@dataclass(frozen=True)
+class Orbiters:
+    """Satellites that serve as beacons, and how the planet stands under them at time 0.
+
+    Attributes
+    ----------
+    constellation
+        The orbits.
+    start
+        Seconds after the constellation's epoch at which the entry begins.
+    angle
+        Angle from the inertial x axis to the prime meridian when the entry begins, radians.
+    """
+
+    constellation: Constellation
+    start: float
+    angle: float
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A scenario file, read.
+
+    Attributes
+    ----------
+    name, source, paper
+        As written.
+    model
+        The world as the filter knows it.
+    truth
+        The world as it is.
+    state
+        ``[r, lon, lat, V, gamma, psi]`` at time 0, SI, psi from north.
+    times
+        Seconds, shape (t,).
+    triggers
+        Events to notice.
+    surface
+        Latitude, longitude (rad) and height (m) of surface beacons, shape (n, 3).
+    surface_names
+        Their names.
+    orbiters
+        Orbiting beacons.
+    mask
+        Elevation mask of surface beacons, radians, or None for line of sight alone.
+    measurements
+        What is measured.
+    settings
+        The filter.
+    runs, seed
+        Of the Monte Carlo.
+    optimize
+        What ``compass optimize`` looks for, or None.
+    text, digest, label
+        The file's text, its SHA-256 and its name as given.
+    """
+
+    name: str
+    source: str
+    paper: str | None
+    model: EntryModel
+    truth: EntryModel
+    state: NDArray[np.float64]
+    times: NDArray[np.float64]
+    triggers: tuple[Trigger, ...]
+    surface: NDArray[np.float64]
+    surface_names: tuple[str, ...]
+    orbiters: tuple[Orbiters, ...]
+    mask: float | None
+    measurements: Measurements
+    settings: Filter
+    runs: int
+    seed: int
+    optimize: OptimizeTable | None
+    text: str
+    digest: str
+    label: str
+
+    def beacons(self, times: ArrayLike | None = None) -> Beacons:
+        """All beacons at `times` (s; the scenario's own if left out), surface first.
+
+        Raises
+        ------
+        ArgumentError
+            An orbiter that comes under the surface in that time.
+        """
+        seconds = self.times if times is None else np.asarray(times, dtype=float)
+        radius = self.model.planet_radius
+        lat, lon, height = self.surface.T
+        found = surface_beacons(
+            lat, lon, seconds, planet_radius=radius, height=height, names=self.surface_names
+        )
+        for orbiters in self.orbiters:
+            r, v = states_mci(orbiters.constellation, orbiters.start + seconds)
+            found = found.with_others(
+                orbiting_beacons(
+                    r,
+                    v,
+                    seconds,
+                    omega=self.model.omega,
+                    angle=orbiters.angle,
+                    planet_radius=radius,
+                    names=orbiters.constellation.satellite_names,
+                )
+            )
+        return found
+
+
+def read_scenario(path: str | Path) -> Scenario:
+    """Read a scenario file.
+
+    Raises
+    ------
+    DesignError
+        With every fault of the file: field, value, what is allowed and the remedy.
+    """
+    place = Path(path)
+    return read_scenario_text(read_text(place), str(path), place.parent)
+
+
+def read_scenario_text(text: str, label: str = "scenario", folder: Path = Path()) -> Scenario:
+    """Read a scenario from its TOML text; files it names are looked for from `folder`."""
+    file = parse(text, label, ScenarioFile, scenario_faults)
+    try:
+        return _scenario(file, text, label, folder)
+    except DesignError as error:
+        raise DesignError([f"{label}: {fault}" for fault in error.faults]) from error
+    except CompassError as error:
+        raise DesignError(f"{label}: {error}") from error
+
+
+def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenario:
+    model = _model(file, folder)
+    state = _state(file.entry, model)
+    entry, seen = file.entry, file.measurements
+    count = int(np.floor(entry.duration_s / entry.step_s + 1e-9))
+    if not 1 <= count <= 100_000:
+        raise ArgumentError(
+            f"entry.step_s = {entry.step_s:g}: {count} steps in duration_s = {entry.duration_s:g}; "
+            "allowed 1 to 100000"
+        )
+    bias = file.truth
+    return Scenario(
+        name=file.name,
+        source=file.source,
+        paper=file.paper,
+        model=model,
+        truth=model.truth(bias.density_bias, bias.scale_height_factor),
+        state=state,
+        times=entry.step_s * np.arange(count + 1, dtype=float),
+        triggers=tuple(
+            Trigger(t.name, "altitude", t.altitude_km * KM)
+            if t.altitude_km is not None
+            else Trigger(t.name, "speed", t.speed_m_s)
+            if t.speed_m_s is not None
+            else Trigger(t.name, "mach", t.mach or 0.0)
+            for t in file.trigger
+        ),
+        surface=np.array(
+            [
+                [np.radians(b.latitude_deg), np.radians(b.longitude_deg), b.height_km * KM]
+                for b in file.beacon
+            ]
+        ).reshape(-1, 3),
+        surface_names=tuple(b.name for b in file.beacon),
+        orbiters=_orbiters(file, model, folder),
+        mask=None if file.beacons.mask_deg is None else float(np.radians(file.beacons.mask_deg)),
+        measurements=Measurements(
+            seen.range_sigma_m,
+            seen.range_rate_sigma_m_s,
+            seen.interval_s,
+            seen.start_s,
+            np.inf if seen.stop_s is None else seen.stop_s,
+            seen.in_turn,
+        ),
+        settings=_filter(file.filter, state),
+        runs=file.monte_carlo.runs,
+        seed=file.monte_carlo.seed,
+        optimize=file.optimize,
+        text=text,
+        digest=hashlib.sha256(text.encode()).hexdigest(),
+        label=label,
+    )
+
+
+def _model(file: ScenarioFile, folder: Path) -> EntryModel:
+    planet, craft, air = file.planet, file.vehicle, file.atmosphere
+    radius = MARS_EQUATORIAL_RADIUS.value if planet.radius_km is None else planet.radius_km * KM
+    altitudes, densities = read_atmosphere_table(folder / air.table) if air.table else ((), ())
+    if craft.ballistic_coefficient_kg_m2 is not None:
+        drag = 1.0 / craft.ballistic_coefficient_kg_m2
+    else:
+        drag = craft.drag_area_per_mass_m2_kg or 0.0
+    bank = craft.bank_deg if isinstance(craft.bank_deg, list) else [[0.0, craft.bank_deg]]
+    return EntryModel(
+        Vehicle(
+            drag,
+            craft.lift_to_drag,
+            tuple(pair[0] for pair in bank),
+            tuple(float(np.radians(pair[1])) for pair in bank),
+            craft.nose_radius_m,
+        ),
+        Atmosphere(
+            air.reference_density_kg_m3,
+            air.reference_radius_km * KM,
+            air.scale_height_km * KM,
+            tuple(radius + altitude for altitude in altitudes),
+            densities,
+            air.temperature_k,
+        ),
+        planet.rotation,
+        MARS_GM.value if planet.gm_m3_s2 is None else planet.gm_m3_s2,
+        radius,
+        MARS_ROTATION_RATE.value
+        if planet.rotation_rate_rad_s is None
+        else planet.rotation_rate_rad_s,
+    )
+
+
+def _state(table: EntryTable, model: EntryModel) -> NDArray[np.float64]:
+    if table.position_km is not None and table.velocity_m_s is not None:
+        return state_from_cartesian(np.array(table.position_km) * KM, table.velocity_m_s)
+    if table.radius_km is not None:
+        radius = table.radius_km * KM
+    else:
+        radius = model.planet_radius + (table.altitude_km or 0.0) * KM
+    assert table.heading_from is not None  # scenario_faults has seen to these
+    lon, lat, gamma, heading = np.radians(
+        [
+            table.longitude_deg or 0.0,
+            table.latitude_deg or 0.0,
+            table.flight_path_deg or 0.0,
+            table.heading_deg or 0.0,
+        ]
+    )
+    azimuth = float(azimuth_from_heading(heading, table.heading_from))
+    return np.array([radius, lon, lat, table.speed_m_s or 0.0, gamma, azimuth])
+
+
+def _filter(table: FilterTable, state: NDArray[np.float64]) -> Filter:
+    if table.position_sigma_m is not None and table.velocity_sigma_m_s is not None:
+        covariance = initial_covariance(state, table.position_sigma_m, table.velocity_sigma_m_s)
+    else:
+        degrees = np.radians(
+            [
+                table.longitude_sigma_deg or 0.0,
+                table.latitude_sigma_deg or 0.0,
+                table.flight_path_sigma_deg or 0.0,
+                table.heading_sigma_deg or 0.0,
+            ]
+        )
+        radius, speed = table.radius_sigma_m or 0.0, table.speed_sigma_m_s or 0.0
+        covariance = np.diag([radius, *degrees[:2], speed, *degrees[2:]]) ** 2
+    return Filter(
+        covariance,
+        np.array(table.process_noise_si or [0.0] * 6),
+        1 if table.kind == "ekf" else table.iterations,
+    )
+
+
+def _orbiters(file: ScenarioFile, model: EntryModel, folder: Path) -> tuple[Orbiters, ...]:
+    groups = []
+    if file.orbiter:
+        circles = [o for o in file.orbiter if o.position_km is None]
+        vectors = [o for o in file.orbiter if o.position_km is not None]
+        if circles:
+            groups.append(Orbiters(_circles(circles, model), 0.0, 0.0))
+        if vectors:
+            constellation = from_states(
+                np.array([o.position_km for o in vectors]) * KM,
+                np.array([o.velocity_m_s for o in vectors]),
+                satellite_names=[o.name for o in vectors],
+                gm=model.gm,
+            )
+            groups.append(Orbiters(constellation, 0.0, 0.0))
+    if file.beacons.design is not None:
+        constellation = read_design(folder / file.beacons.design).constellation
+        start = file.beacons.start_s
+        angle = float(prime_meridian_angle(constellation.epoch, start))
+        groups.append(Orbiters(constellation, start, angle))
+    return tuple(groups)
+
+
+def _circles(tables: list[OrbiterTable], model: EntryModel) -> Constellation:
+    rows = np.array(
+        [[o.altitude_km, o.inclination_deg, o.raan_deg, o.latitude_argument_deg] for o in tables],
+        dtype=float,
+    ).T
+    return from_elements(
+        model.planet_radius + rows[0] * KM,
+        0.0,
+        np.radians(rows[1]),
+        np.radians(rows[2]),
+        0.0,
+        np.radians(rows[3]),
+        name="orbiters",
+        satellite_names=[o.name for o in tables],
+        gm=model.gm,
+    )
+
+
+def provenance(scenario: Scenario, command: str) -> dict[str, str]:
+    """Return what a result was made from: global attributes of the CF convention, the scenario."""
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    return {
+        "Conventions": "CF-1.11",
+        "title": f"Entry navigation: {scenario.name}",
+        "source": f"compass {compass.__version__}",
+        "history": f"{now} {command}".strip(),
+        "references": " ".join(scenario.source.split()),
+        "scenario_file": scenario.label,
+        "scenario_text": scenario.text,
+        "scenario_sha256": scenario.digest,
+    }

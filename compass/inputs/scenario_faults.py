@@ -1,0 +1,132 @@
+"""Faults between fields of a scenario, found on the raw tables, whatever is in them."""
+
+from itertools import pairwise
+from typing import Any
+
+from compass.inputs.faults import fault
+
+_SPHERICAL = (
+    "longitude_deg",
+    "latitude_deg",
+    "speed_m_s",
+    "flight_path_deg",
+    "heading_deg",
+    "heading_from",
+)
+_CARTESIAN = ("position_km", "velocity_m_s")
+_CIRCLE = ("altitude_km", "inclination_deg", "raan_deg", "latitude_argument_deg")
+_AXES = ("position_sigma_m", "velocity_sigma_m_s")
+_STATES = (
+    "radius_sigma_m",
+    "longitude_sigma_deg",
+    "latitude_sigma_deg",
+    "speed_sigma_m_s",
+    "flight_path_sigma_deg",
+    "heading_sigma_deg",
+)
+
+
+def scenario_faults(raw: dict[str, Any]) -> list[str]:
+    """Faults that concern several fields at once."""
+    faults: list[str] = []
+    vehicle, entry = raw.get("vehicle"), raw.get("entry")
+    if isinstance(vehicle, dict):
+        keys = ("drag_area_per_mass_m2_kg", "ballistic_coefficient_kg_m2")
+        faults += _exactly_one(vehicle, keys, "vehicle") + _bank_faults(vehicle.get("bank_deg"))
+    if isinstance(entry, dict):
+        faults += _entry_faults(entry)
+    for k, trigger in enumerate(_tables(raw, "trigger"), start=1):
+        faults += _exactly_one(trigger, ("altitude_km", "speed_m_s", "mach"), f"trigger[{k}]")
+    for k, orbiter in enumerate(_tables(raw, "orbiter"), start=1):
+        faults += _either(orbiter, _CIRCLE, _CARTESIAN, f"orbiter[{k}]")
+    faults += _name_faults(raw)
+    if isinstance(raw.get("filter"), dict):
+        faults += _either(raw["filter"], _AXES, _STATES, "filter")
+        if raw["filter"].get("kind", "ekf") == "ekf" and "iterations" in raw["filter"]:
+            faults.append(
+                fault(
+                    "filter.iterations",
+                    raw["filter"]["iterations"],
+                    'only for kind = "iterated-ekf"; change the kind or leave it out',
+                )
+            )
+    measured = raw.get("measurements")
+    if isinstance(measured, dict):
+        keys = ("range_sigma_m", "range_rate_sigma_m_s")
+        if not any(key in measured for key in keys):
+            faults.append(f"measurements: needs {keys[0]}, {keys[1]} or both")
+    optimize = raw.get("optimize")
+    if (
+        isinstance(optimize, dict)
+        and optimize.get("what") == "orbiters"
+        and "altitude_km" not in optimize
+    ):
+        faults.append("optimize.altitude_km: missing; needed to place orbiters")
+    return faults
+
+
+def _tables(raw: dict[str, Any], key: str) -> list[dict[str, Any]]:
+    """Return the tables of an array that are tables (the model reports the others)."""
+    found = raw.get(key)
+    return [t for t in found if isinstance(t, dict)] if isinstance(found, list) else []
+
+
+def _exactly_one(table: dict[str, Any], keys: tuple[str, ...], field: str) -> list[str]:
+    given = [key for key in keys if key in table]
+    if len(given) == 1:
+        return []
+    found = " and ".join(given) or "none"
+    return [f"{field}: needs exactly one of {', '.join(keys)}; found {found}"]
+
+
+def _either(
+    table: dict[str, Any], first: tuple[str, ...], second: tuple[str, ...], field: str
+) -> list[str]:
+    """All of `first` or all of `second`, not some of both."""
+    some = [key for key in first if key in table]
+    others = [key for key in second if key in table]
+    if bool(some) == bool(others):
+        problem = "found some of both" if some else "found neither"
+        return [f"{field}: needs either {', '.join(first)} or {', '.join(second)}; {problem}"]
+    keys = first if some else second
+    return [f"{field}.{key}: missing; needed beside the others" for key in keys if key not in table]
+
+
+def _entry_faults(entry: dict[str, Any]) -> list[str]:
+    cartesian = any(key in entry for key in _CARTESIAN)
+    faults = _either(entry, _SPHERICAL, _CARTESIAN, "entry")
+    if not cartesian:
+        faults += _exactly_one(entry, ("altitude_km", "radius_km"), "entry")
+    else:
+        faults += [
+            fault(f"entry.{key}", entry[key], "not beside position_km; leave it out")
+            for key in ("altitude_km", "radius_km")
+            if key in entry
+        ]
+    return faults
+
+
+def _bank_faults(bank: object) -> list[str]:
+    if not isinstance(bank, list):
+        return []
+    if not bank:
+        return ["vehicle.bank_deg = []: must have at least one [time, angle] pair"]
+    times = [pair[0] for pair in bank if isinstance(pair, list) and len(pair) == 2]
+    numbers = [t for t in times if isinstance(t, int | float) and not isinstance(t, bool)]
+    if any(later <= earlier for earlier, later in pairwise(numbers)):
+        return [fault("vehicle.bank_deg", bank, "times must increase strictly; put them in order")]
+    return []
+
+
+def _name_faults(raw: dict[str, Any]) -> list[str]:
+    faults, names = [], set()
+    for kind in ("beacon", "orbiter"):
+        for k, table in enumerate(_tables(raw, kind), start=1):
+            name = table.get("name")
+            if not isinstance(name, str):
+                continue
+            if name in names:
+                used = "used twice; give each beacon its own name"
+                faults.append(fault(f"{kind}[{k}].name", name, used))
+            names.add(name)
+    return faults

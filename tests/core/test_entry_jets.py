@@ -1,0 +1,167 @@
+"""Jets against mpmath, one-sided Jacobi against mpmath and NumPy."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from compass.core import jets
+from compass.core.entry_dynamics import CENTRIFUGAL, CORIOLIS, SWAPPED, rk4_step
+from compass.core.entry_geometry import cartesian, cartesian_jacobian, cartesian_of, range_rows
+from compass.core.entry_jets import X, Z, flow_series, orbit_series, range_series
+from compass.core.jacobi_svd import jacobi_svd, singular_values
+
+ORDERS, DUALS = 6, 3
+
+
+def random_series(seed, first):
+    series = np.random.default_rng(seed).normal(size=(ORDERS, 1 + DUALS))
+    series[0, 0] = first
+    return series
+
+
+def mpmath_series(function, *arguments):
+    """Coefficients and gradients of a function of series, differentiated by mpmath."""
+    with mp.workdps(40):
+        out = np.empty((ORDERS, 1 + DUALS))
+
+        def value(t, q, e):
+            return function(
+                *(
+                    sum((mp.mpf(a[k, 0]) + (e * a[k, q] if q else 0)) * t**k for k in range(ORDERS))
+                    for a in arguments
+                )
+            )
+
+        out[:, 0] = [float(c) for c in mp.taylor(lambda t: value(t, 0, 0), 0, ORDERS - 1)]
+        for q in range(1, 1 + DUALS):
+            slope = lambda t, q=q: mp.diff(lambda e: value(t, q, e), 0)  # noqa: E731
+            out[:, q] = [float(c) for c in mp.taylor(slope, 0, ORDERS - 1)]
+    return out
+
+
+def grown(kernel, *arguments, outputs=1):
+    outs = [np.zeros((ORDERS, 1 + DUALS)) for _ in range(outputs)]
+    for k in range(ORDERS):
+        kernel(*arguments, k, *outs)
+    return outs[0] if outputs == 1 else outs
+
+
+A, B = random_series(1, 1.7), random_series(2, -0.8)
+
+
+@pytest.mark.parametrize(
+    ("kernel", "function", "arguments"),
+    [
+        (jets.add, lambda a, b: a + b, (A, B)),
+        (jets.multiply, lambda a, b: a * b, (A, B)),
+        (jets.divide, lambda a, b: a / b, (A, B)),
+        (jets.reciprocal, lambda b: 1 / b, (B,)),
+        (jets.square_root, mp.sqrt, (A,)),
+        (jets.exponential, mp.exp, (A,)),
+    ],
+)
+def test_jets_equal_mpmath(kernel, function, arguments):
+    exact = mpmath_series(function, *arguments)
+    np.testing.assert_allclose(grown(kernel, *arguments), exact, rtol=1e-10, atol=1e-11)
+
+
+def test_sine_and_cosine_equal_mpmath():
+    sine, cosine = grown(jets.sine_cosine, A, outputs=2)
+    np.testing.assert_allclose(sine, mpmath_series(mp.sin, A), rtol=1e-10, atol=1e-11)
+    np.testing.assert_allclose(cosine, mpmath_series(mp.cos, A), rtol=1e-10, atol=1e-11)
+
+
+STATE = np.array([3450e3, 0.1, 0.2, 5000.0, -0.2, 0.3, np.log(2e-4), 0.156])
+
+
+def parameters(rotation, bank=0.4, omega=7.088218e-5):
+    return np.array([4.282829e13, 3437.2e3, 7500.0, 0.016, bank, omega, rotation])
+
+
+@pytest.mark.parametrize("rotation", [CORIOLIS, CENTRIFUGAL, SWAPPED])
+def test_the_flow_series_is_the_flow(rotation):
+    """Summed over a second it meets small Runge-Kutta steps; its gradient, their differences."""
+    p = parameters(rotation)
+
+    def stepped(x):
+        x = x.copy()
+        for _ in range(100):
+            rk4_step(x, p, 0.01, x)
+        return x
+
+    w = flow_series(STATE, p, 8, 8)
+    # the ninth term is below 1e-13 of the state
+    np.testing.assert_allclose(w[:8, :, 0].sum(axis=1), stepped(STATE), rtol=1e-13)
+    position = w[X : Z + 1, :, 0].sum(axis=1)
+    np.testing.assert_allclose(position, cartesian_of(stepped(STATE))[:3], rtol=1e-12)
+    for j, h in enumerate([10.0, 1e-5, 1e-5, 0.1, 1e-5, 1e-5, 1e-4, 1e-4]):
+        e = h * np.eye(8)[j]
+        differences = (stepped(STATE + e) - stepped(STATE - e)) / (2 * h)
+        gradient = w[:8, :, 1 + j].sum(axis=1)
+        bound = 1e-6 * np.abs(gradient).max() + 4e-15 * np.abs(STATE) / h
+        assert np.all(np.abs(gradient - differences) <= bound)
+
+
+def test_the_orbit_series_is_two_body_motion_in_turning_axes():
+    gm, omega = 4.282829e13, 7.088218e-5
+    r = np.array([4.1e6, 2e5, -3e5])
+    v = np.array([100.0, 3100.0, 400.0])
+    spin = np.array([0, 0, omega])
+    from compass.frames import mcmf_from_mci
+    from compass.orbits import states_mci
+    from compass.orbits.states import from_states
+
+    orbit = from_states(r, v + np.cross(spin, r), gm=gm)
+    exact = mcmf_from_mci(states_mci(orbit, [5.0])[0][0, 0], omega * 5.0)
+    series = orbit_series(r, v, gm, omega, 8) @ 5.0 ** np.arange(8)
+    np.testing.assert_allclose(series, exact, rtol=1e-12)
+
+
+def test_range_series_starts_with_range_and_range_rate():
+    w = flow_series(STATE, parameters(CENTRIFUGAL), 4, 6)
+    beacon, drift = np.array([3.3e6, 4.2e5, 1.35e6]), np.array([10.0, -20.0, 30.0])
+    series = np.zeros((3, 4))
+    series[:, 0], series[:, 1] = beacon, drift
+    out = np.empty((4, 7))
+    range_series(w[X : Z + 1], series, out)
+    c, jacobian, row, rate_row = np.empty(6), np.empty((6, 6)), np.empty(6), np.empty(6)
+    cartesian(STATE, c)
+    cartesian_jacobian(STATE, jacobian)
+    distance, rate = range_rows(c, beacon, drift, jacobian, row, rate_row)
+    # spec entry-fusion.md, exact check value 3
+    assert distance == pytest.approx(672767.920257521, abs=1e-8)
+    np.testing.assert_allclose(out[0], [distance, *row], rtol=1e-12, atol=1e-12)
+    # range rate = next coefficient; the velocity of the jet is that of the dynamics
+    np.testing.assert_allclose(out[1], [rate, *rate_row], rtol=1e-11, atol=1e-12)
+
+
+def test_cartesian_jacobian_is_the_derivative():
+    jacobian = np.empty((6, 6))
+    cartesian_jacobian(STATE, jacobian)
+    for j, h in enumerate([100.0, 1e-5, 1e-5, 1.0, 1e-5, 1e-5]):
+        e = h * np.eye(8)[j]
+        differences = (cartesian_of(STATE + e) - cartesian_of(STATE - e)) / (2 * h)
+        np.testing.assert_allclose(jacobian[:, j], differences, rtol=1e-7, atol=2e-9 / h * 3.5)
+
+
+@pytest.mark.parametrize("spread", [0, 4, 10])
+def test_small_singular_values_are_accurate_under_bad_column_scaling(spread):
+    """Against 40 digits: relative accuracy of each value, where LAPACK's is lost."""
+    a = np.random.default_rng(7).normal(size=(18, 6)) * 10.0 ** np.linspace(0, spread, 6)
+    with mp.workdps(60):
+        exact = np.array([float(s) for s in mp.svd_r(mp.matrix(a.tolist()), compute_uv=False)])
+    np.testing.assert_allclose(singular_values(a), exact, rtol=2e-14)
+
+
+def test_right_singular_vectors():
+    a = np.random.default_rng(3).normal(size=(9, 6))
+    values, vectors, work = np.empty(6), np.empty((6, 6)), a.copy()
+    jacobi_svd(work, values, vectors)
+    np.testing.assert_allclose(vectors.T @ vectors, np.eye(6), atol=1e-14)
+    np.testing.assert_allclose(np.linalg.norm(a @ vectors, axis=0), values, rtol=1e-14)
+    np.testing.assert_allclose(values, np.linalg.svd(a, compute_uv=False), rtol=1e-13)
+
+
+def test_a_wide_matrix_has_zero_singular_values():
+    a = np.random.default_rng(3).normal(size=(2, 6))
+    np.testing.assert_allclose(singular_values(a)[2:], 0.0, atol=1e-15)

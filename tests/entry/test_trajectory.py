@@ -1,0 +1,258 @@
+"""The flight: computed check values, a Cartesian twin, events and loads."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from compass.core.entry_geometry import cartesian_of
+from compass.entry.model import EntryModel
+from compass.entry.state import azimuth_from_heading, state_from_cartesian
+from compass.entry.trajectory import Trigger, fly, trajectory_dataset
+from compass.errors import ArgumentError
+
+AT_240_S = {
+    "coriolis": [
+        *(3434954.43234, -73.4101612894, -25.6165051699),
+        *(1597.6750789, -0.435474452976, 13.4934088883),
+    ],
+    "published-coriolis": [
+        *(3431434.27727, -74.0279930284, -25.6655990456),
+        *(1342.33821366, -1.91706887503, 14.0658226906),
+    ],
+    "full": [
+        *(3435149.06865, -73.3843081465, -25.6088007694),
+        *(1610.44058298, -0.353049957584, 13.5350526544),
+    ],
+}
+
+
+def published_form(state):
+    """Metres, m/s and degrees, psi from east."""
+    r, lon, lat, v, gamma, psi = state[:6]
+    heading = azimuth_from_heading(psi, "east")
+    return np.array([r, *np.degrees([lon, lat]), v, *np.degrees([gamma, heading])])
+
+
+@pytest.mark.parametrize("rotation", AT_240_S)
+def test_state_at_240_s_to_a_millimetre(world, table2, rotation):
+    flight = fly(world(rotation), table2, [0.0, 240.0])
+    off = published_form(flight.states[-1]) - AT_240_S[rotation]
+    # 1 mm, 1e-9 deg; the speed to its printed digits
+    assert np.all(np.abs(off) <= [1e-3, 1e-9, 1e-9, 1e-7, 1e-9, 1e-9])
+    assert flight.ending == ""
+
+
+@pytest.mark.parametrize("rotation", ["coriolis", "published-coriolis", "full"])
+def test_runge_kutta_converges_to_the_adaptive_flight_with_fourth_order(world, table2, rotation):
+    times = np.arange(0.0, 241.0, 8.0)
+    exact = fly(world(rotation), table2, times).states[-1]
+    off = [
+        abs(fly(world(rotation), table2, times, method="rk4", substeps=n).states[-1, 0] - exact[0])
+        for n in (1, 2)
+    ]
+    assert off[0] < 2.0
+    assert 10 < off[0] / off[1] < 25  # 2^4 = 16
+
+
+@pytest.mark.parametrize("rotation", ["none", "full"])
+@pytest.mark.parametrize("bank_deg", [0.0, 50.0])
+def test_spherical_equations_equal_cartesian_ones_in_the_rotating_frame(
+    world, table2, rotation, bank_deg
+):
+    """Newton's law with Coriolis and centrifugal forces, by another integrator, in vectors."""
+    bank = np.radians(bank_deg)
+    model = world(rotation, bank_angles=(bank,))
+    spin = np.array([0.0, 0.0, model.omega])
+
+    def force(_, y):
+        r, v = y[:3], y[3:]
+        radius, speed = np.linalg.norm(r), np.linalg.norm(v)
+        density = 2e-4 * np.exp((3437.2e3 - radius) / 7500.0)
+        drag = 0.5 * density * 0.016 * speed**2
+        along = v / speed
+        up = r / radius - (r @ along) / radius * along
+        up /= np.linalg.norm(up)
+        right = np.cross(along, up)
+        lift = 0.156 * drag * (np.cos(bank) * up + np.sin(bank) * right)
+        gravity = -model.gm * r / radius**3
+        fictitious = -2 * np.cross(spin, v) - np.cross(spin, np.cross(spin, r))
+        return np.concatenate([v, gravity - drag * along + lift + fictitious])
+
+    start = cartesian_of(table2)
+    twin = solve_ivp(force, (0, 240), start, method="DOP853", rtol=1e-12, atol=1e-6).y[:, -1]
+    found = cartesian_of(fly(model, table2, [0.0, 240.0]).states[-1])
+    # the twin's own local error, 1e-12 of 3.5e6 m, gathered over some 50 steps
+    assert np.linalg.norm(found[:3] - twin[:3]) < 1e-3
+    assert np.linalg.norm(found[3:] - twin[3:]) < 1e-5
+
+
+def test_what_the_rotation_is_worth(world, table2):
+    """The distances between the models at 240 s that the specification states."""
+    ends = {
+        rotation: cartesian_of(fly(world(rotation), table2, [0.0, 240.0]).states[-1])[:3]
+        for rotation in ("none", "coriolis", "full", "published-coriolis")
+    }
+    apart = {key: np.linalg.norm(value - ends["coriolis"]) for key, value in ends.items()}
+    assert apart["full"] == pytest.approx(1.48e3, abs=5)
+    assert apart["none"] == pytest.approx(64.6e3, abs=50)
+    assert apart["published-coriolis"] == pytest.approx(33.7e3, abs=50)
+
+
+def test_without_air_energy_and_momentum_stay(world, table2):
+    model = world("none")
+    still = EntryModel(
+        type(model.vehicle)(0.0, 0.0), model.atmosphere, "none", model.gm, model.planet_radius
+    )
+    flight = fly(still, table2, np.linspace(0, 150, 31))
+    c = cartesian_of(flight.states)
+    energy = 0.5 * (c[:, 3:] ** 2).sum(1) - model.gm / np.linalg.norm(c[:, :3], axis=1)
+    momentum = np.cross(c[:, :3], c[:, 3:])
+    assert np.ptp(energy) < 1e-11 * abs(energy[0])
+    assert np.all(np.ptp(momentum, axis=0) < 1e-11 * np.linalg.norm(momentum[0]))
+
+
+def test_table_5_decodes(table5):
+    assert table5[0] == pytest.approx(3522.004e3, abs=0.5)
+    assert table5[3] == pytest.approx(6000.0, abs=0.01)
+    assert np.degrees(table5[4]) == pytest.approx(-15.0, abs=2e-4)
+    back = cartesian_of(table5)
+    np.testing.assert_allclose(back[:3], np.array([-3.92, -3103.37, -1665.41]) * 1e3, atol=1e-8)
+    np.testing.assert_allclose(back[3:], [5775.31, 1124.27, 1175.48], rtol=1e-13)
+
+
+def test_ballistic_would_be_underground(world, table5):
+    model = world()
+    ballistic = EntryModel(
+        type(model.vehicle)(0.016, 0.0), model.atmosphere, "coriolis", model.gm, 3397.2e3
+    )
+    flight = fly(ballistic, table5, np.arange(241.0))
+    assert "reached the ground" in flight.ending
+    assert flight.times[-1] < 240
+    assert flight.events[-1].name == "ground"
+    assert flight.events[-1].state[0] == pytest.approx(3397.2e3, abs=1e-6)
+    assert flight.times[-1] <= flight.events[-1].time
+
+
+def test_fixed_steps_tell_of_the_ground_too(world, table2):
+    flight = fly(world(), table2, np.arange(0.0, 700.0), method="rk4")
+    assert "reached the ground" in flight.ending
+    assert np.all(flight.altitude > 0)
+
+
+def test_triggers_are_found_where_they_are(world, table2):
+    model = world()
+    triggers = [
+        Trigger("40 km", "altitude", 40e3),
+        Trigger("half", "speed", 2757.5),
+        Trigger("Mach 10", "mach", 10.0),
+        Trigger("never", "speed", 1.0),
+    ]
+    flight = fly(model, table2, [0.0, 240.0], triggers=triggers)
+    events = {event.name: event for event in flight.events}
+    assert "never" not in events
+    assert events["40 km"].state[0] - model.planet_radius == pytest.approx(40e3, abs=1e-6)
+    assert events["half"].state[3] == pytest.approx(2757.5, abs=1e-9)
+    assert events["Mach 10"].state[3] == pytest.approx(10 * model.atmosphere.speed_of_sound)
+    for event in flight.events:
+        there = fly(model, table2, [0.0, event.time]).states[-1]
+        np.testing.assert_allclose(event.state, there, rtol=1e-10)
+    assert [e.time for e in flight.events] == sorted(e.time for e in flight.events)
+
+
+def test_a_skip_is_noted_and_flown_on(world, table2):
+    shallow = table2.copy()
+    shallow[4] = np.radians(-1.0)
+    flight = fly(world(), shallow, np.arange(0.0, 1201.0, 10.0))
+    assert [event.name for event in flight.events] == ["skip-out"]
+    assert flight.times.size == 121
+
+
+@pytest.mark.parametrize(
+    ("gamma_deg", "speed", "word"), [(-89.99, 1.0, "vertical"), (89.9999, 100.0, "standstill")]
+)
+def test_singular_flights_stop_with_a_word(world, table2, gamma_deg, speed, word):
+    model = world("none")
+    airless = type(model.vehicle)(0.0, 0.0)
+    still = EntryModel(airless, model.atmosphere, "none", model.gm, 3397.2e3)
+    state = table2.copy()
+    state[3], state[4] = speed, np.radians(gamma_deg)
+    flight = fly(still, state, np.arange(0.0, 150.0))
+    assert word in flight.ending
+    assert 0 < flight.times.size < 150
+    assert np.isfinite(flight.states).all()
+
+
+def test_bank_commands_switch_exactly_at_their_times(world, table2):
+    whole = fly(
+        world(bank_times=(0.0, 60.5), bank_angles=(0.3, -0.8)), table2, [0.0, 50.0, 120.0]
+    ).states[-1]
+    half = fly(world(bank_angles=(0.3,)), table2, [0.0, 60.5]).states[-1]
+    rest = fly(world(bank_angles=(-0.8,)), half, [60.5, 120.0]).states[-1]
+    np.testing.assert_allclose(whole, rest, rtol=1e-12)
+
+
+def test_mirrored_banks_fly_mirrored_paths(world, table2):
+    """Without rotation, from the equator due east: north and south are alike."""
+    state = table2.copy()
+    state[2], state[5] = 0.0, np.pi / 2
+    right = fly(world("none", bank_angles=(0.5,)), state, [0.0, 240.0]).states[-1]
+    left = fly(world("none", bank_angles=(-0.5,)), state, [0.0, 240.0]).states[-1]
+    assert right[2] < 0  # positive bank turns clockwise: from east to the south
+    np.testing.assert_allclose(right[[0, 1, 3, 4]], left[[0, 1, 3, 4]], rtol=1e-12)
+    assert right[2] == pytest.approx(-left[2], rel=1e-9)
+
+
+def test_dataset_has_units_loads_and_heating(world, table2):
+    flight = fly(world(), table2, np.arange(241.0))
+    data = trajectory_dataset(flight)
+    assert all(v.attrs["units"] and v.attrs["long_name"] for v in data.variables.values())
+    # by hand at 100 s
+    x = flight.states[100]
+    density = 2e-4 * np.exp((3437.2e3 - x[0]) / 7500.0)
+    at = data.isel(time=100)
+    assert float(at.density) == pytest.approx(density, rel=1e-12)
+    drag = 0.5 * density * 0.016 * x[3] ** 2
+    assert float(at.g_load) == pytest.approx(drag * np.hypot(1, 0.156) / 9.80665, rel=1e-12)
+    assert float(at.heat_flux) == pytest.approx(1.9027e-4 * np.sqrt(density) * x[3] ** 3, rel=1e-12)
+    # what is lost in speed is what drag and gravity took: the peak of heat comes before that of g
+    assert 0 < float(data.heat_flux.idxmax()) < float(data.g_load.idxmax())
+    assert np.all(np.diff(data.heat_load) > 0)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ((0, 3397.2e3), "not above the ground"),
+        ((3, 0.0), "entry speed = 0 m/s: must be above 0"),
+        ((4, -np.pi / 2), "vertical, the heading is undefined"),
+        ((2, np.pi / 2), "at a pole the longitude is undefined"),
+        ((1, np.nan), "every component must be a finite number"),
+    ],
+)
+def test_impossible_starts_are_refused(world, table2, change, message):
+    state = table2.copy()
+    state[change[0]] = change[1]
+    with pytest.raises(ArgumentError, match=message):
+        fly(world(), state, [0.0, 10.0])
+
+
+def test_times_must_increase(world, table2):
+    with pytest.raises(ArgumentError, match="increase strictly"):
+        fly(world(), table2, [0.0, 10.0, 10.0])
+
+
+def test_headings_convert_both_ways():
+    angles = np.radians([-170.0, -5.0, 0.0, 90.0, 179.0])
+    for convention in ("north", "east"):
+        there = azimuth_from_heading(angles, convention)
+        np.testing.assert_allclose(azimuth_from_heading(there, convention), angles, atol=1e-15)
+    assert azimuth_from_heading(0.0, "east") == pytest.approx(np.pi / 2)
+    with pytest.raises(ArgumentError, match="heading_from = 'south': allowed north, east"):
+        azimuth_from_heading(0.0, "south")
+
+
+def test_undefined_cartesian_states_are_refused():
+    with pytest.raises(ArgumentError, match="longitude or heading is undefined"):
+        state_from_cartesian([0, 0, 3.5e6], [1.0, 0, 0])
+    with pytest.raises(ArgumentError, match="longitude or heading is undefined"):
+        state_from_cartesian([3.5e6, 0, 0], [0, 0, 0])
