@@ -16,11 +16,14 @@ def check_writable(path: Path, inputs: Sequence[Path] = ()) -> None:
     Raises
     ------
     OutputError
-        The path is a directory, is one of the inputs, or its folder is missing or read-only.
+        The path is a directory or a device, is one of the inputs, or its folder is missing or
+        read-only.
     """
     folder = path.parent
     if path.is_dir():
         raise OutputError(f"{path}: is a directory; give a file name inside it")
+    if path.exists() and not path.is_file():
+        raise OutputError(f"{path}: is a device or the like, which would be lost; give a file name")
     for source in inputs:
         if path.exists() and source.exists() and path.samefile(source):
             raise OutputError(f"{path}: is the input itself; choose another output name")

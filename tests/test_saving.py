@@ -94,3 +94,11 @@ def test_a_folder_that_cannot_be_written_is_said(tmp_path):
     ):
         (temporary / ("x" * 300)).write_text("x")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_device_is_not_replaced(tmp_path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    with pytest.raises(OutputError, match="is a device or the like"):
+        check_writable(pipe)
+    assert pipe.is_fifo()
