@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from compass.cli.shared import (
+    announce_compilation,
     command_line,
     design_argument,
     emit_json,
@@ -87,6 +88,7 @@ def command(
     Rise, set and culmination are found by root isolation, not by sampling, to 1 ms of the motion
     modelled. Times are seconds after the design's epoch.
     """
+    announce_compilation()
     from compass.access.record import survey_record
     from compass.access.survey import Wanted, survey
     from compass.bodies import SOLAR_DAY

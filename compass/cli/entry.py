@@ -4,7 +4,14 @@ from pathlib import Path
 
 import click
 
-from compass.cli.shared import command_line, emit_json, json_option, print_table, say
+from compass.cli.shared import (
+    announce_compilation,
+    command_line,
+    emit_json,
+    json_option,
+    print_table,
+    say,
+)
 
 
 @click.command("entry")
@@ -23,6 +30,7 @@ def command(
     A scenario with a table [fusion] is also flown with accelerometers and ranges in centralised
     and distributed filters, through plasma and faults if it has them.
     """
+    announce_compilation()
     from compass.entry.assess import assessment_dataset
     from compass.inputs.fusion import fusion_plan
     from compass.inputs.scenario import provenance, read_scenario

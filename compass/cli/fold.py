@@ -6,7 +6,14 @@ from typing import Any
 import click
 
 from compass.cli.main import CLAIM_FAILS
-from compass.cli.shared import design_argument, emit_json, json_option, print_table, say
+from compass.cli.shared import (
+    announce_compilation,
+    design_argument,
+    emit_json,
+    json_option,
+    print_table,
+    say,
+)
 
 
 @click.command()
@@ -34,6 +41,7 @@ def command(
 
     Exit status 0 proven, 1 refuted or undecided, 2 bad input.
     """
+    announce_compilation()
     from math import degrees, isfinite, radians
 
     from tqdm import tqdm

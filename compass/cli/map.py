@@ -5,7 +5,14 @@ from typing import Literal
 
 import click
 
-from compass.cli.shared import command_line, design_argument, emit_json, json_option, say
+from compass.cli.shared import (
+    announce_compilation,
+    command_line,
+    design_argument,
+    emit_json,
+    json_option,
+    say,
+)
 
 
 @click.command("map")
@@ -61,6 +68,7 @@ def command(
     A dilution of precision is infinite with fewer than four satellites in view; infinities
     count in every percentile (JSON: null) and against availability.
     """
+    announce_compilation()
     from tqdm import tqdm
 
     from compass.cli.shared import print_table

@@ -4,7 +4,14 @@ from pathlib import Path
 
 import click
 
-from compass.cli.shared import command_line, emit_json, json_option, print_table, say
+from compass.cli.shared import (
+    announce_compilation,
+    command_line,
+    emit_json,
+    json_option,
+    print_table,
+    say,
+)
 
 
 @click.command("optimize")
@@ -15,6 +22,7 @@ from compass.cli.shared import command_line, emit_json, json_option, print_table
 @json_option
 def command(scenario: Path, figures: Path | None, as_json: bool) -> None:
     """Search for the best beacons or orbits, as the SCENARIO's [optimize] table asks."""
+    announce_compilation()
     from tqdm import tqdm
 
     from compass.inputs.scenario import provenance, read_scenario

@@ -4,7 +4,13 @@ from pathlib import Path
 
 import click
 
-from compass.cli.shared import command_line, design_argument, emit_json, json_option, say
+from compass.cli.shared import (
+    announce_compilation,
+    command_line,
+    design_argument,
+    emit_json,
+    json_option,
+)
 
 
 @click.command("report")
@@ -20,17 +26,16 @@ from compass.cli.shared import command_line, design_argument, emit_json, json_op
 @json_option
 def command(design: Path, output: Path | None, step_deg: float, epochs: int, as_json: bool) -> None:
     """Report on a DESIGN: pictures and tables in one HTML page that needs no network."""
+    announce_compilation()
     from tqdm import tqdm
 
     from compass.inputs import read_design
-    from compass.report.compiling import announce_compilation
     from compass.report.design_report import design_report
     from compass.report.page import write_page
     from compass.study.mapping import MapOptions
 
     chosen = read_design(design)
     folder = output or Path("reports") / design.stem
-    announce_compilation(say)
     with tqdm(total=8, desc="report", unit="part", disable=None, leave=False) as bar:
 
         def step(name: str) -> None:

@@ -2,7 +2,7 @@
 
 import click
 
-from compass.cli.shared import emit_json, json_option, print_table
+from compass.cli.shared import announce_compilation, emit_json, json_option, print_table
 
 PAPERS = ("kelly2018", "ballard1980", "yu2018", "lou2017", "lou2019")
 
@@ -16,6 +16,7 @@ def command(ctx: click.Context, paper: str, as_json: bool) -> None:
 
     Exit status 1 if a number differs without an erratum on record.
     """
+    announce_compilation()
     from importlib import import_module
 
     module = import_module(f"compass.reproduce.{paper}")

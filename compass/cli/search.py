@@ -5,7 +5,14 @@ from pathlib import Path
 import click
 
 from compass.cli.main import CLAIM_FAILS
-from compass.cli.shared import command_line, emit_json, json_option, print_table, say
+from compass.cli.shared import (
+    announce_compilation,
+    command_line,
+    emit_json,
+    json_option,
+    print_table,
+    say,
+)
 
 
 @click.command()
@@ -50,6 +57,7 @@ def command(
     Every pattern of every size, each at its best inclination to 0.01 degree; smallest first,
     then largest mask margin. Exit status 1 if there is none.
     """
+    announce_compilation()
     import os
     from math import degrees, radians
 

@@ -62,3 +62,26 @@ def command_line() -> str:
     import shlex
 
     return shlex.join(["compass", *sys.argv[1:]])
+
+
+def announce_compilation() -> None:
+    """Say once when a kernel is about to be compiled, until the running command ends.
+
+    Compiled kernels are kept on disk, so this happens on a first run only.
+    """
+    from numba.core import event
+
+    class Announcer(event.Listener):
+        said = False
+
+        def on_start(self, event: object) -> None:
+            if not self.said:
+                self.said = True
+                say("first run: compiling kernels, up to a minute; later runs start at once")
+
+        def on_end(self, event: object) -> None:
+            """Nothing is said when it is done."""
+
+    announcer = Announcer()
+    event.register("numba:compile", announcer)
+    click.get_current_context().call_on_close(lambda: event.unregister("numba:compile", announcer))

@@ -19,7 +19,7 @@ def _cache_folder() -> str:
     """
     here = Path(__file__).parent
     digest = hashlib.sha256()
-    for source in sorted(here.glob("*.py")):
+    for source in sorted(here.rglob("*.py")):
         digest.update(source.read_bytes())
     return str(here / "__pycache__" / f"kernels-{digest.hexdigest()[:16]}")
 

@@ -7,7 +7,6 @@ import pytest
 import compass
 from compass.errors import OutputError
 from compass.inputs import read_design_text
-from compass.report.compiling import announce_compilation
 from compass.report.design_report import design_report
 from compass.report.page import cell, write_page
 from compass.report.section import Picture, Section
@@ -128,25 +127,6 @@ def test_cells():
     assert cell(0.1234567891) == "0.1234568"
     assert cell("x") == "x"
     assert cell(3) == "3"
-
-
-def test_compilation_is_announced_only_if_due(monkeypatch, tmp_path):
-    said = []
-
-    class Cache:
-        _cache_path = str(tmp_path)
-
-    class Kernel:
-        _cache = Cache()
-
-    monkeypatch.setattr("compass.core.coverage_map.map_row", Kernel())
-    announce_compilation(said.append)
-    assert "compiling" in said[0]
-    (tmp_path / "coverage_map.map_row-1.py311.nbi").touch()
-    announce_compilation(said.append)
-    monkeypatch.setattr("compass.core.coverage_map.map_row", lambda: None)
-    announce_compilation(said.append)
-    assert len(said) == 1
 
 
 def _chromium():
