@@ -1,9 +1,10 @@
 """Many entries past a constellation: flights with sensitivities, information, bounds.
 
-Errors are carried in prior-whitened coordinates u: the state error at any epoch is ``S u`` with
-``S S^T`` the prior moved to that epoch, so u has the unit matrix as its prior covariance. Without
-process noise u is constant through the entry and information about it simply adds up, satellite
-by satellite; losing one is leaving out its share.
+Errors are carried in prior-whitened coordinates u of d components: the error of the eight states at
+any epoch is ``S u`` with ``S S^T`` the prior moved to that epoch, so u has the unit matrix as its
+prior covariance. Without process noise u is constant through the entry and information about it
+simply adds up, satellite by satellite; losing one is leaving out its share. Matrices of
+information are kept packed: the d (d + 1)/2 entries of the lower triangle, row by row.
 """
 
 import math
@@ -13,9 +14,6 @@ import numpy as np
 from compass.core.entry_dynamics import BANK, STATES, rk4_step_transition
 from compass.core.entry_geometry import cartesian, cartesian_jacobian
 from compass.core.jit import fast_kernel, kernel
-
-#: Entries of a symmetric 6 by 6 matrix, row by row of its lower triangle.
-PACKED = 21
 
 
 @kernel
@@ -27,7 +25,7 @@ def fly_many(starts, spreads, p, banks, dt, watch, level, ground, states, paths,
     starts
         States (8) at entry, shape (m, 8).
     spreads
-        S at entry, shape (m, 6, 6).
+        S at entry, shape (m, 8, d).
     p, banks
         Parameters of the dynamics, and the bank angle from each epoch to the next, (t,).
     dt
@@ -42,13 +40,14 @@ def fly_many(starts, spreads, p, banks, dt, watch, level, ground, states, paths,
     paths
         Output, Cartesian position and velocity, (m, t, 6).
     gains
-        Output, (m, t, 6, 6): derivative of `paths` in u.
+        Output, (m, t, 6, d): derivative of `paths` in u.
     stops
         Output, (m,): index of the last epoch; ``-1 - t`` where the flight failed at epoch t.
     """
     p = p.copy()
     after, phi = np.empty(STATES), np.empty((STATES, STATES))
-    jacobian, spread, moved = np.empty((6, 6)), np.empty((6, 6)), np.empty((6, 6))
+    size = spreads.shape[2]
+    jacobian, spread, moved = np.empty((6, 6)), np.empty((STATES, size)), np.empty((STATES, size))
     last = banks.size - 1
     for m in range(starts.shape[0]):
         states[m, 0] = starts[m]
@@ -74,11 +73,11 @@ def fly_many(starts, spreads, p, banks, dt, watch, level, ground, states, paths,
 
 @fast_kernel
 def _product(a, b, out):
-    """Leading 6 by 6 part of ``a b``."""
-    for i in range(6):
-        for j in range(6):
+    """Write ``a b`` into `out`, of as many rows as `a` and of the rows of `b` that it takes."""
+    for i in range(a.shape[0]):
+        for j in range(b.shape[1]):
             total = 0.0
-            for k in range(6):
+            for k in range(a.shape[1]):
                 total += a[i, k] * b[k, j]
             out[i, j] = total
 
@@ -153,8 +152,8 @@ def sight(path, satellite, radius, sin_mask, cos_mask, line):
 
 @fast_kernel
 def row(gain, line, path, satellite, kind, out):
-    """Derivative in u of a range (`kind` 0) or range rate (1) along `line`, into `out` (6)."""
-    for j in range(6):
+    """Derivative in u of a range (`kind` 0) or range rate (1) along `line`, into `out` (d)."""
+    for j in range(out.size):
         if kind == 0:
             out[j] = line[0] * gain[0, j] + line[1] * gain[1, j] + line[2] * gain[2, j]
         else:
@@ -190,12 +189,12 @@ def information(
     seen
         Output, (m, t, n): which satellites are in view.
     out
-        Output, (m, n, PACKED): ``sum over epochs of weight h^T h / variance``.
+        Output, (m, n, d (d + 1)/2): ``sum over epochs of weight h^T h / variance``.
     """
     n = r.shape[0]
     nodes = r.shape[1] // max(paths.shape[0], 1)
     node, satellite = np.empty((n, nodes, 6)), np.empty(6)
-    line, h = np.empty(5), np.empty(6)
+    line, h = np.empty(5), np.empty(gains.shape[3])
     for m in range(paths.shape[0]):
         turn_nodes(r, v, m, nodes, angles[m], omega, step, node)
         for t in range(stops[m] + 1):
@@ -212,7 +211,7 @@ def information(
                     row(gains[m, t], line, paths[m, t], satellite, kind, h)
                     weight = weights[m, t] / variances[kind]
                     k = 0
-                    for a in range(6):
+                    for a in range(h.size):
                         for b in range(a + 1):
                             out[m, i, k] += weight * h[a] * h[b]
                             k += 1
@@ -225,20 +224,20 @@ def bounds(shares, gains, stops, out):
     Parameters
     ----------
     shares
-        Information of each satellite, (m, n, PACKED).
+        Information of each satellite, (m, n, d (d + 1)/2).
     gains, stops
         Of `fly_many`.
     out
         Output, (m, 1 + n, 2): with all satellites, then without each of them. Roots of the
         traces of the parts of ``B (I + F)^-1 B^T``, B the gain at the end.
     """
-    n = shares.shape[1]
-    low, y = np.empty((6, 6)), np.empty(6)
+    n, size = shares.shape[1], gains.shape[3]
+    low, y = np.empty((size, size)), np.empty(size)
     for m in range(shares.shape[0]):
         gain = gains[m, stops[m]]
         for lost in range(-1, n):
             k = 0
-            for a in range(6):
+            for a in range(size):
                 for b in range(a + 1):
                     total = 1.0 if a == b else 0.0
                     for i in range(n):
@@ -247,7 +246,7 @@ def bounds(shares, gains, stops, out):
                     low[a, b] = total
                     k += 1
             # Cholesky in place; every eigenvalue is at least 1
-            for a in range(6):
+            for a in range(size):
                 for b in range(a + 1):
                     total = low[a, b]
                     for c in range(b):
@@ -256,7 +255,7 @@ def bounds(shares, gains, stops, out):
             for part in range(2):
                 trace = 0.0
                 for i in range(3 * part, 3 * part + 3):
-                    for a in range(6):
+                    for a in range(size):
                         total = gain[i, a]
                         for c in range(a):
                             total -= low[a, c] * y[c]

@@ -87,7 +87,8 @@ class Campaign:
     states, paths, gains, stops
         As in `compass.core.judging.fly_many`; `stops` are the epochs of deployment.
     spreads
-        Square roots S of each entry's prior covariance of the six states, (m, 6, 6).
+        Square roots S of each entry's prior covariance of the eight states, (m, 8, d): d is 6, and
+        one more for each of density and L/D that is uncertain.
     arrival_probability
         Of a radio signal through the plasma, (m, t).
     deployment
@@ -128,6 +129,8 @@ def fly_campaign(
     *,
     trigger: Trigger | None = None,
     electrons: ElectronModel | ElectronTable | None = WAKE,
+    density_sigma: float = 0.0,
+    lift_sigma: float = 0.0,
 ) -> Campaign:
     """Move an entry to every site and azimuth of `arrivals`, and fly it there.
 
@@ -153,13 +156,19 @@ def fly_campaign(
     electrons
         Plasma around the vehicle; None for none. By default that in the wake, which signals from
         above cross to the back of the vehicle.
+    density_sigma, lift_sigma
+        Relative uncertainty of the air's density (a sigma of ``ln rho0``) and of L/D, constant
+        through an entry and estimated with the state; 0 for known.
 
     Raises
     ------
     ArgumentError
         Times not evenly spaced from 0, an entry that comes to the ground before deployment or
-        to no deployment at all, or no entry left.
+        to no deployment at all, no entry left, or a negative sigma.
     """
+    for name, sigma in (("density_sigma", density_sigma), ("lift_sigma", lift_sigma)):
+        if not 0 <= sigma < np.inf:
+            raise ArgumentError(f"{name} = {sigma}: must be 0 or more")
     given, seconds = np.asarray(state, dtype=float)[:6], np.asarray(times, dtype=float)
     if seconds.size < 2 or seconds[0] != 0 or not np.allclose(np.diff(seconds), seconds[1]):
         raise ArgumentError("times: must be evenly spaced from 0, at least two")
@@ -167,10 +176,15 @@ def fly_campaign(
     starts = np.tile(model.full_state(given), (size, 1))
     starts[:, 1], starts[:, 2] = arrivals.longitude, arrivals.latitude
     starts[:, 5] = arrivals.azimuth
-    spreads = _moved_spreads(given, np.asarray(covariance0, dtype=float), starts)
+    parameters = np.diag([density_sigma, lift_sigma * model.vehicle.lift_to_drag])
+    uncertain = parameters.any(axis=0)
+    spreads = np.zeros((size, 8, 6 + int(uncertain.sum())))
+    spreads[:, :6, :6] = _moved_spreads(given, np.asarray(covariance0, dtype=float), starts)
+    spreads[:, 6:, 6:] = parameters[:, uncertain]
     watch, level, deployment = _deployment(model, trigger, float(seconds[-1]))
     states = np.full((size, seconds.size, 8), np.nan)
-    paths, gains = np.zeros((size, seconds.size, 6)), np.zeros((size, seconds.size, 6, 6))
+    paths = np.zeros((size, seconds.size, 6))
+    gains = np.zeros((*paths.shape, spreads.shape[2]))
     stops = np.empty(size, dtype=np.int64)
     fly_many(
         starts,

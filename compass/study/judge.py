@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.judging import PACKED, bounds, information
+from compass.core.judging import bounds, information
 from compass.entry.campaign import Campaign, draw_arrivals, fly_campaign
 from compass.entry.fisher import noise_variances
 from compass.entry.model import EntryModel
@@ -40,6 +40,8 @@ class _Request:
     electrons: ElectronModel | ElectronTable | None
     samples: int
     seed: int
+    density_sigma: float
+    lift_sigma: float
 
 
 @lru_cache(maxsize=4)
@@ -53,6 +55,8 @@ def _flown(request: _Request) -> Campaign:
         draw_arrivals(request.samples, request.seed),
         trigger=deployment_trigger(scenario),
         electrons=request.electrons,
+        density_sigma=request.density_sigma,
+        lift_sigma=request.lift_sigma,
     )
 
 
@@ -60,14 +64,36 @@ def campaign_of(
     scenario: Scenario,
     samples: int,
     seed: int = 0,
+    *,
     electrons: ElectronModel | ElectronTable | None = WAKE,
+    density_sigma: float = 0.0,
+    lift_sigma: float = 0.0,
 ) -> Campaign:
     """Entries of the scenario's lander spread over sites, azimuths and time; kept for reuse.
 
-    Parameters as in `judge`; the scenario's own site, beacons and bias of the truth play no role.
+    The scenario's own site, its beacons and the bias of its truth play no role.
+
+    Parameters
+    ----------
+    scenario
+        The lander, what it knows on arrival, and its deployment.
+    samples, seed
+        How many entries, and the seed of where and when they begin.
+    electrons, density_sigma, lift_sigma
+        As in `compass.entry.campaign.fly_campaign`.
     """
-    request = _Request(scenario, scenario.digest, scenario.model, electrons, samples, seed)
-    return _flown(request)
+    return _flown(
+        _Request(
+            scenario,
+            scenario.digest,
+            scenario.model,
+            electrons,
+            samples,
+            seed,
+            density_sigma,
+            lift_sigma,
+        )
+    )
 
 
 def deployment_trigger(scenario: Scenario) -> Trigger | None:
@@ -91,9 +117,9 @@ class Judgement:
     seen
         Which satellites are in view, (m, t, n).
     information
-        Without prior, in prior-whitened coordinates, (m, 6, 6).
+        Without prior, in prior-whitened coordinates, (m, d, d).
     shares
-        The same by satellite, packed, (m, n, 21).
+        The same by satellite, packed, (m, n, d (d + 1)/2).
     sigma
         Posterior Cramer-Rao sigma of position (m) and velocity (m/s) at deployment, (m, 1 + n,
         2): with all satellites, then without each of them.
@@ -185,15 +211,15 @@ def judge(
     figure: Figure,
     mask: Mask,
     goal: float = 10.0,
+    **campaign: Any,
 ) -> dict[str, Any]:
     """Figures of merit of a constellation for the landers of a scenario, as plain values.
 
-    `judge_entries` says what they rest on and what is raised.
+    Parameters and errors as in `campaign_of` (with its keywords), `judge_entries` and
+    `Judgement.figures`.
     """
-    found = judge_entries(
-        constellation, campaign_of(scenario, samples, seed), scenario, figure=figure, mask=mask
-    )
-    return found.figures(goal)
+    flown = campaign_of(scenario, samples, seed, **campaign)
+    return judge_entries(constellation, flown, scenario, figure=figure, mask=mask).figures(goal)
 
 
 def judge_entries(
@@ -240,7 +266,8 @@ def judge_entries(
     weights = campaign.arrival_probability * due(scenario, campaign.times)
     variances = noise_variances(scenario.measurements)
     seen = np.zeros((size, campaign.times.size, n), dtype=bool)
-    shares, sigma = np.zeros((size, n, PACKED)), np.empty((size, 1 + n, 2))
+    d = campaign.gains.shape[3]
+    shares, sigma = np.zeros((size, n, d * (d + 1) // 2)), np.empty((size, 1 + n, 2))
 
     def work(first: int) -> None:
         part = slice(first, min(first + BLOCK, size))
@@ -303,22 +330,23 @@ def _check(constellation: Constellation, scenario: Scenario, figure: Figure) -> 
 
 
 def _unpacked(packed: Array) -> Array:
-    """Symmetric matrices (..., 6, 6) from their packed lower triangles (..., 21)."""
-    full = np.empty((*packed.shape[:-1], 6, 6))
-    a, b = np.tril_indices(6)
+    """Symmetric matrices (..., d, d) from their packed lower triangles."""
+    d = int(np.sqrt(2 * packed.shape[-1]))
+    full = np.empty((*packed.shape[:-1], d, d))
+    a, b = np.tril_indices(d)
     full[..., a, b] = full[..., b, a] = packed
     return full
 
 
 def _spectrum(f: Array, terms: int) -> tuple[Array, Array]:
-    """Eigenvalues, ascending, (m, 6), and what rounding leaves of a zero one, (m,).
+    """Eigenvalues, ascending, (m, d), and what rounding leaves of a zero one, (m,).
 
-    A sum of m terms is off by at most ``m eps`` times its trace (all terms are positive
-    semi-definite), the eigenvalues of a symmetric matrix by at most ``6 eps`` times the largest
-    more: below ``(m + 6) eps trace`` an eigenvalue cannot be told from zero.
+    A sum of m positive semi-definite terms is off by at most ``m eps`` times its trace, and the
+    eigenvalues of a symmetric matrix by about ``d eps`` times the largest more: below
+    ``(m + d) eps trace`` an eigenvalue cannot be told from zero.
     """
     values = np.linalg.eigvalsh(f)
-    return values, (terms + 6) * np.finfo(float).eps * values.sum(axis=1)
+    return values, (terms + values.shape[1]) * np.finfo(float).eps * values.sum(axis=1)
 
 
 def _percentiles(values: Array) -> dict[str, float]:

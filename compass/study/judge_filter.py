@@ -36,7 +36,8 @@ def judge_filter(
     Parameters
     ----------
     constellation, scenario, figure, mask
-        As in `compass.study.judge.judge`; the truth is the scenario's, with its biases.
+        As in `compass.study.judge.judge`; the truth is the scenario's, with its biases, and the
+        filter that of the scenario, which takes density and L/D as known.
     samples, runs
         Entries of the campaign, and runs in each, with its own errors, noise and arrivals.
     seed
@@ -130,7 +131,7 @@ def _run(
     """Run the filter in one entry, each run with arrivals of its own."""
     campaign, beacons = found.campaign, entry_beacons(found, entry)
     count = beacons.times.size
-    spread = campaign.spreads[entry]
+    spread = campaign.spreads[entry, :6]
     settings = replace(scenario.settings, covariance0=spread @ spread.T)
     possible = found.seen[entry, :count] & due(scenario, beacons.times)[:, None]
     parts = []
