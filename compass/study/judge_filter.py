@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from compass.entry.beacons import Beacons, orbiting_beacons
 from compass.entry.navigation import MonteCarlo, run_monte_carlo
+from compass.entry.radio import WAKE, ElectronModel, ElectronTable
 from compass.errors import ArgumentError
 from compass.frames import Figure, prime_meridian_angle
 from compass.inputs.scenario import Scenario
@@ -28,6 +29,7 @@ def judge_filter(
     seed: int = 0,
     figure: Figure,
     mask: Mask,
+    electrons: ElectronModel | ElectronTable | None = WAKE,
     threads: int | None = None,
     progress: Callable[..., Iterable[Any]] = lambda items, **_: items,
 ) -> dict[str, Any]:
@@ -42,6 +44,8 @@ def judge_filter(
         Entries of the campaign, and runs in each, with its own errors, noise and arrivals.
     seed
         Of the entries and of the runs.
+    electrons
+        As in `compass.study.judge.campaign_of`.
     threads
         Threads; one a processor if left out. The numbers do not depend on them.
     progress
@@ -59,7 +63,7 @@ def judge_filter(
 
     if runs < 1:
         raise ArgumentError(f"runs = {runs}: must be at least 1")
-    campaign = campaign_of(scenario, samples, seed)
+    campaign = campaign_of(scenario, samples, seed, electrons=electrons)
     found = judge_entries(constellation, campaign, scenario, figure=figure, mask=mask)
     streams = np.random.SeedSequence(seed).spawn(campaign.size)
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
