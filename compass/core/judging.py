@@ -109,59 +109,29 @@ def turn_nodes(r, v, sample, nodes, angle, omega, step, out):
 
 
 @fast_kernel
-def between(node, time, step, out):
-    """Position and velocity of a satellite between its nodes (j, 6): cubic Hermite, into `out`.
+def hermite(s, step, out):
+    """Weights of a cubic between two nodes: `s` in [0, 1] of the `step` seconds; into `out` (6).
 
-    The position is off by at most ``(step n)^4 a / 384`` for a circle of rate n and radius a:
-    2e-6 m at 20 000 km and 9 mm at 300 km above Mars, for nodes 30 s apart.
+    Position ``a + w0 (b - a) + w1 a' + w2 b'``, velocity ``w3 (b - a) + w4 a' + w5 b'``. The
+    position is off by at most ``(step n)^4 r / 384`` for a circle of rate n and radius r: 2e-6 m
+    at 20 000 km and 9 mm at 300 km above Mars, for nodes 30 s apart.
     """
-    j = min(int(time / step), node.shape[0] - 2)
-    s = time / step - j
-    a, b = node[j], node[j + 1]
-    p, q = s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / step
-    u, w = s * (1.0 - s) * (1.0 - s) * step, s * s * (s - 1.0) * step
-    du, dw = (1.0 - s) * (1.0 - 3.0 * s), s * (3.0 * s - 2.0)
-    for i in range(3):
-        out[i] = a[i] + p * (b[i] - a[i]) + u * a[i + 3] + w * b[i + 3]
-        out[i + 3] = q * (b[i] - a[i]) + du * a[i + 3] + dw * b[i + 3]
+    out[0], out[3] = s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / step
+    out[1], out[2] = s * (1.0 - s) * (1.0 - s) * step, s * s * (s - 1.0) * step
+    out[4], out[5] = (1.0 - s) * (1.0 - 3.0 * s), s * (3.0 * s - 2.0)
 
 
 @fast_kernel
-def sight(path, satellite, radius, sin_mask, cos_mask, line):
-    """Whether a lander sees a satellite; `line` becomes direction (3), range and range rate.
+def horizon(x, y, z, radius, sin_mask, cos_mask):
+    """Distance of a lander at x, y, z from the centre, and the sine of the lowest elevation it sees.
 
-    Seen if the satellite stands at least the mask above the limb of the sphere of `radius`:
+    A satellite is seen that stands at least the mask above the limb of the sphere of `radius`:
     ``sin(elevation) >= sin(mask - dip)``, ``cos(dip) = R/r``. For a mask of 0 that is a line of
     sight that clears the sphere.
     """
-    square, up, high = 0.0, 0.0, 0.0
-    for i in range(3):
-        line[i] = path[i] - satellite[i]
-        square += line[i] * line[i]
-        up -= line[i] * path[i]
-        high += path[i] * path[i]
-    distance, high = math.sqrt(square), math.sqrt(high)
+    high = math.sqrt(x * x + y * y + z * z)
     cos_dip = min(1.0, radius / high)
-    lowest = sin_mask * cos_dip - cos_mask * math.sqrt(1.0 - cos_dip * cos_dip)
-    line[3], line[4] = distance, 0.0
-    for i in range(3):
-        line[i] /= distance
-        line[4] += line[i] * (path[i + 3] - satellite[i + 3])
-    return up >= lowest * distance * high
-
-
-@fast_kernel
-def row(gain, line, path, satellite, kind, out):
-    """Derivative in u of a range (`kind` 0) or range rate (1) along `line`, into `out` (d)."""
-    for j in range(out.size):
-        if kind == 0:
-            out[j] = line[0] * gain[0, j] + line[1] * gain[1, j] + line[2] * gain[2, j]
-        else:
-            total = 0.0
-            for i in range(3):
-                across = path[i + 3] - satellite[i + 3] - line[4] * line[i]
-                total += across / line[3] * gain[i, j] + line[i] * gain[i + 3, j]
-            out[j] = total
+    return high, sin_mask * cos_dip - cos_mask * math.sqrt(1.0 - cos_dip * cos_dip)
 
 
 @fast_kernel
@@ -185,36 +155,70 @@ def information(
     dt
         Seconds between epochs.
     radius, sin_mask, cos_mask
-        As in `sight`.
+        As in `horizon`.
     seen
         Output, (m, t, n): which satellites are in view.
     out
         Output, (m, n, d (d + 1)/2): ``sum over epochs of weight h^T h / variance``.
     """
-    n = r.shape[0]
+    n, size = r.shape[0], gains.shape[3]
     nodes = r.shape[1] // max(paths.shape[0], 1)
-    node, satellite = np.empty((n, nodes, 6)), np.empty(6)
-    line, h = np.empty(5), np.empty(gains.shape[3])
+    node, w = np.empty((n, nodes, 6)), np.empty(6)
+    gain, h = np.empty((6, size)), np.empty(size)
+    ranged, rated = not math.isnan(variances[0]), not math.isnan(variances[1])
     for m in range(paths.shape[0]):
         turn_nodes(r, v, m, nodes, angles[m], omega, step, node)
         for t in range(stops[m] + 1):
+            weight = weights[m, t]
+            px, py, pz = paths[m, t, 0], paths[m, t, 1], paths[m, t, 2]
+            ux, uy, uz = paths[m, t, 3], paths[m, t, 4], paths[m, t, 5]
+            for i in range(6):
+                for j in range(size):
+                    gain[i, j] = gains[m, t, i, j]
+            high, lowest = horizon(px, py, pz, radius, sin_mask, cos_mask)
+            k = min(int(t * dt / step), nodes - 2)
+            hermite(t * dt / step - k, step, w)
+            w0, w1, w2, w3, w4, w5 = w
             for i in range(n):
-                between(node[i], t * dt, step, satellite)
-                if not sight(paths[m, t], satellite, radius, sin_mask, cos_mask, line):
+                ax, ay, az = node[i, k, 0], node[i, k, 1], node[i, k, 2]
+                dx, dy, dz = node[i, k + 1, 0] - ax, node[i, k + 1, 1] - ay, node[i, k + 1, 2] - az
+                x = px - ax - w0 * dx - w1 * node[i, k, 3] - w2 * node[i, k + 1, 3]
+                y = py - ay - w0 * dy - w1 * node[i, k, 4] - w2 * node[i, k + 1, 4]
+                z = pz - az - w0 * dz - w1 * node[i, k, 5] - w2 * node[i, k + 1, 5]
+                distance = math.sqrt(x * x + y * y + z * z)
+                if -(x * px + y * py + z * pz) < lowest * distance * high:
                     continue
                 seen[m, t, i] = True
-                if weights[m, t] == 0.0:
+                if weight == 0.0:
                     continue
-                for kind in range(2):
-                    if math.isnan(variances[kind]):
-                        continue
-                    row(gains[m, t], line, paths[m, t], satellite, kind, h)
-                    weight = weights[m, t] / variances[kind]
-                    k = 0
-                    for a in range(h.size):
-                        for b in range(a + 1):
-                            out[m, i, k] += weight * h[a] * h[b]
-                            k += 1
+                nx, ny, nz = x / distance, y / distance, z / distance
+                if ranged:
+                    for j in range(size):
+                        h[j] = nx * gain[0, j] + ny * gain[1, j] + nz * gain[2, j]
+                    _add_square(h, weight / variances[0], out, m, i)
+                if rated:
+                    # R' = n . dv: (dv - R' n) / R on position, n on velocity
+                    vx = ux - w3 * dx - w4 * node[i, k, 3] - w5 * node[i, k + 1, 3]
+                    vy = uy - w3 * dy - w4 * node[i, k, 4] - w5 * node[i, k + 1, 4]
+                    vz = uz - w3 * dz - w4 * node[i, k, 5] - w5 * node[i, k + 1, 5]
+                    rate = vx * nx + vy * ny + vz * nz
+                    vx, vy, vz = vx - rate * nx, vy - rate * ny, vz - rate * nz
+                    for j in range(size):
+                        across = vx * gain[0, j] + vy * gain[1, j] + vz * gain[2, j]
+                        along = nx * gain[3, j] + ny * gain[4, j] + nz * gain[5, j]
+                        h[j] = across / distance + along
+                    _add_square(h, weight / variances[1], out, m, i)
+
+
+@fast_kernel
+def _add_square(h, weight, out, m, i):
+    """Add ``weight h h^T`` to a packed matrix."""
+    k = 0
+    for a in range(h.size):
+        scaled = weight * h[a]
+        for b in range(a + 1):
+            out[m, i, k + b] += scaled * h[b]
+        k += a + 1
 
 
 @kernel
