@@ -1,11 +1,12 @@
 """``compass judge``: candidate constellations ranked by landing-navigation quality."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import click
 
-from compass.cli.shared import emit_json, json_option, print_table
+from compass.cli.shared import command_line, emit_json, json_option, print_table, say
 
 
 @click.command()
@@ -29,6 +30,11 @@ from compass.cli.shared import emit_json, json_option, print_table
 )
 @click.option("--finalists", type=int, default=3, show_default=True, help="Run the filter on them.")
 @click.option("--runs", type=int, default=512, show_default=True, help="Filter runs of each.")
+@click.option(
+    "--rival",
+    type=click.Path(path_type=Path),
+    help="Find the best Walker delta of the first design's size and radius, and write it there.",
+)
 @json_option
 def command(
     designs: tuple[Path, ...],
@@ -40,6 +46,7 @@ def command(
     lift_sigma: float,
     finalists: int,
     runs: int,
+    rival: Path | None,
     as_json: bool,
 ) -> None:
     """Judge constellations as beacons of a lander: anywhere, along any azimuth, at any time.
@@ -54,20 +61,45 @@ def command(
 
     from compass.inputs import read_design
     from compass.inputs.scenario import read_scenario
+    from compass.saving import check_writable, replacing
+    from compass.study.judge import campaign_of
     from compass.study.ranking import rank_designs
+    from compass.study.rival import best_rival, rival_toml
 
+    threads = os.cpu_count() or 1
+
+    def progress(work: Iterable[Any], total: int, desc: str) -> Iterable[Any]:
+        return tqdm(work, total=total, desc=desc, disable=None)
+
+    scenario = read_scenario(scenario_path)
+    candidates = [read_design(path) for path in designs]
+    unknown = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
+    if rival is not None:
+        check_writable(rival, [scenario_path, *designs])
+        found = best_rival(
+            candidates[0],
+            scenario,
+            campaign_of(scenario, samples, seed, **unknown),
+            threads=threads,
+            progress=progress,
+        )
+        with replacing(rival) as temporary:
+            temporary.write_text(
+                rival_toml(found, candidates[0], command_line()), encoding="utf-8"
+            )
+        say(f"wrote {rival}")
+        candidates.append(read_design(rival))
     result = rank_designs(
-        [read_design(path) for path in designs],
-        read_scenario(scenario_path),
+        candidates,
+        scenario,
         samples=samples,
         seed=seed,
         goal=goal_m,
-        density_sigma=density_sigma,
-        lift_sigma=lift_sigma,
         finalists=finalists,
         runs=runs,
-        threads=os.cpu_count() or 1,
-        progress=lambda work, total, desc: tqdm(work, total=total, desc=desc, disable=None),
+        threads=threads,
+        progress=progress,
+        **unknown,
     )
     if as_json:
         emit_json(result)

@@ -1,6 +1,6 @@
 """A campaign: one lander's entry flown to many sites, along many azimuths, at many moments."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, isfinite, log2
 
 import numpy as np
@@ -113,6 +113,20 @@ class Campaign:
     def size(self) -> int:
         """Number of entries."""
         return int(self.stops.size)
+
+    def first(self, count: int) -> "Campaign":
+        """Return the first `count` entries alone."""
+        part = slice(0, count)
+        return replace(
+            self,
+            arrivals=Arrivals(*(values[part] for values in vars(self.arrivals).values())),
+            states=self.states[part],
+            paths=self.paths[part],
+            gains=self.gains[part],
+            stops=self.stops[part],
+            spreads=self.spreads[part],
+            arrival_probability=self.arrival_probability[part],
+        )
 
     @property
     def deployment_place(self) -> tuple[Array, Array]:
