@@ -1,6 +1,8 @@
 """A campaign: one lander's entry flown to many sites, along many azimuths, at many moments."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
 from math import ceil, isfinite, log2
 
 import numpy as np
@@ -26,8 +28,8 @@ Array = NDArray[np.float64]
 #: and azimuth are singular there. They are 2e-3 of all.
 POLAR_GAP = np.radians(1.0)
 
-#: Most entries of a campaign.
-MOST_SAMPLES = 1 << 16
+#: Most entries of a campaign: they are kept in memory, 0.1 MB each.
+MOST_SAMPLES = 1 << 13
 
 
 @dataclass(frozen=True)
@@ -95,6 +97,8 @@ class Campaign:
         What ends an entry, in words.
     left_out
         How many arrivals were left out because they come too close to a pole.
+    again
+        Flies the same lander from other arrivals.
     """
 
     model: EntryModel
@@ -108,6 +112,7 @@ class Campaign:
     arrival_probability: Array
     deployment: str
     left_out: int
+    again: Callable[[Arrivals], "Campaign"] = field(repr=False)
 
     @property
     def size(self) -> int:
@@ -219,7 +224,8 @@ def fly_campaign(
         raise ArgumentError("arrivals: every one comes within 1 degree of a pole; move them")
     _check_flights(starts[kept], states[kept], stops[kept], seconds, watch, level, deployment)
     chosen = Arrivals(*(part[kept] for part in vars(arrivals).values()))
-    states = states[kept]
+    flown = int(stops[kept].max()) + 1
+    states = states[kept, :flown]
     if electrons is None:
         probability = np.ones(states.shape[:2])
     else:
@@ -234,15 +240,26 @@ def fly_campaign(
     return Campaign(
         model,
         chosen,
-        seconds,
+        seconds[:flown],
         states,
-        paths[kept],
-        gains[kept],
+        paths[kept, :flown],
+        gains[kept, :flown],
         stops[kept],
         spreads[kept],
         probability,
         deployment,
         int(size - kept.sum()),
+        partial(
+            fly_campaign,
+            model,
+            state,
+            covariance0,
+            times,
+            trigger=trigger,
+            electrons=electrons,
+            density_sigma=density_sigma,
+            lift_sigma=lift_sigma,
+        ),
     )
 
 

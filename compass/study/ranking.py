@@ -10,6 +10,7 @@ from compass.inputs.scenario import Scenario
 from compass.study.judge import campaign_of, judge_entries
 from compass.study.judge_filter import judge_filter
 from compass.study.judge_surface import judge_surface
+from compass.study.judge_worst import worst_entry
 
 #: Entries in which a finalist's filter is run.
 FILTER_ENTRIES = 64
@@ -71,10 +72,13 @@ def rank_designs(
     )
     rows = []
     for design in progress(designs, total=len(designs), desc="designs"):
-        place = {"figure": design.figure, "mask": design.mask}
-        judged = judge_entries(
-            design.constellation, campaign, scenario, threads=threads, **place
-        ).figures(goal)
+        place: dict[str, Any] = {"figure": design.figure, "mask": design.mask}
+        c = design.constellation
+        found = judge_entries(c, campaign, scenario, threads=threads, **place)
+        judged = found.figures(goal)
+        judged["worst_found"] = worst_entry(
+            c, scenario, campaign, seed=seed, start=found, **place
+        )
         rows.append(
             {
                 "design": design.name,
@@ -84,7 +88,7 @@ def rank_designs(
                 "answer": answer(judged, goal),
                 "ekf_position_m": None,
                 "nees": None,
-                "surface": judge_surface(design.constellation, fold=design.fold, **place),
+                "surface": judge_surface(c, fold=design.fold, **place),
             }
         )
     order = sorted(
@@ -120,22 +124,23 @@ def rank_designs(
 
 def answer(figures: dict[str, Any], goal: float) -> str:
     """Say whether the bound stays within the goal in every entry, and if not, where not."""
-    worst = figures["crlb_position_m"]
+    worst = figures["worst_found"]
     where = (
-        f"{worst['worst']:.2f} m at latitude {worst['worst_latitude_deg']:.1f}, longitude "
-        f"{worst['worst_longitude_deg']:.1f} deg, azimuth {worst['worst_azimuth_deg']:.0f} deg, "
-        f"entry {worst['worst_epoch_s'] / 3600:.2f} h after the epoch"
+        f"{worst['value']:.2f} m at latitude {worst['latitude_deg']:.1f}, longitude "
+        f"{worst['longitude_deg']:.1f} deg, azimuth {worst['azimuth_deg']:.0f} deg, entry "
+        f"{worst['epoch_s'] / 3600:.2f} h after the epoch, {worst['in_view']} in view at least"
     )
-    if worst["worst"] <= goal:
-        text = f"yes in every entry; worst {where}"
+    missed = 100 * (1 - figures["share_within_goal"])
+    if worst["value"] <= goal:
+        text = f"yes; the worst that a search finds is {where}"
     else:
-        text = f"not in {100 * (1 - figures['share_within_goal']):.3g} % of entries; worst {where}"
+        text = f"no: not in {missed:.3g} % of entries; worst {where}"
     if "after_loss" in figures:
         lost = figures["after_loss"]
         share = 100 * (1 - lost["share_within_goal"])
-        outcome = "still yes" if share == 0 else f"not in {share:.3g} %"
+        outcome = "still in all entries judged" if share == 0 else f"not in {share:.3g} % of them"
         text += (
-            f"; after loss of {lost['satellite']} {outcome}, "
+            f"; after the loss of {lost['satellite']} {outcome}, "
             f"worst {lost['crlb_position_m']['worst']:.2f} m"
         )
     return text
