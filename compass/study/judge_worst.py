@@ -1,5 +1,6 @@
 """The worst entry, searched for rather than met by chance."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,10 @@ from compass.sites import Mask
 from compass.study.judge import Campaign, Judgement, judge_entries
 
 #: How many of the worst entries so far are looked around, with how many new ones a round.
-SURVIVORS, BATCH = 8, 64
+SURVIVORS, BATCH = 16, 128
+
+#: How often the campaign is judged again at other moments first: its flights stay as they are.
+MOMENTS = 12
 
 #: First reach of the search in latitude, longitude, azimuth (radians) and phase of arrival, and
 #: what is left of it after each round.
@@ -33,8 +37,8 @@ def worst_entry(
 ) -> dict[str, Any]:
     """Worst bound of position at deployment that a search finds, and where and when.
 
-    From the worst entries of the campaign on: new ones drawn around them, ever closer, the worst
-    kept. The bound jumps where a satellite rises, so no gradient is used; what is found is a
+    The campaign's flights are judged again at other moments; then new entries are drawn around the
+    worst so far, ever closer, the worst kept. The bound jumps where a satellite rises, so no gradient is used; what is found is a
     lower limit of the true worst, never below that of the campaign.
 
     Parameters
@@ -50,6 +54,10 @@ def worst_entry(
     found = start or judge_entries(constellation, campaign, scenario, **place)
     generator = np.random.default_rng(seed)
     best = _worst(found, np.empty((0, 9)))
+    for _ in range(MOMENTS):
+        moved = replace(campaign.arrivals, phase=generator.random(campaign.size))
+        later = replace(campaign, arrivals=moved)
+        best = _worst(judge_entries(constellation, later, scenario, **place), best)
     for k in range(rounds):
         centres = np.repeat(best[:, :4], -(-BATCH // len(best)), axis=0)[:BATCH]
         tried = centres + SHRINK**k * REACH * generator.uniform(-1, 1, centres.shape)
