@@ -33,7 +33,10 @@ from compass.cli.shared import command_line, emit_json, json_option, print_table
 @click.option(
     "--rival",
     type=click.Path(path_type=Path),
-    help="Find the best Walker delta of the first design's size and radius, and write it there.",
+    help="Find the best Walker delta of the first design's size, and write it there.",
+)
+@click.option(
+    "--rival-radius-km", type=float, help="Its orbits' radius; the first design's if left out."
 )
 @json_option
 def command(
@@ -47,6 +50,7 @@ def command(
     finalists: int,
     runs: int,
     rival: Path | None,
+    rival_radius_km: float | None,
     as_json: bool,
 ) -> None:
     """Judge constellations as beacons of a lander: anywhere, along any azimuth, at any time.
@@ -59,6 +63,7 @@ def command(
 
     from tqdm import tqdm
 
+    from compass.errors import ArgumentError
     from compass.inputs import read_design
     from compass.inputs.scenario import read_scenario
     from compass.saving import check_writable, replacing
@@ -73,20 +78,21 @@ def command(
 
     scenario = read_scenario(scenario_path)
     candidates = [read_design(path) for path in designs]
-    unknown = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
+    unknown: dict[str, Any] = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
+    if rival_radius_km is not None and rival is None:
+        raise ArgumentError("rival_radius_km: says where --rival is to look; give --rival too")
     if rival is not None:
         check_writable(rival, [scenario_path, *designs])
         found = best_rival(
             candidates[0],
             scenario,
             campaign_of(scenario, samples, seed, **unknown),
+            radius=None if rival_radius_km is None else rival_radius_km * 1e3,
             threads=threads,
             progress=progress,
         )
         with replacing(rival) as temporary:
-            temporary.write_text(
-                rival_toml(found, candidates[0], command_line()), encoding="utf-8"
-            )
+            temporary.write_text(rival_toml(found, candidates[0], command_line()), encoding="utf-8")
         say(f"wrote {rival}")
         candidates.append(read_design(rival))
     result = rank_designs(
@@ -140,10 +146,10 @@ def _print(r: dict[str, Any]) -> None:
         ],
     )  # fmt: skip
     click.echo(
-        "\np50, p95 and worst: Cramer-Rao sigma of the position in space over the entries. in view: "
-        "fewest\nand median. lost: after the loss of the one satellite that matters most. blind: "
-        "entries whose\nmeasurements alone do not determine the state. NEES: 6 if the filter is "
-        "consistent."
+        "\np50, p95 and worst: Cramer-Rao sigma of the position in space over the entries. in "
+        "view:\nfewest and median. lost: after the loss of the one satellite that matters most. "
+        "blind: entries\nwhose measurements alone do not determine the state. NEES: 6 if the "
+        "filter is consistent."
     )
     print_table(
         "Users on the surface",

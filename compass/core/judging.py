@@ -123,7 +123,7 @@ def hermite(s, step, out):
 
 @fast_kernel
 def horizon(x, y, z, radius, sin_mask, cos_mask):
-    """Distance of a lander at x, y, z from the centre, and the sine of the lowest elevation it sees.
+    """Distance of a lander from the centre, and the sine of the lowest elevation that it sees.
 
     A satellite is seen that stands at least the mask above the limb of the sphere of `radius`:
     ``sin(elevation) >= sin(mask - dip)``, ``cos(dip) = R/r``. For a mask of 0 that is a line of
@@ -266,3 +266,26 @@ def bounds(shares, gains, stops, out):
                         y[a] = total / low[a, a]
                         trace += y[a] * y[a]
                 out[m, 1 + lost, part] = math.sqrt(trace)
+
+
+@kernel
+def count_in_view(seen, stops, out):
+    """How often so many satellites are in view, over all entries and epochs up to deployment.
+
+    Parameters
+    ----------
+    seen, stops
+        Of `information` and `fly_many`.
+    out
+        Output, (1 + n, n + 1): times that 0 to n are in view, with all satellites and without
+        each of them.
+    """
+    n = seen.shape[2]
+    for m in range(seen.shape[0]):
+        for t in range(stops[m] + 1):
+            count = 0
+            for i in range(n):
+                count += seen[m, t, i]
+            out[0, count] += 1
+            for i in range(n):
+                out[1 + i, count - seen[m, t, i]] += 1

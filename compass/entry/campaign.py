@@ -3,13 +3,14 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
-from math import ceil, isfinite, log2
+from math import isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.core.entry_geometry import cartesian_jacobian
 from compass.core.judging import fly_many
+from compass.entry.arrivals import Arrivals
 from compass.entry.model import EntryModel
 from compass.entry.radio import (
     WAKE,
@@ -27,51 +28,6 @@ Array = NDArray[np.float64]
 #: Entries whose ground track comes nearer to a pole than this (radians) are left out: longitude
 #: and azimuth are singular there. They are 2e-3 of all.
 POLAR_GAP = np.radians(1.0)
-
-#: Most entries of a campaign: they are kept in memory, 0.1 MB each.
-MOST_SAMPLES = 1 << 13
-
-
-@dataclass(frozen=True)
-class Arrivals:
-    """Where, along which azimuth and when landers arrive.
-
-    Attributes
-    ----------
-    latitude, longitude, azimuth
-        At entry, radians, shape (m,); azimuth clockwise from north.
-    phase
-        Time of arrival as a part of some period, in [0, 1), shape (m,).
-    """
-
-    latitude: Array
-    longitude: Array
-    azimuth: Array
-    phase: Array
-
-
-def draw_arrivals(count: int, seed: int) -> Arrivals:
-    """Spread arrivals evenly over the sphere's area, all azimuths and a period.
-
-    Scrambled Sobol points in four dimensions: reproducible from the seed, and independent
-    of everything else.
-
-    Raises
-    ------
-    ArgumentError
-        A count outside 1 to `MOST_SAMPLES`.
-    """
-    from scipy.stats import qmc
-
-    if not 1 <= count <= MOST_SAMPLES:
-        raise ArgumentError(f"samples = {count}: allowed 1 to {MOST_SAMPLES}")
-    points = qmc.Sobol(4, scramble=True, seed=seed).random_base2(ceil(log2(count)))[:count]
-    return Arrivals(
-        np.arcsin(2.0 * points[:, 0] - 1.0),
-        2.0 * np.pi * points[:, 1] - np.pi,
-        2.0 * np.pi * points[:, 2],
-        points[:, 3],
-    )
 
 
 @dataclass(frozen=True)
@@ -294,9 +250,7 @@ def _moved_spreads(state: Array, covariance: Array, starts: Array) -> Array:
     return np.linalg.solve(jacobians, np.swapaxes(vehicle_axes(starts), -1, -2) @ root)
 
 
-def _deployment(
-    model: EntryModel, trigger: Trigger | None, end: float
-) -> tuple[int, float, str]:
+def _deployment(model: EntryModel, trigger: Trigger | None, end: float) -> tuple[int, float, str]:
     """Index and level of the state to watch, and deployment in words."""
     if trigger is None:
         return -1, 0.0, f"{end:g} s after entry"

@@ -1,18 +1,21 @@
 """Report section on landing navigation: designs ranked, their bounds over the globe and as CDFs."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
-from compass.entry.campaign import draw_arrivals
+from compass.entry.arrivals import draw_arrivals
+from compass.entry.campaign import Campaign
 from compass.inputs import Design
 from compass.inputs.scenario import Scenario
 from compass.report.mars_map import MarsMap, colour_bar
 from compass.report.section import Picture, Section, Table, picture
 from compass.report.style import CYCLE, FAINT, MARS, SEQUENTIAL, look, new_figure
-from compass.study.judge import Campaign, Judgement, campaign_of, judge_entries
+from compass.study.judge import campaign_of, judge_entries
+from compass.study.judgement import Judgement
 from compass.study.ranking import rank_designs
 
 #: Rows, equal in sine of latitude, and columns of the map's cells: of equal area.
@@ -41,7 +44,7 @@ def judge_section(
     batches
         How many times `samples` entries the maps rest on.
     """
-    options = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
+    options: dict[str, Any] = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
     result = rank_designs(
         designs,
         scenario,
@@ -78,7 +81,7 @@ def judge_section(
         if sigma
     )
     paragraphs = (
-        f"{campaign.size} entries of the lander of \"{scenario.name}\" to {campaign.deployment}, "
+        f'{campaign.size} entries of the lander of "{scenario.name}" to {campaign.deployment}, '
         "spread evenly over the globe, all azimuths and the repeat period. For each, the "
         "posterior Cramer-Rao bound of position and velocity there from ranges of one sigma "
         f"{scenario.measurements.range_sigma} m to every satellite in view, each weighted with the "
@@ -154,7 +157,9 @@ def _map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> Pictu
             )
             world.graticule()
             sigma = np.concatenate([one.position_sigma for one in judgements])
-            beyond = np.concatenate([np.degrees(one.campaign.deployment_place) for one in judgements], axis=1)
+            beyond = np.concatenate(
+                [np.degrees(one.campaign.deployment_place) for one in judgements], axis=1
+            )
             far = sigma > goal
             world.points(
                 beyond[1, far], beyond[0, far], marker="o", ms=3.5, mfc="none", mec=MARS, mew=1.1

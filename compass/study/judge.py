@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.judging import bounds, information
-from compass.entry.campaign import Campaign, draw_arrivals, fly_campaign
+from compass.core.judging import bounds, count_in_view, information
+from compass.entry.arrivals import draw_arrivals
+from compass.entry.campaign import Campaign, fly_campaign
 from compass.entry.fisher import noise_variances
 from compass.entry.model import EntryModel
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
@@ -20,6 +21,7 @@ from compass.frames import Figure, prime_meridian_angle
 from compass.inputs.scenario import Scenario
 from compass.orbits import Constellation, repeat_period, states_mci
 from compass.sites import Mask
+from compass.study.judgement import Judgement, unpacked
 
 Array = NDArray[np.float64]
 
@@ -102,104 +104,6 @@ def deployment_trigger(scenario: Scenario) -> Trigger | None:
         if "parachute" in trigger.name.lower():
             return trigger
     return None
-
-
-@dataclass(frozen=True)
-class Judgement:
-    """How well landers navigate on a constellation, entry by entry.
-
-    Attributes
-    ----------
-    constellation, campaign
-        Who was judged, on what.
-    epochs
-        Seconds after the constellation's epoch at which each entry begins, (m,).
-    seen
-        Which satellites are in view, (m, t, n).
-    information
-        Without prior, in prior-whitened coordinates, (m, d, d).
-    shares
-        The same by satellite, packed, (m, n, d (d + 1)/2).
-    sigma
-        Posterior Cramer-Rao sigma of position (m) and velocity (m/s) at deployment, (m, 1 + n,
-        2): with all satellites, then without each of them.
-    """
-
-    constellation: Constellation
-    campaign: Campaign
-    epochs: Array
-    seen: NDArray[np.bool_]
-    information: Array
-    shares: Array
-    sigma: Array
-
-    @property
-    def position_sigma(self) -> Array:
-        """Of each entry with all satellites, m, shape (m,)."""
-        return self.sigma[:, 0, 0]
-
-    @property
-    def worst_loss(self) -> int | None:
-        """Satellite without which the 95th percentile of the position bound is largest."""
-        if not self.constellation.size:
-            return None
-        return int(np.argmax(np.percentile(self.sigma[:, 1:, 0], 95.0, axis=0)))
-
-    def figures(self, goal: float = 10.0) -> dict[str, Any]:
-        """Figures of merit as plain values, with those after the worst loss of one satellite.
-
-        Parameters
-        ----------
-        goal
-            Position sigma wanted at deployment, metres.
-        """
-        result = self._figures(None, goal)
-        lost = self.worst_loss
-        if lost is not None:
-            name = self.constellation.satellite_names[lost]
-            result["after_loss"] = {"satellite": name, **self._figures(lost, goal)}
-        return result
-
-    def _figures(self, lost: int | None, goal: float) -> dict[str, Any]:
-        column = 0 if lost is None else 1 + lost
-        position, velocity = self.sigma[:, column].T
-        counts, f = self._counts(lost), self.information
-        if lost is not None:
-            kept = np.delete(self.shares, lost, axis=1).sum(axis=1)
-            f = _unpacked(kept)
-        spectrum, floor = _spectrum(f, int(self.campaign.stops.max(initial=0)) + 1)
-        blind = spectrum[:, 0] <= floor
-        with np.errstate(divide="ignore"):
-            log_det = np.log(np.where(blind[:, None], 0.0, spectrum)).sum(axis=1)
-        worst = int(position.argmax())
-        latitude, longitude = self.campaign.deployment_place
-        return {
-            "in_view": {"min": int(counts.min()), "median": float(np.median(counts))},
-            "crlb_position_m": {
-                **_percentiles(position),
-                "worst": float(position[worst]),
-                "worst_latitude_deg": float(np.degrees(latitude[worst])),
-                "worst_longitude_deg": float(np.degrees(longitude[worst])),
-                "worst_azimuth_deg": float(np.degrees(self.campaign.arrivals.azimuth[worst])),
-                "worst_epoch_s": float(self.epochs[worst]),
-            },
-            "crlb_velocity_m_s": {**_percentiles(velocity), "worst": float(velocity.max())},
-            "share_within_goal": float((position <= goal).mean()),
-            "unobservable_share": float(blind.mean()),
-            "fisher_log_det": {
-                "p50": float(np.percentile(log_det, 50, method="inverted_cdf")),
-                "p5": float(np.percentile(log_det, 5, method="inverted_cdf")),
-            },
-            "fisher_trace": {"p50": float(np.median(spectrum.sum(axis=1)))},
-        }
-
-    def _counts(self, lost: int | None) -> NDArray[np.int64]:
-        """Satellites in view at every epoch up to deployment, over all entries."""
-        counts = self.seen.sum(axis=2)
-        if lost is not None:
-            counts = counts - self.seen[:, :, lost]
-        flying = np.arange(self.campaign.times.size) <= self.campaign.stops[:, None]
-        return np.asarray(counts[flying])
 
 
 def judge(
@@ -300,9 +204,10 @@ def judge_entries(
     else:
         with ThreadPoolExecutor(threads) as pool:
             list(pool.map(work, blocks))
-    return Judgement(
-        constellation, campaign, epochs, seen, _unpacked(shares.sum(axis=1)), shares, sigma
-    )
+    counts = np.zeros((1 + n, 1 + n), dtype=np.int64)
+    count_in_view(seen, campaign.stops, counts)
+    total = unpacked(shares.sum(axis=1))
+    return Judgement(constellation, campaign, epochs, seen, counts, total, shares, sigma)
 
 
 def due(scenario: Scenario, times: Array) -> NDArray[np.bool_]:
@@ -327,27 +232,3 @@ def _check(constellation: Constellation, scenario: Scenario, figure: Figure) -> 
             f"{constellation.name}: comes down to radius {lowest / 1e3:g} km; must stay above the "
             f"surface, {figure.equatorial_radius / 1e3:g} km"
         )
-
-
-def _unpacked(packed: Array) -> Array:
-    """Symmetric matrices (..., d, d) from their packed lower triangles."""
-    d = int(np.sqrt(2 * packed.shape[-1]))
-    full = np.empty((*packed.shape[:-1], d, d))
-    a, b = np.tril_indices(d)
-    full[..., a, b] = full[..., b, a] = packed
-    return full
-
-
-def _spectrum(f: Array, terms: int) -> tuple[Array, Array]:
-    """Eigenvalues, ascending, (m, d), and what rounding leaves of a zero one, (m,).
-
-    A sum of m positive semi-definite terms is off by at most ``m eps`` times its trace, and the
-    eigenvalues of a symmetric matrix by about ``d eps`` times the largest more: below
-    ``(m + d) eps trace`` an eigenvalue cannot be told from zero.
-    """
-    values = np.linalg.eigvalsh(f)
-    return values, (terms + values.shape[1]) * np.finfo(float).eps * values.sum(axis=1)
-
-
-def _percentiles(values: Array) -> dict[str, float]:
-    return {f"p{q}": float(np.percentile(values, q)) for q in (50, 95)}

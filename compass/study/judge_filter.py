@@ -17,7 +17,8 @@ from compass.frames import Figure, prime_meridian_angle
 from compass.inputs.scenario import Scenario
 from compass.orbits import Constellation, states_mci
 from compass.sites import Mask
-from compass.study.judge import Judgement, campaign_of, due, judge_entries
+from compass.study.judge import campaign_of, due, judge_entries
+from compass.study.judgement import Judgement
 
 
 def judge_filter(
@@ -67,9 +68,7 @@ def judge_filter(
     found = judge_entries(constellation, campaign, scenario, figure=figure, mask=mask)
     streams = np.random.SeedSequence(seed).spawn(campaign.size)
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
-        work = pool.map(
-            lambda m: _run(found, scenario, m, runs, streams[m]), range(campaign.size)
-        )
+        work = pool.map(lambda m: _run(found, scenario, m, runs, streams[m]), range(campaign.size))
         parts = list(progress(work, total=campaign.size))
     errors = np.concatenate([part.errors[:, -1] for part in parts])
     nees = np.concatenate([part.nees[:, -1] for part in parts])

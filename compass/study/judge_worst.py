@@ -5,13 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from compass.entry.campaign import Arrivals
+from compass.entry.arrivals import Arrivals
+from compass.entry.campaign import Campaign
 from compass.errors import ArgumentError
 from compass.frames import Figure
 from compass.inputs.scenario import Scenario
 from compass.orbits import Constellation
 from compass.sites import Mask
-from compass.study.judge import Campaign, Judgement, judge_entries
+from compass.study.judge import judge_entries
+from compass.study.judgement import Judgement
 
 #: How many of the worst entries so far are looked around, with how many new ones a round.
 SURVIVORS, BATCH = 16, 128
@@ -37,9 +39,12 @@ def worst_entry(
 ) -> dict[str, Any]:
     """Worst bound of position at deployment that a search finds, and where and when.
 
-    The campaign's flights are judged again at other moments; then new entries are drawn around the
-    worst so far, ever closer, the worst kept. The bound jumps where a satellite rises, so no gradient is used; what is found is a
-    lower limit of the true worst, never below that of the campaign.
+    The place is that of deployment, the azimuth and the epoch those of entry.
+
+    The campaign's flights are judged again at other moments; then new entries are drawn around
+    the worst so far, ever closer, the worst kept. The bound jumps where a satellite rises, so no
+    gradient is used; what is found is a lower limit of the true worst, never below that of the
+    campaign.
 
     Parameters
     ----------
@@ -84,7 +89,7 @@ def worst_entry(
 
 
 def _worst(found: Judgement, others: np.ndarray) -> np.ndarray:
-    """Worst of a judgement and of other rows, most first: arrival (4), sigma, place, epoch, fold."""
+    """Worst first, of a judgement and other rows: arrival (4), sigma, place (2), epoch, fold."""
     a = found.campaign.arrivals
     latitude, longitude = found.campaign.deployment_place
     flying = np.arange(found.campaign.times.size) <= found.campaign.stops[:, None]

@@ -76,9 +76,7 @@ def rank_designs(
         c = design.constellation
         found = judge_entries(c, campaign, scenario, threads=threads, **place)
         judged = found.figures(goal)
-        judged["worst_found"] = worst_entry(
-            c, scenario, campaign, seed=seed, start=found, **place
-        )
+        judged["worst_found"] = worst_entry(c, scenario, campaign, seed=seed, start=found, **place)
         rows.append(
             {
                 "design": design.name,

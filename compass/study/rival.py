@@ -1,4 +1,4 @@
-"""The best pattern for landers among all of one size and radius: who beats a design?"""
+"""The best pattern for landers among all of one size."""
 
 import json
 from collections.abc import Callable, Iterable
@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from compass.entry.campaign import Campaign
 from compass.errors import ArgumentError
 from compass.inputs import Design
 from compass.inputs.scenario import Scenario
 from compass.orbits import Constellation
-from compass.study.judge import Campaign, judge_entries
+from compass.study.judge import judge_entries
 from compass.study.search import closest_approach, patterns
 
 #: Patterns whose satellites come closer than this (radians, about 350 km at areosynchronous
@@ -26,11 +27,12 @@ def best_rival(
     scenario: Scenario,
     campaign: Campaign,
     *,
+    radius: float | None = None,
     finalists: int = 6,
     threads: int = 1,
     progress: Callable[..., Iterable[Any]] = lambda items, **_: items,
 ) -> Constellation:
-    """Best Walker delta pattern of a design's size and radius, by the bound's 95th percentile.
+    """Best Walker delta pattern of a design's size, by the bound's 95th percentile.
 
     Every pattern at inclinations 5 degrees apart from 20 to 90 on the first eighth of the
     entries; the best few again, 1 degree apart, on all of them.
@@ -38,9 +40,11 @@ def best_rival(
     Parameters
     ----------
     design
-        Size, radius (of circular orbits), figure and mask.
+        Size, radius, figure and mask.
     scenario, campaign, threads
         As in `compass.study.judge.judge_entries`.
+    radius
+        Of the orbits, metres; the design's if left out.
     finalists
         How many patterns to look at closely.
     progress
@@ -49,17 +53,18 @@ def best_rival(
     Raises
     ------
     ArgumentError
-        The design's orbits are not circles of one radius, or no pattern keeps its satellites
-        apart.
+        No radius is given and the design's orbits are not circles of one, or no pattern keeps its
+        satellites apart.
     """
     c = design.constellation
-    radii = np.unique(c.semi_major_axis)
-    if not (c.is_circular and radii.size == 1):
-        raise ArgumentError(
-            f"{design.name}: its orbits are not circles of one radius, so no pattern of that size "
-            "and radius is comparable; leave --rival out"
-        )
-    makers = list(patterns("walker-delta", c.size, float(radii[0]), smallest=c.size))
+    if radius is None:
+        if not (c.is_circular and np.unique(c.semi_major_axis).size == 1):
+            raise ArgumentError(
+                f"{design.name}: its orbits are not circles of one radius; say at which radius to "
+                "look for a rival"
+            )
+        radius = float(c.semi_major_axis[0])
+    makers = list(patterns("walker-delta", c.size, radius, smallest=c.size))
     few = campaign.first(max(1, campaign.size // 8))
 
     def score(rival: Constellation, on: Campaign) -> float:

@@ -3,7 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compass.entry.campaign import Arrivals, draw_arrivals, fly_campaign, vehicle_axes
+from compass.entry.arrivals import Arrivals, draw_arrivals
+from compass.entry.campaign import fly_campaign, vehicle_axes
 from compass.entry.fisher import initial_covariance
 from compass.entry.trajectory import Trigger, fly
 from compass.errors import ArgumentError

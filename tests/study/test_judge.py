@@ -5,15 +5,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from compass.entry.arrivals import Arrivals
 from compass.entry.beacons import in_view
-from compass.entry.campaign import Arrivals, fly_campaign
+from compass.entry.campaign import fly_campaign
 from compass.entry.fisher import cramer_rao_bound
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
 from compass.orbits import from_elements, walker_delta
 from compass.sites import Mask
-from compass.study.judge import _spectrum, campaign_of, judge, judge_entries
+from compass.study.judge import campaign_of, judge, judge_entries
 from compass.study.judge_filter import entry_beacons, judge_filter
+from compass.study.judgement import spectrum_and_floor
 
 FIGURE = FIGURES["iau-sphere"]
 AREOSYNCHRONOUS = 20428e3
@@ -31,13 +33,13 @@ def five():
 
 def entries(constellation, scenario, samples=4, mask=0.0, **options):
     campaign = campaign_of(scenario, samples, **options)
-    return judge_entries(
-        constellation, campaign, scenario, figure=FIGURE, mask=Mask.constant(mask)
-    )
+    return judge_entries(constellation, campaign, scenario, figure=FIGURE, mask=Mask.constant(mask))
 
 
 @pytest.mark.parametrize(
-    "kind", ["range_sigma_m = 50", "range_rate_sigma_m_s = 0.1", "both"], ids=["range", "rate", "both"]
+    "kind",
+    ["range_sigma_m = 50", "range_rate_sigma_m_s = 0.1", "both"],
+    ids=["range", "rate", "both"],
 )
 def test_bound_is_that_of_the_recursion_over_epochs(short, five, kind):
     """The recursive bound of the filter's kernel, in other coordinates and with exact orbits."""
@@ -154,7 +156,7 @@ def test_rank_is_told_from_rounding():
     rng = np.random.default_rng(0)
     terms = rng.standard_normal((2, 200, 6))
     terms[0] -= terms[0] @ np.full((6, 6), 1 / 6)  # no term sees the direction (1, ..., 1)
-    spectrum, floor = _spectrum(np.einsum("mka,mkb->mab", terms, terms), 200)
+    spectrum, floor = spectrum_and_floor(np.einsum("mka,mkb->mab", terms, terms), 200)
     assert list(spectrum[:, 0] <= floor) == [True, False]
 
 
@@ -204,7 +206,10 @@ def test_mask_hides_satellites(scenario, five):
     ("change", "message"),
     [
         (("range_sigma_m = 50", "range_sigma_m = 50\nin_turn = true"), "in_turn = true"),
-        (('kind = "ekf"', 'kind = "ekf"\nprocess_noise_si = [1, 0, 0, 0, 0, 0]'), "process_noise_si"),
+        (
+            ('kind = "ekf"', 'kind = "ekf"\nprocess_noise_si = [1, 0, 0, 0, 0, 0]'),
+            "process_noise_si",
+        ),
     ],
 )
 def test_what_the_bound_does_not_cover_is_refused(short, five, change, message):
