@@ -131,8 +131,10 @@ def answer(figures: dict[str, Any], goal: float) -> str:
     missed = 100 * (1 - figures["share_within_goal"])
     if worst["value"] <= goal:
         text = f"yes; the worst that a search finds is {where}"
-    else:
+    elif missed > 0:
         text = f"no: not in {missed:.3g} % of entries; worst {where}"
+    else:
+        text = f"not quite: in all entries judged, but a search finds {where}"
     if "after_loss" in figures:
         lost = figures["after_loss"]
         share = 100 * (1 - lost["share_within_goal"])

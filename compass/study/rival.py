@@ -106,6 +106,8 @@ def rival_toml(rival: Constellation, design: Design, origin: str) -> str:
     assert pattern is not None
     if not design.mask.is_constant:
         raise ArgumentError(f"{design.name}: a mask by azimuth cannot be carried over")
+    radius_km = float(rival.semi_major_axis[0]) / 1e3
+    name = f"Best for landers at {radius_km:.6g} km, {pattern.notation}"
     source = (
         f"Best Walker delta pattern of {pattern.satellites} satellites at its radius for landing "
         "navigation, by the 95th percentile of the position bound at deployment, found by: "
@@ -113,7 +115,7 @@ def rival_toml(rival: Constellation, design: Design, origin: str) -> str:
     )
     return "\n".join(
         [
-            f"name = {json.dumps(f'Best for landers, {pattern.notation}', ensure_ascii=False)}",
+            f"name = {json.dumps(name, ensure_ascii=False)}",
             f"source = {json.dumps(source, ensure_ascii=False)}",
             f'figure = "{design.figure.name}"',
             "",
@@ -123,7 +125,7 @@ def rival_toml(rival: Constellation, design: Design, origin: str) -> str:
             f"planes = {pattern.planes}",
             f"phasing = {pattern.phasing}",
             f"inclination_deg = {np.degrees(pattern.inclination):.10g}",
-            f"radius_km = {float(rival.semi_major_axis[0]) / 1e3!r}",
+            f"radius_km = {radius_km!r}",
             "",
             "[coverage]",
             f"mask_deg = {float(np.degrees(design.mask.lowest)):.10g}",

@@ -228,3 +228,23 @@ def test_surface_quality_is_that_of_the_coverage_functions(monkeypatch):
     assert found["gdop"] == {"p50": 50, "p95": 95} and found["availability"] == 0.5
     none = judge_surface(pair, fold=3, figure=FIGURE, mask=Mask())
     assert none["mask_margin_deg"] is None
+
+
+def test_answers():
+    def figures(worst, share):
+        place = {
+            "latitude_deg": 1,
+            "longitude_deg": 2,
+            "azimuth_deg": 3,
+            "epoch_s": 3600,
+            "in_view": 4,
+        }
+        return {"worst_found": {"value": worst, **place}, "share_within_goal": share}
+
+    where = "m at latitude 1.0, longitude 2.0 deg, azimuth 3 deg, entry 1.00 h after the epoch"
+    for worst, share, said in (
+        (9.0, 1.0, f"yes; the worst that a search finds is 9.00 {where}, 4 in view at least"),
+        (11.0, 1.0, f"not quite: in all entries judged, but a search finds 11.00 {where}"),
+        (11.0, 0.9, f"no: not in 10 % of entries; worst 11.00 {where}"),
+    ):
+        assert ranking.answer(figures(worst, share), 10.0).startswith(said)
