@@ -75,3 +75,18 @@ SOLAR_DAY = Constant(
     "Allison and McEwen 2000, Planet. Space Sci. 48:215, doi 10.1016/S0032-0633(99)00092-6: "
     "mean solar day (sol) of Mars",
 )
+
+_SINCLAIR = "Sinclair 1989, Astron. Astrophys. 220:321 (orbital elements of Phobos and Deimos)"
+_IAU_NOMINAL = "Prsa et al. 2016, Astron. J. 152:41 (IAU 2015 Resolution B3), nominal value"
+_SI = "The International System of Units, 9th ed., 2019, BIPM: exact"
+
+PHOBOS_SEMI_MAJOR_AXIS = Constant(
+    9.37940e6, "m", 5.0, f"{_SINCLAIR}; half a unit of the last digit"
+)
+DEIMOS_SEMI_MAJOR_AXIS = Constant(
+    2.346113e7, "m", 5.0, f"{_SINCLAIR}; half a unit of the last digit"
+)
+SUN_RADIUS = Constant(6.957e8, "m", 0.0, _IAU_NOMINAL)
+ASTRONOMICAL_UNIT = Constant(1.495978707e11, "m", 0.0, "IAU 2012 Resolution B2: exact")
+SPEED_OF_LIGHT = Constant(299792458.0, "m/s", 0.0, _SI)
+BOLTZMANN = Constant(1.380649e-23, "J/K", 0.0, _SI)

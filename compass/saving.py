@@ -1,6 +1,7 @@
 """Writing results so that a killed run leaves the old file or the new one, never half of one."""
 
 import os
+import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -15,11 +16,14 @@ def check_writable(path: Path, inputs: Sequence[Path] = ()) -> None:
     Raises
     ------
     OutputError
-        The path is a directory, is one of the inputs, or its folder is missing or read-only.
+        The path is a directory or a device, is one of the inputs, or its folder is missing or
+        read-only.
     """
     folder = path.parent
     if path.is_dir():
         raise OutputError(f"{path}: is a directory; give a file name inside it")
+    if path.exists() and not path.is_file():
+        raise OutputError(f"{path}: is a device or the like, which would be lost; give a file name")
     for source in inputs:
         if path.exists() and source.exists() and path.samefile(source):
             raise OutputError(f"{path}: is the input itself; choose another output name")
@@ -46,3 +50,37 @@ def replacing(path: Path) -> Iterator[Path]:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def check_new_folder(path: Path) -> None:
+    """Refuse a folder to be made that is there already with something in it.
+
+    Raises
+    ------
+    OutputError
+        The path is a file or a folder in use, or its parent is missing or read-only.
+    """
+    if path.is_dir() and any(path.iterdir()):
+        raise OutputError(f"{path}: has files in it; give a new folder, or empty this one")
+    if path.exists() and not path.is_dir():
+        raise OutputError(f"{path}: is a file; give the name of a new folder")
+    if not path.is_dir():
+        check_writable(path)
+
+
+@contextmanager
+def making_folder(path: Path) -> Iterator[Path]:
+    """Yield a temporary folder beside `path`; on success rename it to `path`, else remove it."""
+    check_new_folder(path)
+    try:
+        temporary = Path(tempfile.mkdtemp(prefix=f".{path.name}-", dir=path.parent))
+        try:
+            yield temporary
+            mask = os.umask(0)
+            os.umask(mask)
+            temporary.chmod(0o777 & ~mask)
+            temporary.replace(path)
+        finally:
+            shutil.rmtree(temporary, ignore_errors=True)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from compass.errors import OutputError
-from compass.saving import check_writable, replacing
+from compass.saving import check_writable, making_folder, replacing
 
 
 def test_success_replaces_and_failure_leaves_the_old_file(tmp_path):
@@ -66,3 +66,39 @@ def test_unwritable_folder_is_refused(tmp_path, monkeypatch):
 def test_full_disk_is_said_plainly(tmp_path):
     with pytest.raises(OutputError, match="cannot be written: No space"), replacing(tmp_path / "x"):
         raise OSError(28, "No space left on device")
+
+
+def test_a_folder_comes_whole_or_not_at_all(tmp_path):
+    folder = tmp_path / "messages"
+    with pytest.raises(ZeroDivisionError, match="division"), making_folder(folder) as temporary:
+        (temporary / "one").write_text("half")
+        raise ZeroDivisionError("division")
+    assert list(tmp_path.iterdir()) == []
+    folder.mkdir()  # an empty one may be there
+    with making_folder(folder) as temporary:
+        (temporary / "one").write_text("x")
+        assert list(folder.iterdir()) == []
+    assert [path.name for path in folder.iterdir()] == ["one"]
+    mask = os.umask(0)
+    os.umask(mask)
+    assert folder.stat().st_mode & 0o777 == 0o777 & ~mask
+    with pytest.raises(OutputError, match="has files in it"), making_folder(folder):
+        raise AssertionError
+    assert list(tmp_path.iterdir()) == [folder]
+
+
+def test_a_folder_that_cannot_be_written_is_said(tmp_path):
+    with (
+        pytest.raises(OutputError, match="cannot be written: File name too long"),
+        making_folder(tmp_path / "messages") as temporary,
+    ):
+        (temporary / ("x" * 300)).write_text("x")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_device_is_not_replaced(tmp_path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    with pytest.raises(OutputError, match="is a device or the like"):
+        check_writable(pipe)
+    assert pipe.is_fifo()

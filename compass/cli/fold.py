@@ -46,6 +46,7 @@ def command(
         lowest_altitude,
     )
     from compass.coverage.region import GLOBE, read_region
+    from compass.coverage.share import mean_fold_shares
     from compass.coverage.symmetry import one_circle, shortest_span, unlike_subsets
     from compass.errors import ArgumentError
     from compass.inputs import read_design
@@ -83,6 +84,9 @@ def command(
     cap = covering_radius(c, fold, span=span).radius if region.is_globe and one_circle(c) else None
     margin = highest_mask(c, fold, sphere_radius=sphere, region=region, span=span)
     altitude = None if cap is None or not isfinite(cap) else lowest_altitude(cap, sphere, high)
+    shares = None
+    if region.is_globe and one_circle(c):
+        shares = mean_fold_shares(c, sphere_radius=sphere, mask=high, span=span)
     witness = certificate.witness if outcome == "refuted" else None
     found: list[list[Any]] = [
         [
@@ -120,6 +124,8 @@ def command(
         "reason": span.reason,
         "tolerance_rad": certificate.tolerance,
         "motion": "two-body",
+        "fold_share": None if shares is None else shares.share,
+        "fold_share_error": None if shares is None else shares.error,
         "min_fold_bounds": least,
         "max_fold_bounds": greatest,
         "after_losses": [
@@ -180,6 +186,15 @@ def _print(r: dict[str, Any]) -> None:
             ["lowest altitude at this mask", number(r["lowest_altitude_km"]), "km"],
         ],
     )
+    if r["fold_share"] is not None:
+        print_table(
+            "Share of area and time by fold",
+            [[k, f"{100 * part:.4f} %"] for k, part in enumerate(r["fold_share"]) if part > 0],
+        )
+        click.echo(
+            f"areas exact, integrated over time to {r['fold_share_error']:.1g}; with 4 in view "
+            "there are curves on which GDOP is infinite"
+        )
     for after in r["after_losses"]:
         rows = [
             [

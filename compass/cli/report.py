@@ -31,7 +31,7 @@ def command(design: Path, output: Path | None, step_deg: float, epochs: int, as_
     chosen = read_design(design)
     folder = output or Path("reports") / design.stem
     announce_compilation(say)
-    with tqdm(total=6, desc="report", unit="part", disable=None, leave=False) as bar:
+    with tqdm(total=8, desc="report", unit="part", disable=None, leave=False) as bar:
 
         def step(name: str) -> None:
             bar.set_postfix_str(name)

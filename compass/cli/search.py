@@ -51,15 +51,17 @@ def command(
     then largest mask margin. Exit status 1 if there is none.
     """
     import os
-    from math import radians
+    from math import degrees, radians
 
     from tqdm import tqdm
 
     from compass.errors import ArgumentError
     from compass.frames import FIGURES
+    from compass.handover.toml import constellation_toml
     from compass.orbits import areosynchronous_radius
     from compass.saving import check_writable, replacing
-    from compass.study.search import design_toml, search
+    from compass.sites import Mask
+    from compass.study.search import search
 
     given = [
         name
@@ -146,15 +148,15 @@ def command(
     if not found:
         raise click.exceptions.Exit(CLAIM_FAILS)
     if output is not None:
+        best = found[0]
+        text = constellation_toml(
+            best.constellation,
+            FIGURES[figure],
+            mask=Mask.constant(radians(mask_deg)),
+            fold=fold,
+            source=f"Smallest of its kind with continuous {fold}-fold coverage, found by: "
+            f"{command_line()}. Highest mask {degrees(best.mask_margin):.4f} deg.",
+        )
         with replacing(output) as temporary:
-            temporary.write_text(
-                design_toml(
-                    found[0],
-                    fold=fold,
-                    mask=radians(mask_deg),
-                    figure=figure,
-                    origin=command_line(),
-                ),
-                encoding="utf-8",
-            )
+            temporary.write_text(text, encoding="utf-8")
         say(f"wrote {output}")

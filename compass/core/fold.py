@@ -13,11 +13,12 @@ to (-2, 2]: it rises with the angle by 1/2 to 1 a radian, and needs no trigonome
 Rounding. The products u_j.p on circle i carry an error below 30 unit roundoffs: 3 for the
 product that gives g, 9 each for those with the two frame vectors (3, and 6 in the vectors), and
 the scaling and summing of the three terms. The quotient that gives the ends of an interval adds
-less than 10, in the same measure. `PRODUCT_SLACK`, 64 of them, moves every cap to its safe side
-first; what remains (a root of a product, a rotation, one quotient) is a few roundoffs of angle,
-under `ANGLE_SLACK`. With ``certain`` caps shrink by both, so the depth is never above the true
-one; without, they grow, and it is never below. Where the two differ, circles meet in a point to
-within rounding, and the truth lies between.
+less than 10 in the same measure, the cosine of a cap from its radius some 5. `PRODUCT_SLACK`,
+64 of them, moves every cap to its safe side first; what remains (a root of a product, a
+rotation, one quotient) is a few roundoffs of angle, under `ANGLE_SLACK`. With ``certain`` caps
+shrink by both, so the depth is never above the true one; without, they grow, and it is never
+below. Where the two differ, circles meet in a point to within rounding, and the truth lies
+between.
 """
 
 import math
@@ -111,12 +112,12 @@ def _sort(place, step, events):
 
 
 @kernel
-def _sweep(u, cosine, skip, caps, cosines, region, floors, low, certain, place, step):
-    """Extreme depth of the caps but `skip` along a circle inside the region: depth, place, width.
+def arc_events(u, cosine, skip, caps, cosines, region, floors, low, certain, place, step):
+    """Where along a circle caps but `skip`, and parts of the region, are entered and left.
 
-    `low` picks the least depth, else the greatest; `certain` as in `extreme_fold`. Place and
-    width are diamond angles of the widest such arc; the depth is past `OUTSIDE` if no arc is
-    inside the region.
+    Fills `place` with diamond angles and `step` with the change of depth there, sorted, and
+    returns the depth just before the first and their number. The depth is the fold, negative
+    unless `low`, plus `OUTSIDE` for every part of the region that does not hold.
     """
     sign = 1 if low else -1
     a, b = circle_frame(u)
@@ -177,9 +178,24 @@ def _sweep(u, cosine, skip, caps, cosines, region, floors, low, certain, place, 
         place[events], step[events] = start, weight
         place[events + 1], step[events + 1] = stop, -weight
         events += 2
+    _sort(place, step, events)
+    return base, events
+
+
+@kernel
+def _sweep(u, cosine, skip, caps, cosines, region, floors, low, certain, place, step):
+    """Extreme depth of the caps but `skip` along a circle inside the region: depth, place, width.
+
+    `low` picks the least depth, else the greatest; `certain` as in `extreme_fold`. Place and
+    width are diamond angles of the widest such arc; the depth is past `OUTSIDE` if no arc is
+    inside the region.
+    """
+    base, events = arc_events(
+        u, cosine, skip, caps, cosines, region, floors, low, certain, place, step
+    )
+    sign = 1 if low else -1
     if events == 0:
         return base * sign, 0.0, 4.0
-    _sort(place, step, events)
     # first the arc across place 2, before the first event and after the last
     best = base
     width = place[0] + 4.0 - place[events - 1]

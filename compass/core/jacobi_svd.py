@@ -15,6 +15,9 @@ import numpy as np
 
 from compass.core.jit import fast_kernel
 
+#: Columns whose squared norm is below this are zero: rounding has left them nothing else.
+LEAST_SQUARE = 1e-200
+
 
 @fast_kernel
 def jacobi_svd(columns, values, vectors):
@@ -43,12 +46,14 @@ def jacobi_svd(columns, values, vectors):
                     alpha += columns[i, k] * columns[i, k]
                     beta += columns[j, k] * columns[j, k]
                     gamma += columns[i, k] * columns[j, k]
+                if alpha < LEAST_SQUARE or beta < LEAST_SQUARE:
+                    continue
                 # orthogonal to a few roundings of the dot product
                 if not abs(gamma) > 1e-15 * math.sqrt(alpha) * math.sqrt(beta):
                     continue
                 turned = True
                 zeta = (beta - alpha) / (2.0 * gamma)
-                t = math.copysign(1.0, zeta) / (abs(zeta) + math.sqrt(1.0 + zeta * zeta))
+                t = math.copysign(1.0, zeta) / (abs(zeta) + math.hypot(1.0, zeta))
                 c = 1.0 / math.sqrt(1.0 + t * t)
                 s = c * t
                 for k in range(m):

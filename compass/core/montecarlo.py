@@ -208,7 +208,8 @@ def track(algorithm, settings, belief, x0, bank_angles, beacons, alive, trace):
             p[BANK] = bank_angles[k - 1]
             for i in range(arrived.size):
                 arrived[i] = trace.arrived[k, i] or belief.trusts
-            epoch = Epoch(p, beacons[k], trace.z[k], arrived, alive[k])
+            gate = settings.gate if k * settings.dt >= settings.gate_start else math.inf
+            epoch = Epoch(p, beacons[k], trace.z[k], arrived, alive[k], gate)
             if not step(algorithm, settings, epoch, bank, work):
                 return k
         trace.x[k] = bank.x

@@ -171,4 +171,4 @@ def worst_radius(orbits, poles, gm, spin, k, start, stop, tolerance, limit, max_
         stack[depth, 0], stack[depth, 1] = middle, right
         stack[depth + 1, 0], stack[depth + 1, 1] = left, middle
         depth += 2
-    return least, max(least, most), when, point, nodes
+    return least, min(max(least, most), math.pi), when, point, nodes

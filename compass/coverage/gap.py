@@ -183,13 +183,17 @@ def spherical_polygon(outline: NDArray[np.float64]) -> "MultiPolygon":
     lat = np.degrees(np.append(latitude, latitude[0]))
     lon = np.degrees(np.unwrap(np.append(longitude, longitude[0])))
     turns = round((lon[-1] - lon[0]) / 360.0)
+    world = box(-180, -90, 180, 90)
     if turns:  # around a pole: +1 eastwards is the north pole, to the left
         pole = 90.0 * turns
+        # three times around, so that no seam but the world's edge is left
+        lon = np.concatenate([lon - 360.0 * turns, lon[1:], lon[1:] + 360.0 * turns])
+        lat = np.concatenate([lat, lat[1:], lat[1:]])
         lon = np.concatenate([lon, [lon[-1], lon[0]]])
         lat = np.concatenate([lat, [pole, pole]])
     shape = Polygon(np.column_stack([lon, lat])).buffer(0)
-    world = box(-180, -90, 180, 90)
-    parts = [translate(shape, xoff=360.0 * k).intersection(world) for k in range(-2, 3)]
+    copies = [0] if turns else range(-2, 3)
+    parts = [translate(shape, xoff=360.0 * k).intersection(world) for k in copies]
     whole = unary_union([part for part in parts if part.area > 0])
     return whole if isinstance(whole, MultiPolygon) else MultiPolygon([whole])
 

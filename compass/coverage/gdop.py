@@ -163,15 +163,16 @@ def gdop_availability(
     seed: int = 1,
     levels: int = 3,
     start: int = 10,
-) -> tuple[Estimate, Estimate]:
-    """Shares of area and time with GDOP at or below a threshold, and with exactly four in view.
+) -> Estimate:
+    """Share of area and time with GDOP at or below a threshold.
 
-    Where exactly four satellites are in view there are curves on which GDOP is infinite.
+    Where exactly four satellites are in view there are curves on which GDOP is infinite; how
+    much of area and time that is, `compass.coverage.share` tells exactly.
     """
     span = span or shortest_span(constellation)
-    available, four = [], []
+    available = []
     for sequence in np.random.SeedSequence(seed).spawn(repetitions):
-        gdop, fold, weight = gdop_samples(
+        gdop, _, weight = gdop_samples(
             constellation,
             95.0,
             sphere_radius=sphere_radius,
@@ -182,8 +183,7 @@ def gdop_availability(
             start=start,
         )
         available.append(float(weight[gdop <= threshold].sum()))
-        four.append(float(weight[fold == 4].sum()))
-    return _mean(available), _mean(four)
+    return _mean(available)
 
 
 def _mean(values: list[float]) -> Estimate:

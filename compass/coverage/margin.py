@@ -170,6 +170,7 @@ def after_losses(
     mask: float = 0.0,
     region: Region = GLOBE,
     duration: float | None = None,
+    tolerance: float = 1e-4,
     progress: Callable[[Sequence[Any]], Any] = iter,
 ) -> list[Loss]:
     """Exact least fold after every loss of `losses` satellites, the most harmful first.
@@ -187,6 +188,8 @@ def after_losses(
         Fold for which the needed cap radius is found.
     duration
         As in `shortest_span`.
+    tolerance
+        To what the cap radii are found, radians.
     progress
         Wraps the list of sets, as tqdm does.
 
@@ -205,7 +208,7 @@ def after_losses(
         )
         radius = None
         if region.is_globe and one_circle(left):
-            radius = covering_radius(left, fold, span=span, tolerance=1e-4).radius
+            radius = covering_radius(left, fold, span=span, tolerance=tolerance).radius
         names = tuple(constellation.satellite_names[s] for s in subset)
         found.append(Loss(names, kinds[subset], least, radius))
     return sorted(found, key=lambda loss: (loss.least, -(loss.radius or 0.0), loss.satellites))

@@ -112,6 +112,9 @@ class FilterSettings:
         Smallest weight that a covariance is divided by.
     gate_sigma
         Innovations larger than this many of their own sigma are refused.
+    gate_start
+        Seconds from which on the gate is shut. A filter that starts far off claims too much after
+        its first linear update; a gate would then refuse what could mend it.
     iterations
         Most relinearisations of ``iterated``.
     """
@@ -130,6 +133,7 @@ class FilterSettings:
     scale: ArrayLike | None = None
     weight_floor: float = 1e-3
     gate_sigma: float = inf
+    gate_start: float = 0.0
     iterations: int = 5
 
     def __post_init__(self) -> None:
@@ -233,6 +237,7 @@ class FilterSettings:
             r_range=np.asarray(self.range_variance, dtype=float),
             scale=scale,
             gate=self.gate_sigma**2,
+            gate_start=float(self.gate_start),
             weighting=_WEIGHTINGS[self.chosen_weighting],
             floor=self.weight_floor,
             iterations=self.iterations,

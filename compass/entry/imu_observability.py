@@ -66,9 +66,10 @@ def imu_range_matrix(
 
 def singular_values(matrix: Array) -> tuple[Array, Array]:
     """Singular values, descending, and right singular vectors (columns), each to rounding."""
-    values, vectors = np.empty(matrix.shape[1]), np.empty((matrix.shape[1],) * 2)
-    jacobi_svd(matrix.copy(), values, vectors)
-    return values, vectors
+    n = matrix.shape[1]
+    values, rows = np.empty(n), np.empty((n, n))
+    jacobi_svd(np.array(matrix.T, order="C"), values, rows)
+    return values, rows.T
 
 
 def observability_degree(matrix: Array) -> float:

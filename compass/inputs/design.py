@@ -9,13 +9,18 @@ from typing import Any
 
 import numpy as np
 
+from compass.access.radio import Radio
+from compass.access.survey import Wanted
+from compass.bodies import SOLAR_DAY
 from compass.errors import ArgumentError
 from compass.frames import FIGURES, Figure, planetocentric_latitude, seconds_past_j2000
 from compass.inputs.faults import fault
 from compass.inputs.models import (
+    AccessTable,
     CoverageTable,
     DesignFile,
     ElementsTable,
+    LinkTable,
     RosetteTable,
     StationTable,
 )
@@ -55,6 +60,14 @@ class Design:
         Satellites that must be in view at once.
     stations
         Named sites.
+    access
+        What to link besides.
+    access_duration
+        Span over which to look for access, seconds.
+    conjunction
+        Sun-Earth-Mars angle below which links to the Earth are lost, radians.
+    radios
+        Radio links.
     text, digest
         The file's text and its SHA-256 in hexadecimal, for provenance.
     label
@@ -69,6 +82,10 @@ class Design:
     mask: Mask
     fold: int
     stations: tuple[Site, ...]
+    access: Wanted
+    access_duration: float
+    conjunction: float
+    radios: tuple[Radio, ...]
     text: str
     digest: str
     label: str
@@ -98,6 +115,10 @@ def read_design_text(text: str, label: str = "design") -> Design:
         mask=_mask(file.coverage),
         fold=file.coverage.fold,
         stations=tuple(_site(station, figure) for station in file.station),
+        access=_wanted(file.access),
+        access_duration=file.access.duration_sols * SOLAR_DAY.value,
+        conjunction=float(np.radians(file.access.conjunction_deg)),
+        radios=tuple(_radio(link) for link in file.link),
         text=text,
         digest=hashlib.sha256(text.encode()).hexdigest(),
         label=label,
@@ -180,6 +201,23 @@ def _site(table: StationTable, figure: Figure) -> Site:
     )
 
 
+def _wanted(table: AccessTable) -> Wanted:
+    return Wanted(
+        tuple(table.moons), table.earth, table.crosslinks, table.atmosphere_height_km * KM
+    )
+
+
+def _radio(table: LinkTable) -> Radio:
+    one, two = table.between
+    return Radio(
+        (one, two),
+        table.frequency_mhz * 1e6,
+        table.eirp_dbw,
+        table.g_over_t_db_per_k,
+        table.required_cn0_dbhz,
+    )
+
+
 def cross_faults(raw: dict[str, Any]) -> list[str]:
     """Faults between fields of a design, found on the raw tables, whatever is in them."""
     figure_name = raw.get("figure", "iau-sphere")
@@ -193,10 +231,18 @@ def cross_faults(raw: dict[str, Any]) -> list[str]:
             faults += _pattern_faults(table) + _orbit_faults(table, figure)
     if isinstance(raw.get("coverage"), dict):
         faults += _horizon_faults(raw["coverage"], "coverage")
-    stations = raw.get("station")
+    stations, names = raw.get("station"), set()
     for k, station in enumerate(stations if isinstance(stations, list) else [], start=1):
         if isinstance(station, dict):
             faults += _horizon_faults(station, f"station[{k}]")
+            name = station.get("name")
+            if isinstance(name, str) and name in names:
+                faults.append(fault(f"station[{k}].name", name, "used twice; rename one"))
+            names.add(name if isinstance(name, str) else None)
+    access = raw.get("access")
+    moons = access.get("moons") if isinstance(access, dict) else None
+    if isinstance(moons, list) and len(moons) == 2 and moons[0] == moons[1]:
+        faults.append(fault("access.moons", moons, "names a moon twice; keep one"))
     epoch = raw.get("epoch")
     if isinstance(epoch, datetime) and epoch.tzinfo is not None:
         faults.append(

@@ -118,6 +118,7 @@ def _plan(scenario: "Scenario", table: FusionTable) -> FusionPlan:
             scale=SCALE[:n] if table.scaled_weights else None,
             weight_floor=table.weight_floor,
             gate_sigma=table.gate_sigma or np.inf,
+            gate_start=table.gate_start_s,
         )
         for algorithm in table.filters
     )

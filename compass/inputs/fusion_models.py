@@ -73,6 +73,9 @@ class FusionTable(Table):
     gate_sigma: Positive | None = Field(
         None, description="innovations beyond this many sigma are refused; none if left out"
     )
+    gate_start_s: float = Field(
+        0.0, ge=0, description="when the gate is first shut, s: after the filters have settled"
+    )
     p0_si: StateVariances = Field(
         description="variances of the start: 6, 8 or 11 numbers in m, rad, m/s, then ln rho0, L/D, "
         "then accelerometer biases"

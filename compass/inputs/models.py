@@ -111,6 +111,45 @@ class StationTable(Table):
     )
 
 
+NodeKind = Literal["station", "satellite", "moon", "earth"]
+
+
+class AccessTable(Table):
+    """What to link for `compass access`, beside the stations."""
+
+    duration_sols: float = Field(
+        10.0, gt=0, le=1000, description="span from the epoch, above 0 to 1000 sols"
+    )
+    moons: list[Literal["phobos", "deimos"]] = Field(
+        default_factory=list, max_length=2, description="moons to link with"
+    )
+    earth: bool = Field(False, description="whether to link with the Earth")
+    crosslinks: bool = Field(False, description="whether to link satellites with each other")
+    atmosphere_height_km: float = Field(
+        0.0, ge=0, le=1000, description="height that rays off the surface keep, 0 to 1000 km"
+    )
+    conjunction_deg: float = Field(
+        2.0,
+        ge=0,
+        le=90,
+        description="Sun-Earth-Mars angle below which links to the Earth are lost, 0 to 90 degrees",
+    )
+
+
+class LinkTable(Table):
+    """A radio link between two kinds of nodes."""
+
+    between: Annotated[list[NodeKind], Field(min_length=2, max_length=2)] = Field(
+        description='two of "station", "satellite", "moon", "earth"'
+    )
+    frequency_mhz: float = Field(gt=0, le=1e6, description="carrier, MHz")
+    eirp_dbw: float = Field(ge=-100, le=200, description="radiated power of the sender, dBW")
+    g_over_t_db_per_k: float = Field(ge=-100, le=100, description="G/T of the receiver, dB/K")
+    required_cn0_dbhz: float = Field(
+        30.0, ge=-50, le=200, description="C/N0 at which the link is usable, dB Hz"
+    )
+
+
 class DesignFile(Table):
     """A whole design file."""
 
@@ -133,4 +172,10 @@ class DesignFile(Table):
     )
     station: list[StationTable] = Field(
         default_factory=list, max_length=1000, description="one [[station]] a place"
+    )
+    access: AccessTable = Field(
+        default_factory=lambda: AccessTable.model_validate({}), description="what to link"
+    )
+    link: list[LinkTable] = Field(
+        default_factory=list, max_length=100, description="one [[link]] a kind of radio link"
     )

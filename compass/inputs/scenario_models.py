@@ -93,7 +93,9 @@ class EntryTable(Table):
         None, description="velocity relative to the rotating planet, Mars-fixed axes, m/s"
     )
     duration_s: float = Field(gt=0, le=1e5, description="how long to fly, s")
-    step_s: float = Field(1.0, gt=0, le=100, description="time between outputs and filter steps, s")
+    step_s: float = Field(
+        1.0, gt=0, le=30, description="time between outputs, and the filter's Runge-Kutta step, s"
+    )
 
 
 class TriggerTable(Table):

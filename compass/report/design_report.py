@@ -9,7 +9,9 @@ import numpy as np
 from compass.coverage.geometry import pattern_geometry
 from compass.coverage.site import site_coverage
 from compass.inputs import Design
+from compass.report.access import access_section
 from compass.report.coverage import fold_pictures, map_figure, map_pictures
+from compass.report.fold import fold_section
 from compass.report.orbits import cap_picture, gap_shapes, orbit_picture, track_picture
 from compass.report.page import render
 from compass.report.section import Picture, Section, Table, picture
@@ -45,7 +47,9 @@ def design_report(
         ("constellation", lambda: _constellation(design)),
         ("geometry", lambda: _geometry(design)),
         ("coverage pictures", lambda: _coverage(design, mapped)),
+        ("continuous fold", lambda: fold_section(design)),
         ("stations", lambda: _stations(design, mapped)),
+        ("access", lambda: access_section(design)),
         ("comparison", lambda: _comparison(design)),
     ):
         progress(name)
@@ -217,12 +221,14 @@ def _comparison(design: Design) -> Section | None:
         return None
     module = import_module(f"compass.reproduce.{design.paper}")
     rows = tuple(
-        (r.where, r.item, r.published or "–", r.computed, r.unit, r.verdict) for r in module.rows()
+        (r.where, r.item, r.published or "–", r.computed, r.unit, r.verdict)
+        for r in module.coverage_rows()
     )
     header = ("where", "item", "published", "computed", "unit", "verdict")
     text = (
-        "Every number of the paper beside the computed one. Reproduced: equal to the printed "
-        "digits. Erratum: the paper's number is wrong, and why."
+        "The paper's numbers on geometry and coverage beside the computed ones. Reproduced: equal "
+        "to the printed digits. Erratum: the paper's number is wrong, and why. Population and "
+        f"stations' access: compass reproduce {design.paper}."
     )
     table = Table(module.TITLE, header, rows)
     return Section("Published against computed", (text,), (), (table,))

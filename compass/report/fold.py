@@ -7,7 +7,9 @@ from numpy.typing import NDArray
 
 from compass.coverage.certificate import prove_fold
 from compass.coverage.fold import caps_of, fold_extremes
+from compass.coverage.gdop import gdop_availability, gdop_percentile
 from compass.coverage.margin import CoveringRadius, covering_radius, highest_mask
+from compass.coverage.share import mean_fold_shares
 from compass.coverage.symmetry import Span, one_circle, shortest_span
 from compass.coverage.witness import Witness
 from compass.frames import direction, latitude_longitude, mcmf_from_mci, prime_meridian_angle
@@ -60,6 +62,7 @@ def fold_section(design: Design, *, inclinations: int = 46, moments: int = 400) 
             ("highest mask", "none" if margin is None else float(np.degrees(margin)), "deg"),
         ),
     )
+    tables = (table, _quality(c, sphere, mask, span)) if one_circle(c) else (table,)
     pictures = [
         _refuted(c, sphere, mask, witness)
         if witness
@@ -68,7 +71,27 @@ def fold_section(design: Design, *, inclinations: int = 46, moments: int = 400) 
     ]
     if c.pattern is not None and one_circle(c):
         pictures.append(_margin_by_inclination(c, c.pattern, design.fold, sphere, inclinations))
-    return Section("Exact fold and margins", (text,), tuple(pictures), (table,))
+    return Section("Exact fold and margins", (text,), tuple(pictures), tables)
+
+
+def _quality(c: Constellation, sphere: float, mask: float, span: Span) -> Table:
+    """Shares of area and time by fold, and GDOP, each with its error."""
+    shares = mean_fold_shares(c, sphere_radius=sphere, mask=mask, span=span)
+    rows: list[tuple[object, ...]] = [
+        (f"exactly {k} in view", 100 * float(part), 100 * shares.error, "% of area-time")
+        for k, part in enumerate(shares.share)
+        if part > 0
+    ]
+    p95 = gdop_percentile(c, 95.0, sphere_radius=sphere, mask=mask, span=span)
+    six = gdop_availability(c, 6.0, sphere_radius=sphere, mask=mask, span=span)
+    if np.isfinite(p95.value):
+        rows.append(("GDOP, 95th percentile", p95.value, p95.error, ""))
+    rows.append(("GDOP of 6 or less", 100 * six.value, 100 * six.error, "% of area-time"))
+    return Table(
+        "Fold and GDOP over area and time",
+        ("quantity", "value", "error", "unit"),
+        tuple(rows),
+    )
 
 
 def _refuted(c: Constellation, sphere: float, mask: float, witness: Witness) -> Picture:

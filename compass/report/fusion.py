@@ -126,6 +126,8 @@ def fusion_tables(found: FusionRuns) -> tuple[Table, ...]:
                 )
             )
     tables.append(_miss_table(found))
+    if any(np.isfinite(settings.gate_sigma) for settings in found.plan.filters):
+        tables.append(_refused_table(found))
     return tuple(tables)
 
 
@@ -160,6 +162,20 @@ def _miss_table(found: FusionRuns) -> Table:
     )
 
 
+def _refused_table(found: FusionRuns) -> Table:
+    """Say what the gate refused, as a share of all epochs: the filters' own fault report."""
+    runs = found.faulty or found.clear
+    first = next(iter(runs.values()))
+    return Table(
+        "Measurements refused by the gate, % of epochs",
+        ("filter", *first.sensor.values.tolist()),
+        tuple(
+            (name, *(100 * float(share) for share in data.refused[1:].mean("time")))
+            for name, data in runs.items()
+        ),
+    )
+
+
 def fusion_facts(found: FusionRuns) -> dict[str, Any]:
     """Results as plain values for JSON."""
     case = found.plan.case
@@ -172,6 +188,9 @@ def fusion_facts(found: FusionRuns) -> dict[str, Any]:
             "nees_95": [data.attrs["nees_low"], data.attrs["nees_high"]],
             "within_3_sigma": dict(
                 zip(data.state.values.tolist(), data.capture[1:].mean("time").values, strict=True)
+            ),
+            "refused_share": dict(
+                zip(data.sensor.values.tolist(), data.refused[1:].mean("time").values, strict=True)
             ),
             "runs": data.attrs["runs"],
             "diverged": data.attrs["diverged"],

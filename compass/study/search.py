@@ -145,13 +145,16 @@ def search(
         raise ArgumentError(f"mask_deg = {np.degrees(mask):g}: allowed 0 up to below 90")
     cap = float(cap_radius(radius, sphere_radius, mask))
     makers = list(patterns(kind, largest, radius, smallest=fold + 1))
-    with ThreadPoolExecutor(workers) as pool:
+    pool = ThreadPoolExecutor(workers)
+    try:
         work = pool.map(lambda make: _best(make, fold, cap, sphere_radius), makers)
         found = [c for c in progress(work, total=len(makers)) if c is not None]
         found.sort(key=lambda c: (c.constellation.size, -round(c.mask_margin, 9)))
         best = list(
             pool.map(lambda c: _examine(c, fold, mask, sphere_radius), found[: max(finalists, 0)])
         )
+    finally:
+        pool.shutdown(cancel_futures=True)  # an interrupted search does not finish its list first
     return best + found[len(best) :]
 
 
@@ -163,7 +166,8 @@ def _best(
     inclination = optimal_inclination(start, fold, cap)
     if inclination is None:
         return None
-    rounded = np.radians(round(np.degrees(inclination), 2) + np.array([-0.01, 0.0, 0.01]))
+    degrees = np.round(np.degrees(inclination) + np.array([-0.01, 0.0, 0.01]), 2)
+    rounded = np.radians(degrees)
     tried = [make(float(i)) for i in rounded if 0 <= i <= np.pi / 2]
     radii = [covering_radius(c, fold).radius for c in tried]
     chosen = int(np.argmin(radii))
@@ -182,7 +186,7 @@ def optimal_inclination(
     Only the pattern of the constellation matters, not its inclination. The caps are proven to
     be within 0.07 degree of the smallest at any inclination, and lie at a local minimum to
     `resolution` (radians; by default 0.003 degree) in inclination. None if they must be larger
-    than `limit` everywhere.
+    than `limit` everywhere, or come within 0.07 degree of it and no more.
     """
     span = shortest_span(constellation)
     rate = constellation.mean_motion[0]
@@ -227,53 +231,3 @@ def _examine(candidate: Candidate, fold: int, mask: float, sphere_radius: float)
     certificate = prove_fold(c, fold, sphere_radius=sphere_radius, mask=mask)
     p95 = gdop_percentile(c, 95.0, sphere_radius=sphere_radius, mask=mask).value
     return replace(candidate, proven=certificate.outcome == "proven", gdop_p95=p95)
-
-
-def design_toml(candidate: Candidate, *, fold: int, mask: float, figure: str, origin: str) -> str:
-    """Design file of a candidate, for the other commands to read.
-
-    Parameters
-    ----------
-    candidate
-        One of `search`.
-    fold, mask
-        As searched for; the mask in radians.
-    figure
-        Name of the reference figure.
-    origin
-        The command line that found it.
-    """
-    import json
-
-    pattern = candidate.constellation.pattern
-    assert pattern is not None
-    third = (
-        f"phasing = {pattern.phasing}"
-        if pattern.multiplier is None
-        else f'multiplier = "{pattern.multiplier}"'
-    )
-    radius_km = candidate.constellation.semi_major_axis[0] / 1e3
-    source = (
-        f"Smallest of its kind with continuous {fold}-fold coverage, found by: {origin}. "
-        f"Highest mask {np.degrees(candidate.mask_margin):.4f} deg."
-    )
-    return "\n".join(
-        [
-            f"name = {json.dumps(pattern.notation, ensure_ascii=False)}",
-            f"source = {json.dumps(source, ensure_ascii=False)}",
-            f'figure = "{figure}"',
-            "",
-            "[constellation]",
-            f'pattern = "{pattern.kind}"',
-            f"satellites = {pattern.satellites}",
-            f"planes = {pattern.planes}",
-            third,
-            f"inclination_deg = {np.degrees(pattern.inclination):.2f}",
-            f"radius_km = {float(radius_km)!r}",
-            "",
-            "[coverage]",
-            f"mask_deg = {float(np.degrees(mask)):.10g}",
-            f"fold = {fold}",
-            "",
-        ]
-    )

@@ -105,7 +105,9 @@ def test_a_start_just_over_the_ground_has_nothing_to_navigate(coarse):
         assert "nothing to navigate" in str(result.exception)
 
 
-@pytest.mark.parametrize("what", ["ground", "orbiters", "directions"])
+@pytest.mark.parametrize(
+    "what", [pytest.param("ground", marks=pytest.mark.slow), "orbiters", "directions"]
+)
 def test_optimize(coarse, tmp_path, what):
     name = "entry-orbiters" if what == "orbiters" else "entry-ground-beacons"
     path = coarse(

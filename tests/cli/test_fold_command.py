@@ -74,6 +74,8 @@ def test_proven_is_0_and_the_json_is_complete(design):
     } <= set(found)
     assert found["for_all_time"] is True
     assert found["min_fold"] == 1
+    assert sum(found["fold_share"]) == pytest.approx(1.0)
+    assert found["fold_share"][0] == 0.0
     assert found["witness"] is None
     assert 0 < found["mask_margin_deg"] < 30
     (after,) = found["after_losses"]

@@ -32,7 +32,11 @@ def one_pattern(monkeypatch):
         "optimal_inclination",
         lambda _c, _fold, limit: None if limit < 1.2 else np.radians(43.66),
     )
-    monkeypatch.setattr(module, "covering_radius", partial(module.covering_radius, tolerance=1e-3))
+    for name, cheaper in (
+        ("covering_radius", {"tolerance": 1e-3}),
+        ("gdop_percentile", {"start": 3, "levels": 1, "repetitions": 2}),
+    ):
+        monkeypatch.setattr(module, name, partial(getattr(module, name), **cheaper))
 
 
 def test_smallest_is_written_as_a_design(one_pattern, tmp_path):

@@ -57,7 +57,7 @@ def run(filter_settings: FilterSettings, count, z=Z, arrived=None, alive=None, a
     for k in range(1, count + 1):
         here = np.ones(7, bool) if arrived is None else arrived[k]
         works = np.ones(4, bool) if alive is None else alive[k]
-        epoch = Epoch(belief.p, CASE.beacons.r[k], z[k], here, works)
+        epoch = Epoch(belief.p, CASE.beacons.r[k], z[k], here, works, kernel_settings.gate)
         ok = ok and steps.step(number, kernel_settings, epoch, bank, work)
     return bank, ok
 
@@ -202,6 +202,40 @@ def test_a_subsystem_comes_back(algorithm):
     assert after.weights.sum() == pytest.approx(1.0)
 
 
+def test_without_feedback_a_subsystem_comes_back_from_the_fused_estimate():
+    alive = np.ones((301, 4), bool)
+    alive[2:4, 1] = False
+    before, _ = run(paper.recommended_filter("ci"), 3, NOISY, alive=alive)
+    after, _ = run(paper.recommended_filter("ci"), 4, NOISY, alive=alive)
+    _, s, belief = paper.recommended_filter("ekf").kernel_arguments(1.0)
+    work = make_work(8, 8, 4, 7)
+    only_its_own = np.array([True, True, True, False, True, False, False])
+    epoch = Epoch(belief.p, CASE.beacons.r[4], NOISY[4], only_its_own, np.ones(4, bool), np.inf)
+    assert steps.step(steps.EKF, s, epoch, before, work)
+    sigma = np.sqrt(np.diag(before.P))
+    assert np.abs((after.local_x[1] - before.x) / sigma).max() < 1e-9
+
+
+@pytest.mark.parametrize("bad", [-1.0, np.nan])
+@pytest.mark.parametrize("algorithm", range(7))
+def test_a_covariance_that_is_none_is_said(algorithm, bad):
+    bank, ok = run(paper.recommended_filter("ekf"), 1, NOISY, algorithm=algorithm)
+    assert ok
+    _, s, belief = paper.recommended_filter("dcifaif").kernel_arguments(1.0)
+    for matrix in (bank.P, bank.local_cov, bank.Y):
+        matrix *= bad
+    works, here = np.ones(4, bool), np.ones(7, bool)
+    epoch = Epoch(belief.p, CASE.beacons.r[2], NOISY[2], here, works, np.inf)
+    assert not steps.step(algorithm, s, epoch, bank, make_work(8, 8, 4, 7))
+
+
+def test_an_information_filter_needs_a_covariance_to_start_from():
+    _, s, belief = paper.recommended_filter("intermittent").kernel_arguments(1.0)
+    bank, work = make_bank(8, 8, 4), make_work(8, 8, 4, 7)
+    start_bank(bank, belief.x0, 0 * belief.p0)
+    assert not steps.start(steps.INFORMATION, s, bank, work)
+
+
 @pytest.mark.parametrize("rule", sorted(RULES))
 def test_every_weighting_gives_a_sound_estimate(rule):
     bank, ok = run(paper.recommended_filter("ci-feedback", weighting=rule), 3, NOISY)
@@ -341,5 +375,5 @@ def test_information_step_is_stone_soup_s(seed):
 
 def _settings(n, q, r):
     return Settings(
-        n, False, 1.0, q, np.asarray(r), np.empty(0), np.full(n, 0.5), np.inf, EQUAL, 1e-3, 1
+        n, False, 1.0, q, np.asarray(r), np.empty(0), np.full(n, 0.5), np.inf, 0.0, EQUAL, 1e-3, 1
     )

@@ -245,3 +245,23 @@ def test_rosettes_are_proven_like_the_deltas_they_are():
     masks = (20 * DEGREE, 30 * DEGREE)
     outcomes = [[prove_fold(x, 1, sphere_radius=R, mask=m).outcome for m in masks] for x in (c, d)]
     assert outcomes == [["proven", "refuted"]] * 2
+
+
+@pytest.mark.slow
+def test_draims_four_satellites_cover_the_planet():
+    """Draim 1987: four eccentric orbits of one period suffice for single coverage, always."""
+    k = np.arange(4)
+    c = from_elements(
+        24453e3,
+        0.263,
+        31.3 * DEGREE,
+        k * 90 * DEGREE,
+        np.where(k % 2, 90, 270) * DEGREE,
+        -k * 90 * DEGREE,
+    )
+    found = prove_fold(c, 1, sphere_radius=3396.19e3)
+    assert found.outcome == "proven"
+    assert found.span.for_all_time
+    assert (random_view(c, 0.0, found.span, 20000) >= 0).sum(axis=1).min() >= 1
+    # one satellite fewer, or circles, do not
+    assert prove_fold(c.without([3]), 1, sphere_radius=3396.19e3).outcome == "refuted"

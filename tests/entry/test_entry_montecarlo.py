@@ -105,6 +105,14 @@ def test_a_silent_bias_is_caught_by_the_gate_and_reported():
     assert gated.position_rmse[-1] < 0.2 * blind.position_rmse[-1]
 
 
+def test_the_gate_is_open_until_it_is_shut():
+    faults = [Fault("bias", "orbiter 2", 3, size=5000.0)]
+    late = EKF.changed(gate_sigma=5.0, gate_start=5.0)
+    data = monte_carlo(SHORT, late, 4, faults=faults)
+    assert not data.refused[:5].any()
+    assert data.refused[5:].any()
+
+
 def test_a_run_that_diverges_is_told_and_the_others_go_on():
     trusting = paper.recommended_filter("information")
     faults = [Fault("all-ranges-lost", start=3)]

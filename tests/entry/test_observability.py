@@ -71,7 +71,8 @@ def test_table_6_integral(world, table5, orbiter_beacons, omega):
 
     model = world("coriolis" if omega else "none")
     flight = fly(model, table5, np.arange(241.0))
-    found = observability(model, flight.states, orbiter_beacons(omega))
+    # the index needs the zeroth order alone
+    found = observability(model, flight.states, orbiter_beacons(omega), orders=1)
     assert found.index[0] == pytest.approx(0.942924962767, abs=1e-11)
     published = 236.8509921 if omega else 236.0080511
     assert simpson(found.index, x=flight.times) == pytest.approx(published, abs=1e-6)
@@ -80,7 +81,7 @@ def test_table_6_integral(world, table5, orbiter_beacons, omega):
 def test_index_is_the_sum_over_triples(world, ground_flight):
     lat, lon = np.radians([[-25.8, -82.7], [-28.6, -82.2], [-25.6, -73.4], [-27.0, -78.0]]).T
     beacons = surface_beacons(lat, lon, ground_flight.times, planet_radius=RADIUS)
-    found = observability(world(), ground_flight.states, beacons)
+    found = observability(world(), ground_flight.states, beacons, orders=1)
     line = cartesian_of(ground_flight.states)[:, None, :3] - beacons.r
     n = line / np.linalg.norm(line, axis=2, keepdims=True)
     triples = [(0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3)]
@@ -88,17 +89,22 @@ def test_index_is_the_sum_over_triples(world, ground_flight):
     np.testing.assert_allclose(found.index, total, rtol=1e-10)
 
 
-def test_turning_everything_about_the_pole_changes_nothing(world, ground_flight, ground_beacons):
-    states = ground_flight.states.copy()
-    states[:, 1] += 1.0
+def test_turning_everything_about_the_pole_changes_nothing(world, ground_flight):
+    states = ground_flight.states[::40]
+    turned = states + np.array([0, 1.0, 0, 0, 0, 0, 0, 0])
     lat, lon = np.radians([[-25.8, -82.7], [-28.6, -82.2], [-25.6, -73.4]]).T
-    turned = surface_beacons(lat, lon + 1.0, ground_flight.times, planet_radius=RADIUS)
+    times = ground_flight.times[::40]
     for scaling in ("si", "nondimensional"):
-        a = observability(world(), ground_flight.states, ground_beacons, scaling=scaling)
-        b = observability(world(), states, turned, scaling=scaling)
+        a, b = (
+            observability(
+                world(), x, surface_beacons(lat, y, times, planet_radius=RADIUS), scaling=scaling
+            )
+            for x, y in ((states, lon), (turned, lon + 1.0))
+        )
         np.testing.assert_allclose(a.singular_values, b.singular_values, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_threads_and_order_of_beacons_change_nothing(world, ground_flight, ground_beacons):
     one = observability(world(), ground_flight.states, ground_beacons, threads=1)
     four = observability(world(), ground_flight.states, ground_beacons, threads=4)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from compass.inputs import read_design_text
+from compass.inputs import read_design, read_design_text
 from compass.report.fold import _neighbours, fold_section
 
 PATTERN = """
@@ -19,13 +19,12 @@ fold = {fold}
 """
 
 ELEMENTS = """
-name = "two"
+name = "two opposite circles"
 [constellation]
 pattern = "elements"
 [[constellation.satellite]]
 name = "A"
 semi_major_axis_km = 12000
-eccentricity = 0.3
 inclination_deg = 60
 [[constellation.satellite]]
 name = "B"
@@ -60,9 +59,16 @@ def test_a_refuted_design_shows_its_witness():
     assert "too few" in found.pictures[0].caption
 
 
-@pytest.mark.parametrize("fold", [1])
-def test_explicit_ellipses_have_no_curve_over_inclination(fold):
-    found = section(ELEMENTS, fold=fold)
+def test_explicit_orbits_have_no_curve_over_inclination():
+    found = section(ELEMENTS, fold=1)
+    assert len(found.pictures) == 2
+
+
+@pytest.mark.slow
+def test_ellipses_have_no_shares_and_no_smallest_cap(designs):
+    found = fold_section(read_design(designs / "draim-four.toml"), moments=6)
+    assert "proven" in found.paragraphs[0]
+    assert len(found.tables) == 1
     assert len(found.pictures) == 2
 
 

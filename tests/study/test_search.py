@@ -1,5 +1,7 @@
 """Search: known minima, brute force over inclination, order, and the written design."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -8,12 +10,10 @@ from compass.coverage.cap import cap_radius
 from compass.coverage.certificate import prove_fold
 from compass.coverage.margin import covering_radius
 from compass.errors import ArgumentError
-from compass.inputs import read_design_text
 from compass.orbits import areosynchronous_radius, positions_mci, walker_delta
 from compass.study import search as module
 from compass.study.search import (
     closest_approach,
-    design_toml,
     optimal_inclination,
     patterns,
     search,
@@ -50,6 +50,9 @@ def test_counts_of_patterns():
 def test_a_pattern_at_its_best(monkeypatch):
     # Ballard 1980, Table I: (5, 5, 1) at 43.66 deg needs caps of 69.15 deg
     monkeypatch.setattr(module, "patterns", only(five, three))
+    # a coarse GDOP: the kernels are slow when interpreted
+    coarse = partial(module.gdop_percentile, start=3, levels=1, repetitions=2)
+    monkeypatch.setattr(module, "gdop_percentile", coarse)
     seen = []
 
     def progress(work, total):
@@ -135,22 +138,6 @@ def test_closest_approach_against_positions():
         closest_approach(walker_delta(6, 6, 0, inclination=1.5707963267948966, radius=RADIUS))
         < 1e-7
     )
-
-
-@pytest.mark.parametrize("kind", ["walker-delta", "walker-star", "rosette"])
-def test_the_design_file_says_the_same(kind):
-    make = list(patterns(kind, 6, RADIUS, smallest=6))[-2]
-    c = make(np.radians(61.25))
-    candidate = module.Candidate(c, 1.0, 0.25, 0.3)
-    text = design_toml(
-        candidate, fold=3, mask=np.radians(5.0), figure="iau-sphere", origin="compass search"
-    )
-    read = read_design_text(text)
-    assert read.constellation.raan == pytest.approx(c.raan)
-    assert read.constellation.mean_anomaly == pytest.approx(c.mean_anomaly)
-    assert read.constellation.semi_major_axis == pytest.approx(c.semi_major_axis, rel=1e-15)
-    assert np.degrees(read.constellation.inclination[0]) == pytest.approx(61.25)
-    assert (read.fold, read.mask.highest) == (3, pytest.approx(np.radians(5.0)))
 
 
 @pytest.mark.parametrize(

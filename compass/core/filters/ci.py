@@ -19,11 +19,13 @@ def ci_step(settings, epoch, bank, work):
     m, any_alive = epoch.alive.size, False
     for i in range(m):
         if not epoch.alive[i]:
+            bank.waiting[i] = True
             continue
         any_alive = True
-        if bank.weights[i] < 0.0:  # was dead
+        if bank.waiting[i]:
             bank.local_x[i] = bank.x
             bank.local_cov[i] = bank.P
+            bank.waiting[i] = False
         predict_state(settings, epoch.p, bank.local_x[i], work)
         propagate(work.phi, bank.local_cov[i], work.a)
         add_noise(bank.local_cov[i], settings.q, 1.0)

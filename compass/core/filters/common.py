@@ -24,7 +24,8 @@ class Settings(NamedTuple):
     `states` n is 6, 8 or 11; `linear` carries rho0 instead of its logarithm; `q` (n,) is the
     process noise variance of one step; `r_acc` (3,) and `r_range` (m,) the variances of the
     measurements; `scale` (n,) the size of each state in which information is weighed; `gate`
-    the largest squared innovation over its variance that is believed (inf: all);
+    the largest squared innovation over its variance that is believed (inf: all), from `gate_start`
+    seconds on;
     `weighting` and `floor` the rule of the fusion weights and their smallest value;
     `iterations` the relinearisations of the iterated filter.
     """
@@ -37,6 +38,7 @@ class Settings(NamedTuple):
     r_range: Array
     scale: Array
     gate: float
+    gate_start: float
     weighting: int
     floor: float
     iterations: int
@@ -46,8 +48,8 @@ class Epoch(NamedTuple):
     """What one step is given.
 
     Parameters `p` of the dynamics (filter's side), `beacons` (m, 3) at the new epoch, the
-    measurements `z` (3 + m,), which of them `arrived` (3 + m,), and which subsystems are
-    `alive` (m,).
+    measurements `z` (3 + m,), which of them `arrived` (3 + m,), which subsystems are `alive` (m,),
+    and the `gate` in force.
     """
 
     p: Array
@@ -55,13 +57,15 @@ class Epoch(NamedTuple):
     z: Array
     arrived: NDArray[np.bool_]
     alive: NDArray[np.bool_]
+    gate: float
 
 
 class Bank(NamedTuple):
     """Estimates: fused `x` (8 or 11,) and `P` (n, n); those of m subsystems; weights (m,).
 
     `Y` (n, n) is the information matrix, scaled, of the filters that carry one instead of P.
-    `gated` (3 + m,) says which rows the gate refused at this step (by any subsystem).
+    `gated` (3 + m,) says which rows the gate refused at this step (by any subsystem), `waiting`
+    (m,) which subsystems without feedback are dead.
     """
 
     x: Array
@@ -71,6 +75,7 @@ class Bank(NamedTuple):
     local_cov: Array
     weights: Array
     gated: NDArray[np.bool_]
+    waiting: NDArray[np.bool_]
 
 
 class Work(NamedTuple):
@@ -110,6 +115,7 @@ def make_bank(n, size, subsystems):
         np.zeros((subsystems, n, n)),
         np.full(subsystems, 1.0 / max(subsystems, 1)),
         np.zeros(ACCELERATIONS + subsystems, dtype=np.bool_),
+        np.zeros(subsystems, dtype=np.bool_),
     )
 
 
@@ -154,6 +160,7 @@ def start_bank(bank, x0, p0):
         bank.local_cov[i] = p0
         bank.weights[i] = 1.0 / m
     bank.gated[:] = False
+    bank.waiting[:] = False
 
 
 @fast_kernel
@@ -250,13 +257,13 @@ def choose_rows(settings, epoch, bank, cov, only, work):
     for i in range(arrived.size):
         mine = i < ACCELERATIONS or only < 0 or i - ACCELERATIONS == only
         used[i] = mine and arrived[i]
-    if settings.gate < math.inf:
+    if epoch.gate < math.inf:
         for i in range(arrived.size):
             if used[i]:
                 noise = row_noise(settings.r_acc, settings.r_range, i)
                 residual = epoch.z[i] - work.h[i]
                 variance = innovation_variance(cov, work.big_h, i, noise)
-                if not residual * residual <= settings.gate * variance:
+                if not residual * residual <= epoch.gate * variance:
                     used[i] = False
                     bank.gated[i] = True
 

@@ -77,7 +77,7 @@ def information_step(settings, epoch, bank, work):
     if not predict_information(settings, bank.Y, work):
         return False
     linearise(settings, epoch, bank.x, work)
-    if settings.gate < math.inf and not covariance(settings, bank, work):
+    if epoch.gate < math.inf and not covariance(settings, bank, work):
         return False
     choose_rows(settings, epoch, bank, bank.P, -1, work)
     if not add_information(settings, epoch.z, bank, work):

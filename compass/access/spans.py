@@ -1,0 +1,50 @@
+"""Sets of time spans: any of, all of, at least k of, none of.
+
+A set is an array of starts and ends, shape (n, 2), seconds, in order and not overlapping.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+Spans = NDArray[np.float64]
+
+
+def at_least(k: int, sets: Sequence[Spans]) -> Spans:
+    """Return the times covered by at least k of the sets; spans that touch become one."""
+    if k <= 0:
+        raise ValueError(f"k = {k}: at least 1 set must be asked for")
+    total = sum(len(s) for s in sets)
+    if not total:
+        return np.empty((0, 2))
+    times = np.concatenate([s.T.ravel() for s in sets])
+    steps = np.concatenate([np.repeat([1, -1], len(s)) for s in sets])
+    order = np.lexsort((-steps, times))  # at one time, what begins comes before what ends
+    times, covered = times[order], np.cumsum(steps[order])
+    inside = covered >= k
+    begins = np.flatnonzero(inside & ~np.concatenate([[False], inside[:-1]]))
+    ends = np.flatnonzero(~inside & np.concatenate([[False], inside[:-1]]))
+    found = np.stack([times[begins], times[ends]], axis=1)
+    return found[found[:, 1] > found[:, 0]]
+
+
+def any_of(sets: Sequence[Spans]) -> Spans:
+    """Return the times covered by any of the sets."""
+    return at_least(1, sets)
+
+
+def all_of(sets: Sequence[Spans]) -> Spans:
+    """Return the times covered by all of the sets: a chain of links is up when each link is."""
+    return at_least(len(sets), sets)
+
+
+def outside(spans: Spans, duration: float) -> Spans:
+    """Return the times from 0 to `duration` that a set does not cover: its gaps."""
+    edges = np.concatenate([[0.0], spans.ravel(), [duration]]).reshape(-1, 2)
+    return edges[edges[:, 1] > edges[:, 0]]
+
+
+def total(spans: Spans) -> float:
+    """Return the time that a set covers, seconds."""
+    return float((spans[:, 1] - spans[:, 0]).sum())

@@ -1,0 +1,1 @@
+"""A constellation handed over to other programs: one file a format."""

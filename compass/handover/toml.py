@@ -1,0 +1,177 @@
+"""Design files: a constellation written down so that reading it gives the same one back."""
+
+import json
+from collections.abc import Callable, Iterable
+from datetime import timedelta
+
+import numpy as np
+
+from compass.errors import ArgumentError
+from compass.frames import J2000, Figure
+from compass.inputs import Design
+from compass.inputs.design import KM
+from compass.orbits import Constellation, areosynchronous_radius
+from compass.sites import Mask, Site
+
+_NO_MASK = Mask()
+
+
+def design_toml(design: Design) -> str:
+    """Design file of a design: the same constellation, mask, fold and stations.
+
+    Stations get planetocentric latitudes; comments of the file it was read from are lost.
+    """
+    return constellation_toml(
+        design.constellation,
+        design.figure,
+        mask=design.mask,
+        fold=design.fold,
+        source=design.source,
+        paper=design.paper,
+        stations=design.stations,
+    )
+
+
+def constellation_toml(
+    constellation: Constellation,
+    figure: Figure,
+    *,
+    mask: Mask = _NO_MASK,
+    fold: int = 4,
+    source: str = "",
+    paper: str | None = None,
+    stations: Iterable[Site] = (),
+) -> str:
+    """Design file of a constellation.
+
+    Angles and lengths are the shortest decimals of degrees and kilometres that read back as the
+    same radians and metres. Some numbers have none; those change by one part in 10^16, once:
+    what was read from a file is always written so that it reads the same. A pattern's
+    phasing is reduced to 0 ... planes - 1: the same satellites, numbered anew.
+
+    Parameters
+    ----------
+    constellation
+        The orbits.
+    figure
+        Reference figure of Mars.
+    mask, fold, source, paper, stations
+        As in `inputs.Design`.
+
+    Raises
+    ------
+    ArgumentError
+        A gravitational parameter other than Mars's, which a design file cannot say.
+    """
+    c = constellation
+    standard = Constellation.__dataclass_fields__["gm"].default
+    if c.gm != standard:
+        raise ArgumentError(
+            f"gm = {c.gm!r} m^3/s^2: a design file is about Mars, {standard!r}; "
+            "make the constellation with that"
+        )
+    lines = [f"name = {_text(c.name)}"]
+    if source:
+        lines.append(f"source = {_text(source)}")
+    if paper is not None:
+        lines.append(f"paper = {_text(paper)}")
+    lines.append(f"figure = {_text(figure.name)}")
+    if c.epoch:
+        epoch = J2000 + timedelta(seconds=c.epoch)
+        lines.append(f"epoch = {epoch.isoformat()} # TDB")
+    lines += ["", "[constellation]"]
+    lines += _elements(c) if c.pattern is None else _pattern(c, figure)
+    lines += ["", "[coverage]", *_mask(mask), f"fold = {fold}"]
+    for site in stations:
+        lines += [
+            "",
+            "[[station]]",
+            f"name = {_text(site.name)}",
+            f"latitude_deg = {_degrees(site.latitude)}",
+            f"longitude_deg = {_degrees(site.longitude)}",
+            f"height_km = {_kilometres(site.height)}",
+            *_mask(site.mask),
+        ]
+    return "\n".join([*lines, ""])
+
+
+def _pattern(c: Constellation, figure: Figure) -> list[str]:
+    pattern = c.pattern
+    assert pattern is not None
+    third = (
+        f"phasing = {pattern.phasing % pattern.planes}"
+        if pattern.multiplier is None
+        else f'multiplier = "{pattern.multiplier}"'
+    )
+    return [
+        f"pattern = {_text(pattern.kind)}",
+        f"satellites = {pattern.satellites}",
+        f"planes = {pattern.planes}",
+        third,
+        f"inclination_deg = {_degrees(pattern.inclination)}",
+        _orbit(float(c.semi_major_axis[0]), figure),
+    ]
+
+
+def _orbit(radius: float, figure: Figure) -> str:
+    """Radius of a pattern's orbits; its altitude where only that gives the same number back."""
+    if radius == areosynchronous_radius():
+        return 'orbit = "areosynchronous"'
+    surface = figure.equatorial_radius
+    altitude = _decimal((radius - surface) / KM, lambda km: km * KM + surface, radius)
+    if float(_kilometres(radius)) * KM != radius == float(altitude) * KM + surface:
+        return f"altitude_km = {altitude}"
+    return f"radius_km = {_kilometres(radius)}"
+
+
+def _elements(c: Constellation) -> list[str]:
+    lines = ['pattern = "elements"']
+    for k, name in enumerate(c.satellite_names):
+        lines += [
+            "",
+            "[[constellation.satellite]]",
+            f"name = {_text(name)}",
+            f"semi_major_axis_km = {_kilometres(c.semi_major_axis[k])}",
+            f"eccentricity = {_number(c.eccentricity[k])}",
+            f"inclination_deg = {_degrees(c.inclination[k])}",
+            f"raan_deg = {_degrees(c.raan[k])}",
+            f"argument_of_periapsis_deg = {_degrees(c.argument_of_periapsis[k])}",
+            f"mean_anomaly_deg = {_degrees(c.mean_anomaly[k])}",
+        ]
+    return lines
+
+
+def _mask(mask: Mask) -> list[str]:
+    if mask.azimuth == (0.0,):
+        return [f"mask_deg = {_degrees(mask.lowest)}"]
+    pairs = zip(mask.azimuth, mask.elevation, strict=True)
+    return [f"horizon_deg = [{', '.join(f'[{_degrees(a)}, {_degrees(e)}]' for a, e in pairs)}]"]
+
+
+def _text(text: str) -> str:
+    """TOML string; one of several lines keeps them."""
+    lines = [json.dumps(line, ensure_ascii=False)[1:-1] for line in text.split("\n")]
+    escaped = "\n".join(lines).replace("\x7f", "\\u007f")  # JSON allows DEL, TOML does not
+    return f'"""\n{escaped}"""' if len(lines) > 1 else f'"{escaped}"'
+
+
+def _degrees(radians: float) -> str:
+    return _decimal(np.degrees(radians), np.radians, radians)
+
+
+def _kilometres(metres: float) -> str:
+    return _decimal(metres / KM, lambda km: km * KM, metres)
+
+
+def _decimal(value: float, back: Callable[[float], float], wanted: float) -> str:
+    """Shortest decimal near `value` that `back` takes to `wanted` exactly; else the nearest."""
+    near = [float(value)]
+    for _ in range(4):
+        near = [np.nextafter(near[0], -np.inf), *near, np.nextafter(near[-1], np.inf)]
+    rounded = [float(f"{value:.{digits}g}") for digits in range(1, 17)]
+    tried = [*rounded, *near]
+    return _number(min(tried, key=lambda x: (abs(back(x) - wanted), len(repr(float(x))))))
+
+
+def _number(value: float) -> str:
+    return repr(float(value)).removesuffix(".0")

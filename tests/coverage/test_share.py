@@ -1,0 +1,86 @@
+"""Areas by fold: exact identities, known areas, samples, and the seed design's mean fold."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from compass.core.area import areas_by_fold, triangle
+from compass.coverage.share import fold_shares, mean_fold_shares
+from compass.coverage.symmetry import Span
+from compass.orbits import walker_delta
+
+
+def random_caps(seed, n):
+    rng = np.random.default_rng(seed)
+    u = rng.normal(size=(n, 3))
+    return u / np.linalg.norm(u, axis=1, keepdims=True), rng.uniform(0.1, 3.0, n)
+
+
+def test_an_octant_is_an_eighth():
+    assert triangle(*np.eye(3)) == pytest.approx(np.pi / 2)
+    assert triangle(*np.eye(3)[::-1]) == pytest.approx(-np.pi / 2)
+
+
+@settings(deadline=None, max_examples=25)
+@given(seed=st.integers(0, 10**6), n=st.integers(0, 9))
+def test_shares_sum_to_one_and_to_the_caps(seed, n):
+    u, radius = random_caps(seed, n)
+    share = fold_shares(u, radius)
+    assert share.sum() == pytest.approx(1.0, abs=1e-12)
+    assert share.min() >= -1e-12
+    # every place counts each cap that covers it once: the mean fold is the caps' total area
+    total = ((1 - np.cos(radius)) / 2).sum()
+    assert share @ np.arange(n + 1) == pytest.approx(total, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_against_samples(seed):
+    u, radius = random_caps(seed, 6)
+    p = np.random.default_rng(9).normal(size=(40000, 3))
+    p /= np.linalg.norm(p, axis=1, keepdims=True)
+    fold = (p @ u.T >= np.cos(radius)).sum(axis=1)
+    # five standard deviations of a share of at most one half
+    assert fold_shares(u, radius) == pytest.approx(
+        np.bincount(fold, minlength=7) / fold.size, abs=5 * 0.5 / 200
+    )
+
+
+def test_known_areas():
+    assert fold_shares([[0, 0, 1.0], [0, 0, -1.0]], np.pi / 3) == pytest.approx([0.5, 0.5, 0.0])
+    # three right angles: the octants of three hemispheres
+    assert fold_shares(np.eye(3), np.pi / 2) == pytest.approx([1 / 8, 3 / 8, 3 / 8, 1 / 8])
+    assert fold_shares([[0, 0, 1.0], [1.0, 0, 0]], [4.0, 0.0]) == pytest.approx([0, 1.0, 0])
+
+
+def test_a_sliver_that_rounds_below_zero_is_none():
+    # greatest fold claimed one too high: the area asked for is that of nothing
+    areas = areas_by_fold(np.array([[0, 0, 1.0], [0, 0, -1.0]]), np.cos([0.5, 0.5]), 0, 2)
+    assert areas == pytest.approx([4 * np.pi, 4 * np.pi * (1 - np.cos(0.5)), 0.0])
+
+
+@pytest.mark.slow
+def test_mean_fold_of_the_seed_design():
+    # 15 caps of 41.687 % (specification, section 1)
+    c = walker_delta(15, 5, 1, inclination=np.radians(45), radius=20427e3)
+    found = mean_fold_shares(c, sphere_radius=3396.2e3)
+    assert found.share @ np.arange(16) == pytest.approx(15 * 0.416870, abs=2e-5)
+    assert found.share.nonzero()[0].tolist() == [4, 5, 6, 7, 8, 9]
+    assert found.error < 2e-6
+    times = np.linspace(0, 88642.0, 301)[:-1]
+    sampled = np.mean(
+        [
+            mean_fold_shares(c, sphere_radius=3396.2e3, span=Span(t, t, False, "")).share
+            for t in times
+        ],
+        axis=0,
+    )
+    assert found.share == pytest.approx(sampled, abs=2e-4)
+
+
+def test_shares_over_time_sum_to_one():
+    c = walker_delta(4, 2, 1, inclination=1.0, radius=20428e3)
+    found = mean_fold_shares(c, sphere_radius=3396.2e3, tolerance=1e-2)
+    assert found.share.sum() == pytest.approx(1.0, abs=1e-9)
+    cap = np.arccos(3396.2 / 20428)
+    assert found.share @ np.arange(5) == pytest.approx(4 * (1 - np.cos(cap)) / 2, abs=1e-9)

@@ -1,0 +1,180 @@
+"""Design files written and read again: the identical constellation."""
+
+import dataclasses
+from fractions import Fraction
+from math import gcd
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compass.errors import ArgumentError
+from compass.frames import FIGURES
+from compass.handover.toml import constellation_toml, design_toml
+from compass.inputs import read_design, read_design_text
+from compass.orbits import areosynchronous_radius, from_elements, rosette, walker_delta, walker_star
+from compass.sites import Mask
+
+IAU = FIGURES["iau-sphere"]
+SAME = ("name", "epoch", "satellite_names", "pattern", "gm")
+ELEMENTS = ("semi_major_axis", "eccentricity", "inclination", "raan", "argument_of_periapsis",
+            "mean_anomaly")  # fmt: skip
+
+# any text that a file in UTF-8 can hold
+texts = st.text(st.characters(exclude_categories=["Cs"]), min_size=1, max_size=40)
+degrees = st.floats(-720, 720) | st.integers(-360, 360).map(float)
+inclinations = st.floats(0, 180) | st.integers(0, 18000).map(lambda n: n / 100)
+kilometres = st.floats(3397.0, 1e5) | st.integers(3397, 10**5).map(float)
+epochs = st.floats(-1e9, 1e9).map(lambda s: round(s, 6)) | st.just(0.0)
+
+
+def assert_identical(one, other):
+    for field in SAME:
+        assert getattr(one, field) == getattr(other, field)
+    for field in ELEMENTS:
+        np.testing.assert_array_equal(getattr(one, field), getattr(other, field))
+
+
+def assert_once_written_always_the_same(constellation):
+    """One reading may round the last digit; from then on nothing changes."""
+    first = read_design_text(constellation_toml(constellation, IAU)).constellation
+    for field in ELEMENTS:
+        np.testing.assert_allclose(
+            getattr(first, field), getattr(constellation, field), rtol=4.5e-16, atol=0
+        )
+    again = read_design_text(constellation_toml(first, IAU)).constellation
+    assert_identical(first, again)
+    return first
+
+
+@st.composite
+def patterns(draw):
+    """Patterns as files make them, of degrees and kilometres."""
+    kind = draw(st.sampled_from(["walker-delta", "walker-star", "rosette"]))
+    planes, per_plane = draw(st.integers(1, 7)), draw(st.integers(1, 5))
+    t = planes * per_plane
+    options = {
+        "inclination": float(np.radians(draw(inclinations))),
+        "radius": draw(
+            kilometres.map(lambda km: km * 1e3)
+            | kilometres.map(lambda km: km * 1e3 + IAU.equatorial_radius)
+            | st.just(areosynchronous_radius())
+        ),
+        "name": draw(texts),
+        "epoch": draw(epochs),
+    }
+    if kind == "rosette":
+        steps = draw(st.integers(0, 2 * t).filter(lambda c: gcd(c, per_plane) == 1))
+        return rosette(t, planes, Fraction(steps * planes, t), **options)
+    make = walker_delta if kind == "walker-delta" else walker_star
+    return make(t, planes, draw(st.integers(0, planes - 1)), **options)
+
+
+@given(patterns())
+def test_patterns_round_trip(constellation):
+    text = constellation_toml(constellation, IAU)
+    assert_identical(constellation, read_design_text(text).constellation)
+
+
+@given(
+    st.lists(
+        st.tuples(kilometres, st.floats(0, 0.9), inclinations, degrees, degrees, degrees),
+        min_size=1,
+        max_size=4,
+    ),
+    st.lists(texts, min_size=4, max_size=4, unique=True),
+    texts,
+    epochs,
+)
+def test_explicit_elements_round_trip(satellites, names, name, epoch):
+    a, e, *angles = np.array(satellites).T
+    c = from_elements(
+        a * 1e3 / (1 - e),
+        e,
+        *(np.radians(angle) for angle in angles),
+        name=name,
+        epoch=epoch,
+        satellite_names=names[: len(a)],
+    )
+    read = assert_once_written_always_the_same(c)
+    assert (read.name, read.satellite_names, read.epoch) == (name, c.satellite_names, epoch)
+    for field in ("eccentricity", "inclination", "raan"):  # from degrees: nothing is rounded
+        np.testing.assert_array_equal(getattr(read, field), getattr(c, field))
+
+
+@given(st.floats(0, np.pi), st.floats(3.4e6, 1e8))
+def test_any_radians_and_metres_settle_at_once(inclination, radius):
+    assert_once_written_always_the_same(
+        walker_delta(6, 3, 2, inclination=inclination, radius=radius)
+    )
+
+
+def test_every_design_of_the_repository_round_trips(designs):
+    read = [read_design(p) for p in sorted(designs.glob("*.toml"))
+            if "[constellation]" in p.read_text()]  # fmt: skip
+    assert len(read) >= 6
+    for design in read:
+        again = read_design_text(design_toml(design))
+        assert_identical(design.constellation, again.constellation)
+        for field in ("name", "source", "paper", "figure", "mask", "fold"):
+            assert getattr(design, field) == getattr(again, field)
+        for one, other in zip(design.stations, again.stations, strict=True):
+            assert dataclasses.replace(one, latitude=0.0) == dataclasses.replace(
+                other, latitude=0.0
+            )
+            assert one.latitude == pytest.approx(other.latitude, rel=4.5e-16, abs=0)
+
+
+def test_the_file_reads_well():
+    c = walker_delta(12, 4, 1, inclination=np.radians(61.25), radius=20428e3, name="Twelve")
+    horizon = Mask((0.0, float(np.radians(180))), tuple(np.radians([5.0, 12.5]).tolist()))
+    text = constellation_toml(c, IAU, mask=horizon, fold=3, source='two\nlines "quoted" \\ \x7f')
+    assert text == (
+        'name = "Twelve"\n'
+        'source = """\ntwo\nlines \\"quoted\\" \\\\ \\u007f"""\n'
+        'figure = "iau-sphere"\n\n'
+        '[constellation]\npattern = "walker-delta"\nsatellites = 12\nplanes = 4\nphasing = 1\n'
+        "inclination_deg = 61.25\nradius_km = 20428\n\n"
+        "[coverage]\nhorizon_deg = [[0, 5], [180, 12.5]]\nfold = 3\n"
+    )
+    read = read_design_text(text)
+    assert (read.mask, read.source) == (horizon, 'two\nlines "quoted" \\ \x7f')
+
+
+def test_orbits_are_said_as_a_reader_would():
+    def orbit(radius):
+        c = walker_delta(3, 1, 0, inclination=0.0, radius=radius)
+        return constellation_toml(c, IAU).split("inclination_deg = 0\n")[1].split("\n")[0]
+
+    assert orbit(areosynchronous_radius()) == 'orbit = "areosynchronous"'
+    assert orbit(20427e3) == "radius_km = 20427"
+    # between 4096 and 4194.3 km doubles of kilometres are twice as coarse as those of metres
+    surface = IAU.equatorial_radius
+    wanted = [a / 10 * 1e3 + surface for a in range(7100, 7900)]
+    reached = [any(km * 1e3 == r for km in neighbours(r / 1e3)) for r in wanted]
+    assert not all(reached)
+    for radius, by_radius in zip(wanted, reached, strict=True):
+        assert orbit(radius).startswith("radius_km" if by_radius else "altitude_km")
+
+
+def neighbours(value):
+    return value + np.spacing(value) * np.arange(-4, 5)
+
+
+def test_phasings_beyond_the_planes_are_the_same_satellites():
+    c = walker_delta(15, 5, 7, inclination=0.7, radius=2e7)
+    read = read_design_text(constellation_toml(c, IAU)).constellation
+    assert read.pattern.phasing == 2
+    places = [
+        sorted((round(node, 9), round(float(np.mod(m, 2 * np.pi)), 9))
+               for node, m in zip(x.raan.tolist(), x.mean_anomaly.tolist(), strict=True))
+        for x in (c, read)
+    ]  # fmt: skip
+    assert places[0] == places[1]
+
+
+def test_another_planet_is_refused():
+    c = walker_delta(3, 1, 0, inclination=0.0, radius=2e7, gm=3.986e14)
+    with pytest.raises(ArgumentError, match="a design file is about Mars"):
+        constellation_toml(c, IAU)

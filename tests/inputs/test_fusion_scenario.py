@@ -1,0 +1,225 @@
+"""The fusion part of scenarios: read, flown, reported; faults of the file said clearly."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from compass.cli.main import program
+from compass.errors import DesignError
+from compass.inputs.fusion import fusion_plan
+from compass.inputs.scenario import read_scenario, read_scenario_text
+from compass.report.fusion import fusion_facts, fusion_section
+from compass.reproduce import lou2017_case, lou2019_case
+from compass.study.fusion import run_fusion
+
+DESIGNS = Path(__file__).parents[2] / "designs"
+
+
+def text_of(name, seconds=8, **changes):
+    text = (DESIGNS / f"{name}.toml").read_text()
+    text = re.sub(r"duration_s = \d+", f"duration_s = {seconds}", text)
+    text = text.replace("start_s = 200", "start_s = 5")
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new)
+    return text
+
+
+def plan_of(name, seconds=8, changes=()):
+    text = text_of(name, seconds)
+    for old, new in changes:
+        assert old in text, old
+        text = text.replace(old, new)
+    return fusion_plan(read_scenario_text(text, "x.toml", DESIGNS))
+
+
+@pytest.mark.parametrize(
+    ("name", "case", "settings"),
+    [
+        (
+            "lou2019-published",
+            lou2019_case.case(bias=-0.03),
+            lou2019_case.published_filter("ekf"),
+        ),
+        (
+            "lou2019-printed-point",
+            lou2019_case.case(lou2019_case.PRINTED_POINT, bias=-0.03),
+            lou2019_case.published_filter("ekf", lou2019_case.PRINTED_POINT),
+        ),
+        (
+            "lou2019-recommended",
+            lou2019_case.case(noisy_truth=True),
+            lou2019_case.recommended_filter("ekf"),
+        ),
+        (
+            "lou2017-published",
+            lou2017_case.case(),
+            lou2017_case.six_state_filter("intermittent"),
+        ),
+        ("lou2017-recommended", lou2017_case.case(), lou2017_case.recommended_filter("ekf")),
+    ],
+)
+def test_scenarios_are_the_papers_entries(name, case, settings):
+    plan = fusion_plan(read_scenario(DESIGNS / f"{name}.toml"))
+    np.testing.assert_allclose(plan.case.nominal, case.nominal, rtol=1e-12)
+    np.testing.assert_allclose(plan.case.beacons.r, case.beacons.r, atol=1e-3)
+    np.testing.assert_allclose(plan.case.range_sigma, case.range_sigma, rtol=1e-12)
+    np.testing.assert_array_equal(plan.case.process_noise, case.process_noise)
+    assert plan.case.imu == case.imu
+    if case.arrival is not None:
+        np.testing.assert_allclose(plan.case.arrival, case.arrival, rtol=1e-6)
+    mine, theirs = plan.filters[0], settings
+    np.testing.assert_allclose(mine.full_start, theirs.full_start, rtol=1e-12)
+    np.testing.assert_allclose(mine.covariance, theirs.covariance, rtol=1e-12)
+    np.testing.assert_array_equal(mine.process_noise, theirs.process_noise)
+    np.testing.assert_allclose(mine.acceleration_variance, theirs.acceleration_variance, rtol=1e-12)
+    np.testing.assert_allclose(mine.range_variance, theirs.range_variance, rtol=1e-12)
+    np.testing.assert_allclose(mine.model.parameters(), theirs.model.parameters(), rtol=1e-12)
+    assert mine.random_start == theirs.random_start
+    assert mine.published_linear_density == theirs.published_linear_density
+    np.testing.assert_allclose(mine.parameter_sigma, theirs.parameter_sigma, rtol=1e-12)
+
+
+def test_scenarios_without_fusion_have_no_plan():
+    assert fusion_plan(read_scenario(DESIGNS / "entry-orbiters.toml")) is None
+
+
+def test_a_plan_is_flown_and_reported():
+    gate = [("[fusion]\n", "[fusion]\ngate_sigma = 8\n"), ('"ekf", "iterated", ', '"ekf", ')]
+    found = run_fusion(plan_of("lou2019-recommended", changes=gate), 2, progress=False)
+    assert set(found.clear) == {"ekf", "federated", "ci-feedback", "dcifaif", "ci"}
+    assert not found.faulty["ekf"].arrival.sel(sensor="orbiter 2")[5:].any()
+    section = fusion_section(found)
+    stems = [image.stem for image in section.pictures]
+    assert stems == [
+        "fusion-rmse",
+        "fusion-errors",
+        "fusion-nees",
+        "fusion-errors-fault",
+        "fusion-weights",
+    ]
+    assert all(image.png.startswith(b"\x89PNG") for image in section.pictures)
+    titles = [table.title for table in section.tables]
+    assert titles[-1] == "Measurements refused by the gate, % of epochs"
+    assert "The fault: outage of orbiter 2 from 5 s on." in section.paragraphs
+    facts = fusion_facts(found)
+    assert facts["visible_epochs"]["surface 1"] == 9
+    assert facts["filters"]["ekf"]["runs"] == 2
+    assert len(list(found.groups())) == 20
+
+
+def test_plasma_and_hidden_beacons_are_told():
+    changes = [
+        ("altitude", "altitude"),
+        (
+            'filters = ["ekf", "intermittent", "information", "dcifaif"]',
+            'filters = ["information"]',
+        ),
+        (
+            'kind = "all-ranges-lost"',
+            'kind = "spike"\nbeacon = "orbiter 3"\nstart_s = 3\nsize_m = 9',
+        ),
+    ]
+    changes = changes[1:]
+    found = run_fusion(plan_of("lou2017-recommended", 46, changes), 1, progress=False)
+    section = fusion_section(found)
+    assert section.paragraphs[0] == "Beacon orbiter 1: in line of sight at 44 of 47 epochs."
+    assert section.paragraphs[1].startswith("The plasma dims the ranges for")
+    assert "The fault: spike of orbiter 3 by 9 m at 3 s." in section.paragraphs
+    assert any("1 of 1 runs of information diverged" in words for words in section.paragraphs)
+    assert section.pictures[-1].stem == "fusion-plasma"
+    assert section.tables[0].rows[0][6] == "lost"
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "message"),
+    [
+        (
+            "lou2019-recommended",
+            "range_sigma_m = [4.47213595499958, ",
+            "range_sigma_m = [",
+            "3 values for 4 beacons",
+        ),
+        (
+            "lou2019-recommended",
+            "p0_si = [1e6, ",
+            "p0_si = [",
+            "p0_si: 7 values, process_noise_si: 8",
+        ),
+        ("lou2019-recommended", "p0_si = [1e6, ", "p0_si = [0, ", "not positive definite"),
+        (
+            "lou2019-recommended",
+            'beacon = "orbiter 2"',
+            'beacon = "orbiter 9"',
+            "beacon = 'orbiter 9': allowed",
+        ),
+        ("lou2019-recommended", "[fusion]\n", "[fusion]\nweight_floor = 0\n", "weight_floor = 0"),
+        ("lou2019-recommended", '"dcifaif"', '"magic"', "fusion.filters"),
+        (
+            "lou2019-recommended",
+            "start_s = 200",
+            "start_s = 900",
+            "the entry lasts from 0 s to 300 s",
+        ),
+        (
+            "lou2019-recommended",
+            "runs = 300",
+            "runs = 0",
+            "monte_carlo.runs = 0: must be at least 1",
+        ),
+        ("lou2017-recommended", 'electrons = "wake"', 'electrons = "table"', "radio.table = None"),
+        ("lou2017-recommended", 'electrons = "wake"', 'electrons = "soup"', "allowed"),
+        (
+            "lou2019-recommended",
+            "[3492.7, 3659.2, 215.11]\nvelocity_m_s = [-605.1, 97, 3232.8]",
+            "[7855.7, -461.8, 749.82]\nvelocity_m_s = [66.2, 2206.4, -413]",
+            "beacons orbiter 1 and orbiter 2: at one place",
+        ),
+    ],
+)
+def test_faults_of_the_file_are_said(name, old, new, message):
+    text = (DESIGNS / f"{name}.toml").read_text()
+    assert old in text
+    with pytest.raises(DesignError, match=re.escape(message)):
+        fusion_plan(read_scenario_text(text.replace(old, new), "x.toml", DESIGNS))
+
+
+def test_electrons_come_from_a_table_too(tmp_path):
+    (tmp_path / "n.csv").write_text("# km, per cm3\n0, 1e5\n60, 1e9\n120, 1e6\n")
+    text = text_of("lou2017-recommended").replace(
+        'electrons = "wake"', 'electrons = "table"\ntable = "n.csv"'
+    )
+    label = str(tmp_path / "x.toml")
+    plan = fusion_plan(read_scenario_text(text, label, tmp_path))
+    assert plan.electrons.altitude == (0.0, 60e3, 120e3)
+    assert plan.electrons.electron_density[1] == 1e15
+    (tmp_path / "n.csv").write_text("0 1e5\n60 1e9\n50 1e6\n")
+    with pytest.raises(DesignError, match="altitude 50000 m after 60000 m"):
+        fusion_plan(read_scenario_text(text, label, tmp_path))
+
+
+def test_the_command_says_what_is_hidden_before_it_starts(tmp_path):
+    place = tmp_path / "hidden.toml"
+    text = text_of("lou2019-printed-point").replace('"ekf", "dcifaif", "ci"', '"ekf"')
+    place.write_text(text)
+    out = tmp_path / "hidden.nc"
+    result = CliRunner().invoke(
+        program, ["entry", str(place), "--runs", "1", "--json", "-o", str(out)]
+    )
+    assert result.exit_code == 0, result.output
+    assert "no beacon is ever in line of sight" in result.stderr
+    facts = json.loads(result.stdout)
+    assert facts["fusion"]["visible_epochs"] == {
+        "surface 1": 0,
+        "surface 2": 0,
+        "orbiter 1": 0,
+        "orbiter 2": 0,
+    }
+    import xarray as xr
+
+    saved = xr.load_dataset(out, engine="h5netcdf", group="fusion/clear/ekf")
+    assert saved.attrs["runs"] == 1
