@@ -56,7 +56,7 @@ def judge_surface(
         ).value
         for percent in (50, 95)
     }
-    available, _ = gdop_availability(
+    available = gdop_availability(
         constellation, gdop_max, sphere_radius=sphere, mask=high, span=span, seed=seed
     )
     return {

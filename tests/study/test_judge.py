@@ -271,3 +271,14 @@ def test_filter_reaches_the_bound(designs, seed_design):
     assert n >= 500 and found["diverged"] == 0
     assert found["rms_over_bound"] == pytest.approx(1, abs=4 * 0.5 * np.sqrt(2 / n))
     assert found["nees"]["mean"] == pytest.approx(6, abs=4 * np.sqrt(12 / n))
+
+
+def test_deployment_is_the_trigger_named_so(short, designs):
+    from compass.inputs.scenario import read_scenario
+    from compass.study.judge import deployment_trigger
+
+    assert deployment_trigger(short()) is None
+    trigger = deployment_trigger(read_scenario(designs / "landing.toml"))
+    assert (trigger.quantity, trigger.level) == ("mach", 2.0)
+    other = short(("[measurements]", '[[trigger]]\nname = "slow"\nmach = 3\n\n[measurements]'))
+    assert deployment_trigger(other) is None

@@ -218,7 +218,7 @@ def test_surface_quality_is_that_of_the_coverage_functions(monkeypatch):
     from compass.study import judge_surface as module
 
     monkeypatch.setattr(module, "gdop_percentile", lambda _c, q, **_: Estimate(q, 0.0))
-    monkeypatch.setattr(module, "gdop_availability", lambda *_, **__: (Estimate(0.5, 0), None))
+    monkeypatch.setattr(module, "gdop_availability", lambda *_, **__: Estimate(0.5, 0))
     pair = walker_delta(2, 1, 0, inclination=0.0, radius=20428e3)
     found = judge_surface(pair, fold=1, figure=FIGURE, mask=Mask())
     assert found["fold"] == {"wanted": 1, "outcome": "refuted"}
@@ -228,6 +228,17 @@ def test_surface_quality_is_that_of_the_coverage_functions(monkeypatch):
     assert found["gdop"] == {"p50": 50, "p95": 95} and found["availability"] == 0.5
     none = judge_surface(pair, fold=3, figure=FIGURE, mask=Mask())
     assert none["mask_margin_deg"] is None
+
+
+@pytest.mark.slow
+def test_surface_quality_of_compass(seed_design):
+    """The mask margin was computed independently (6.24 deg); GDOP is held to be in order."""
+    d = seed_design
+    found = judge_surface(d.constellation, fold=4, figure=d.figure, mask=d.mask)
+    assert found["fold"]["outcome"] == "proven"
+    assert found["mask_margin_deg"] == pytest.approx(6.24, abs=0.005)
+    assert 1 < found["gdop"]["p50"] < found["gdop"]["p95"] < 6
+    assert 0.95 < found["availability"] < 1  # p95 is below the limit of 6
 
 
 def test_answers():
