@@ -136,7 +136,9 @@ def _print(r: dict[str, Any]) -> None:
                 f"{d['after_loss']['crlb_position_m']['worst']:.2f}" if "after_loss" in d else "",
                 f"{100 * d['unobservable_share']:.3g}",
                 "" if d["ekf_position_m"] is None else f"{d['ekf_position_m']['p95']:.2f}",
-                "" if d["nees"] is None else f"{d['nees']['mean']:.3f}",
+                ""
+                if d["nees"] is None
+                else "{mean:.2f} in {low:.2f} to {high:.2f}".format(**d["nees"]),
             ]
             for d in rows
         ],
@@ -149,7 +151,8 @@ def _print(r: dict[str, Any]) -> None:
         "\np50, p95 and worst: Cramer-Rao sigma of the position in space over the entries. in "
         "view:\nfewest and median. lost: after the loss of the one satellite that matters most. "
         "blind: entries\nwhose measurements alone do not determine the state. NEES: 6 if the "
-        "filter is consistent."
+        "filter is consistent\n(which in 95 of 100 cases puts it in the interval)."
+        + (" The filter takes density and L/D as known." if unknown else "")
     )
     print_table(
         "Users on the surface",
