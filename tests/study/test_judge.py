@@ -170,6 +170,24 @@ def test_uncertain_parameters_cost_accuracy(scenario, five):
     assert sure.sigma == pytest.approx(known.sigma, rel=1e-9)
 
 
+def test_bound_with_uncertain_parameters_is_that_of_least_squares(scenario, five):
+    """All ranges of an entry stacked, solved at once by NumPy, with exact orbits."""
+    found = entries(five, scenario, density_sigma=0.2, lift_sigma=0.1)
+    campaign = found.campaign
+    for m in range(campaign.size):
+        beacons = entry_beacons(found, m)
+        line = campaign.paths[m, :, None, :3] - beacons.r
+        n = line / np.linalg.norm(line, axis=2, keepdims=True)
+        rows = np.einsum("tni,tij->tnj", n, campaign.gains[m, :, :3])
+        rows *= np.sqrt(campaign.arrival_probability[m])[:, None, None] / 50.0
+        h = rows[found.seen[m]]
+        covariance = np.linalg.inv(np.eye(8) + h.T @ h)
+        gain = campaign.gains[m, -1]
+        spread = np.diag(gain @ covariance @ gain.T)
+        sigma = np.sqrt([spread[:3].sum(), spread[3:].sum()])
+        assert found.sigma[m, 0] == pytest.approx(sigma, rel=1e-9)
+
+
 def test_campaigns_are_flown_once(scenario):
     assert campaign_of(scenario, 2) is campaign_of(scenario, 2)
     assert campaign_of(scenario, 2) is not campaign_of(scenario, 2, 1)
