@@ -21,6 +21,9 @@ from compass.study.ranking import rank_designs
 #: Rows, equal in sine of latitude, and columns of the map's cells: of equal area.
 ROWS, COLUMNS = 18, 36
 
+#: Into how many strips a row is cut for drawing.
+STRIPS = 12
+
 
 def judge_section(
     designs: Sequence[Design],
@@ -141,7 +144,9 @@ def _map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> Pictu
     low = min(np.nanmin(field) for field in fields)
     high = max(np.nanmax(field) for field in fields)
     figure = new_figure(8.6, 0.6 + 4.1 * len(fields))
-    latitudes = np.degrees(np.arcsin(np.linspace(-1, 1, ROWS + 1)))
+    edges = np.degrees(np.arcsin(np.linspace(-1, 1, ROWS + 1)))
+    # each row drawn in strips, so that its cells follow the curved meridians
+    latitudes = np.interp(np.arange(ROWS * STRIPS + 1) / STRIPS, np.arange(ROWS + 1), edges)
     longitudes = np.linspace(-180, 180, COLUMNS + 1)
     with look():
         axes = figure.subplots(len(fields), 1, squeeze=False)[:, 0]
@@ -151,7 +156,7 @@ def _map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> Pictu
             mesh = world.field(
                 longitudes,
                 latitudes,
-                field,
+                np.repeat(field, STRIPS, axis=0),
                 cmap=SEQUENTIAL,
                 norm=LogNorm(low, max(high, 1.01 * low)),
             )
@@ -174,8 +179,8 @@ def _map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> Pictu
         figure,
         "judge-map",
         "Position bound at deployment over the globe",
-        "Largest Cramer-Rao sigma of position among the entries that deploy in each cell (all "
-        f"cells have one area); red rings: entries beyond {goal:g} m. Grey or white: none landed.",
+        "Largest Cramer-Rao sigma of position among the entries that deploy in each cell (all cells "
+        f"have one area); red rings: entries beyond {goal:g} m. White: no entry deployed there.",
     )
 
 
@@ -203,6 +208,7 @@ def _distributions(names: Sequence[str], found: Sequence[Judgement], goal: float
         )
         axes.xaxis.set_major_formatter("{x:g}")
         axes.xaxis.set_minor_formatter("{x:g}" if axes.get_xlim()[1] < 60 else "")
+        axes.tick_params(axis="x", which="both", length=4, pad=4)
         axes.grid(True)
         axes.legend(frameon=False, fontsize=8, loc="lower right")
     return picture(
