@@ -179,8 +179,8 @@ def _map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> Pictu
         figure,
         "judge-map",
         "Position bound at deployment over the globe",
-        "Largest Cramer-Rao sigma of position among the entries that deploy in each cell (all cells "
-        f"have one area); red rings: entries beyond {goal:g} m. White: no entry deployed there.",
+        "Largest Cramer-Rao sigma of position among the entries that deploy in each cell (all of "
+        f"one area); red rings: entries beyond {goal:g} m. White: no entry deployed there.",
     )
 
 
