@@ -1,0 +1,175 @@
+"""``compass judge``: candidate constellations ranked by landing-navigation quality."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from compass.cli.shared import command_line, emit_json, json_option, print_table, say
+
+
+@click.command()
+@click.argument("designs", type=click.Path(path_type=Path), nargs=-1, required=True)
+@click.option(
+    "-s",
+    "--scenario",
+    "scenario_path",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="Scenario file of the lander.",
+)
+@click.option("--samples", type=int, default=1024, show_default=True, help="Entries to judge on.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Of sites, times and noise.")
+@click.option("--goal-m", type=float, default=10.0, show_default=True, help="Position wanted, m.")
+@click.option(
+    "--density-sigma", type=float, default=0.0, help="Unknown density, relative; known if left out."
+)
+@click.option(
+    "--lift-sigma", type=float, default=0.0, help="Unknown L/D, relative; known if left out."
+)
+@click.option("--finalists", type=int, default=3, show_default=True, help="Run the filter on them.")
+@click.option("--runs", type=int, default=512, show_default=True, help="Filter runs of each.")
+@click.option(
+    "--rival",
+    type=click.Path(path_type=Path),
+    help="Find the best Walker delta of the first design's size, and write it there.",
+)
+@click.option(
+    "--rival-radius-km", type=float, help="Its orbits' radius; the first design's if left out."
+)
+@json_option
+def command(
+    designs: tuple[Path, ...],
+    scenario_path: Path,
+    samples: int,
+    seed: int,
+    goal_m: float,
+    density_sigma: float,
+    lift_sigma: float,
+    finalists: int,
+    runs: int,
+    rival: Path | None,
+    rival_radius_km: float | None,
+    as_json: bool,
+) -> None:
+    """Judge constellations as beacons of a lander: anywhere, along any azimuth, at any time.
+
+    The lander of the scenario is flown to parachute deployment (its trigger of that name, or the
+    end of the scenario) at sites over the whole globe, at moments over the repeat period. Ranked
+    by the 95th percentile of the Cramer-Rao bound of position there, blackout taken into account.
+    """
+    import os
+
+    from tqdm import tqdm
+
+    from compass.errors import ArgumentError
+    from compass.inputs import read_design
+    from compass.inputs.scenario import read_scenario
+    from compass.saving import check_writable, replacing
+    from compass.study.judge import campaign_of
+    from compass.study.ranking import rank_designs
+    from compass.study.rival import best_rival, rival_toml
+
+    threads = os.cpu_count() or 1
+
+    def progress(work: Iterable[Any], total: int, desc: str) -> Iterable[Any]:
+        return tqdm(work, total=total, desc=desc, disable=None)
+
+    scenario = read_scenario(scenario_path)
+    candidates = [read_design(path) for path in designs]
+    unknown: dict[str, Any] = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
+    if rival_radius_km is not None and rival is None:
+        raise ArgumentError("rival_radius_km: says where --rival is to look; give --rival too")
+    if rival is not None:
+        check_writable(rival, [scenario_path, *designs])
+        found = best_rival(
+            candidates[0],
+            scenario,
+            campaign_of(scenario, samples, seed, **unknown),
+            radius=None if rival_radius_km is None else rival_radius_km * 1e3,
+            threads=threads,
+            progress=progress,
+        )
+        with replacing(rival) as temporary:
+            temporary.write_text(rival_toml(found, candidates[0], command_line()), encoding="utf-8")
+        say(f"wrote {rival}")
+        candidates.append(read_design(rival))
+    result = rank_designs(
+        candidates,
+        scenario,
+        samples=samples,
+        seed=seed,
+        goal=goal_m,
+        finalists=finalists,
+        runs=runs,
+        threads=threads,
+        progress=progress,
+        **unknown,
+    )
+    if as_json:
+        emit_json(result)
+    else:
+        _print(result)
+
+
+def _print(r: dict[str, Any]) -> None:
+    """Print the tables and one sentence a design."""
+    rows = r["designs"]
+    unknown = [
+        f"{name} unknown by {100 * sigma:g} %"
+        for name, sigma in (("density", r["density_sigma"]), ("L/D", r["lift_sigma"]))
+        if sigma
+    ]
+    print_table(
+        f"{r['scenario']}: position and velocity at {r['deployment']}, {r['samples']} entries"
+        + "".join(f", {text}" for text in unknown),
+        [
+            [
+                d["rank"],
+                d["design"],
+                d["satellites"],
+                f"{d['in_view']['min']} / {d['in_view']['median']:g}",
+                *(f"{d['crlb_position_m'][key]:.2f}" for key in ("p50", "p95", "worst")),
+                f"{d['crlb_velocity_m_s']['p95']:.4f}",
+                f"{d['after_loss']['crlb_position_m']['p95']:.2f}" if "after_loss" in d else "",
+                f"{d['after_loss']['crlb_position_m']['worst']:.2f}" if "after_loss" in d else "",
+                f"{100 * d['unobservable_share']:.3g}",
+                "" if d["ekf_position_m"] is None else f"{d['ekf_position_m']['p95']:.2f}",
+                ""
+                if d["nees"] is None
+                else "{mean:.2f} in {low:.2f} to {high:.2f}".format(**d["nees"]),
+            ]
+            for d in rows
+        ],
+        [
+            "rank", "design", "sats", "in view", "p50 m", "p95 m", "worst m", "p95 m/s",
+            "p95 lost", "worst lost", "blind %", "EKF p95 m", "NEES",
+        ],
+    )  # fmt: skip
+    click.echo(
+        "\np50, p95 and worst: Cramer-Rao sigma of the position in space over the entries. in "
+        "view:\nfewest and median. lost: after the loss of the one satellite that matters most. "
+        "blind: entries\nwhose measurements alone do not determine the state. NEES: 6 if the "
+        "filter is consistent\n(which in 95 of 100 cases puts it in the interval)."
+        + (" The filter takes density and L/D as known." if unknown else "")
+    )
+    print_table(
+        "Users on the surface",
+        [
+            [
+                d["design"],
+                f"{d['surface']['fold']['wanted']}-fold {d['surface']['fold']['outcome']}",
+                "none"
+                if d["surface"]["mask_margin_deg"] is None
+                else f"{d['surface']['mask_margin_deg']:.3f}",
+                *(f"{d['surface']['gdop'][key]:.3f}" for key in ("p50", "p95")),
+                f"{100 * d['surface']['availability']:.2f}",
+            ]
+            for d in rows
+        ],
+        ["design", "coverage", "highest mask deg", "GDOP p50", "GDOP p95", "GDOP <= 6, %"],
+    )
+    click.echo(f"\nWithin {r['goal_m']:g} m at deployment, anywhere and at any time?")
+    for d in rows:
+        click.echo(f"  {d['design']}: {d['answer']}")

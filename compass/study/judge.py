@@ -1,0 +1,234 @@
+"""A constellation judged as radio beacons of a lander, anywhere and at any time."""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.core.judging import bounds, count_in_view, information
+from compass.entry.arrivals import draw_arrivals
+from compass.entry.campaign import Campaign, fly_campaign
+from compass.entry.fisher import noise_variances
+from compass.entry.model import EntryModel
+from compass.entry.radio import WAKE, ElectronModel, ElectronTable
+from compass.entry.trajectory import Trigger
+from compass.errors import ArgumentError
+from compass.frames import Figure, prime_meridian_angle
+from compass.inputs.scenario import Scenario
+from compass.orbits import Constellation, repeat_period, states_mci
+from compass.sites import Mask
+from compass.study.judgement import Judgement, unpacked
+
+Array = NDArray[np.float64]
+
+#: Seconds between the nodes from which satellites are interpolated.
+NODE_STEP = 30.0
+
+#: Entries handed to a thread at once.
+BLOCK = 64
+
+
+@dataclass(frozen=True)
+class _Request:
+    """What a campaign depends on, so that one is flown for all constellations."""
+
+    scenario: Scenario = field(compare=False)
+    digest: str
+    model: EntryModel
+    electrons: ElectronModel | ElectronTable | None
+    samples: int
+    seed: int
+    density_sigma: float
+    lift_sigma: float
+
+
+@lru_cache(maxsize=4)
+def _flown(request: _Request) -> Campaign:
+    scenario = request.scenario
+    return fly_campaign(
+        scenario.model,
+        scenario.state,
+        scenario.settings.covariance0,
+        scenario.times,
+        draw_arrivals(request.samples, request.seed),
+        trigger=deployment_trigger(scenario),
+        electrons=request.electrons,
+        density_sigma=request.density_sigma,
+        lift_sigma=request.lift_sigma,
+    )
+
+
+def campaign_of(
+    scenario: Scenario,
+    samples: int,
+    seed: int = 0,
+    *,
+    electrons: ElectronModel | ElectronTable | None = WAKE,
+    density_sigma: float = 0.0,
+    lift_sigma: float = 0.0,
+) -> Campaign:
+    """Entries of the scenario's lander spread over sites, azimuths and time; kept for reuse.
+
+    The scenario's own site, its beacons and the bias of its truth play no role.
+
+    Parameters
+    ----------
+    scenario
+        The lander, what it knows on arrival, and its deployment.
+    samples, seed
+        How many entries, and the seed of where and when they begin.
+    electrons, density_sigma, lift_sigma
+        As in `compass.entry.campaign.fly_campaign`.
+    """
+    return _flown(
+        _Request(
+            scenario,
+            scenario.digest,
+            scenario.model,
+            electrons,
+            samples,
+            seed,
+            density_sigma,
+            lift_sigma,
+        )
+    )
+
+
+def deployment_trigger(scenario: Scenario) -> Trigger | None:
+    """Return the scenario's trigger whose name speaks of a parachute, if there is one."""
+    for trigger in scenario.triggers:
+        if "parachute" in trigger.name.lower():
+            return trigger
+    return None
+
+
+def judge(
+    constellation: Constellation,
+    scenario: Scenario,
+    *,
+    samples: int,
+    seed: int = 0,
+    figure: Figure,
+    mask: Mask,
+    goal: float = 10.0,
+    **campaign: Any,
+) -> dict[str, Any]:
+    """Figures of merit of a constellation for the landers of a scenario, as plain values.
+
+    Parameters and errors as in `campaign_of` (with its keywords), `judge_entries` and
+    `Judgement.figures`.
+    """
+    flown = campaign_of(scenario, samples, seed, **campaign)
+    return judge_entries(constellation, flown, scenario, figure=figure, mask=mask).figures(goal)
+
+
+def judge_entries(
+    constellation: Constellation,
+    campaign: Campaign,
+    scenario: Scenario,
+    *,
+    figure: Figure,
+    mask: Mask,
+    threads: int = 1,
+) -> Judgement:
+    """Information and posterior Cramer-Rao bound in each entry of a campaign.
+
+    A range that arrives with probability lambda is worth ``lambda h^T h / sigma^2`` in
+    expectation. The entries begin at their phases of the ground tracks' repeat period.
+
+    Parameters
+    ----------
+    constellation
+        The beacons, in two-body motion.
+    campaign
+        The entries, of `campaign_of`.
+    scenario
+        What is measured, and how well.
+    figure
+        Its equatorial radius is that of the sphere that blocks the view.
+    mask
+        Elevation over the limb below which a satellite is not heard; of one that depends on
+        azimuth the highest, for a lander knows no horizon of hills.
+    threads
+        Threads; the result does not depend on them.
+
+    Raises
+    ------
+    ArgumentError
+        Measurements in turn, process noise, or a satellite that comes down to the surface.
+    """
+    _check(constellation, scenario, figure)
+    size, n = campaign.size, constellation.size
+    epochs = campaign.arrivals.phase * repeat_period(constellation).duration
+    angles = prime_meridian_angle(constellation.epoch, epochs)
+    flown = int(campaign.stops.max())
+    nodes = int(np.ceil(campaign.times[flown] / NODE_STEP)) + 1
+    weights = campaign.arrival_probability * due(scenario, campaign.times)
+    variances = noise_variances(scenario.measurements)
+    seen = np.zeros((size, campaign.times.size, n), dtype=bool)
+    d = campaign.gains.shape[3]
+    shares, sigma = np.zeros((size, n, d * (d + 1) // 2)), np.empty((size, 1 + n, 2))
+
+    def work(first: int) -> None:
+        part = slice(first, min(first + BLOCK, size))
+        when = epochs[part, None] + NODE_STEP * np.arange(nodes)
+        r, v = states_mci(constellation, when.ravel())
+        information(
+            campaign.paths[part],
+            campaign.gains[part],
+            campaign.stops[part],
+            weights[part],
+            variances,
+            r,
+            v,
+            angles[part],
+            campaign.model.omega,
+            NODE_STEP,
+            float(campaign.times[1]),
+            figure.equatorial_radius,
+            np.sin(mask.highest),
+            np.cos(mask.highest),
+            seen[part],
+            shares[part],
+        )
+        bounds(shares[part], campaign.gains[part], campaign.stops[part], sigma[part])
+
+    blocks: Sequence[int] = range(0, size, BLOCK)
+    if threads == 1:
+        for first in blocks:
+            work(first)
+    else:
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(work, blocks))
+    counts = np.zeros((1 + n, 1 + n), dtype=np.int64)
+    count_in_view(seen, campaign.stops, counts)
+    total = unpacked(shares.sum(axis=1))
+    return Judgement(constellation, campaign, epochs, seen, counts, total, shares, sigma)
+
+
+def due(scenario: Scenario, times: Array) -> NDArray[np.bool_]:
+    """Whether measurements are taken at `times` (s), if anything is in view."""
+    return scenario.measurements.taken(np.ones((times.size, 1), dtype=bool), times)[:, 0]
+
+
+def _check(constellation: Constellation, scenario: Scenario, figure: Figure) -> None:
+    if scenario.measurements.in_turn:
+        raise ArgumentError(
+            f"{scenario.label}: measurements.in_turn = true: judged is what all satellites in "
+            "view tell at once; set it to false"
+        )
+    if np.any(scenario.settings.noise):
+        raise ArgumentError(
+            f"{scenario.label}: filter.process_noise_si: judged is the bound without process "
+            "noise; leave it out"
+        )
+    lowest = constellation.periapsis_radius.min(initial=np.inf)
+    if lowest <= figure.equatorial_radius:
+        raise ArgumentError(
+            f"{constellation.name}: comes down to radius {lowest / 1e3:g} km; must stay above the "
+            f"surface, {figure.equatorial_radius / 1e3:g} km"
+        )

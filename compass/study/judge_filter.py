@@ -1,0 +1,160 @@
+"""Finalists put to the test: the filter itself, run many times on a constellation."""
+
+import os
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.entry.beacons import Beacons, orbiting_beacons
+from compass.entry.navigation import MonteCarlo, run_monte_carlo
+from compass.entry.radio import WAKE, ElectronModel, ElectronTable
+from compass.errors import ArgumentError
+from compass.frames import Figure, prime_meridian_angle
+from compass.inputs.scenario import Scenario
+from compass.orbits import Constellation, states_mci
+from compass.sites import Mask
+from compass.study.judge import campaign_of, due, judge_entries
+from compass.study.judgement import Judgement
+
+
+def judge_filter(
+    constellation: Constellation,
+    scenario: Scenario,
+    *,
+    samples: int,
+    runs: int = 8,
+    seed: int = 0,
+    figure: Figure,
+    mask: Mask,
+    electrons: ElectronModel | ElectronTable | None = WAKE,
+    threads: int | None = None,
+    progress: Callable[..., Iterable[Any]] = lambda items, **_: items,
+) -> dict[str, Any]:
+    """Errors of the scenario's filter at deployment and their consistency, as plain values.
+
+    Parameters
+    ----------
+    constellation, scenario, figure, mask
+        As in `compass.study.judge.judge`; the truth is the scenario's, with its biases, and the
+        filter that of the scenario, which takes density and L/D as known.
+    samples, runs
+        Entries of the campaign, and runs in each, with its own errors, noise and arrivals.
+    seed
+        Of the entries and of the runs.
+    electrons
+        As in `compass.study.judge.campaign_of`.
+    threads
+        Threads; one a processor if left out. The numbers do not depend on them.
+    progress
+        Wraps the entries in work, called with ``total``, as tqdm is.
+
+    Returns
+    -------
+    dict
+        ``ekf_position_m``, ``ekf_velocity_m_s``: percentiles and root mean square of the error;
+        ``nees``: its mean, and the interval that holds the mean of a consistent filter in 95 of
+        100 cases (chi-squared with 6 degrees of freedom a run); ``rms_over_bound``: root mean
+        square error over that of the bound on the same entries; ``runs``, ``diverged``.
+    """
+    from scipy.stats import chi2
+
+    if runs < 1:
+        raise ArgumentError(f"runs = {runs}: must be at least 1")
+    campaign = campaign_of(scenario, samples, seed, electrons=electrons)
+    found = judge_entries(constellation, campaign, scenario, figure=figure, mask=mask)
+    streams = np.random.SeedSequence(seed).spawn(campaign.size)
+    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+        work = pool.map(lambda m: _run(found, scenario, m, runs, streams[m]), range(campaign.size))
+        parts = list(progress(work, total=campaign.size))
+    errors = np.concatenate([part.errors[:, -1] for part in parts])
+    nees = np.concatenate([part.nees[:, -1] for part in parts])
+    good = ~np.concatenate([part.diverged for part in parts]) & np.isfinite(nees)
+    position = np.linalg.norm(errors[good, :3], axis=1)
+    velocity = np.linalg.norm(errors[good, 3:], axis=1)
+    count = int(good.sum())
+    if not count:
+        nothing = {"p50": np.nan, "p95": np.nan, "rms": np.nan}
+        low = high = np.nan
+        result: dict[str, Any] = {"ekf_position_m": nothing, "ekf_velocity_m_s": nothing}
+    else:
+        low, high = chi2.ppf([0.025, 0.975], 6 * count) / count
+        result = {"ekf_position_m": _errors(position), "ekf_velocity_m_s": _errors(velocity)}
+    mean = float(nees[good].mean()) if count else np.nan
+    bound = np.sqrt(np.mean(found.position_sigma**2))
+    return {
+        **result,
+        "nees": {
+            "mean": mean,
+            "low": float(low),
+            "high": float(high),
+            "consistent": bool(low <= mean <= high),
+        },
+        "rms_over_bound": float(result["ekf_position_m"]["rms"] / bound),
+        "runs": int(good.size),
+        "diverged": int(good.size - count),
+    }
+
+
+def _errors(values: NDArray[np.float64]) -> dict[str, float]:
+    return {
+        "p50": float(np.percentile(values, 50)),
+        "p95": float(np.percentile(values, 95)),
+        "rms": float(np.sqrt(np.mean(values**2))),
+    }
+
+
+def entry_beacons(found: Judgement, entry: int) -> Beacons:
+    """Satellites as beacons of one entry of a judgement, up to its deployment."""
+    campaign, c = found.campaign, found.constellation
+    times = campaign.times[: campaign.stops[entry] + 1]
+    start = float(found.epochs[entry])
+    r, v = states_mci(c, start + times)
+    return orbiting_beacons(
+        r,
+        v,
+        times,
+        omega=campaign.model.omega,
+        angle=float(prime_meridian_angle(c.epoch, start)),
+        planet_radius=0.0,  # checked by the judge
+        names=c.satellite_names,
+    )
+
+
+def _run(
+    found: Judgement,
+    scenario: Scenario,
+    entry: int,
+    runs: int,
+    stream: np.random.SeedSequence,
+) -> MonteCarlo:
+    """Run the filter in one entry, each run with arrivals of its own."""
+    campaign, beacons = found.campaign, entry_beacons(found, entry)
+    count = beacons.times.size
+    spread = campaign.spreads[entry, :6]
+    settings = replace(scenario.settings, covariance0=spread @ spread.T)
+    possible = found.seen[entry, :count] & due(scenario, beacons.times)[:, None]
+    parts = []
+    for own in stream.spawn(runs):
+        draw = np.random.default_rng(own).random(possible.shape)
+        taken = possible & (draw < campaign.arrival_probability[entry, :count, None])
+        parts.append(
+            run_monte_carlo(
+                scenario.model,
+                campaign.states[entry, 0],
+                beacons,
+                taken,
+                scenario.measurements,
+                settings,
+                runs=1,
+                seed=int(own.generate_state(1, np.uint64)[0]),
+                truth=scenario.truth,
+                threads=1,
+            )
+        )
+    return MonteCarlo(
+        *(np.concatenate([getattr(part, name) for part in parts]) for name in vars(parts[0]))
+    )

@@ -1,0 +1,105 @@
+"""The worst entry, searched for rather than met by chance."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from compass.entry.arrivals import Arrivals
+from compass.entry.campaign import Campaign
+from compass.errors import ArgumentError
+from compass.frames import Figure
+from compass.inputs.scenario import Scenario
+from compass.orbits import Constellation
+from compass.sites import Mask
+from compass.study.judge import judge_entries
+from compass.study.judgement import Judgement
+
+#: How many of the worst entries so far are looked around, with how many new ones a round.
+SURVIVORS, BATCH = 16, 128
+
+#: How often the campaign is judged again at other moments first: its flights stay as they are.
+MOMENTS = 12
+
+#: First reach of the search in latitude, longitude, azimuth (radians) and phase of arrival, and
+#: what is left of it after each round.
+REACH, SHRINK = np.array([0.3, 0.3, 0.8, 0.03]), 0.7
+
+
+def worst_entry(
+    constellation: Constellation,
+    scenario: Scenario,
+    campaign: Campaign,
+    *,
+    figure: Figure,
+    mask: Mask,
+    rounds: int = 12,
+    seed: int = 0,
+    start: Judgement | None = None,
+) -> dict[str, Any]:
+    """Worst bound of position at deployment that a search finds, and where and when.
+
+    The place is that of deployment, the azimuth and the epoch those of entry.
+
+    The campaign's flights are judged again at other moments; then new entries are drawn around
+    the worst so far, ever closer, the worst kept. The bound jumps where a satellite rises, so no
+    gradient is used; what is found is a lower limit of the true worst, never below that of the
+    campaign.
+
+    Parameters
+    ----------
+    constellation, scenario, campaign, figure, mask
+        As in `compass.study.judge.judge_entries`.
+    rounds, seed
+        How often to draw anew, and from which seed.
+    start
+        Judgement of the campaign, if it is there already.
+    """
+    place: dict[str, Any] = {"figure": figure, "mask": mask}
+    found = start or judge_entries(constellation, campaign, scenario, **place)
+    generator = np.random.default_rng(seed)
+    best = _worst(found, np.empty((0, 9)))
+    for _ in range(MOMENTS):
+        moved = replace(campaign.arrivals, phase=generator.random(campaign.size))
+        later = replace(campaign, arrivals=moved)
+        best = _worst(judge_entries(constellation, later, scenario, **place), best)
+    for k in range(rounds):
+        centres = np.repeat(best[:, :4], -(-BATCH // len(best)), axis=0)[:BATCH]
+        tried = centres + SHRINK**k * REACH * generator.uniform(-1, 1, centres.shape)
+        limit = np.pi / 2 - 1e-3
+        try:
+            flown = campaign.again(
+                Arrivals(
+                    np.clip(tried[:, 0], -limit, limit), tried[:, 1], tried[:, 2], tried[:, 3] % 1
+                )
+            )
+        except ArgumentError:  # all of them over a pole
+            break
+        found = judge_entries(constellation, flown, scenario, **place)
+        best = _worst(found, best)
+    row = best[0]
+    return {
+        "value": float(row[4]),
+        "latitude_deg": float(np.degrees(row[5])),
+        "longitude_deg": float(np.degrees(row[6])),
+        "azimuth_deg": float(np.degrees(row[2]) % 360),
+        "epoch_s": float(row[7]),
+        "in_view": int(row[8]),
+    }
+
+
+def _worst(found: Judgement, others: np.ndarray) -> np.ndarray:
+    """Worst first, of a judgement and other rows: arrival (4), sigma, place (2), epoch, fold."""
+    a = found.campaign.arrivals
+    latitude, longitude = found.campaign.deployment_place
+    flying = np.arange(found.campaign.times.size) <= found.campaign.stops[:, None]
+    fold = np.where(flying, found.seen.sum(axis=2), found.constellation.size).min(axis=1)
+    rows = np.stack(
+        [
+            a.latitude, a.longitude, a.azimuth, a.phase, found.position_sigma, latitude, longitude,
+            found.epochs, fold,
+        ],
+        axis=1,
+    )  # fmt: skip
+    both = np.concatenate([others, rows])
+    return both[np.argsort(-both[:, 4], kind="stable")[:SURVIVORS]]

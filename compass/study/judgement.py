@@ -1,0 +1,137 @@
+"""What a judgement says: figures of merit of a constellation over many entries."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.entry.campaign import Campaign
+from compass.orbits import Constellation
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """How well landers navigate on a constellation, entry by entry.
+
+    Attributes
+    ----------
+    constellation, campaign
+        Who was judged, on what.
+    epochs
+        Seconds after the constellation's epoch at which each entry begins, (m,).
+    seen
+        Which satellites are in view, (m, t, n).
+    counts
+        How often 0 to n are in view, with all satellites and without each of them, (1 + n, 1 + n).
+    information
+        Without prior, in prior-whitened coordinates, (m, d, d).
+    shares
+        The same by satellite, packed, (m, n, d (d + 1)/2).
+    sigma
+        Posterior Cramer-Rao sigma of position (m) and velocity (m/s) at deployment, (m, 1 + n,
+        2): with all satellites, then without each of them.
+    """
+
+    constellation: Constellation
+    campaign: Campaign
+    epochs: Array
+    seen: NDArray[np.bool_]
+    counts: NDArray[np.int64]
+    information: Array
+    shares: Array
+    sigma: Array
+
+    @property
+    def position_sigma(self) -> Array:
+        """Of each entry with all satellites, m, shape (m,)."""
+        return self.sigma[:, 0, 0]
+
+    @property
+    def worst_loss(self) -> int | None:
+        """Satellite without which the 95th percentile of the position bound is largest."""
+        if not self.constellation.size:
+            return None
+        return int(np.argmax(np.percentile(self.sigma[:, 1:, 0], 95.0, axis=0)))
+
+    def figures(self, goal: float = 10.0) -> dict[str, Any]:
+        """Figures of merit as plain values, with those after the worst loss of one satellite.
+
+        Parameters
+        ----------
+        goal
+            Position sigma wanted at deployment, metres.
+        """
+        result = self._figures(None, goal)
+        lost = self.worst_loss
+        if lost is not None:
+            name = self.constellation.satellite_names[lost]
+            result["after_loss"] = {"satellite": name, **self._figures(lost, goal)}
+        return result
+
+    def _figures(self, lost: int | None, goal: float) -> dict[str, Any]:
+        column = 0 if lost is None else 1 + lost
+        position, velocity = self.sigma[:, column].T
+        counts, f = self.counts[column], self.information
+        if lost is not None:
+            kept = np.delete(self.shares, lost, axis=1).sum(axis=1)
+            f = unpacked(kept)
+        spectrum, floor = spectrum_and_floor(f, int(self.campaign.stops.max(initial=0)) + 1)
+        blind = spectrum[:, 0] <= floor
+        with np.errstate(divide="ignore"):
+            log_det = np.log(np.where(blind[:, None], 0.0, spectrum)).sum(axis=1)
+        worst = int(position.argmax())
+        latitude, longitude = self.campaign.deployment_place
+        return {
+            "in_view": {"min": int(np.argmax(counts > 0)), "median": _median(counts)},
+            "crlb_position_m": {
+                **_percentiles(position),
+                "worst": float(position[worst]),
+                "worst_latitude_deg": float(np.degrees(latitude[worst])),
+                "worst_longitude_deg": float(np.degrees(longitude[worst])),
+                "worst_azimuth_deg": float(np.degrees(self.campaign.arrivals.azimuth[worst])),
+                "worst_epoch_s": float(self.epochs[worst]),
+            },
+            "crlb_velocity_m_s": {**_percentiles(velocity), "worst": float(velocity.max())},
+            "share_within_goal": float((position <= goal).mean()),
+            "unobservable_share": float(blind.mean()),
+            "fisher_log_det": {
+                "p50": float(np.percentile(log_det, 50, method="inverted_cdf")),
+                "p5": float(np.percentile(log_det, 5, method="inverted_cdf")),
+            },
+            "fisher_trace": {"p50": float(np.median(spectrum.sum(axis=1)))},
+        }
+
+
+def unpacked(packed: Array) -> Array:
+    """Symmetric matrices (..., d, d) from their packed lower triangles."""
+    d = int(np.sqrt(2 * packed.shape[-1]))
+    full = np.empty((*packed.shape[:-1], d, d))
+    a, b = np.tril_indices(d)
+    full[..., a, b] = full[..., b, a] = packed
+    return full
+
+
+def spectrum_and_floor(f: Array, terms: int) -> tuple[Array, Array]:
+    """Eigenvalues, ascending, (m, d), and what rounding leaves of a zero one, (m,).
+
+    A sum of m positive semi-definite terms is off by at most ``m eps`` times its trace, and the
+    eigenvalues of a symmetric matrix by about ``d eps`` times the largest more: below
+    ``(m + d) eps trace`` an eigenvalue cannot be told from zero.
+    """
+    values = np.asarray(np.linalg.eigvalsh(f), dtype=np.float64)
+    floor = (terms + values.shape[1]) * np.finfo(float).eps * values.sum(axis=1)
+    return values, np.asarray(floor, dtype=np.float64)
+
+
+def _median(counts: NDArray[np.int64]) -> float:
+    """Median of a number that occurs ``counts[number]`` times."""
+    below, total = np.cumsum(counts), int(counts.sum())
+    middle = np.searchsorted(below, [(total - 1) // 2, total // 2], side="right")
+    return float(middle.mean())
+
+
+def _percentiles(values: Array) -> dict[str, float]:
+    return {f"p{q}": float(np.percentile(values, q)) for q in (50, 95)}

@@ -1,0 +1,146 @@
+"""Designs judged on the same entries, and ranked."""
+
+from collections.abc import Callable, Iterable, Sequence
+from math import ceil
+from typing import Any
+
+from compass.errors import ArgumentError
+from compass.inputs import Design
+from compass.inputs.scenario import Scenario
+from compass.study.judge import campaign_of, judge_entries
+from compass.study.judge_filter import judge_filter
+from compass.study.judge_surface import judge_surface
+from compass.study.judge_worst import worst_entry
+
+#: Entries in which a finalist's filter is run.
+FILTER_ENTRIES = 64
+
+
+def rank_designs(
+    designs: Sequence[Design],
+    scenario: Scenario,
+    *,
+    samples: int = 1024,
+    seed: int = 0,
+    goal: float = 10.0,
+    density_sigma: float = 0.0,
+    lift_sigma: float = 0.0,
+    finalists: int = 3,
+    runs: int = 512,
+    threads: int = 1,
+    progress: Callable[..., Iterable[Any]] = lambda items, **_: items,
+) -> dict[str, Any]:
+    """Judge every design, best first; run the filter on the finalists.
+
+    Ranked by the 95th percentile of the bound of position at deployment, then by the number of
+    satellites.
+
+    Parameters
+    ----------
+    designs
+        Candidates, each with its own figure, mask and fold.
+    scenario
+        The lander.
+    samples, seed
+        As in `compass.study.judge.campaign_of`.
+    goal
+        Position sigma wanted at deployment, metres.
+    density_sigma, lift_sigma
+        As in `compass.entry.campaign.fly_campaign`.
+    finalists, runs
+        On how many of the best to run the filter, and how often in all.
+    threads
+        Threads; the numbers do not depend on them.
+    progress
+        Wraps designs in work, called with ``total`` and ``desc``, as tqdm is.
+
+    Raises
+    ------
+    ArgumentError
+        No design, or an option out of range.
+    """
+    if not designs:
+        raise ArgumentError("designs: none given; name at least one design file")
+    if not 0 < goal < float("inf"):
+        raise ArgumentError(f"goal_m = {goal:g}: must be positive")
+    if finalists < 0 or runs < 1:
+        raise ArgumentError(
+            f"finalists = {finalists}, runs = {runs}: allowed 0 or more finalists, 1 or more runs"
+        )
+    campaign = campaign_of(
+        scenario, samples, seed, density_sigma=density_sigma, lift_sigma=lift_sigma
+    )
+    rows = []
+    for design in progress(designs, total=len(designs), desc="designs"):
+        place: dict[str, Any] = {"figure": design.figure, "mask": design.mask}
+        c = design.constellation
+        found = judge_entries(c, campaign, scenario, threads=threads, **place)
+        judged = found.figures(goal)
+        judged["worst_found"] = worst_entry(c, scenario, campaign, seed=seed, start=found, **place)
+        rows.append(
+            {
+                "design": design.name,
+                "file": design.label,
+                "satellites": design.constellation.size,
+                **judged,
+                "answer": answer(judged, goal),
+                "ekf_position_m": None,
+                "nees": None,
+                "surface": judge_surface(c, fold=design.fold, **place),
+            }
+        )
+    order = sorted(
+        range(len(rows)),
+        key=lambda k: (rows[k]["crlb_position_m"]["p95"], rows[k]["satellites"]),
+    )
+    entries = min(FILTER_ENTRIES, samples, runs)
+    for k in progress(order[:finalists], total=min(finalists, len(order)), desc="filter"):
+        design = designs[k]
+        rows[k].update(
+            judge_filter(
+                design.constellation,
+                scenario,
+                samples=entries,
+                runs=ceil(runs / entries),
+                seed=seed,
+                figure=design.figure,
+                mask=design.mask,
+                threads=threads,
+            )
+        )
+    return {
+        "scenario": scenario.name,
+        "deployment": campaign.deployment,
+        "samples": campaign.size,
+        "seed": seed,
+        "goal_m": goal,
+        "density_sigma": density_sigma,
+        "lift_sigma": lift_sigma,
+        "designs": [{"rank": rank + 1, **rows[k]} for rank, k in enumerate(order)],
+    }
+
+
+def answer(figures: dict[str, Any], goal: float) -> str:
+    """Say whether the bound stays within the goal in every entry, and if not, where not."""
+    worst = figures["worst_found"]
+    where = (
+        f"{worst['value']:.2f} m at latitude {worst['latitude_deg']:.1f}, longitude "
+        f"{worst['longitude_deg']:.1f} deg, azimuth {worst['azimuth_deg']:.0f} deg, entry "
+        f"{worst['epoch_s'] / 3600:.2f} h after the epoch, {worst['in_view']} in view at least"
+    )
+    missed = 100 * (1 - figures["share_within_goal"])
+    if worst["value"] <= goal:
+        text = f"yes; the worst that a search finds is {where}"
+    elif missed > 0:
+        text = f"no: not in {missed:.3g} % of entries; worst {where}"
+    else:
+        text = f"not quite: in all entries judged, but a search finds {where}"
+    if "after_loss" in figures:
+        lost = figures["after_loss"]
+        share = 100 * (1 - lost["share_within_goal"])
+        outcome = "still in all entries judged" if share == 0 else f"not in {share:.3g} % of them"
+        text += (
+            f"; after the loss of {lost['satellite']} {outcome}, "
+            f"worst {lost['crlb_position_m']['worst']:.2f} m"
+        )
+    return text

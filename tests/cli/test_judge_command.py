@@ -1,0 +1,117 @@
+"""``compass judge`` as a user runs it."""
+
+import json
+
+import pytest
+
+from compass.inputs import read_design
+from compass.study import judge_worst, ranking, rival
+
+LANDER = "landing.toml"
+
+
+@pytest.fixture
+def files(designs, tmp_path, monkeypatch):
+    """A short scenario and two small designs; only what is cheap when interpreted."""
+    text = (designs / LANDER).read_text().replace("duration_s = 320", "duration_s = 20\nstep_s = 2")
+    text = text.replace("mass = 2", "").replace(
+        '[[trigger]]\nname = "parachute deployment"\nmach = 2\n', ""
+    )
+    text = text.replace('[beacons]\ndesign = "compass-15-5-1.toml"\n', "")
+    (tmp_path / "lander.toml").write_text(text)
+    for size in (2, 3):
+        (tmp_path / f"{size}.toml").write_text(
+            f"""
+name = "{size} satellites"
+[constellation]
+pattern = "walker-delta"
+satellites = {size}
+planes = 1
+phasing = 0
+inclination_deg = 50
+radius_km = 20428
+[coverage]
+fold = 1
+"""
+        )
+    surface = {
+        "fold": {"wanted": 1, "outcome": "refuted"},
+        "mask_margin_deg": None,
+        "gdop": {"p50": 2.0, "p95": float("inf")},
+        "availability": 0.9,
+    }
+    monkeypatch.setattr(ranking, "judge_surface", lambda *_, **__: surface)
+    for name, value in (("MOMENTS", 1), ("BATCH", 2), ("SURVIVORS", 2)):
+        monkeypatch.setattr(judge_worst, name, value)
+    monkeypatch.setattr(rival, "COARSE", 0.7)
+    monkeypatch.setattr(rival, "FINE", 0.35)
+    original = ranking.worst_entry
+    monkeypatch.setattr(ranking, "worst_entry", lambda *a, **o: original(*a, rounds=1, **o))
+    return tmp_path
+
+
+def test_json_has_the_promised_keys(run, files):
+    status, out, _ = run(
+        "judge", files / "2.toml", files / "3.toml", "-s", files / "lander.toml",
+        "--samples", 2, "--runs", 2, "--finalists", 1, "--json",
+    )  # fmt: skip
+    assert status == 0
+    found = json.loads(out)
+    assert found["samples"] == 2 and found["deployment"] == "20 s after entry"
+    first, second = found["designs"]
+    assert first["rank"] == 1 and second["rank"] == 2
+    for row in (first, second):
+        assert {"min", "median"} <= set(row["in_view"])
+        assert {"p50", "p95", "worst", "worst_epoch_s"} <= set(row["crlb_position_m"])
+        assert {"p50", "p95"} <= set(row["crlb_velocity_m_s"])
+        assert {"unobservable_share", "fisher_log_det", "fisher_trace", "after_loss"} <= set(row)
+    assert {"p50", "p95"} <= set(first["ekf_position_m"])
+    assert {"mean", "low", "high", "consistent"} <= set(first["nees"])
+    assert second["ekf_position_m"] is None and second["nees"] is None
+    assert first["surface"]["gdop"]["p95"] is None
+
+
+def test_tables_and_the_answer(run, files):
+    status, out, _ = run(
+        "judge", files / "2.toml", files / "3.toml", "-s", files / "lander.toml",
+        "--samples", 2, "--runs", 2, "--finalists", 1, "--density-sigma", 0.2,
+    )  # fmt: skip
+    assert status == 0
+    assert "density unknown by 20 %" in out and "L/D unknown" not in out
+    assert "Users on the surface" in out
+    assert "Within 10 m at deployment, anywhere and at any time?" in out
+    assert "2 satellites: no: not in" in out
+
+
+def test_rival_is_written_and_ranked(run, files):
+    path = files / "rival.toml"
+    status, out, err = run(
+        "judge", files / "3.toml", "-s", files / "lander.toml", "--samples", 2,
+        "--finalists", 0, "--rival", path, "--json",
+    )  # fmt: skip
+    assert status == 0
+    assert f"wrote {path}" in err
+    names = [row["design"] for row in json.loads(out)["designs"]]
+    assert len(names) == 2
+    best = read_design(path)
+    assert best.name == names[0] and best.constellation.size == 3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["2.toml", "-s", "nowhere.toml"], "nowhere.toml"),
+        (["2.toml", "-s", "2.toml"], "2.toml: vehicle"),
+        (["2.toml", "-s", "lander.toml", "--samples", "0"], "samples = 0: allowed 1 to"),
+        (["2.toml", "-s", "lander.toml", "--goal-m", "nan"], "goal_m = nan: must be positive"),
+        (["2.toml", "-s", "lander.toml", "--lift-sigma", "-1"], "lift_sigma = -1.0"),
+        (["2.toml", "-s", "lander.toml", "--rival", "2.toml"], "2.toml"),
+        (["2.toml", "-s", "lander.toml", "--rival-radius-km", "26000"], "give --rival too"),
+        (["-s", "lander.toml"], "Missing argument"),
+    ],
+)
+def test_bad_input_is_said_in_one_message(run, files, monkeypatch, arguments, message):
+    monkeypatch.chdir(files)
+    status, out, err = run("judge", *arguments)
+    assert status == 2 and out == ""
+    assert message in err and "Traceback" not in err

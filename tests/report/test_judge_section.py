@@ -1,0 +1,84 @@
+"""The report's section on landing navigation."""
+
+import numpy as np
+import pytest
+
+from compass.entry.arrivals import draw_arrivals
+from compass.inputs import read_design_text
+from compass.inputs.scenario import read_scenario_text
+from compass.report import judge as module
+from compass.study.judge import campaign_of, judge_entries
+
+DESIGN = """
+name = "{name}"
+[constellation]
+pattern = "walker-delta"
+satellites = {satellites}
+planes = 1
+phasing = 0
+inclination_deg = 50
+radius_km = 20428
+"""
+
+
+@pytest.fixture(scope="module")
+def scenario(designs):
+    text = (designs / "landing.toml").read_text()
+    text = text.replace("duration_s = 320", "duration_s = 10\nstep_s = 2")
+    text = text.replace('[[trigger]]\nname = "parachute deployment"\nmach = 2\n', "")
+    return read_scenario_text(text.replace('[beacons]\ndesign = "compass-15-5-1.toml"\n', ""))
+
+
+def designs_of(*sizes):
+    return [
+        read_design_text(DESIGN.format(name=f"{n} satellites", satellites=n), f"{n}.toml")
+        for n in sizes
+    ]
+
+
+def test_section_has_maps_distributions_and_a_table(scenario, monkeypatch):
+    two, three = designs_of(2, 3)
+
+    def ranked(designs, on, **options):
+        rows = []
+        for rank, design in enumerate(designs):
+            found = judge_entries(
+                design.constellation, campaign_of(on, options["samples"], options["seed"]),
+                on, figure=design.figure, mask=design.mask,
+            )  # fmt: skip
+            rows.append(
+                {
+                    "rank": rank + 1, "design": design.name, "file": design.label,
+                    "satellites": design.constellation.size, **found.figures(),
+                    "worst_found": {"value": found.position_sigma.max()}, "answer": "no",
+                    "ekf_position_m": {"p95": 12.0} if rank == 0 else None,
+                    "nees": {"mean": 6.1} if rank == 0 else None,
+                }
+            )  # fmt: skip
+        return {"designs": rows}
+
+    monkeypatch.setattr(module, "rank_designs", ranked)
+    section = module.judge_section([three, two], scenario, samples=4, batches=2)
+    assert [picture.stem for picture in section.pictures] == ["judge-map", "judge-distributions"]
+    assert all(picture.png.startswith(b"\x89PNG") for picture in section.pictures)
+    (table,) = section.tables
+    assert len(table.rows) == 2 and len(table.rows[0]) == len(table.header)
+    assert table.rows[0][1] == "3 satellites" and table.rows[1][-1] == ""
+    assert "3 satellites: within 10 m? no." in section.paragraphs
+
+
+def test_cells_keep_their_largest_bound(scenario):
+    (two,) = designs_of(2)
+    campaign = campaign_of(scenario, 4)
+    found = [
+        judge_entries(two.constellation, on, scenario, figure=two.figure, mask=two.mask)
+        for on in (campaign, campaign.again(draw_arrivals(4, 9)))
+    ]
+    cells = module.largest_by_cell(found)
+    sigma = np.concatenate([one.position_sigma for one in found])
+    assert np.nanmax(cells) == sigma.max()
+    assert 1 <= np.isfinite(cells).sum() <= sigma.size
+    latitude, longitude = found[0].campaign.deployment_place
+    row = int((np.sin(latitude[0]) + 1) / 2 * module.ROWS)
+    column = int((longitude[0] + np.pi) / (2 * np.pi) * module.COLUMNS)
+    assert cells[row, column] >= found[0].position_sigma[0]

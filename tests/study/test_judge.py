@@ -1,0 +1,302 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from compass.entry.arrivals import Arrivals
+from compass.entry.beacons import in_view
+from compass.entry.campaign import fly_campaign
+from compass.entry.fisher import cramer_rao_bound
+from compass.errors import ArgumentError
+from compass.frames import FIGURES
+from compass.orbits import from_elements, walker_delta
+from compass.sites import Mask
+from compass.study.judge import campaign_of, judge, judge_entries
+from compass.study.judge_filter import entry_beacons, judge_filter
+from compass.study.judgement import spectrum_and_floor
+
+FIGURE = FIGURES["iau-sphere"]
+AREOSYNCHRONOUS = 20428e3
+
+
+@pytest.fixture(scope="module")
+def scenario(short):
+    return short()
+
+
+@pytest.fixture(scope="module")
+def five():
+    return walker_delta(5, 5, 1, inclination=np.radians(50), radius=AREOSYNCHRONOUS)
+
+
+def entries(constellation, scenario, samples=4, mask=0.0, **options):
+    campaign = campaign_of(scenario, samples, **options)
+    return judge_entries(constellation, campaign, scenario, figure=FIGURE, mask=Mask.constant(mask))
+
+
+@pytest.mark.parametrize(
+    "kind",
+    ["range_sigma_m = 50", "range_rate_sigma_m_s = 0.1", "both"],
+    ids=["range", "rate", "both"],
+)
+def test_bound_is_that_of_the_recursion_over_epochs(short, five, kind):
+    """The recursive bound of the filter's kernel, in other coordinates and with exact orbits."""
+    both = "range_sigma_m = 50\nrange_rate_sigma_m_s = 0.1"
+    scenario = short(("range_sigma_m = 50", both if kind == "both" else kind))
+    found = entries(five, scenario, electrons=None)
+    for m in range(found.campaign.size):
+        beacons = entry_beacons(found, m)
+        states = found.campaign.states[m]
+        seen = in_view(beacons, states, FIGURE.equatorial_radius)
+        assert np.array_equal(seen, found.seen[m])
+        spread = found.campaign.spreads[m, :6]
+        bound = cramer_rao_bound(
+            scenario.model, states, beacons, seen, scenario.measurements, spread @ spread.T
+        )
+        # interpolated orbits are off by 2e-6 m of 2e7 m, so directions by 1e-13
+        assert found.sigma[m, 0] == pytest.approx(
+            [bound.position_sigma[-1], bound.velocity_sigma[-1]], rel=1e-9
+        )
+
+
+def test_loss_is_judging_without_the_satellite(scenario, five):
+    found = entries(five, scenario)
+    for lost in (0, 3):
+        less = entries(five.without([lost]), scenario)
+        assert found.sigma[:, 1 + lost] == pytest.approx(less.sigma[:, 0], rel=1e-12)
+        after = found._figures(lost, 10.0)
+        assert after == {
+            key: pytest.approx(value) for key, value in less._figures(None, 10.0).items()
+        }
+    worst = max(np.percentile(found.sigma[:, 1 + k, 0], 95) for k in range(5))
+    assert found.figures()["after_loss"]["crlb_position_m"]["p95"] == pytest.approx(worst)
+
+
+@given(
+    i=st.floats(0, 1.5), raan=st.floats(0, 6.28), anomaly=st.floats(0, 6.28),
+    radius=st.floats(4e6, 4e7),
+)  # fmt: skip
+@settings(max_examples=10)
+def test_one_more_satellite_never_hurts(short, five, i, raan, anomaly, radius):
+    more = from_elements(
+        np.append(five.semi_major_axis, radius),
+        0.0,
+        np.append(five.inclination, i),
+        np.append(five.raan, raan),
+        0.0,
+        np.append(five.mean_anomaly, anomaly),
+    )
+    scenario = short()
+    campaign = campaign_of(scenario, 2)
+    place = {"figure": FIGURE, "mask": Mask()}
+    six = judge_entries(more, campaign, scenario, **place)
+    # the same entries at the same moments, so without the newcomer rather than from five alone
+    assert np.all(six.sigma[:, 0] <= six.sigma[:, 6] * (1 + 1e-12))
+
+
+def test_turning_nodes_and_sites_together_changes_nothing(scenario, five):
+    turn = 1.234
+    campaign = campaign_of(scenario, 4)
+    a = campaign.arrivals
+    moved = fly_campaign(
+        scenario.model,
+        scenario.state,
+        scenario.settings.covariance0,
+        scenario.times,
+        Arrivals(a.latitude, a.longitude + turn, a.azimuth, a.phase),
+    )
+    turned = replace(five, raan=five.raan + turn)
+    one = entries(five, scenario)
+    other = judge_entries(turned, moved, scenario, figure=FIGURE, mask=Mask())
+    assert np.array_equal(one.seen, other.seen)
+    # rounding of directions (1e-16 of 2e7 m over 1 m of what is sought) and of the flight
+    assert other.sigma == pytest.approx(one.sigma, rel=1e-8)
+
+
+def test_threads_do_not_change_the_numbers(scenario, five, monkeypatch):
+    monkeypatch.setattr("compass.study.judge.BLOCK", 1)
+    campaign = campaign_of(scenario, 3)
+    pair = [
+        judge_entries(five, campaign, scenario, figure=FIGURE, mask=Mask(), threads=threads)
+        for threads in (1, 3)
+    ]
+    assert np.array_equal(pair[0].sigma, pair[1].sigma)
+    assert np.array_equal(pair[0].shares, pair[1].shares)
+
+
+def test_a_measurement_is_worth_its_probability_to_arrive(scenario, five):
+    """Plasma thicker than the critical density everywhere lets 1e-8 of the ranges through."""
+
+    def thick(density, speed):
+        return np.full(np.shape(density), 1e20)
+
+    clear, dim = entries(five, scenario, electrons=None), entries(five, scenario, electrons=thick)
+    assert dim.shares == pytest.approx(1e-8 * clear.shares, rel=1e-12)
+    assert np.array_equal(dim.seen, clear.seen)
+    assert np.all(dim.sigma > clear.sigma)
+
+
+def test_without_satellites_the_prior_is_left(scenario):
+    nobody = from_elements([], 0, 0, 0, 0, 0)
+    found = entries(nobody, scenario)
+    figures = found.figures()
+    assert figures["unobservable_share"] == 1
+    assert figures["in_view"] == {"min": 0, "median": 0}
+    assert "after_loss" not in figures
+    gain = found.campaign.gains[:, -1]
+    assert found.sigma[:, 0, 0] == pytest.approx(np.sqrt((gain[:, :3] ** 2).sum(axis=(1, 2))))
+    # 1 km and 0.5 m/s an axis, a good half minute later: sqrt(3) km and a bit
+    assert np.all((found.sigma[:, 0, 0] > 1700) & (found.sigma[:, 0, 0] < 1800))
+    assert figures["share_within_goal"] == 0
+
+
+def test_rank_is_told_from_rounding():
+    rng = np.random.default_rng(0)
+    terms = rng.standard_normal((2, 200, 6))
+    terms[0] -= terms[0] @ np.full((6, 6), 1 / 6)  # no term sees the direction (1, ..., 1)
+    spectrum, floor = spectrum_and_floor(np.einsum("mka,mkb->mab", terms, terms), 200)
+    assert list(spectrum[:, 0] <= floor) == [True, False]
+
+
+def test_uncertain_parameters_cost_accuracy(scenario, five):
+    known = entries(five, scenario)
+    unsure = entries(five, scenario, density_sigma=0.2, lift_sigma=0.1)
+    assert unsure.information.shape[1:] == (8, 8)
+    assert np.all(unsure.sigma[:, 0] >= known.sigma[:, 0] * (1 - 1e-12))
+    # a parameter that is all but known is as good as known
+    sure = entries(five, scenario, density_sigma=1e-9)
+    assert sure.sigma == pytest.approx(known.sigma, rel=1e-9)
+
+
+def test_bound_with_uncertain_parameters_is_that_of_least_squares(scenario, five):
+    """All ranges of an entry stacked, solved at once by NumPy, with exact orbits."""
+    found = entries(five, scenario, density_sigma=0.2, lift_sigma=0.1)
+    campaign = found.campaign
+    for m in range(campaign.size):
+        beacons = entry_beacons(found, m)
+        line = campaign.paths[m, :, None, :3] - beacons.r
+        n = line / np.linalg.norm(line, axis=2, keepdims=True)
+        rows = np.einsum("tni,tij->tnj", n, campaign.gains[m, :, :3])
+        rows *= np.sqrt(campaign.arrival_probability[m])[:, None, None] / 50.0
+        h = rows[found.seen[m]]
+        covariance = np.linalg.inv(np.eye(8) + h.T @ h)
+        gain = campaign.gains[m, -1]
+        spread = np.diag(gain @ covariance @ gain.T)
+        sigma = np.sqrt([spread[:3].sum(), spread[3:].sum()])
+        assert found.sigma[m, 0] == pytest.approx(sigma, rel=1e-9)
+
+
+def test_campaigns_are_flown_once(scenario):
+    assert campaign_of(scenario, 2) is campaign_of(scenario, 2)
+    assert campaign_of(scenario, 2) is not campaign_of(scenario, 2, 1)
+
+
+def test_figures_are_those_of_the_entries(scenario, five):
+    figures = judge(five, scenario, samples=4, figure=FIGURE, mask=Mask(), goal=1000.0)
+    found = entries(five, scenario)
+    sigma = found.position_sigma
+    assert figures["crlb_position_m"]["p50"] == pytest.approx(np.median(sigma))
+    worst = figures["crlb_position_m"]
+    k = int(sigma.argmax())
+    assert worst["worst"] == sigma[k]
+    assert worst["worst_epoch_s"] == found.epochs[k]
+    lat, lon = found.campaign.deployment_place
+    assert np.radians([worst["worst_latitude_deg"], worst["worst_longitude_deg"]]) == pytest.approx(
+        [lat[k], lon[k]]
+    )
+    assert figures["share_within_goal"] == np.mean(sigma <= 1000.0)
+    counts = found.seen.sum(axis=2)
+    assert figures["in_view"] == {"min": counts.min(), "median": np.median(counts)}
+    f = found.information
+    log_det = np.linalg.slogdet(f)[1]
+    median = np.sort(log_det)[1]  # an entry's own: without measurements it would be -inf
+    assert figures["fisher_log_det"]["p50"] == pytest.approx(median, rel=1e-6)
+    assert figures["fisher_trace"]["p50"] == pytest.approx(np.median(np.trace(f.T)))
+
+
+def test_mask_hides_satellites(scenario, five):
+    assert entries(five, scenario, mask=0.5).seen.sum() < entries(five, scenario).seen.sum()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("range_sigma_m = 50", "range_sigma_m = 50\nin_turn = true"), "in_turn = true"),
+        (
+            ('kind = "ekf"', 'kind = "ekf"\nprocess_noise_si = [1, 0, 0, 0, 0, 0]'),
+            "process_noise_si",
+        ),
+    ],
+)
+def test_what_the_bound_does_not_cover_is_refused(short, five, change, message):
+    with pytest.raises(ArgumentError, match=message):
+        entries(five, short(change))
+
+
+def test_satellites_under_the_surface_are_refused(scenario):
+    low = from_elements(3.5e6, 0.1, 0, 0, 0, 0)
+    with pytest.raises(ArgumentError, match="comes down to radius 3150 km"):
+        entries(low, scenario)
+
+
+def test_filter_runs_report_errors_and_consistency(scenario, five):
+    found = judge_filter(five, scenario, samples=2, runs=2, figure=FIGURE, mask=Mask(), threads=1)
+    assert found["runs"] == 4 and found["diverged"] == 0
+    assert found["nees"]["low"] < 6 < found["nees"]["high"]
+    assert 0 < found["ekf_position_m"]["p50"] <= found["ekf_position_m"]["p95"]
+    again = judge_filter(five, scenario, samples=2, runs=2, figure=FIGURE, mask=Mask(), threads=2)
+    assert found == again
+    with pytest.raises(ArgumentError, match="runs = 0"):
+        judge_filter(five, scenario, samples=2, runs=0, figure=FIGURE, mask=Mask())
+
+
+def test_filter_that_diverges_is_counted(scenario, five, monkeypatch):
+    from compass.study import judge_filter as module
+
+    def lost(*arguments, **options):
+        found = original(*arguments, **options)
+        found.errors[:], found.diverged[:] = np.nan, True
+        return found
+
+    original = module.run_monte_carlo
+    monkeypatch.setattr(module, "run_monte_carlo", lost)
+    found = judge_filter(five, scenario, samples=1, runs=1, figure=FIGURE, mask=Mask())
+    assert found["diverged"] == 1 and np.isnan(found["ekf_position_m"]["rms"])
+    assert found["nees"]["consistent"] is False
+
+
+@pytest.mark.slow
+def test_filter_reaches_the_bound(designs, seed_design):
+    """Mean squares of N runs scatter by sqrt(2/N) at most, of one dominant direction.
+
+    Four of these, halved for the root: 12.5 % for 512 runs.
+    """
+    from compass.inputs.scenario import read_scenario
+
+    scenario = read_scenario(designs / "landing.toml")
+    found = judge_filter(
+        seed_design.constellation,
+        scenario,
+        samples=64,
+        runs=8,
+        figure=seed_design.figure,
+        mask=seed_design.mask,
+        electrons=None,
+    )
+    n = found["runs"]
+    assert n >= 500 and found["diverged"] == 0
+    assert found["rms_over_bound"] == pytest.approx(1, abs=4 * 0.5 * np.sqrt(2 / n))
+    assert found["nees"]["mean"] == pytest.approx(6, abs=4 * np.sqrt(12 / n))
+
+
+def test_deployment_is_the_trigger_named_so(short, designs):
+    from compass.inputs.scenario import read_scenario
+    from compass.study.judge import deployment_trigger
+
+    assert deployment_trigger(short()) is None
+    trigger = deployment_trigger(read_scenario(designs / "landing.toml"))
+    assert (trigger.quantity, trigger.level) == ("mach", 2.0)
+    other = short(("[measurements]", '[[trigger]]\nname = "slow"\nmach = 3\n\n[measurements]'))
+    assert deployment_trigger(other) is None
