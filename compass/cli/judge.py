@@ -6,7 +6,14 @@ from typing import Any
 
 import click
 
-from compass.cli.shared import command_line, emit_json, json_option, print_table, say
+from compass.cli.shared import (
+    announce_compilation,
+    command_line,
+    emit_json,
+    json_option,
+    print_table,
+    say,
+)
 
 
 @click.command()
@@ -59,6 +66,7 @@ def command(
     end of the scenario) at sites over the whole globe, at moments over the repeat period. Ranked
     by the 95th percentile of the Cramer-Rao bound of position there, blackout taken into account.
     """
+    announce_compilation()
     import os
 
     from tqdm import tqdm
