@@ -1,0 +1,179 @@
+"""What is found out about candidates, stage by stage: the cheap and exact first.
+
+1. ``screen``: cost proxies, the exact continuous fold and its margin, closest approach; one
+   kernel call for a thousand candidates.
+2. ``map``: geometry (DOP, counts) over area and time, for candidates that pass the screen.
+3. ``entry``: landing navigation, for the best of those that pass the map.
+
+Every function takes candidates and the study, and nothing else decides its numbers: neither the
+batch a candidate is in nor the worker.
+"""
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.core.screen import screen_patterns
+from compass.coverage.cap import cap_radius, mask_for_cap
+from compass.coverage.grid import equal_area_grid
+from compass.coverage.maps import coverage_map
+from compass.coverage.symmetry import shortest_span
+from compass.coverage.view import view
+from compass.inputs.merit import merits_of
+from compass.inputs.study import Study
+from compass.orbits import Constellation
+from compass.sites import Mask
+from compass.study.candidates import PATTERNS, make_constellation
+from compass.study.cost import cost_figures
+
+#: Bracket of the cap radius that decides margins, and the one that decides close calls, radians.
+TOLERANCE, FINE = 5e-4, 1e-7
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a stage found out about a batch of candidates.
+
+    Attributes
+    ----------
+    figures
+        By name, shape (n,); nan where there is no value.
+    errors
+        Text of the error of each candidate that raised one, by its place in the batch.
+    seconds
+        Time spent.
+    """
+
+    figures: dict[str, NDArray[np.float64]]
+    errors: dict[int, str]
+    seconds: float
+
+
+def evaluate(stage: str, study: Study, rows: NDArray) -> Found:
+    """Put a batch of candidates through a stage; one that raises does not harm the others."""
+    began = time.perf_counter()
+    find = screen if stage == "screen" else _one_by_one
+    errors: dict[int, str] = {}
+    try:
+        figures = find(stage, study, rows)
+    except Exception:
+        figures = {name: np.full(rows.size, np.nan) for name in figures_of(stage)}
+        for k in range(rows.size):
+            try:
+                single = find(stage, study, rows[k : k + 1])
+            except Exception as error:
+                errors[k] = f"{type(error).__name__}: {error}"
+            else:
+                for name, value in single.items():
+                    figures[name][k] = value[0]
+    return Found(figures, errors, time.perf_counter() - began)
+
+
+def figures_of(stage: str) -> list[str]:
+    """Names of the figures that a stage stores."""
+    return merits_of("cost") + merits_of("screen") if stage == "screen" else merits_of(stage)
+
+
+def passing(study: Study, stage: str, figures: dict[str, NDArray[np.float64]]) -> NDArray[np.bool_]:
+    """Which candidates meet every constraint on a stage's figures, shape (n,)."""
+    size = next(iter(figures.values())).size
+    keep = np.ones(size, dtype=bool)
+    for constraint in study.constraints_of(stage):
+        keep &= [constraint.holds(float(value)) for value in figures[constraint.figure]]
+    return keep
+
+
+def screen(stage: str, study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
+    """Costs of all; fold, margin and closest approach of those whose costs are allowed."""
+    sphere = study.figure.equatorial_radius
+    costs = cost_figures(rows, study.cost, sphere)
+    figures = costs | {name: np.full(rows.size, np.nan) for name in merits_of("screen")}
+    kept = np.flatnonzero(passing(study, "cost", costs))
+    some = rows[kept]
+    radius, mask = some["radius_km"] * 1e3, np.radians(some["mask_deg"])
+    caps = cap_radius(radius, sphere, mask)
+    least, most, closest = np.empty((3, kept.size))
+    screen_patterns(
+        some["pattern"] == PATTERNS.index("walker-star"),
+        *(some[name].astype(np.int64) for name in ("satellites", "planes", "phasing")),
+        np.radians(some["inclination_deg"]),
+        caps,
+        study.fold,
+        any(c.figure == "fold_proven" and c.low > 0 for c in study.constraints),
+        TOLERANCE,
+        FINE,
+        least,
+        most,
+        closest,
+    )
+    # between `least` and `most` nothing is claimed
+    figures["fold_proven"][kept] = np.select([most <= caps, least > caps], [1.0, 0.0], np.nan)
+    known = np.isfinite(most)
+    bounded = np.where(known, most, np.nan)
+    figures["cap_radius_min_deg"][kept] = np.degrees(bounded)
+    figures["mask_margin_deg"][kept] = np.degrees(mask_for_cap(bounded, radius, sphere))
+    figures["closest_approach_deg"][kept] = np.degrees(closest)
+    return figures
+
+
+def _one_by_one(stage: str, study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
+    find = map_figures if stage == "map" else entry_figures
+    found = [
+        find(make_constellation(row), study, float(np.radians(row["mask_deg"]))) for row in rows
+    ]
+    return {name: np.array([one[name] for one in found], dtype=float) for name in merits_of(stage)}
+
+
+def map_figures(constellation: Constellation, study: Study, mask: float) -> dict[str, float]:
+    """Dilution of precision and counts over the whole sphere and the time that decides.
+
+    A pattern shows all it ever shows within a fraction of a revolution, but for turns of the
+    sphere; the epochs are spread over that fraction, so few are enough.
+    """
+    span = shortest_span(constellation)
+    epochs = study.map.epochs
+    times = span.start + (span.stop - span.start) * (np.arange(epochs) + 0.5) / epochs
+    seen = view(constellation, times, study.figure.equatorial_radius, Mask.constant(mask))
+    data = coverage_map(
+        seen,
+        equal_area_grid(float(np.radians(study.map.step_deg))),
+        period=span.stop - span.start,
+        fold=study.fold,
+        pdop_threshold=study.map.pdop_max,
+        workers=1,
+    )
+    dops = data.global_dop.to_pandas()
+    return {
+        "gdop_p50": float(dops.loc["gdop", 50]),
+        "gdop_p95": float(dops.loc["gdop", 95]),
+        "pdop_p95": float(dops.loc["pdop", 95]),
+        "availability": float(data.global_availability),
+        "count_mean": float(data.global_count_mean),
+    }
+
+
+def entry_figures(constellation: Constellation, study: Study, mask: float) -> dict[str, float]:
+    """Landing navigation over entries everywhere and at any time; see `compass.study.judge`."""
+    from compass.study.judge import judge
+
+    assert study.entry is not None
+    verdict = judge(
+        constellation,
+        study.entry.scenario,
+        samples=study.entry.samples,
+        seed=study.seed,
+        figure=study.figure,
+        mask=mask,
+    )
+    return {name: _value(verdict, name) for name in merits_of("entry")}
+
+
+def _value(verdict: dict[str, Any], name: str) -> float:
+    """Return the number at a dotted name; nan where there is none."""
+    found: Any = verdict
+    for part in name.split("."):
+        found = found[part]
+    return float("nan") if found is None else float(found)
