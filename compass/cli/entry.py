@@ -18,34 +18,53 @@ from compass.cli.shared import command_line, emit_json, json_option, print_table
 def command(
     scenario: Path, output: Path | None, figures: Path | None, runs: int | None, as_json: bool
 ) -> None:
-    """Fly a SCENARIO and navigate it: trajectory, view, observability, bound and filter."""
+    """Fly a SCENARIO and navigate it: trajectory, view, observability, bound and filter.
+
+    A scenario with a table [fusion] is also flown with accelerometers and ranges in centralised
+    and distributed filters, through plasma and faults if it has them.
+    """
     from compass.entry.assess import assessment_dataset
+    from compass.inputs.fusion import fusion_plan
     from compass.inputs.scenario import provenance, read_scenario
     from compass.report.entry import assess_scenario, entry_facts, entry_section
+    from compass.report.fusion import fusion_facts, fusion_section
     from compass.report.pictures import check_folder, write_pictures
     from compass.saving import check_writable, replacing
+    from compass.study.fusion import run_fusion
 
     chosen = read_scenario(scenario)
+    plan = fusion_plan(chosen)
     if output:
         check_writable(output, [scenario])
     if figures:
         check_folder(figures)
+    for warning in plan.case.visibility_report() if plan else ():
+        say(warning)
     found = assess_scenario(chosen, runs)
-    section = entry_section(chosen, found)
+    sections = [entry_section(chosen, found)]
+    facts = entry_facts(chosen, found)
+    fused = run_fusion(plan, runs) if plan else None
+    if fused:
+        sections.append(fusion_section(fused))
+        facts["fusion"] = fusion_facts(fused)
     if output:
         data = assessment_dataset(found)
         data.attrs |= provenance(chosen, command_line())
         with replacing(output) as temporary:
             data.to_netcdf(temporary, engine="h5netcdf")
+            for group, part in fused.groups() if fused else ():
+                part.to_netcdf(temporary, mode="a", group=group, engine="h5netcdf")
         say(f"wrote {output}")
     if figures:
-        write_pictures(section.pictures, figures)
-        say(f"wrote {len(section.pictures)} pictures into {figures}")
+        pictures = [image for section in sections for image in section.pictures]
+        write_pictures(pictures, figures)
+        say(f"wrote {len(pictures)} pictures into {figures}")
     if as_json:
-        emit_json(entry_facts(chosen, found) | {"provenance": provenance(chosen, command_line())})
+        emit_json(facts | {"provenance": provenance(chosen, command_line())})
         return
     click.echo(chosen.name)
-    for paragraph in section.paragraphs:
-        click.echo(f"\n{paragraph}")
-    for table in section.tables:
-        print_table(table.title, table.rows, table.header)
+    for section in sections:
+        for paragraph in section.paragraphs:
+            click.echo(f"\n{paragraph}")
+        for table in section.tables:
+            print_table(table.title, table.rows, table.header)

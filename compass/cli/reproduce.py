@@ -4,7 +4,7 @@ import click
 
 from compass.cli.shared import emit_json, json_option, print_table
 
-PAPERS = ("kelly2018", "yu2018")
+PAPERS = ("kelly2018", "yu2018", "lou2017", "lou2019")
 
 
 @click.command("reproduce")

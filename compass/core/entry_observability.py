@@ -158,7 +158,7 @@ def observe_epochs(
     p = p.copy()
     rows = 2 * n * orders
     matrix, lie = np.zeros((rows, 6)), np.empty(rows)
-    packed, vectors = np.zeros((max(rows, 6), 6)), np.empty((6, 6))
+    packed, vectors = np.zeros((6, max(rows, 6))), np.empty((6, 6))
     for t in range(epochs):
         p[BANK] = banks[t]
         if method == EXACT:
@@ -176,13 +176,11 @@ def observe_epochs(
                         continue
                     factor = scales[s, i % 2] * power
                     for j in range(6):
-                        packed[count, j] = matrix[2 * k * n + i, j] * factor * scales[s, 3 + j]
+                        packed[j, count] = matrix[2 * k * n + i, j] * factor * scales[s, 3 + j]
                     count += 1
                 power *= scales[s, 2]
-            while count < 6:
-                packed[count, :] = 0.0
-                count += 1
-            jacobi_svd(packed[:count], singular[s, t], vectors)
+            packed[:, count:] = 0.0
+            jacobi_svd(packed[:, : max(6, count)], singular[s, t], vectors)
         index[t] = _triple_index(states[t], r[t], use_range[t], use_rate[t])
 
 

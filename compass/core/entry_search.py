@@ -30,7 +30,7 @@ def minimum_degree(series, beacons):
     epochs, _, orders, _ = series.shape
     n = beacons.shape[0]
     rows = max(6, n * orders)
-    matrix, values, vectors = np.zeros((rows, 6)), np.empty(6), np.empty((6, 6))
+    matrix, values, vectors = np.zeros((6, rows)), np.empty(6), np.empty((6, 6))
     beacon, out = np.zeros((3, orders)), np.empty((orders, 7))
     least = np.inf
     for t in range(epochs):
@@ -41,9 +41,9 @@ def minimum_degree(series, beacons):
             for k in range(orders):
                 factorial *= max(1, k)
                 for j in range(6):
-                    matrix[b * orders + k, j] = factorial * out[k, 1 + j]
+                    matrix[j, b * orders + k] = factorial * out[k, 1 + j]
         for k in range(n * orders, rows):
-            matrix[k, :] = 0.0
+            matrix[:, k] = 0.0
         jacobi_svd(matrix, values, vectors)
         least = min(least, values[5] / values[0])
     return least

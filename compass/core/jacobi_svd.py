@@ -13,17 +13,24 @@ import math
 
 import numpy as np
 
-from compass.core.jit import kernel
+from compass.core.jit import fast_kernel
 
 
-@kernel
-def jacobi_svd(a, values, vectors):
-    """Singular values, descending, and right singular vectors (columns) of `a` (m by n, m >= n).
+@fast_kernel
+def jacobi_svd(columns, values, vectors):
+    """Singular values, descending, and right singular vectors of a matrix given by its columns.
 
-    `a` is overwritten; `values` has shape (n,), `vectors` (n, n). A matrix with fewer rows than
-    columns needs zero rows put below it.
+    Parameters
+    ----------
+    columns
+        The matrix transposed, (n, m) with m >= n, so that each column lies together; overwritten.
+        A matrix with fewer rows than columns needs zero rows put below it.
+    values
+        Output, (n,).
+    vectors
+        Output, (n, n), one vector a row.
     """
-    m, n = a.shape
+    n, m = columns.shape
     for i in range(n):
         for j in range(n):
             vectors[i, j] = 1.0 if i == j else 0.0
@@ -33,10 +40,11 @@ def jacobi_svd(a, values, vectors):
             for j in range(i + 1, n):
                 alpha, beta, gamma = 0.0, 0.0, 0.0
                 for k in range(m):
-                    alpha += a[k, i] * a[k, i]
-                    beta += a[k, j] * a[k, j]
-                    gamma += a[k, i] * a[k, j]
-                if not abs(gamma) > 2.3e-16 * math.sqrt(alpha) * math.sqrt(beta):
+                    alpha += columns[i, k] * columns[i, k]
+                    beta += columns[j, k] * columns[j, k]
+                    gamma += columns[i, k] * columns[j, k]
+                # orthogonal to a few roundings of the dot product
+                if not abs(gamma) > 1e-15 * math.sqrt(alpha) * math.sqrt(beta):
                     continue
                 turned = True
                 zeta = (beta - alpha) / (2.0 * gamma)
@@ -44,17 +52,19 @@ def jacobi_svd(a, values, vectors):
                 c = 1.0 / math.sqrt(1.0 + t * t)
                 s = c * t
                 for k in range(m):
-                    u, v = a[k, i], a[k, j]
-                    a[k, i], a[k, j] = c * u - s * v, s * u + c * v
+                    u, v = columns[i, k], columns[j, k]
+                    columns[i, k] = c * u - s * v
+                    columns[j, k] = s * u + c * v
                 for k in range(n):
-                    u, v = vectors[k, i], vectors[k, j]
-                    vectors[k, i], vectors[k, j] = c * u - s * v, s * u + c * v
+                    u, v = vectors[i, k], vectors[j, k]
+                    vectors[i, k] = c * u - s * v
+                    vectors[j, k] = s * u + c * v
         if not turned:
             break
     for i in range(n):
         total = 0.0
         for k in range(m):
-            total += a[k, i] * a[k, i]
+            total += columns[i, k] * columns[i, k]
         values[i] = math.sqrt(total)
     for i in range(n - 1):  # selection sort: n is six or eight
         best = i
@@ -64,14 +74,14 @@ def jacobi_svd(a, values, vectors):
         if best != i:
             values[i], values[best] = values[best], values[i]
             for k in range(n):
-                vectors[k, i], vectors[k, best] = vectors[k, best], vectors[k, i]
+                vectors[i, k], vectors[best, k] = vectors[best, k], vectors[i, k]
 
 
 def singular_values(a):
     """Singular values of a matrix, descending, by `jacobi_svd`."""
     m, n = np.shape(a)
-    work = np.zeros((max(m, n), n))
-    work[:m] = a
+    work = np.zeros((n, max(m, n)))
+    work[:, :m] = np.transpose(a)
     values, vectors = np.empty(n), np.empty((n, n))
     jacobi_svd(work, values, vectors)
     return values

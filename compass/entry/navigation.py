@@ -214,8 +214,8 @@ def run_monte_carlo(
         monte_carlo(
             *common,
             drawn[:, :6],
-            drawn[:, 6 : 6 + 2 * count * n].reshape(-1, count, n, 2),
-            drawn[:, 6 + 2 * count * n :].reshape(-1, count, 6),
+            drawn[:, 6 : 6 + 2 * count * n].reshape(len(drawn), count, n, 2),
+            drawn[:, 6 + 2 * count * n :].reshape(len(drawn), count, 6),
             errors[part],
             nees[part],
             sigmas[part],

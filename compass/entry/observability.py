@@ -236,15 +236,15 @@ def blind_spots(
     powers = np.repeat(scale[2] ** np.arange(orders), measured)
     kinds = np.tile(np.tile([0, 1], n)[np.repeat(used, 2) & np.tile([ranges, rates], n)], orders)
     scaled = matrix * scale[kinds][:, None] * powers[:, None] * columns
-    work = np.zeros((max(6, len(scaled)), 6))
-    work[: len(scaled)] = scaled
+    work = np.zeros((6, max(6, len(scaled))))
+    work[:, : len(scaled)] = scaled.T
     values, vectors = np.empty(6), np.empty((6, 6))
     jacobi_svd(work, values, vectors)
     rank = int((values > RANK_TOLERANCE * values[0]).sum()) if values[0] > 0 else 0
-    null = (vectors[:, rank:] * columns[:, None]).T
+    null = vectors[rank:] * columns
     seen = beacons.chosen(used)
     directions, words = _describe(x, null, seen, epoch)
-    weakest = "" if words else _describe(x, vectors[:, 5:].T * columns, seen, epoch)[1][0]
+    weakest = "" if words else _describe(x, vectors[5:] * columns, seen, epoch)[1][0]
     return BlindSpots(matrix, lie, rank, directions, words, weakest)
 
 

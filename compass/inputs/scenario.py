@@ -21,6 +21,7 @@ from compass.entry.vehicle import Vehicle
 from compass.errors import ArgumentError, CompassError, DesignError
 from compass.frames import prime_meridian_angle
 from compass.inputs.design import read_design
+from compass.inputs.fusion_models import FusionTable
 from compass.inputs.reading import parse, read_text
 from compass.inputs.scenario_faults import scenario_faults
 from compass.inputs.scenario_models import (
@@ -89,6 +90,9 @@ class Scenario:
         Of the Monte Carlo.
     optimize
         What ``compass optimize`` looks for, or None.
+    fusion
+        Accelerometers, distributed filters, radio and faults, or None; see
+        `compass.inputs.fusion.fusion_plan`.
     text, digest, label
         The file's text, its SHA-256 and its name as given.
     """
@@ -110,6 +114,7 @@ class Scenario:
     runs: int
     seed: int
     optimize: OptimizeTable | None
+    fusion: FusionTable | None
     text: str
     digest: str
     label: str
@@ -215,6 +220,7 @@ def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenar
         runs=file.monte_carlo.runs,
         seed=file.monte_carlo.seed,
         optimize=file.optimize,
+        fusion=file.fusion,
         text=text,
         digest=hashlib.sha256(text.encode()).hexdigest(),
         label=label,

@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from compass.inputs.fusion_models import FusionTable
 from compass.inputs.models import Inclination, Kilometres, Pair, Table
 
 Positive = Annotated[float, Field(gt=0, le=1e15)]
@@ -240,3 +241,6 @@ class ScenarioFile(Table):
         default_factory=lambda: MonteCarloTable.model_validate({}), description="the runs"
     )
     optimize: OptimizeTable | None = Field(None, description="what compass optimize looks for")
+    fusion: FusionTable | None = Field(
+        None, description="accelerometers and ranges in centralised and distributed filters"
+    )

@@ -71,13 +71,13 @@ def table_5() -> NDArray[np.float64]:
 
 @cache
 def ground_flight() -> Trajectory:
-    """The flight of Table 2."""
+    """Return the flight of Table 2."""
     return fly(model(), table_2(), TIMES)
 
 
 @cache
 def orbiter_flight() -> Trajectory:
-    """The flight of Table 5."""
+    """Return the flight of Table 5."""
     return fly(model(), table_5(), TIMES)
 
 
@@ -324,7 +324,7 @@ def _filtering() -> list[Row]:
         for passes in (1, 10)
     }
     early = share[60]
-    rapid = np.log(share[90, 3] / share[115, 3]) / 25, np.log(share[30, 3] / share[80, 3]) / 50
+    fall = share[115, 3:] / share[90, 3:]
     return [
         judge_claim(
             "First longitude error of Table 4 on the ground",
@@ -355,13 +355,13 @@ def _filtering() -> list[Row]:
             "not in this geometry",
         ),
         judge_claim(
-            "Rate of convergence of the speed from 90 to 115 s over that from 30 to 80 s",
+            "Bounds at 115 s over those at 90 s: speed, flight path, azimuth",
             "Figure 7",
             "rapid convergence from about 90 to 115 s",
-            float(rapid[0] / rapid[1]),
+            f"{fall[0]:.2g}, {fall[1]:.2g}, {fall[2]:.2g}",
             "1",
-            rapid[0] > rapid[1],
-            "no faster than before",
+            bool(fall.max() < 0.5),
+            "the flight-path angle converges so; the speed's bound grows while drag is largest",
         ),
     ]
 

@@ -155,10 +155,10 @@ def test_small_singular_values_are_accurate_under_bad_column_scaling(spread):
 
 def test_right_singular_vectors():
     a = np.random.default_rng(3).normal(size=(9, 6))
-    values, vectors, work = np.empty(6), np.empty((6, 6)), a.copy()
+    values, vectors, work = np.empty(6), np.empty((6, 6)), a.T.copy()
     jacobi_svd(work, values, vectors)
-    np.testing.assert_allclose(vectors.T @ vectors, np.eye(6), atol=1e-14)
-    np.testing.assert_allclose(np.linalg.norm(a @ vectors, axis=0), values, rtol=1e-14)
+    np.testing.assert_allclose(vectors @ vectors.T, np.eye(6), atol=1e-14)
+    np.testing.assert_allclose(np.linalg.norm(a @ vectors.T, axis=0), values, rtol=1e-14)
     np.testing.assert_allclose(values, np.linalg.svd(a, compute_uv=False), rtol=1e-13)
 
 

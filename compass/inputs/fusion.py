@@ -1,0 +1,173 @@
+"""The fusion part of a scenario, turned into a navigation case, filters and faults."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.entry.atmosphere import read_atmosphere_table
+from compass.entry.case import NavigationCase
+from compass.entry.faults import Fault
+from compass.entry.filters import SCALE, FilterSettings
+from compass.entry.imu import Imu
+from compass.entry.radio import PER_CM3, STAGNATION, WAKE, ElectronModel, ElectronTable
+from compass.errors import ArgumentError, CompassError, DesignError
+from compass.inputs.fusion_models import EstimateTable, FusionTable, RadioTable
+
+if TYPE_CHECKING:
+    from compass.entry.model import EntryModel
+    from compass.inputs.scenario import Scenario
+
+KM = 1e3
+
+
+@dataclass(frozen=True)
+class FusionPlan:
+    """What is to be flown and filtered.
+
+    Attributes
+    ----------
+    case
+        The truth.
+    filters
+        Filters to compare.
+    faults
+        What goes wrong in a second set of runs.
+    electrons
+        Model of the plasma, or None.
+    see_through
+        Whether ranges pass through the planet.
+    runs, seed
+        Of the Monte Carlo.
+    """
+
+    case: NavigationCase
+    filters: tuple[FilterSettings, ...]
+    faults: tuple[Fault, ...]
+    electrons: ElectronModel | ElectronTable | None
+    see_through: bool
+    runs: int
+    seed: int
+
+
+def fusion_plan(scenario: "Scenario") -> FusionPlan | None:
+    """Return what a scenario's [fusion] asks for; None if it has none.
+
+    Raises
+    ------
+    DesignError
+        Values that do not fit together, with the field.
+    """
+    if scenario.fusion is None:
+        return None
+    try:
+        return _plan(scenario, scenario.fusion)
+    except DesignError:
+        raise
+    except CompassError as error:
+        raise DesignError(f"{scenario.label}: fusion: {error}") from error
+
+
+def _plan(scenario: "Scenario", table: FusionTable) -> FusionPlan:
+    beacons = scenario.beacons()
+    if len(table.range_sigma_m) != beacons.size:
+        raise ArgumentError(
+            f"range_sigma_m: {len(table.range_sigma_m)} values for {beacons.size} beacons "
+            f"({', '.join(beacons.names)}); give one each"
+        )
+    n = len(table.process_noise_si)
+    if len(table.p0_si) != n:
+        raise ArgumentError(
+            f"p0_si: {len(table.p0_si)} values, process_noise_si: {n}; give as many"
+        )
+    noise = np.zeros(8)
+    if table.noisy_truth:
+        noise[: min(n, 8)] = table.process_noise_si[:8]
+    sigma = np.array(table.range_sigma_m)
+    bias = table.acceleration_bias_m_s2
+    case = NavigationCase(
+        scenario.name,
+        scenario.truth,
+        scenario.state,
+        beacons,
+        sigma,
+        Imu((table.acceleration_sigma_m_s2,) * 3, (bias[0], bias[1], bias[2])),
+        noise,
+    )
+    electrons = _electrons(table.radio, Path(scenario.label).parent)
+    if electrons is not None:
+        case = case.through_plasma(electrons)
+    model = _assumed(scenario.model, table.estimate)
+    start = _start(scenario.state, table.estimate)
+    assumed = table.assumed_acceleration_sigma_m_s2 or table.acceleration_sigma_m_s2
+    filters = tuple(
+        FilterSettings(
+            algorithm,
+            model,
+            start,
+            table.p0_si,
+            table.process_noise_si,
+            np.full(3, assumed**2),
+            sigma**2,
+            random_start=table.random_start,
+            parameter_sigma=(table.known_to[0], table.known_to[1]),
+            published_linear_density=table.published_linear_density,
+            weighting=table.weighting,
+            scale=SCALE[:n] if table.scaled_weights else None,
+            weight_floor=table.weight_floor,
+            gate_sigma=table.gate_sigma or np.inf,
+        )
+        for algorithm in table.filters
+    )
+    faults = tuple(
+        Fault(f.kind, f.beacon, f.start_s, np.inf if f.end_s is None else f.end_s, f.size_m)
+        for f in table.fault
+    )
+    case.world(faults)  # says now what is wrong with them
+    return FusionPlan(
+        case, filters, faults, electrons, table.see_through_planet, scenario.runs, scenario.seed
+    )
+
+
+def _electrons(table: RadioTable | None, folder: Path) -> ElectronModel | ElectronTable | None:
+    if table is None:
+        return None
+    if (table.electrons == "table") != (table.table is not None):
+        raise ArgumentError(
+            f'radio.table = {table.table!r}: needed with electrons = "table", and only then'
+        )
+    if table.table is None:
+        return STAGNATION if table.electrons == "stagnation" else WAKE
+    altitudes, per_cm3 = read_atmosphere_table(folder / table.table)
+    return ElectronTable(altitudes, tuple(PER_CM3 * n for n in per_cm3))
+
+
+def _assumed(model: "EntryModel", table: EstimateTable) -> "EntryModel":
+    """Return the model with the density, L/D and C_D S/m that the filters assume."""
+    air, craft = model.atmosphere, model.vehicle
+    if table.reference_density_kg_m3 is not None:
+        air = replace(air, reference_density=table.reference_density_kg_m3)
+    if table.lift_to_drag is not None:
+        craft = replace(craft, lift_to_drag=table.lift_to_drag)
+    if table.drag_area_per_mass_m2_kg is not None:
+        craft = replace(craft, drag_area_per_mass=table.drag_area_per_mass_m2_kg)
+    return replace(model, atmosphere=air, vehicle=craft)
+
+
+def _start(state: NDArray[np.float64], table: EstimateTable) -> NDArray[np.float64]:
+    given = [
+        (table.radius_km, KM),
+        (table.longitude_deg, np.pi / 180),
+        (table.latitude_deg, np.pi / 180),
+        (table.speed_m_s, 1.0),
+        (table.flight_path_deg, np.pi / 180),
+        (table.azimuth_deg, np.pi / 180),
+    ]
+    return np.array(
+        [
+            true if value is None else value * unit
+            for true, (value, unit) in zip(state[:6], given, strict=True)
+        ]
+    )

@@ -1,0 +1,71 @@
+"""Flying the fusion part of a scenario: every filter, without and with its faults."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from compass.entry.montecarlo import monte_carlo, single_run
+from compass.inputs.fusion import FusionPlan
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class FusionRuns:
+    """What became of a plan.
+
+    Attributes
+    ----------
+    plan
+        What was flown.
+    clear, faulty
+        Statistics by filter, without and with the plan's faults; `faulty` is empty if it has none.
+    single, single_faulty
+        The first run of each in full.
+    """
+
+    plan: FusionPlan
+    clear: "dict[str, xr.Dataset]"
+    faulty: "dict[str, xr.Dataset]"
+    single: "dict[str, xr.Dataset]"
+    single_faulty: "dict[str, xr.Dataset]"
+
+    def groups(self) -> "Iterator[tuple[str, xr.Dataset]]":
+        """Name and dataset of every result, for the groups of a netCDF file."""
+        for kind, sets in (
+            ("clear", self.clear),
+            ("faulty", self.faulty),
+            ("single", self.single),
+            ("single_faulty", self.single_faulty),
+        ):
+            for name, data in sets.items():
+                said = {key: "\n".join(v) for key, v in data.attrs.items() if isinstance(v, list)}
+                yield f"fusion/{kind}/{name}", data.assign_attrs(said)
+
+
+def run_fusion(plan: FusionPlan, runs: int | None = None, progress: bool = True) -> FusionRuns:
+    """Fly a plan's Monte Carlo; `runs` instead of the plan's own number."""
+    count = plan.runs if runs is None else runs
+    found = FusionRuns(plan, {}, {}, {}, {})
+    for settings in plan.filters:
+        name = settings.algorithm
+        for faults, many, one in (
+            ((), found.clear, found.single),
+            (plan.faults, found.faulty, found.single_faulty),
+        ):
+            if faults or many is found.clear:
+                many[name] = monte_carlo(
+                    plan.case,
+                    settings,
+                    count,
+                    plan.seed,
+                    faults=faults,
+                    see_through=plan.see_through,
+                    progress=progress,
+                )
+                one[name] = single_run(
+                    plan.case, settings, plan.seed, faults=faults, see_through=plan.see_through
+                )
+    return found

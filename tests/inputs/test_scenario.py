@@ -1,0 +1,230 @@
+"""Scenario files: what they become, and every fault said at once."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compass.core.entry_geometry import cartesian_of
+from compass.errors import ArgumentError, DesignError
+from compass.inputs.scenario import provenance, read_scenario, read_scenario_text
+
+DESIGNS = Path(__file__).parents[2] / "designs"
+GROUND = (DESIGNS / "entry-ground-beacons.toml").read_text()
+ORBITERS = (DESIGNS / "entry-orbiters.toml").read_text()
+
+
+def read(text, **options):
+    return read_scenario_text(text, "s.toml", **options)
+
+
+def changed(old, new, text=GROUND):
+    assert old in text
+    return text.replace(old, new, 1)
+
+
+@pytest.mark.parametrize("path", sorted(DESIGNS.glob("entry-*.toml")), ids=lambda p: p.stem)
+def test_every_scenario_reads(path):
+    scenario = read_scenario(path)
+    beacons = scenario.beacons()
+    assert beacons.size >= 1
+    assert beacons.r.shape == (scenario.times.size, beacons.size, 3)
+    assert scenario.digest in provenance(scenario, "compass entry")["scenario_sha256"]
+
+
+def test_the_ground_case_becomes_the_chapters_numbers():
+    scenario = read(GROUND)
+    r, lon, lat, v, gamma, psi = scenario.state
+    assert (r, v) == (3518.2e3, 5515.0)
+    np.testing.assert_allclose(np.degrees([lon, lat, gamma]), [-89.872, -28.02, -11.8])
+    assert np.degrees(psi) == pytest.approx(90 - 5.156)
+    assert scenario.model.rotation == "coriolis"
+    assert scenario.times.size == 241
+    np.testing.assert_allclose(
+        np.sqrt(np.diag(scenario.settings.covariance0)),
+        [1000, *np.radians([0.2, 0.2]), 10, *np.radians([0.2, 0.2])],
+    )
+    assert scenario.settings.iterations == 1
+
+
+def test_cartesian_starts_altitudes_and_headings_from_north():
+    scenario = read(ORBITERS)
+    np.testing.assert_allclose(
+        cartesian_of(scenario.state)[3:], [5775.31, 1124.27, 1175.48], rtol=1e-12
+    )
+    text = changed("radius_km = 3518.2\n", "altitude_km = 121\n")
+    text = changed('heading_from = "east"', 'heading_from = "north"', text)
+    scenario = read(text)
+    assert scenario.state[0] == pytest.approx(3518.2e3)
+    assert np.degrees(scenario.state[5]) == pytest.approx(5.156)
+
+
+def test_state_vectors_and_circles_give_the_same_orbits():
+    scenario = read(ORBITERS)
+    before = scenario.beacons()
+    text = ORBITERS
+    for k in range(3):
+        r, v = before.r[0, k], before.v[0, k] + np.cross([0, 0, 7.088218e-5], before.r[0, k])
+        head, _, rest = text.partition(f'name = "Orbiter {k + 1}"\n')
+        lines = rest.split("\n")
+        vectors = f"position_km = {(r / 1e3).tolist()}\nvelocity_m_s = {v.tolist()}"
+        text = head + f'name = "Orbiter {k + 1}"\n' + "\n".join([vectors, *lines[4:]])
+    after = read(text).beacons()
+    np.testing.assert_allclose(after.r, before.r, atol=1e-3)
+    np.testing.assert_allclose(after.v, before.v, atol=1e-6)
+
+
+def test_a_design_stands_where_mars_has_turned_to():
+    from compass.inputs import read_design
+    from compass.orbits import positions_mcmf
+
+    scenario = read_scenario(DESIGNS / "entry-compass.toml")
+    design = read_design(DESIGNS / "compass-15-5-1.toml")
+    exact = positions_mcmf(design.constellation, scenario.times)
+    # the scenario's rotation rate has seven digits, and W's small terms stand still: 240 s
+    np.testing.assert_allclose(scenario.beacons().r, np.moveaxis(exact, 0, 1), atol=0.5)
+
+
+def test_atmosphere_tables_banks_and_truth(tmp_path):
+    (tmp_path / "air.txt").write_text("0 1e-2\n40 2e-4\n120 1e-9\n")
+    text = changed("scale_height_km = 7.5\n", 'scale_height_km = 7.5\ntable = "air.txt"\n')
+    text = changed("bank_deg = 0", "bank_deg = [[0, 10], [60, -20]]", text)
+    text = changed("drag_area_per_mass_m2_kg = 0.016", "ballistic_coefficient_kg_m2 = 62.5", text)
+    text = changed("[entry]", "[truth]\ndensity_bias = 0.1\n\n[entry]", text)
+    scenario = read(text, folder=tmp_path)
+    air = scenario.model.atmosphere
+    assert air.density(3397.2e3 + 120e3) == pytest.approx(1e-9)
+    assert scenario.truth.atmosphere.density(3437.2e3) == pytest.approx(2.2e-4)
+    np.testing.assert_allclose(np.degrees(scenario.model.vehicle.bank([0, 99])), [10, -20])
+    assert scenario.model.vehicle.drag_area_per_mass == pytest.approx(0.016)
+    with pytest.raises(DesignError, match=r"s\.toml: .*air\.txt: cannot be read"):
+        read(text, folder=tmp_path / "elsewhere")
+
+
+def test_triggers_of_every_kind():
+    text = changed(
+        "[[beacon]]",
+        '[[trigger]]\nname = "a"\naltitude_km = 40\n[[trigger]]\nname = "m"\nmach = 5\n[[beacon]]',
+    )
+    found = read(text).triggers
+    assert [(t.quantity, t.level) for t in found] == [
+        ("speed", 2000.0),
+        ("altitude", 40e3),
+        ("mach", 5.0),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            "radius_km = 3518.2\n",
+            "",
+            "entry: needs exactly one of altitude_km, radius_km; found none",
+        ),
+        (
+            "radius_km = 3518.2",
+            "radius_km = 3518.2\naltitude_km = 1",
+            "radius_km; found altitude_km and",
+        ),
+        ("latitude_deg = -28.02\n", "", r"entry\.latitude_deg: missing; needed beside the others"),
+        ("speed_m_s = 5515", "speed_m_s = 0", r"entry\.speed_m_s = 0.*must be above 0"),
+        (
+            "flight_path_deg = -11.8",
+            "flight_path_deg = -90",
+            r"entry\.flight_path_deg = -90.*above -90",
+        ),
+        (
+            'heading_from = "east"',
+            'heading_from = "west"',
+            r"heading_from = 'west': allowed: 'north'",
+        ),
+        ("step_s = 1", "step_s = 1e-4", "step_s = 0.0001: must be .*|allowed 1 to 100000"),
+        ("duration_s = 240", "duration_s = 0.5", r"entry\.step_s = 1: 0 steps in duration_s = 0.5"),
+        ("drag_area_per_mass_m2_kg = 0.016 ", "", "vehicle: needs exactly one of drag_area"),
+        ("bank_deg = 0", "bank_deg = [[5, 1], [5, 2]]", r"vehicle\.bank_deg.*increase strictly"),
+        ("bank_deg = 0", "bank_deg = []", "at least one"),
+        (
+            "speed_m_s = 2000",
+            "",
+            r"trigger\[1\]: needs exactly one of altitude_km, speed_m_s, mach",
+        ),
+        ('name = "east"', 'name = "north-west"', r"beacon\[3\]\.name = 'north-west': used twice"),
+        (
+            "longitude_deg = -73.4",
+            "longitude_deg = -73.4\nheight_km = -1",
+            "height_km = -1.*at least 0",
+        ),
+        (
+            "range_sigma_m = 100",
+            "",
+            "measurements: needs range_sigma_m, range_rate_sigma_m_s or both",
+        ),
+        ("range_sigma_m = 100", "range_sigma_m = 0", "range_sigma_m = 0.*above 0"),
+        ("radius_sigma_m = 1000", "", r"filter\.radius_sigma_m: missing"),
+        (
+            "radius_sigma_m = 1000",
+            "radius_sigma_m = 1\nposition_sigma_m = 1",
+            "filter: needs either .*found some of both",
+        ),
+        ('kind = "ekf"', 'kind = "ekf"\niterations = 4', "only for kind = "),
+        ("runs = 500", "runs = 0", r"monte_carlo\.runs = 0.*at least 1"),
+        ("[optimize]", "[optimise]", "unknown key; did you mean optimize"),
+        ('what = "ground"', 'what = "orbiters"', r"optimize\.altitude_km: missing"),
+        ("scale_height_km = 7.5", "scale_height_km = -7.5", r"atmosphere\.scale_height_km = -7.5"),
+    ],
+)
+def test_faults_are_said_with_their_field(old, new, message):
+    with pytest.raises(DesignError, match=message) as error:
+        read(changed(old, new))
+    assert all(fault.startswith("s.toml: ") for fault in error.value.faults)
+
+
+def test_cartesian_and_spherical_do_not_mix():
+    text = changed("duration_s = 240", "radius_km = 3500\nduration_s = 240", ORBITERS)
+    with pytest.raises(DesignError, match=r"entry\.radius_km = 3500: not beside position_km"):
+        read(text)
+    text = changed(
+        "position_km = [-3.92, -3103.37, -1665.41]", "position_km = [0, 0, 3500]", ORBITERS
+    )
+    with pytest.raises(DesignError, match="longitude or heading is undefined"):
+        read(text)
+
+
+def test_all_faults_at_once():
+    text = changed("speed_m_s = 5515", "speed_m_s = -1")
+    text = changed("range_sigma_m = 100", "range_sigma_m = -1", text)
+    text = changed('name = "east"', 'name = "north-west"', text)
+    with pytest.raises(DesignError) as error:
+        read(text)
+    assert len(error.value.faults) == 3
+
+
+def test_impossible_orbits_are_refused():
+    text = changed("altitude_km = 725\nraan_deg = 49.329", "raan_deg = 49.329", ORBITERS)
+    with pytest.raises(DesignError, match=r"orbiter\[1\]\.altitude_km: missing"):
+        read(text)
+    text = ORBITERS.partition("[[orbiter]]")[0] + (
+        '[[orbiter]]\nname = "x"\nposition_km = [4000, 0, 0]\nvelocity_m_s = [0, 9000, 0]\n'
+        "[measurements]" + ORBITERS.partition("[measurements]")[2]
+    )
+    with pytest.raises(DesignError, match="not on an ellipse about Mars"):
+        read(text)
+    low = read(
+        changed("velocity_m_s = [0, 9000, 0]", "velocity_m_s = [0, 1, 0]", text).replace(
+            "4000", "3400"
+        )
+    )
+    with pytest.raises(ArgumentError, match="beacon x: comes down to radius"):
+        low.beacons()
+
+
+def test_a_missing_design_is_named():
+    text = changed("[[beacon]]", '[beacons]\ndesign = "no.toml"\n\n[[beacon]]')
+    with pytest.raises(DesignError, match=r"s\.toml: no\.toml: no such file"):
+        read(text)
+
+
+def test_iterations_of_the_iterated_filter():
+    text = changed('kind = "ekf"', 'kind = "iterated-ekf"\niterations = 7')
+    assert read(text).settings.iterations == 7
