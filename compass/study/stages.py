@@ -11,20 +11,21 @@ batch a candidate is in nor the worker.
 
 import time
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.core.gdop import dops_over
 from compass.core.screen import screen_patterns
 from compass.coverage.cap import cap_radius, mask_for_cap
 from compass.coverage.grid import equal_area_grid
-from compass.coverage.maps import coverage_map
 from compass.coverage.symmetry import shortest_span
-from compass.coverage.view import view
+from compass.frames import direction
 from compass.inputs.merit import merits_of
 from compass.inputs.study import Study
-from compass.orbits import Constellation
+from compass.orbits import Constellation, positions_mci
 from compass.sites import Mask
 from compass.study.candidates import PATTERNS, make_constellation
 from compass.study.cost import cost_figures
@@ -134,25 +135,33 @@ def map_figures(constellation: Constellation, study: Study, mask: float) -> dict
     sphere; the epochs are spread over that fraction, so few are enough.
     """
     span = shortest_span(constellation)
-    epochs = study.map.epochs
+    epochs, sphere = study.map.epochs, study.figure.equatorial_radius
     times = span.start + (span.stop - span.start) * (np.arange(epochs) + 0.5) / epochs
-    seen = view(constellation, times, study.figure.equatorial_radius, Mask.constant(mask))
-    data = coverage_map(
-        seen,
-        equal_area_grid(float(np.radians(study.map.step_deg))),
-        period=span.stop - span.start,
-        fold=study.fold,
-        pdop_threshold=study.map.pdop_max,
-        workers=1,
-    )
-    dops = data.global_dop.to_pandas()
+    r = np.ascontiguousarray(positions_mci(constellation, times).transpose(1, 0, 2))
+    places = _places(study.map.step_deg)
+    count = np.empty((epochs, len(places)), dtype=np.int64)
+    gdop, pdop = np.empty((2, epochs, len(places)))
+    dops_over(r, places, sphere, np.sin(mask), count, gdop, pdop)
     return {
-        "gdop_p50": float(dops.loc["gdop", 50]),
-        "gdop_p95": float(dops.loc["gdop", 95]),
-        "pdop_p95": float(dops.loc["pdop", 95]),
-        "availability": float(data.global_availability),
-        "count_mean": float(data.global_count_mean),
+        "gdop_p50": _nearest_rank(gdop, 50),
+        "gdop_p95": _nearest_rank(gdop, 95),
+        "pdop_p95": _nearest_rank(pdop, 95),
+        "availability": float((pdop <= study.map.pdop_max).mean()),
+        "count_mean": float(count.mean()),
     }
+
+
+@lru_cache(maxsize=8)
+def _places(step_deg: float) -> NDArray[np.float64]:
+    """Unit vectors to the middles of equal-area cells, shape (q, 3)."""
+    grid = equal_area_grid(float(np.radians(step_deg)))
+    return direction(grid.latitude[:, np.newaxis], grid.longitude).reshape(-1, 3)
+
+
+def _nearest_rank(values: NDArray[np.float64], q: int) -> float:
+    """Smallest value that at least q percent of the values do not exceed; inf counts."""
+    rank = max(-(-q * values.size // 100), 1) - 1
+    return float(np.partition(values.ravel(), rank)[rank])
 
 
 def entry_figures(constellation: Constellation, study: Study, mask: float) -> dict[str, float]:
@@ -166,7 +175,7 @@ def entry_figures(constellation: Constellation, study: Study, mask: float) -> di
         samples=study.entry.samples,
         seed=study.seed,
         figure=study.figure,
-        mask=mask,
+        mask=Mask.constant(mask),
     )
     return {name: _value(verdict, name) for name in merits_of("entry")}
 
