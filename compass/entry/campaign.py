@@ -249,9 +249,7 @@ def _moved_spreads(state: Array, covariance: Array, starts: Array) -> Array:
     return np.linalg.solve(jacobians, np.swapaxes(vehicle_axes(starts), -1, -2) @ root)
 
 
-def _deployment(
-    model: EntryModel, trigger: Trigger | None, end: float
-) -> tuple[int, float, str]:
+def _deployment(model: EntryModel, trigger: Trigger | None, end: float) -> tuple[int, float, str]:
     """Index and level of the state to watch, and deployment in words."""
     if trigger is None:
         return -1, 0.0, f"{end:g} s after entry"

@@ -16,6 +16,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn, Protocol
+from urllib.parse import urlsplit
 
 from numpy.typing import NDArray
 
@@ -179,6 +180,15 @@ class Cluster:
             from distributed import Client, Security
         except ImportError as error:
             raise ArgumentError("--scheduler: needs Dask; install compass-mars[cluster]") from error
+        place = urlsplit(address)
+        try:
+            known = place.hostname and place.port
+        except ValueError:
+            known = None
+        if not known:
+            raise ArgumentError(
+                f"--scheduler = {address}: not an address; write it as tcp://host:port"
+            )
         security = None
         if tls is not None:
             security = Security(
