@@ -44,6 +44,9 @@ MERITS: dict[str, Merit] = {
     ),
     "gdop_p50": Merit("map", "1", "GDOP, median over area and time", "minimise"),
     "gdop_p95": Merit("map", "1", "GDOP, 95th percentile over area and time", "minimise"),
+    "gdop_p95_zone": Merit(
+        "map", "1", "GDOP, 95th percentile in the zone of latitude where it is worst", "minimise"
+    ),
     "pdop_p95": Merit("map", "1", "PDOP, 95th percentile over area and time", "minimise"),
     "availability": Merit("map", "1", "share of area and time with a good PDOP", "maximise"),
     "count_mean": Merit("map", "1", "satellites in view, mean over area and time", "maximise"),

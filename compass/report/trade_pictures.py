@@ -35,6 +35,9 @@ VARIABLES = {
     "pattern": "pattern",
 }
 
+#: Epochs of the finalists' maps.
+EPOCHS = 127
+
 #: A free variable is shown in so many classes.
 CLASSES = 12
 
@@ -211,7 +214,9 @@ def map_comparison(study: Study, shown: Sequence[Finalist]) -> Picture:
         c = make_constellation(one.row)
         duration = repeat_period(c).duration
         mask = Mask.constant(float(np.radians(one.row["mask_deg"])))
-        seen = view(c, np.arange(96) * duration / 96, study.figure.equatorial_radius, mask)
+        # a prime number of epochs, between the moments of symmetry, meets none too often
+        times = (np.arange(EPOCHS) + 0.5) * duration / EPOCHS
+        seen = view(c, times, study.figure.equatorial_radius, mask)
         data = coverage_map(seen, grid, period=duration, fold=study.fold)
         fields.append(data.gdop.sel(percentile=95).values)
     everything = np.concatenate([f[np.isfinite(f)].ravel() for f in fields])
@@ -251,5 +256,5 @@ def map_comparison(study: Study, shown: Sequence[Finalist]) -> Picture:
         "finalist-maps",
         "GDOP maps of the finalists",
         "Below this GDOP 95 % of the time, all on one scale; grey: not for so long. 5-degree "
-        "cells, 96 epochs in the period after which the ground tracks repeat.",
+        f"cells, {EPOCHS} epochs in the period after which the ground tracks repeat.",
     )

@@ -145,6 +145,7 @@ def map_figures(constellation: Constellation, study: Study, mask: float) -> dict
     return {
         "gdop_p50": _nearest_rank(gdop, 50),
         "gdop_p95": _nearest_rank(gdop, 95),
+        "gdop_p95_zone": _worst_zone(gdop, study.map.step_deg),
         "pdop_p95": _nearest_rank(pdop, 95),
         "availability": float((pdop <= study.map.pdop_max).mean()),
         "count_mean": float(count.mean()),
@@ -156,6 +157,18 @@ def _places(step_deg: float) -> NDArray[np.float64]:
     """Unit vectors to the middles of equal-area cells, shape (q, 3)."""
     grid = equal_area_grid(float(np.radians(step_deg)))
     return direction(grid.latitude[:, np.newaxis], grid.longitude).reshape(-1, 3)
+
+
+def _worst_zone(gdop: NDArray[np.float64], step_deg: float) -> float:
+    """Largest 95th percentile of a zone of latitude, north and south together.
+
+    Where it is seen in the centre or run backwards, a pattern has north and south exchanged: in
+    the time that decides only both together show all there is.
+    """
+    rows = equal_area_grid(float(np.radians(step_deg))).rows
+    by_row = gdop.reshape(len(gdop), rows, -1)
+    pairs = [by_row[:, [k, rows - 1 - k]] for k in range((rows + 1) // 2)]
+    return max(_nearest_rank(pair, 95) for pair in pairs)
 
 
 def _nearest_rank(values: NDArray[np.float64], q: int) -> float:
