@@ -39,11 +39,11 @@ def command(
 
     from compass.errors import ArgumentError
     from compass.inputs import read_design
+    from compass.inputs.reading import read_text
+    from compass.inputs.study import is_study
     from compass.report.compiling import announce_compilation
     from compass.report.design_report import design_report
     from compass.report.page import write_page
-    from compass.inputs.reading import read_text
-    from compass.inputs.study import is_study
     from compass.study.mapping import MapOptions
 
     if is_study(read_text(design)):

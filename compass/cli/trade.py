@@ -1,4 +1,4 @@
-"""``compass trade``: a study over many candidate constellations, resumable, on a cluster if asked."""
+"""``compass trade``: a study over many candidates, resumable, on a cluster if asked."""
 
 from pathlib import Path
 

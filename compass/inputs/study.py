@@ -1,4 +1,4 @@
-"""Study files: read, check across fields, and turn into a space of candidates and what is wanted."""
+"""Study files: read, check across fields, and turn into candidates and what is wanted of them."""
 
 import hashlib
 from dataclasses import dataclass

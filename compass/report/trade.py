@@ -238,7 +238,7 @@ def _fronts(
     table = _candidate_table(
         "The first Pareto front, first 40", study, front.isel(candidate=order[:40])
     )
-    text = "No candidate is better than one on the first front in one objective and as good in all others."
+    text = "None is better than one of the first front in an objective and as good in all others."
     return Section(
         "Pareto fronts", (text,), front_pictures(study, results, chosen, measure), (table,)
     )

@@ -248,7 +248,7 @@ def map_comparison(study: Study, shown: Sequence[Finalist]) -> Picture:
             mesh, ax=list(panels), orientation="horizontal", shrink=0.6, aspect=40, extend="max"
         )
         ticks = np.geomspace(low, high, 6)
-        bar.set_ticks(ticks, labels=[f"{tick:.3g}" for tick in ticks])
+        bar.set_ticks(ticks.tolist(), labels=[f"{tick:.3g}" for tick in ticks])
         bar.ax.minorticks_off()
         bar.set_label("GDOP, 95th percentile over the ground tracks' repeat period")
     return picture(

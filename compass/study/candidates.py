@@ -45,16 +45,13 @@ def identities(rows: NDArray) -> list[str]:
 def make_constellation(row: np.void) -> Constellation:
     """Return the constellation of a candidate."""
     t, p, f = int(row["satellites"]), int(row["planes"]), int(row["phasing"])
-    orbit = {
-        "inclination": float(np.radians(row["inclination_deg"])),
-        "radius": float(row["radius_km"]) * 1e3,
-    }
+    inclination, radius = float(np.radians(row["inclination_deg"])), float(row["radius_km"]) * 1e3
     kind = PATTERNS[row["pattern"]]
     if kind == "rosette":
         numerator = next(c for c in range(f, t + f, p) if gcd(c, t // p) == 1)
-        return rosette(t, p, Fraction(numerator * p, t), **orbit)
+        return rosette(t, p, Fraction(numerator * p, t), inclination=inclination, radius=radius)
     make = walker_delta if kind == "walker-delta" else walker_star
-    return make(t, p, f, **orbit)
+    return make(t, p, f, inclination=inclination, radius=radius)
 
 
 @dataclass(frozen=True)

@@ -94,9 +94,12 @@ def finalists_of(study: Study, results: "xr.Dataset") -> list[Finalist]:
 
 
 def _scale(study: Study, front: "xr.Dataset") -> tuple[NDArray[Any], NDArray[Any]]:
-    values = np.column_stack([o.sign * front[o.figure].values for o in study.objectives])
-    width = np.ptp(values, axis=0)
-    return values.min(axis=0), np.where(width > 0, width, 1.0)
+    """Best value and range of each objective over a front, of its finite values."""
+    columns = [o.sign * front[o.figure].values for o in study.objectives]
+    finite = [column[np.isfinite(column)] for column in columns]
+    low = np.array([some.min() if some.size else 0.0 for some in finite])
+    width = np.array([np.ptp(some) if some.size else 0.0 for some in finite])
+    return low, np.where(width > 0, width, 1.0)
 
 
 def _shortfall(

@@ -22,19 +22,14 @@ def fronts(values: NDArray[np.float64]) -> NDArray[np.int64]:
     Multiobjective Optimization, IEEE Trans. Evol. Comput. 19(2):201-213.
     """
     rank = np.zeros(len(values), dtype=np.int64)
-    members: list[list[NDArray[np.float64]]] = []
-    stacked: list[NDArray[np.float64]] = []
+    members: list[NDArray[np.float64]] = []
     for k in np.lexsort(values.T[::-1]):
         point = values[k]
-        for front, together in enumerate(stacked):
-            if not _dominated(point, together):
-                break
-        else:
-            front = len(members)
-            members.append([])
-            stacked.append(np.empty((0, point.size)))
-        members[front].append(point)
-        stacked[front] = np.vstack([stacked[front], point])
+        free = (f for f, others in enumerate(members) if not _dominated(point, others))
+        front = next(free, len(members))
+        if front == len(members):
+            members.append(np.empty((0, point.size)))
+        members[front] = np.vstack([members[front], point])
         rank[k] = front
     return rank
 
@@ -46,13 +41,17 @@ def _dominated(point: NDArray[np.float64], others: NDArray[np.float64]) -> bool:
 def crowding(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """How far apart each point's neighbours are, summed over objectives; infinite at the ends.
 
+    An infinite value counts as the largest finite one.
+
     References
     ----------
     Deb et al. 2002, A Fast and Elitist Multiobjective Genetic Algorithm: NSGA-II, IEEE Trans.
     Evol. Comput. 6(2):182-197, section III-B.
     """
     distance = np.zeros(len(values))
-    for column in values.T:
+    for objective in values.T:
+        finite = np.isfinite(objective)
+        column = np.where(finite, objective, objective[finite].max(initial=0.0))
         order = np.argsort(column, kind="stable")
         width = column[order[-1]] - column[order[0]]
         distance[order[[0, -1]]] = np.inf

@@ -47,7 +47,7 @@ class Workers(Protocol):
 
 
 class Here:
-    """This process."""
+    """The process itself."""
 
     count = 1
 

@@ -85,7 +85,7 @@ def test_arrivals_come_from_their_seed_as_often_as_they_should():
     drawn = radio.draw_arrivals(beta, seed=4)
     np.testing.assert_array_equal(drawn, radio.draw_arrivals(beta, seed=4))
     shares = drawn.mean(axis=0)
-    assert shares[0] == 0 and shares[2] == 1  # noqa: PT018
+    assert shares[0] == 0 and shares[2] == 1
     assert abs(shares[1] - 0.3) < 5 * np.sqrt(0.21 / 20_000)
 
 

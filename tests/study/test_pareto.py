@@ -40,6 +40,8 @@ def test_fronts_agree_with_pymoo():
 def test_crowding():
     values = np.array([[0.0, 4.0], [1.0, 2.0], [4.0, 0.0], [2.0, 1.0]])
     assert crowding(values).tolist() == [np.inf, 2 / 4 + 3 / 4, np.inf, 3 / 4 + 2 / 4]
+    values[2, 0] = np.inf  # as good as 2, the largest finite
+    assert crowding(values)[1] == (2 - 0) / 2 + 3 / 4
     assert crowding(np.ones((3, 1))).tolist() == [np.inf, 0.0, np.inf]
 
 

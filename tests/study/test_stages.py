@@ -9,8 +9,8 @@ from compass.core.nearest import worst_radius
 from compass.core.screen import closest_pair, deciding_phases, lay_out, screen_patterns
 from compass.coverage.certificate import prove_fold
 from compass.coverage.grid import equal_area_grid
-from compass.coverage.margin import covering_radius
 from compass.coverage.maps import coverage_map
+from compass.coverage.margin import covering_radius
 from compass.coverage.motion import motion_of
 from compass.coverage.symmetry import shortest_span
 from compass.coverage.view import view
@@ -181,7 +181,10 @@ def test_map_against_the_coverage_map():
 
 
 def test_entry_is_the_judges(designs):
-    text = TEXT.format(satellites=12, fold=1, more="") + '[entry]\nscenario = "entry-compass.toml"\nsamples = 4\n'
+    text = (
+        TEXT.format(satellites=12, fold=1, more="")
+        + '[entry]\nscenario = "entry-compass.toml"\nsamples = 4\n'
+    )
     s = read_study_text(text, folder=designs)
     row = np.array([(0, 12, 3, 1, 50.0, 20427.7, 5.0)], ROW)
     found = evaluate("entry", s, row)

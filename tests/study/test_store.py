@@ -38,7 +38,7 @@ def test_what_goes_in_comes_out(batch, tmp_path):
 
 
 def test_every_torn_end_is_dropped(batch, tmp_path):
-    study, rows, found = batch
+    study, rows, _found = batch
     with Store(tmp_path, study) as store:
         store.add("screen", rows[:5], Found({}, {}, 0.0))
         safe = (tmp_path / FILE).stat().st_size
@@ -61,7 +61,7 @@ def test_a_first_line_torn_begins_anew(tiny, tmp_path):
 
 
 def test_a_spoilt_line_in_the_middle_is_left_out(batch, tmp_path):
-    study, rows, found = batch
+    study, rows, _found = batch
     with Store(tmp_path, study) as store:
         store.add("screen", rows[:5], Found({}, {}, 0.0))
         end = (tmp_path / FILE).stat().st_size
@@ -103,13 +103,13 @@ def test_a_folder_that_cannot_be_one(tiny, tmp_path):
     with pytest.raises(OutputError, match="cannot be used"):
         Store(tmp_path / "file", tiny())
     (tmp_path / "there" / FILE).mkdir(parents=True)
-    with pytest.raises((OutputError, OSError), match="cannot be written|directory"):
+    with pytest.raises((OutputError, OSError), match=r"cannot be written|directory"):
         Store(tmp_path / "there", tiny())
 
 
 @pytest.mark.parametrize("part", [0, 30])
 def test_a_full_disk_takes_nothing_back(batch, tmp_path, monkeypatch, part):
-    study, rows, found = batch
+    study, rows, _found = batch
     honest = os.write
 
     def full(handle, data):
@@ -145,7 +145,9 @@ def test_results_of_all_stages_and_their_errors(tiny, tmp_path):
     assert (results.stage == "map").sum() == proven.size
     assert results.feasible.sum() == proven.size - 1
     assert (results.error != "").sum() == 1
-    one = results.isel(candidate=int(np.flatnonzero(results.identity == identities(rows)[proven[1]])[0]))
+    one = results.isel(
+        candidate=int(np.flatnonzero(results.identity == identities(rows)[proven[1]])[0])
+    )
     assert one.gdop_p50 == mapped.figures["gdop_p50"][1]
     # the front by its definition
     good = results.isel(candidate=np.flatnonzero(results.feasible))
