@@ -17,8 +17,8 @@ class Merit:
 
 
 MERITS: dict[str, Merit] = {
-    "satellites": Merit("cost", "1", "satellites", "minimise"),
-    "planes": Merit("cost", "1", "planes", "minimise"),
+    "satellites": Merit("cost", "1", "number of satellites", "minimise"),
+    "planes": Merit("cost", "1", "number of planes", "minimise"),
     "delta_v_transfer_m_s": Merit(
         "cost", "m/s", "delta-v of the transfer from the parking orbit, a satellite", "minimise"
     ),

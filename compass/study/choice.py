@@ -69,7 +69,7 @@ def finalists_of(study: Study, results: "xr.Dataset") -> list[Finalist]:
     for objective in study.objectives:
         values = objective.sign * front[objective.figure].values
         winner = int(np.lexsort((shortfall, values))[0])
-        wins.append((f"{objective.goal} {objective.figure}", front, winner))
+        wins.append((f"{objective.goal} {MERITS[objective.figure].title}", front, winner))
     if study.compare is not None:
         size = study.compare.constellation.size
         alike = results.isel(

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from compass.core.gdop import dops_over
 from compass.core.screen import screen_patterns
 from compass.coverage.cap import cap_radius, mask_for_cap
-from compass.coverage.grid import equal_area_grid
+from compass.coverage.grid import make_grid
 from compass.coverage.symmetry import shortest_span
 from compass.frames import direction
 from compass.inputs.merit import merits_of
@@ -138,24 +138,33 @@ def map_figures(constellation: Constellation, study: Study, mask: float) -> dict
     epochs, sphere = study.map.epochs, study.figure.equatorial_radius
     times = span.start + (span.stop - span.start) * (np.arange(epochs) + 0.5) / epochs
     r = np.ascontiguousarray(positions_mci(constellation, times).transpose(1, 0, 2))
-    places = _places(study.map.step_deg)
-    count = np.empty((epochs, len(places)), dtype=np.int64)
-    gdop, pdop = np.empty((2, epochs, len(places)))
-    dops_over(r, places, sphere, np.sin(mask), count, gdop, pdop)
+    count, gdop, pdop = _sampled(r, _places("equal-area", study.map.step_deg), sphere, mask)
+    # zones of equal width reach nearer to the poles, where little area is
+    _, zones, _ = _sampled(r, _places("equal-angle", study.map.step_deg), sphere, mask)
     return {
         "gdop_p50": _nearest_rank(gdop, 50),
         "gdop_p95": _nearest_rank(gdop, 95),
-        "gdop_p95_zone": _worst_zone(gdop, study.map.step_deg),
+        "gdop_p95_zone": _worst_zone(zones, study.map.step_deg),
         "pdop_p95": _nearest_rank(pdop, 95),
         "availability": float((pdop <= study.map.pdop_max).mean()),
         "count_mean": float(count.mean()),
     }
 
 
+def _sampled(
+    r: NDArray[np.float64], places: NDArray[np.float64], sphere_radius: float, mask: float
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+    """Count, GDOP and PDOP at every moment and place, shape (t, q)."""
+    count = np.empty((len(r), len(places)), dtype=np.int64)
+    gdop, pdop = np.empty((2, len(r), len(places)))
+    dops_over(r, places, sphere_radius, np.sin(mask), count, gdop, pdop)
+    return count, gdop, pdop
+
+
 @lru_cache(maxsize=8)
-def _places(step_deg: float) -> NDArray[np.float64]:
-    """Unit vectors to the middles of equal-area cells, shape (q, 3)."""
-    grid = equal_area_grid(float(np.radians(step_deg)))
+def _places(kind: str, step_deg: float) -> NDArray[np.float64]:
+    """Unit vectors to the middles of a grid's cells, row by row from the south, shape (q, 3)."""
+    grid = make_grid(kind, step_deg)
     return direction(grid.latitude[:, np.newaxis], grid.longitude).reshape(-1, 3)
 
 
@@ -165,7 +174,7 @@ def _worst_zone(gdop: NDArray[np.float64], step_deg: float) -> float:
     Where it is seen in the centre or run backwards, a pattern has north and south exchanged: in
     the time that decides only both together show all there is.
     """
-    rows = equal_area_grid(float(np.radians(step_deg))).rows
+    rows = make_grid("equal-angle", step_deg).rows
     by_row = gdop.reshape(len(gdop), rows, -1)
     pairs = [by_row[:, [k, rows - 1 - k]] for k in range((rows + 1) // 2)]
     return max(_nearest_rank(pair, 95) for pair in pairs)

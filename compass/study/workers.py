@@ -28,6 +28,9 @@ from compass.study.stages import Found, evaluate
 #: Workers that may die of a batch before it is left out.
 ATTEMPTS = 3
 
+#: Batches on their way for each thread of a cluster.
+AHEAD = 2
+
 #: Seconds that a scheduler has to answer.
 PATIENCE = 15.0
 
@@ -172,9 +175,6 @@ class Cluster:
         The extra is not installed, the scheduler does not answer, or it has no workers.
     """
 
-    #: Batches on their way for each thread of the cluster.
-    AHEAD = 2
-
     def __init__(self, study: Study, address: str, tls: Tls | None = None) -> None:
         try:
             from distributed import Client, Security
@@ -230,7 +230,7 @@ class Cluster:
         flying: dict[str, tuple[Any, NDArray]] = {}
         while True:
             while (
-                len(flying) < self.AHEAD * self.count and (rows := next(source, None)) is not None
+                len(flying) < AHEAD * self.count and (rows := next(source, None)) is not None
             ):
                 future = self._client.submit(
                     _remote, compass.__version__, stage, self._study, rows, pure=False

@@ -237,8 +237,8 @@ def test_finalists_and_yardstick(tiny, tmp_path):
     chosen = finalists_of(study, results)
     assert chosen[0].role.startswith("balanced")
     roles = "; ".join(f.role for f in chosen)
-    assert "smallest satellites" in roles and "largest mask_margin_deg" in roles
-    small = next(f for f in chosen if "smallest satellites" in f.role)
+    assert "smallest number of satellites" in roles and "largest highest mask" in roles
+    small = next(f for f in chosen if "smallest number" in f.role)
     front = results.isel(candidate=np.flatnonzero(results.front == 0))
     assert small.figures["satellites"] == front.satellites.min()
     measure = yardstick(study)
