@@ -216,3 +216,32 @@ def test_one_that_raises_does_not_harm_the_others(monkeypatch):
         assert np.isnan(values[2])
         others = [0, 1, 3, 4]
         assert np.array_equal(values[others], whole.figures[name][others])
+
+
+def test_a_symmetric_pattern_that_fails_the_poles_is_found_out():
+    # 24/8/4: near the poles all in view lie on a cone once a step, whatever the inclination
+    text = study(satellites=24, fold=4).text.replace("step_deg = 15", "step_deg = 10")
+    s = read_study_text(text.replace("epochs = 4", "epochs = 100"))
+    c = walker_delta(24, 8, 4, inclination=np.radians(50), radius=ORBIT)
+    figures = stages.map_figures(c, s, np.radians(5))
+    assert figures["gdop_p95"] < 3
+    # the worst zone, sampled plainly: both hemispheres, random times of a whole revolution
+    rng = np.random.default_rng(3)
+    times = rng.uniform(0, 2 * np.pi / c.mean_motion[0], 2000)
+    from compass.coverage.fold import in_view
+    from compass.frames import direction
+    from compass.orbits import positions_mci
+
+    values = []
+    for time, sign, longitude in zip(
+        times, rng.choice([-1, 1], 2000), rng.uniform(0, 6.28, 2000), strict=True
+    ):
+        place = direction(sign * np.radians(85), longitude)
+        up = in_view(c, R, np.radians(5), time, place) >= 0
+        sight = positions_mci(c, [time])[up, 0] - R * place
+        h = np.hstack([sight / np.linalg.norm(sight, axis=1)[:, None], np.ones((up.sum(), 1))])
+        values.append(np.sqrt(np.trace(np.linalg.pinv(h.T @ h))))
+    # of 2000 the 95th percentile is the value of a share of 5 +- 0.5 %, and here GDOP times
+    # that share is constant: 10 % for one sigma
+    assert figures["gdop_p95_zone"] == pytest.approx(np.percentile(values, 95), rel=0.3)
+    assert figures["gdop_p95_zone"] > 25
