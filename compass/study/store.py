@@ -33,25 +33,24 @@ FORMAT = 1
 
 
 def batch_record(stage: str, rows: NDArray, found: Found) -> dict[str, Any]:
-    """What is kept of a batch, as plain values: nan becomes null."""
+    """What is kept of a batch, as plain values."""
     columns: dict[str, Any] = {name: rows[name].tolist() for name in ROW.names or ()}
     columns["pattern"] = [PATTERNS[code] for code in columns["pattern"]]
-    figures = {
-        name: [None if np.isnan(value) else float(value) for value in values]
-        for name, values in found.figures.items()
-    }
     return {
         "stage": stage,
         "candidates": columns,
-        "figures": {name: _finite(values) for name, values in figures.items()},
+        "figures": {name: _plain(values) for name, values in found.figures.items()},
         "errors": {str(k): text for k, text in found.errors.items()},
         "seconds": round(found.seconds, 6),
     }
 
 
-def _finite(values: list[float | None]) -> list[float | str | None]:
-    """JSON has no infinity: it is written as a word."""
-    return ["inf" if value == float("inf") else value for value in values]
+def _plain(values: NDArray[np.float64]) -> list[float | str | None]:
+    """Values for JSON, which has neither nan (null) nor infinity (a word)."""
+    plain: list[float | str | None] = values.tolist()
+    for k in np.flatnonzero(~np.isfinite(values)):
+        plain[k] = None if np.isnan(values[k]) else "inf"
+    return plain
 
 
 def rows_of(record: dict[str, Any]) -> NDArray:
@@ -182,7 +181,7 @@ class Store:
                 elif record is None:
                     self.damaged += 1
                 else:
-                    self._note(record)
+                    self._note(record["stage"], rows_of(record))
                 torn = record is None
                 if not torn:
                     self._end = end
@@ -196,14 +195,13 @@ class Store:
         if fresh:
             self._append(header(study))
 
-    def _note(self, record: dict[str, Any]) -> None:
-        self.done.setdefault(record["stage"], set()).update(identities(rows_of(record)))
+    def _note(self, stage: str, rows: NDArray) -> None:
+        self.done.setdefault(stage, set()).update(identities(rows))
 
     def add(self, stage: str, rows: NDArray, found: Found) -> None:
         """Store a finished batch; it is on the disk when this returns."""
-        record = batch_record(stage, rows, found)
-        self._append(record)
-        self._note(record)
+        self._append(batch_record(stage, rows, found))
+        self._note(stage, rows)
 
     def _append(self, record: dict[str, Any]) -> None:
         text = json.dumps(record, allow_nan=False, separators=(",", ":")).encode()

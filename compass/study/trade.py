@@ -21,7 +21,7 @@ from compass.study.store import Store, figures_in, rows_of
 from compass.study.workers import Workers
 
 #: Candidates a task: enough work to dwarf its handling, little enough to lose.
-BATCH = {"screen": 250, "map": 16, "entry": 8}
+BATCH = {"screen": 500, "map": 64, "entry": 16}
 
 
 class Bar(Protocol):

@@ -25,7 +25,7 @@ name = "To be killed"
 [study]
 patterns = ["walker-delta"]
 satellites = { least = 12, most = 16 }
-inclination_deg = { least = 30, most = 60, step = 2 }
+inclination_deg = { least = 30, most = 60, step = 1 }
 orbits = ["areosynchronous"]
 mask_deg = 5
 
@@ -44,7 +44,7 @@ figure = "satellites"
 figure = "gdop_p95"
 """
 
-CANDIDATES = (28 + 14 + 24 + 24 + 31) * 16  # sums of divisors of 12 ... 16, 16 inclinations
+CANDIDATES = (28 + 14 + 24 + 24 + 31) * 31  # sums of divisors of 12 ... 16, 31 inclinations
 
 
 def environment():
@@ -117,12 +117,12 @@ def check_whole(study, folder, undisturbed, summary, before):
 
 def test_the_client_is_killed(study, tmp_path, undisturbed):
     process = start(study, tmp_path, "--workers", 2)
-    wait_for(tmp_path, 250, process)
+    wait_for(tmp_path, 500, process)
     children = children_of(process.pid)
     process.kill()
     process.communicate()
     before = stored(tmp_path)
-    assert 250 <= before["screen"] < CANDIDATES
+    assert 500 <= before["screen"] < CANDIDATES
     end = time.monotonic() + 10  # workers end with their client
     while any(Path(f"/proc/{pid}").exists() for pid in children) and time.monotonic() < end:
         time.sleep(0.05)
@@ -134,7 +134,7 @@ def test_the_client_is_killed(study, tmp_path, undisturbed):
 
 def test_the_client_is_interrupted(study, tmp_path, undisturbed):
     process = start(study, tmp_path, "--workers", 1)
-    wait_for(tmp_path, 250, process)
+    wait_for(tmp_path, 500, process)
     process.send_signal(signal.SIGINT)
     assert "interrupted" in finish(process, 130)
     before = stored(tmp_path)
@@ -149,7 +149,7 @@ def children_of(pid):
 
 def test_a_worker_is_killed(study, tmp_path, undisturbed):
     process = start(study, tmp_path, "--workers", 2)
-    wait_for(tmp_path, 250, process)
+    wait_for(tmp_path, 500, process)
     workers = [
         child
         for child in children_of(process.pid)
@@ -164,10 +164,10 @@ def test_a_worker_is_killed(study, tmp_path, undisturbed):
 
 @pytest.fixture
 def small_disk(tmp_path):
-    """Give a file system of 100 kB, which a finished study does not fit into."""
+    """Give a file system of 200 kB, which a finished study does not fit into."""
     folder = tmp_path / "disk"
     folder.mkdir()
-    mount = ["mount", "-t", "tmpfs", "-o", "size=100k", "tmpfs", folder]
+    mount = ["mount", "-t", "tmpfs", "-o", "size=200k", "tmpfs", folder]
     if subprocess.run(mount, capture_output=True).returncode:
         pytest.skip("not permitted to mount a tmpfs")
     yield folder
@@ -187,7 +187,7 @@ def test_the_disk_is_full(study, small_disk, undisturbed):
 
 def test_the_quota_is_used_up(study, tmp_path, undisturbed):
     def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (80_000, resource.RLIM_INFINITY))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, resource.RLIM_INFINITY))
 
     message = finish(start(study, tmp_path, "--workers", 1, preexec_fn=limit), 2)
     assert "File too large" in message and "safe" in message
@@ -234,7 +234,7 @@ class TestCluster:
     def test_a_worker_is_killed(self, study, tmp_path, undisturbed, dask):
         address, _, workers = dask()
         process = start(study, tmp_path / "store", "--scheduler", address)
-        wait_for(tmp_path / "store", 250, process)
+        wait_for(tmp_path / "store", 500, process)
         workers[0].kill()
         summary = finish(process)
         check_whole(study, tmp_path / "store", undisturbed, summary, {})
@@ -243,12 +243,12 @@ class TestCluster:
         folder = tmp_path / "store"
         address, scheduler, _ = dask()
         process = start(study, folder, "--scheduler", address)
-        wait_for(folder, 250, process)
+        wait_for(folder, 500, process)
         scheduler.kill()
         message = finish(process, 2)
         assert "lost; every finished candidate is stored" in message
         before = stored(folder)
-        assert 250 <= before["screen"] < CANDIDATES
+        assert 500 <= before["screen"] < CANDIDATES
         address, _, _ = dask()
         summary = finish(start(study, folder, "--scheduler", address))
         check_whole(study, folder, undisturbed, summary, before)
