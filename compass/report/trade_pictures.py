@@ -193,7 +193,8 @@ def sensitivity_pictures(study: Study, results: "xr.Dataset") -> list[Picture]:
                 )
                 axes.set_ylabel(_label(objective.figure), fontsize=8)
             panels[0].legend(frameon=False, fontsize=8)
-            figure.suptitle(f"{MERITS[objective.figure].title}, by variable", weight="bold")
+            title = MERITS[objective.figure].title
+            figure.suptitle(f"{title[0].upper()}{title[1:]}, by variable", weight="bold")
         made.append(
             picture(
                 figure,

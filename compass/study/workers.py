@@ -229,9 +229,7 @@ class Cluster:
         done: queue.SimpleQueue[Any] = queue.SimpleQueue()
         flying: dict[str, tuple[Any, NDArray]] = {}
         while True:
-            while (
-                len(flying) < AHEAD * self.count and (rows := next(source, None)) is not None
-            ):
+            while len(flying) < AHEAD * self.count and (rows := next(source, None)) is not None:
                 future = self._client.submit(
                     _remote, compass.__version__, stage, self._study, rows, pure=False
                 )
