@@ -46,7 +46,7 @@ def command(
     from compass.errors import ArgumentError
     from compass.inputs.study import read_study
     from compass.study.candidates import blocks
-    from compass.study.results import read_results, write_results
+    from compass.study.results import first_front, read_results, write_results
     from compass.study.store import Store
     from compass.study.trade import run_trade
     from compass.study.workers import Cluster, Here, Processes, Tls, Workers
@@ -90,19 +90,7 @@ def command(
         results = read_results(chosen, folder)
         write_results(results, folder / "trade.nc")
     feasible = int(results.feasible.sum())
-    front = results.isel(candidate=results.front.values == 0)
-    rows = (
-        [
-            {"identity": str(one.identity.values), "pattern": str(one.pattern.values)}
-            | {name: one[name].item() for name in ("satellites", "planes", "phasing")}
-            | {name: one[name].item() for name in ("inclination_deg", "radius_km", "mask_deg")}
-            | {o.figure: one[o.figure].item() for o in chosen.objectives}
-            for _, one in front.groupby("candidate", squeeze=False)
-            for one in [one.squeeze("candidate")]
-        ]
-        if front.sizes["candidate"]
-        else []
-    )
+    rows = first_front(chosen, results)
     if as_json:
         emit_json(
             {

@@ -105,6 +105,15 @@ def _fronts(
     return front
 
 
+def first_front(study: Study, results: "xr.Dataset") -> list[dict[str, Any]]:
+    """Candidates of the first Pareto front as plain values, best in the first objective first."""
+    front = results.isel(candidate=np.flatnonzero(results.front.values == 0))
+    order = np.lexsort([o.sign * front[o.figure].values for o in study.objectives[::-1]])
+    names = dict.fromkeys(["identity", *(ROW.names or ()), *(o.figure for o in study.objectives)])
+    columns = {name: front[name].values[order].tolist() for name in names}
+    return [{name: columns[name][k] for name in names} for k in range(order.size)]
+
+
 def write_results(dataset: "xr.Dataset", path: Path) -> None:
     """Write the dataset as netCDF, so that a kill leaves the old file or the new one."""
     from compass.saving import replacing
