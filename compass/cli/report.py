@@ -1,4 +1,4 @@
-"""``compass report``: one self-contained HTML page about a design."""
+"""``compass report``: one self-contained HTML page about a design or a study."""
 
 from pathlib import Path
 
@@ -23,17 +23,40 @@ from compass.cli.shared import (
 )
 @click.option("--step-deg", default=1.0, show_default=True, help="Cell size, 0.05 to 90 degrees.")
 @click.option("--epochs", default=96, show_default=True, help="Epochs in the period, from 1.")
+@click.option(
+    "--store",
+    type=click.Path(path_type=Path),
+    help="Folder of a study's store; by default trades/NAME-OF-THE-FILE.",
+)
 @json_option
-def command(design: Path, output: Path | None, step_deg: float, epochs: int, as_json: bool) -> None:
-    """Report on a DESIGN: pictures and tables in one HTML page that needs no network."""
+def command(
+    design: Path,
+    output: Path | None,
+    step_deg: float,
+    epochs: int,
+    store: Path | None,
+    as_json: bool,
+) -> None:
+    """Report on a DESIGN, or on a study: pictures and tables in one HTML page without network.
+
+    A file with a table [study] is a study; the page is made from the store of `compass trade`.
+    """
     announce_compilation()
     from tqdm import tqdm
 
+    from compass.errors import ArgumentError
     from compass.inputs import read_design
+    from compass.inputs.reading import read_text
+    from compass.inputs.study import is_study
     from compass.report.design_report import design_report
     from compass.report.page import write_page
     from compass.study.mapping import MapOptions
 
+    if is_study(read_text(design)):
+        _trade(design, output, store or Path("trades") / design.stem, as_json)
+        return
+    if store is not None:
+        raise ArgumentError(f"--store: {design} is a design, not a study; leave it out")
     chosen = read_design(design)
     folder = output or Path("reports") / design.stem
     with tqdm(total=8, desc="report", unit="part", disable=None, leave=False) as bar:
@@ -48,5 +71,36 @@ def command(design: Path, output: Path | None, step_deg: float, epochs: int, as_
     if as_json:
         pictures = [f"{p.stem}.png" for section in sections for p in section.pictures]
         emit_json({"page": str(path), "pictures": [str(folder / name) for name in pictures]})
+    else:
+        click.echo(f"report: {path}")
+
+
+def _trade(study: Path, output: Path | None, store: Path, as_json: bool) -> None:
+    """Make the trade report of a study."""
+    import json
+
+    from tqdm import tqdm
+
+    from compass.cli.shared import plain
+    from compass.inputs.study import read_study
+    from compass.report.page import write_page
+    from compass.report.trade import trade_report
+    from compass.saving import replacing
+
+    chosen = read_study(study)
+    folder = output or Path("reports") / study.stem
+    with tqdm(desc="report", unit="part", disable=None, leave=False) as bar:
+
+        def step(name: str) -> None:
+            bar.set_postfix_str(name)
+            bar.update()
+
+        page, sections, summary = trade_report(chosen, store, command_line(), progress=step)
+    path = write_page(folder, page, sections)
+    with replacing(folder / "summary.json") as temporary:
+        text = json.dumps(plain(summary), indent=2, allow_nan=False, ensure_ascii=False)
+        temporary.write_text(text + "\n", encoding="utf-8")
+    if as_json:
+        emit_json({"page": str(path)} | summary)
     else:
         click.echo(f"report: {path}")

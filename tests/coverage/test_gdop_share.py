@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from compass.core.gdop import gdop_at
+from compass.core.gdop import dops_at
 from compass.coverage.gdop import gdop_availability, gdop_percentile, gdop_samples
 from compass.coverage.symmetry import shortest_span
 from compass.errors import ArgumentError
@@ -31,7 +31,7 @@ def test_kernel_against_numpy():
     for place in np.random.default_rng(0).normal(size=(30, 3)):
         up = place / np.linalg.norm(place)
         for mask in (0.0, 0.15):
-            fold, gdop = gdop_at(r, up, R, np.sin(mask))
+            fold, gdop, _ = dops_at(r, up, R, np.sin(mask))
             expected = plain_gdop(r, up, mask)
             assert fold == expected[0]
             assert gdop == pytest.approx(expected[1], rel=1e-7)
@@ -42,7 +42,7 @@ def test_singular_geometry_is_infinite():
     turn = np.radians([0, 90, 180, 270])
     up = np.array([0.0, 0.0, 1.0])
     r = R * up + 1e7 * np.stack([np.cos(turn), np.sin(turn), np.ones(4)], axis=1)
-    assert gdop_at(r, up, R, 0.0) == (4, np.inf)
+    assert dops_at(r, up, R, 0.0) == (4, np.inf, np.inf)
 
 
 def test_weights_are_shares_of_area_and_time():
@@ -73,7 +73,7 @@ def test_percentile_and_availability_against_many_samples():
     for moment in r:
         p = rng.normal(size=(300, 3))
         samples += [
-            gdop_at(moment, up, R, 0.0) for up in p / np.linalg.norm(p, axis=1, keepdims=True)
+            dops_at(moment, up, R, 0.0)[:2] for up in p / np.linalg.norm(p, axis=1, keepdims=True)
         ]
     gdop = np.array(samples)[:, 1]
     found = gdop_percentile(c, 95.0, sphere_radius=R)

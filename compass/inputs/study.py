@@ -1,0 +1,265 @@
+"""Study files: read, check across fields, and turn into candidates and what is wanted of them."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from compass.errors import CompassError, DesignError
+from compass.frames import FIGURES, Figure
+from compass.inputs.design import Design, read_design
+from compass.inputs.merit import MERITS
+from compass.inputs.reading import parse, read_text
+from compass.inputs.scenario import Scenario, read_scenario
+from compass.inputs.study_faults import study_faults
+from compass.inputs.study_models import (
+    ConstraintTable,
+    CostTable,
+    Counts,
+    MapTable,
+    Numbers,
+    SamplingTable,
+    SpaceTable,
+    StudyFile,
+)
+from compass.orbits import areosynchronous_radius
+
+#: Revolutions in one rotation of Mars of the orbits that have names.
+REVOLUTIONS = {"areosynchronous": 1, "half": 2, "third": 3}
+
+
+@dataclass(frozen=True)
+class Free:
+    """A range of real numbers from which samples are drawn."""
+
+    least: float
+    most: float
+
+
+@dataclass(frozen=True)
+class Space:
+    """What candidates may be.
+
+    Attributes
+    ----------
+    patterns, satellites
+        Kinds and sizes.
+    planes, phasing
+        Numbers allowed, or None for all there are.
+    inclination_deg, radius_km, mask_deg
+        Values, or a free range.
+    """
+
+    patterns: tuple[str, ...]
+    satellites: tuple[int, ...]
+    planes: tuple[int, ...] | None
+    phasing: tuple[int, ...] | None
+    inclination_deg: tuple[float, ...] | Free
+    radius_km: tuple[float, ...] | Free
+    mask_deg: tuple[float, ...] | Free
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """A condition ``low <= figure <= high``, strict where said so."""
+
+    figure: str
+    low: float
+    high: float
+    strict: bool
+
+    def holds(self, value: float | None) -> bool:
+        """Whether a value meets it; no value never does."""
+        if value is None or np.isnan(value):
+            return False
+        if self.strict:
+            return self.low < value < self.high
+        return self.low <= value <= self.high
+
+    def __str__(self) -> str:
+        sign = ("<", ">") if self.strict else ("<=", ">=")
+        if np.isfinite(self.high):
+            return f"{self.figure} {sign[0]} {self.high:g}"
+        return f"{self.figure} {sign[1]} {self.low:g}"
+
+
+@dataclass(frozen=True)
+class Objective:
+    """A figure to be as small (sign 1) or as large (sign -1) as possible."""
+
+    figure: str
+    sign: int
+
+    @property
+    def goal(self) -> str:
+        """In words."""
+        return "smallest" if self.sign > 0 else "largest"
+
+
+@dataclass(frozen=True)
+class EntryStage:
+    """Judging of landing navigation: the lander, entries a candidate, how many are judged."""
+
+    scenario: Scenario
+    samples: int
+    finalists: int
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study file, read.
+
+    Attributes
+    ----------
+    name, source
+        As written.
+    figure
+        Reference sphere.
+    space, sampling
+        The candidates, and which of them are looked at.
+    fold, seed
+        Satellites wanted at once; seed of everything random.
+    constraints, objectives
+        What candidates must and should be.
+    map, cost
+        Sampling of geometry; assumptions of the cost proxies.
+    entry
+        How landing navigation is judged, or None.
+    compare
+        A design to compare with, or None.
+    text, digest, label
+        The file's text, the SHA-256 of it and of the files it names, its name as given.
+    """
+
+    name: str
+    source: str
+    figure: Figure
+    space: Space
+    sampling: SamplingTable
+    fold: int
+    seed: int
+    constraints: tuple[Constraint, ...]
+    objectives: tuple[Objective, ...]
+    map: MapTable
+    cost: CostTable
+    entry: EntryStage | None
+    compare: Design | None
+    text: str
+    digest: str
+    label: str
+
+    def constraints_of(self, stage: str) -> list[Constraint]:
+        """Conditions on figures that a stage finds."""
+        return [c for c in self.constraints if MERITS[c.figure].stage == stage]
+
+
+def read_study(path: str | Path) -> Study:
+    """Read a study file and the scenario and the design that it names.
+
+    Raises
+    ------
+    DesignError
+        With every fault of the file: field, value, what is allowed and the remedy.
+    """
+    place = Path(path)
+    return read_study_text(read_text(place), str(path), place.parent)
+
+
+def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> Study:
+    """Read a study from its TOML text; files it names are looked for from `folder`."""
+    file = parse(text, label, StudyFile, study_faults)
+    digest = hashlib.sha256(text.encode())
+    try:
+        scenario = read_scenario(folder / file.entry.scenario) if file.entry else None
+        compare = read_design(folder / file.compare.design) if file.compare else None
+    except CompassError as error:
+        raise DesignError([f"{label}: {line}" for line in str(error).splitlines()]) from error
+    for named in (scenario, compare):
+        if named is not None:
+            digest.update(named.digest.encode())
+    entry = None
+    if file.entry and scenario is not None:
+        entry = EntryStage(scenario, file.entry.samples, file.entry.finalists)
+    return Study(
+        name=file.name,
+        source=file.source,
+        figure=FIGURES[file.figure],
+        space=_space(file.study),
+        sampling=file.sampling,
+        fold=file.study.fold,
+        seed=file.study.seed,
+        constraints=tuple(_constraint(table) for table in file.constraint),
+        objectives=tuple(
+            Objective(o.figure, 1 if (o.goal or MERITS[o.figure].goal) == "minimise" else -1)
+            for o in file.objective
+        ),
+        map=file.map,
+        cost=file.cost,
+        entry=entry,
+        compare=compare,
+        text=text,
+        digest=digest.hexdigest(),
+        label=label,
+    )
+
+
+def _space(table: SpaceTable) -> Space:
+    if table.orbits is not None:
+        rate = areosynchronous_radius() / 1e3
+        radii: tuple[float, ...] | Free = tuple(
+            rate * REVOLUTIONS[orbit] ** (-2 / 3) for orbit in table.orbits
+        )
+    else:
+        assert table.radius_km is not None  # study_faults has seen to it
+        radii = _numbers(table.radius_km)
+    return Space(
+        tuple(dict.fromkeys(table.patterns)),
+        _counts(table.satellites),
+        None if table.planes is None else _counts(table.planes),
+        None if table.phasing is None else _counts(table.phasing),
+        _numbers(table.inclination_deg),
+        radii,
+        _numbers(table.mask_deg),
+    )
+
+
+def _counts(table: Counts) -> tuple[int, ...]:
+    if table.values is not None:
+        return tuple(dict.fromkeys(table.values))
+    return tuple(range(table.least or 0, (table.most or 0) + 1, table.step))
+
+
+def _numbers(table: Numbers) -> tuple[float, ...] | Free:
+    if table.values is not None:
+        return tuple(dict.fromkeys(float(value) for value in table.values))
+    low, high = float(table.least or 0.0), float(table.most or 0.0)
+    if table.step is None:
+        return Free(low, high)
+    count = int(np.floor((high - low) / table.step + 1e-9)) + 1
+    return tuple(round(low + k * table.step, 9) for k in range(count))
+
+
+def _constraint(table: ConstraintTable) -> Constraint:
+    infinity = float("inf")
+    low = table.at_least if table.at_least is not None else table.above
+    high = table.at_most if table.at_most is not None else table.below
+    strict = table.above is not None or table.below is not None
+    return Constraint(
+        table.figure,
+        -infinity if low is None else low,
+        infinity if high is None else high,
+        strict,
+    )
+
+
+def is_study(text: str) -> bool:
+    """Whether a TOML text is a study's: it has a table [study]."""
+    import tomllib
+
+    try:
+        raw: dict[str, Any] = tomllib.loads(text)
+    except (ValueError, RecursionError):
+        return False
+    return "study" in raw

@@ -1,0 +1,155 @@
+"""Faults between fields of a study, found on the raw tables, whatever is in them."""
+
+import difflib
+from typing import Any
+
+from compass.frames import FIGURES
+from compass.inputs.faults import fault
+from compass.inputs.merit import MERITS
+
+#: Values that one list of a study may come to.
+MOST_VALUES = 100_000
+
+_BOUNDS = ("at_least", "at_most", "above", "below")
+
+
+def study_faults(raw: dict[str, Any]) -> list[str]:
+    """Faults that concern several fields at once."""
+    faults: list[str] = []
+    space = raw.get("study")
+    method = _table(raw, "sampling").get("method", "grid")
+    if isinstance(space, dict):
+        figure = FIGURES.get(str(raw.get("figure", "iau-sphere")), FIGURES["iau-sphere"])
+        faults += _range_faults(space, "satellites", 1, 10_000)
+        faults += _range_faults(space, "planes", 1, 10_000)
+        faults += _range_faults(space, "phasing", 0, 10_000)
+        faults += _range_faults(space, "inclination_deg", 0, 180)
+        faults += _range_faults(space, "mask_deg", 0, 89.999)
+        surface = figure.equatorial_radius / 1e3
+        faults += _range_faults(space, "radius_km", surface + 1e-3, 1e7)
+        if ("orbits" in space) == ("radius_km" in space):
+            found = "both" if "orbits" in space else "neither"
+            faults.append(f"study: needs either orbits or radius_km; found {found}")
+        if method == "grid":
+            faults += [
+                f"study.{key}: a range without step is free; give a step, or another "
+                "sampling.method (latin-hypercube, sobol, nsga2)"
+                for key in ("inclination_deg", "radius_km", "mask_deg")
+                if isinstance(space.get(key), dict)
+                and "values" not in space[key]
+                and "step" not in space[key]
+            ]
+    faults += _sampling_faults(_table(raw, "sampling"), method)
+    for k, table in enumerate(_tables(raw, "constraint"), start=1):
+        faults += _figure_faults(table, f"constraint[{k}]", "entry" in raw)
+        given = [key for key in _BOUNDS if key in table]
+        if len(given) != 1:
+            found = " and ".join(given) or "none"
+            faults.append(
+                f"constraint[{k}]: needs exactly one of {', '.join(_BOUNDS)}; found {found}"
+            )
+    seen: set[str] = set()
+    for k, table in enumerate(_tables(raw, "objective"), start=1):
+        faults += _figure_faults(table, f"objective[{k}]", "entry" in raw)
+        name = table.get("figure")
+        if isinstance(name, str):
+            if name in seen:
+                faults.append(fault(f"objective[{k}].figure", name, "is an objective already"))
+            seen.add(name)
+    return faults
+
+
+def _table(raw: dict[str, Any], key: str) -> dict[str, Any]:
+    found = raw.get(key)
+    return found if isinstance(found, dict) else {}
+
+
+def _tables(raw: dict[str, Any], key: str) -> list[dict[str, Any]]:
+    """Return the tables of an array that are tables (the model reports the others)."""
+    found = raw.get(key)
+    return [t for t in found if isinstance(t, dict)] if isinstance(found, list) else []
+
+
+def _number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _range_faults(space: dict[str, Any], key: str, low: float, high: float) -> list[str]:
+    given, path = space.get(key), f"study.{key}"
+    allowed = f"allowed {low:g} to {high:g}"
+    if _number(given):
+        given = [given]
+    if isinstance(given, list):
+        given = {"values": given}
+    if not isinstance(given, dict):
+        return []
+    if "values" in given:
+        faults = [
+            f"{path}: give either values or {word}, not both"
+            for word in ("least", "most", "step")
+            if word in given
+        ]
+        values = given["values"] if isinstance(given["values"], list) else []
+        return faults + [
+            fault(path, v, allowed) for v in values if _number(v) and not low <= v <= high
+        ]
+    missing = [word for word in ("least", "most") if word not in given]
+    if missing:
+        return [f"{path}.{word}: missing; a range needs least and most" for word in missing]
+    first, last, step = given["least"], given["most"], given.get("step", 1)
+    if not (_number(first) and _number(last) and _number(step)):
+        return []
+    if not low <= first <= high or not low <= last <= high:
+        return [fault(path, [first, last], allowed)]
+    if first > last:
+        return [fault(path, [first, last], "least is above most; exchange them")]
+    if "step" in given and step > 0 and (last - first) / step > MOST_VALUES:
+        return [fault(f"{path}.step", step, f"more than {MOST_VALUES} values; take a larger step")]
+    return []
+
+
+def _sampling_faults(table: dict[str, Any], method: object) -> list[str]:
+    wanted = {
+        "grid": (),
+        "latin-hypercube": ("samples",),
+        "sobol": ("samples",),
+        "nsga2": ("population", "generations"),
+    }.get(str(method))
+    if wanted is None:
+        return []
+    faults = [
+        f'sampling.{key}: missing; needed for method = "{method}"'
+        for key in wanted
+        if key not in table
+    ]
+    faults += [
+        fault(f"sampling.{key}", table[key], f'not for method = "{method}"; leave it out')
+        for key in ("samples", "population", "generations")
+        if key in table and key not in wanted
+    ]
+    samples = table.get("samples")
+    if method == "sobol" and isinstance(samples, int) and samples > 0 and samples & (samples - 1):
+        near = 1 << samples.bit_length()
+        faults.append(
+            fault(
+                "sampling.samples",
+                samples,
+                f"Sobol points are balanced for powers of two; use {near // 2} or {near}",
+            )
+        )
+    return faults
+
+
+def _figure_faults(table: dict[str, Any], path: str, judged: bool) -> list[str]:
+    name = table.get("figure")
+    if not isinstance(name, str):
+        return []
+    if name not in MERITS:
+        near = difflib.get_close_matches(name, MERITS, n=1)
+        guess = f"did you mean {near[0]}? " if near else ""
+        problem = f"no candidate has this figure; {guess}allowed: {', '.join(MERITS)}"
+        return [fault(f"{path}.figure", name, problem)]
+    if MERITS[name].stage == "entry" and not judged:
+        problem = "no candidate has this figure without judging entries; add a table [entry]"
+        return [fault(f"{path}.figure", name, problem)]
+    return []

@@ -1,0 +1,168 @@
+"""What a study file may say: one model a table, each field with unit, range and meaning."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from compass.inputs.models import SatelliteCount, Table
+
+
+class _Values(Table):
+    """Values in a list, or from `least` to `most` by `step`; one value alone will do too."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _listed(cls, given: Any) -> Any:
+        if isinstance(given, list):
+            return {"values": given}
+        if isinstance(given, int | float) and not isinstance(given, bool):
+            return {"values": [given]}
+        return given
+
+
+class Counts(_Values):
+    """Whole numbers."""
+
+    values: list[Annotated[int, Field(ge=0, le=10_000)]] | None = Field(
+        None, min_length=1, description="a list of whole numbers"
+    )
+    least: Annotated[int, Field(ge=0, le=10_000)] | None = Field(
+        None, description="first of a range of whole numbers"
+    )
+    most: Annotated[int, Field(ge=0, le=10_000)] | None = Field(
+        None, description="last of a range of whole numbers"
+    )
+    step: Annotated[int, Field(ge=1)] = Field(1, description="step of the range, from 1")
+
+
+class Numbers(_Values):
+    """Real numbers; a range without a step is free and needs sampling."""
+
+    values: list[float] | None = Field(None, min_length=1, description="a list of numbers")
+    least: float | None = Field(None, description="lower end of a range")
+    most: float | None = Field(None, description="upper end of a range")
+    step: Annotated[float, Field(gt=0)] | None = Field(
+        None, description="step; without it the range is free, for sampling"
+    )
+
+
+class SpaceTable(Table):
+    """Which constellations to consider, and for which user."""
+
+    patterns: list[Literal["walker-delta", "walker-star", "rosette"]] = Field(
+        min_length=1, description="kinds of pattern"
+    )
+    satellites: Counts = Field(description="total numbers t")
+    planes: Counts | None = Field(
+        None, description="numbers of planes p; all divisors of t if left out"
+    )
+    phasing: Counts | None = Field(None, description="Walker's F; 0 to p - 1 if left out")
+    inclination_deg: Numbers = Field(description="inclinations, degrees from 0 to 180")
+    orbits: list[Literal["areosynchronous", "half", "third"]] | None = Field(
+        None,
+        min_length=1,
+        description="orbits by their period: a sidereal day of Mars, a half or a third of it",
+    )
+    radius_km: Numbers | None = Field(None, description="orbit radii from Mars's centre, km")
+    mask_deg: Numbers = Field(
+        default_factory=lambda: Numbers.model_validate([0.0]),
+        description="elevation masks, 0 up to below 90 degrees",
+    )
+    fold: SatelliteCount = Field(4, description="satellites to be in view at once, continuously")
+    seed: int = Field(0, ge=0, description="seed of everything random")
+
+
+class SamplingTable(Table):
+    """Which of the candidates are looked at."""
+
+    method: Literal["grid", "latin-hypercube", "sobol", "nsga2"] = Field(
+        "grid", description="how candidates are chosen"
+    )
+    samples: int | None = Field(
+        None, ge=1, le=10_000_000, description="how many (latin-hypercube, sobol)"
+    )
+    population: int | None = Field(None, ge=4, le=100_000, description="of a generation (nsga2)")
+    generations: int | None = Field(None, ge=1, le=100_000, description="how many (nsga2)")
+
+
+class ConstraintTable(Table):
+    """What a candidate must meet to go on to the next stage."""
+
+    figure: str = Field(description="name of a figure of merit")
+    at_least: float | None = Field(None, description="lowest value allowed")
+    at_most: float | None = Field(None, description="highest value allowed")
+    above: float | None = Field(None, description="all values above this are allowed")
+    below: float | None = Field(None, description="all values below this are allowed")
+
+
+class ObjectiveTable(Table):
+    """What is to be as small or as large as possible."""
+
+    figure: str = Field(description="name of a figure of merit")
+    goal: Literal["minimise", "maximise"] | None = Field(
+        None, description="which way; by default the way that is better"
+    )
+
+
+class MapTable(Table):
+    """How finely geometry is sampled over area and time."""
+
+    step_deg: float = Field(10.0, ge=1, le=45, description="cell of the equal-area grid, degrees")
+    epochs: int = Field(12, ge=1, le=10_000, description="epochs in the time that decides")
+    pdop_max: float = Field(6.0, gt=0, description="largest PDOP that counts as available")
+
+
+class EntryStageTable(Table):
+    """How landing navigation is judged, for candidates that pass every other stage."""
+
+    scenario: str = Field(min_length=1, description="scenario file, from the study's folder")
+    samples: int = Field(32, ge=1, le=100_000, description="entries a candidate")
+    finalists: int = Field(
+        100, ge=1, le=1_000_000, description="how many candidates are judged, best fronts first"
+    )
+
+
+class CostTable(Table):
+    """Assumptions of the cost proxies."""
+
+    parking_altitude_km: float = Field(
+        400.0, gt=0, le=1e6, description="altitude of the circular parking orbit, km"
+    )
+    inclination_error_deg: float = Field(
+        0.05, ge=0, le=10, description="inclination error between planes after insertion, degrees"
+    )
+    axis_error_km: float = Field(
+        1.0, ge=0, le=1000, description="error of the semi-major axis between planes, km"
+    )
+
+
+class CompareTable(Table):
+    """A design to compare the best with."""
+
+    design: str = Field(min_length=1, description="design file, from the study's folder")
+
+
+class StudyFile(Table):
+    """A whole study file."""
+
+    name: str = Field(min_length=1, max_length=200, description="what to call the study")
+    source: str = Field("", description="why the study is made")
+    figure: Literal["iau-sphere", "kelly2018-sphere"] = Field(
+        "iau-sphere", description="reference sphere of Mars"
+    )
+    study: SpaceTable = Field(description="the candidates: a table [study]")
+    sampling: SamplingTable = Field(
+        default_factory=lambda: SamplingTable.model_validate({}), description="which are looked at"
+    )
+    constraint: list[ConstraintTable] = Field(
+        default_factory=list, description="one [[constraint]] a condition"
+    )
+    objective: list[ObjectiveTable] = Field(min_length=1, description="one [[objective]] a goal")
+    map: MapTable = Field(
+        default_factory=lambda: MapTable.model_validate({}), description="sampling of geometry"
+    )
+    entry: EntryStageTable | None = Field(None, description="judging of landing navigation")
+    cost: CostTable = Field(
+        default_factory=lambda: CostTable.model_validate({}), description="cost assumptions"
+    )
+    compare: CompareTable | None = Field(None, description="a design to compare with")

@@ -1,0 +1,220 @@
+"""Candidates of a study: listed or sampled, each with an identity that outlives the run.
+
+A candidate is a row of plain numbers (`ROW`, 31 bytes): small to keep by the million and to send
+to a worker by the thousand. Its identity is a hash of these bytes and of nothing else, so that
+it is the same in every run, on every machine and in every study.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from hashlib import blake2b
+from math import gcd
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.errors import DesignError
+from compass.inputs.study import Free, Study
+from compass.orbits import Constellation, rosette, walker_delta, walker_star
+
+PATTERNS = ("walker-delta", "walker-star", "rosette")
+
+#: A candidate: index into `PATTERNS`, Walker's t/p/f, degrees, kilometres, degrees.
+ROW = np.dtype(
+    [
+        ("pattern", "u1"),
+        ("satellites", "<i2"),
+        ("planes", "<i2"),
+        ("phasing", "<i2"),
+        ("inclination_deg", "<f8"),
+        ("radius_km", "<f8"),
+        ("mask_deg", "<f8"),
+    ]
+)
+
+
+def identities(rows: NDArray) -> list[str]:
+    """Return 16 hexadecimal digits for each candidate."""
+    data, size = np.ascontiguousarray(rows, ROW).tobytes(), ROW.itemsize
+    return [
+        blake2b(data[k : k + size], digest_size=8).hexdigest() for k in range(0, len(data), size)
+    ]
+
+
+def make_constellation(row: np.void) -> Constellation:
+    """Return the constellation of a candidate."""
+    t, p, f = int(row["satellites"]), int(row["planes"]), int(row["phasing"])
+    inclination, radius = float(np.radians(row["inclination_deg"])), float(row["radius_km"]) * 1e3
+    kind = PATTERNS[row["pattern"]]
+    if kind == "rosette":
+        numerator = next(c for c in range(f, t + f, p) if gcd(c, t // p) == 1)
+        return rosette(t, p, Fraction(numerator * p, t), inclination=inclination, radius=radius)
+    make = walker_delta if kind == "walker-delta" else walker_star
+    return make(t, p, f, inclination=inclination, radius=radius)
+
+
+@dataclass(frozen=True)
+class Block:
+    """Candidates of one kind, size and number of planes, with the phasings they may have."""
+
+    pattern: int
+    satellites: int
+    planes: int
+    phasings: tuple[int, ...]
+
+
+def blocks(study: Study) -> list[Block]:
+    """Every kind, size and number of planes that the study allows, in its order.
+
+    Raises
+    ------
+    DesignError
+        There is none.
+    """
+    space, found = study.space, []
+    for kind in space.patterns:
+        for t in space.satellites:
+            for p in (p for p in range(1, t + 1) if t % p == 0):
+                if space.planes is not None and p not in space.planes:
+                    continue
+                phasings = [
+                    f
+                    for f in range(p)
+                    if (space.phasing is None or f in space.phasing)
+                    and (kind != "rosette" or _is_rosette(t, p, f))
+                ]
+                if phasings:
+                    found.append(Block(PATTERNS.index(kind), t, p, tuple(phasings)))
+    if not found:
+        raise DesignError(
+            f"{study.label}: study: no candidate: none of the satellites "
+            f"{_few(space.satellites)} goes with the planes and phasings given; planes must "
+            "divide satellites, phasing must be below planes"
+        )
+    return found
+
+
+def _is_rosette(t: int, p: int, f: int) -> bool:
+    """Whether a multiplier gives Walker's t/p/f."""
+    return any(gcd(c, t // p) == 1 for c in range(f, t, p))
+
+
+def _few(values: tuple[int, ...]) -> str:
+    return ", ".join(map(str, values[:5])) + (" ..." if len(values) > 5 else "")
+
+
+class Grid:
+    """The full grid of a study: candidates by number, none of them kept in memory.
+
+    Masks vary fastest, then radii, inclinations, phasings, blocks.
+    """
+
+    def __init__(self, study: Study) -> None:
+        space = study.space
+        self.blocks = blocks(study)
+        values = (space.inclination_deg, space.radius_km, space.mask_deg)
+        self.inclinations, self.radii, self.masks = (
+            np.array(v, dtype=float) for v in values if not isinstance(v, Free)
+        )
+        self.each = self.inclinations.size * self.radii.size * self.masks.size
+        sizes = np.array([len(block.phasings) for block in self.blocks])
+        self.ends = np.cumsum(sizes) * self.each
+        self.starts = self.ends - sizes * self.each
+        self._numbers = np.array([(b.pattern, b.satellites, b.planes) for b in self.blocks])
+        self._phasings = np.concatenate([np.array(b.phasings) for b in self.blocks])
+
+    def __len__(self) -> int:
+        return int(self.ends[-1])
+
+    def rows(self, start: int, stop: int) -> NDArray:
+        """Candidates number `start` up to `stop`, shape (stop - start,), of dtype `ROW`."""
+        number = np.arange(start, min(stop, len(self)))
+        block = np.searchsorted(self.ends, number, side="right")
+        phasing, rest = np.divmod(number, self.each)
+        inclination, rest = np.divmod(rest, self.radii.size * self.masks.size)
+        radius, mask = np.divmod(rest, self.masks.size)
+        found = np.empty(number.size, ROW)
+        found["pattern"], found["satellites"], found["planes"] = self._numbers[block].T
+        found["phasing"] = self._phasings[phasing]
+        found["inclination_deg"] = self.inclinations[inclination]
+        found["radius_km"] = self.radii[radius]
+        found["mask_deg"] = self.masks[mask]
+        return found
+
+
+class Listed:
+    """Candidates in a list; none twice."""
+
+    def __init__(self, rows: NDArray) -> None:
+        _, first = np.unique(rows, return_index=True)
+        self._rows = rows[np.sort(first)]
+
+    def __len__(self) -> int:
+        return int(self._rows.size)
+
+    def rows(self, start: int, stop: int) -> NDArray:
+        """As `Grid.rows`."""
+        return self._rows[start:stop]
+
+
+def pick(study: Study, choices: list[Block], share: NDArray[np.float64]) -> NDArray:
+    """Candidates at points of the unit cube.
+
+    Parameters
+    ----------
+    study
+        What they may be.
+    choices
+        Its `blocks`.
+    share
+        In [0, 1): of kinds, sizes, planes, phasings, inclinations, radii and masks; shape (n, 7).
+    """
+    tree: dict[int, dict[int, list[Block]]] = {}
+    for block in choices:
+        tree.setdefault(block.pattern, {}).setdefault(block.satellites, []).append(block)
+    found = np.empty(len(share), ROW)
+    for k, u in enumerate(share):
+        sizes = _choose(list(tree.values()), u[0])
+        block = _choose(_choose(list(sizes.values()), u[1]), u[2])
+        found[k] = (
+            block.pattern,
+            block.satellites,
+            block.planes,
+            _choose(block.phasings, u[3]),
+            _draw(study.space.inclination_deg, u[4]),
+            _draw(study.space.radius_km, u[5]),
+            _draw(study.space.mask_deg, u[6]),
+        )
+    return found
+
+
+def _choose(values, share: float):  # type: ignore[no-untyped-def]
+    return values[min(int(share * len(values)), len(values) - 1)]
+
+
+def _draw(values: tuple[float, ...] | Free, share: float) -> float:
+    if isinstance(values, Free):
+        return round(values.least + float(share) * (values.most - values.least), 6)
+    return float(_choose(values, share))
+
+
+def candidates(study: Study) -> Grid | Listed:
+    """All candidates of a study that lists or samples them.
+
+    Latin hypercube and Sobol points (scrambled) are SciPy's, with the study's seed.
+    """
+    method, samples = study.sampling.method, study.sampling.samples
+    if method == "grid":
+        return Grid(study)
+    from scipy.stats import qmc
+
+    choices = blocks(study)
+    sampler = qmc.LatinHypercube if method == "latin-hypercube" else qmc.Sobol
+    return Listed(pick(study, choices, sampler(7, seed=study.seed).random(samples)))
+
+
+def batches(found: Grid | Listed, size: int) -> Iterator[NDArray]:
+    """Yield the candidates in order, `size` at a time."""
+    for start in range(0, len(found), size):
+        yield found.rows(start, start + size)

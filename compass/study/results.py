@@ -1,0 +1,123 @@
+"""All that a store holds, as one dataset over the candidates; and the best of them."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import compass
+from compass.errors import ArgumentError
+from compass.inputs.merit import MERITS, STAGES
+from compass.inputs.study import Study
+from compass.study.candidates import PATTERNS, ROW, identities
+from compass.study.pareto import fronts
+from compass.study.store import FILE, check_header, figures_in, read_lines, rows_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_UNITS = {"inclination_deg": "degree", "radius_km": "km", "mask_deg": "degree"}
+
+
+def read_results(study: Study, folder: Path) -> "xr.Dataset":
+    """Return every candidate that has been looked at, with every figure of merit known of it.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``candidate`` (sorted): its identity, variables (``pattern`` ... ``mask_deg``),
+        figures (nan where a stage was not reached), ``stage`` (the last reached), ``error``
+        (its text, or empty), ``feasible`` (whether it meets every constraint), ``front`` (of
+        the feasible with a value for every objective; -1 elsewhere).
+
+    Raises
+    ------
+    ArgumentError
+        There is no store, or it is of another study or version.
+    """
+    import xarray as xr
+
+    path = folder / FILE
+    if not path.is_file():
+        raise ArgumentError(
+            f"{path}: no such store; run `compass trade {study.label}` first, or say where it is"
+        )
+    batches: dict[str, list[dict[str, Any]]] = {stage: [] for stage in STAGES}
+    for number, (record, _) in enumerate(read_lines(path)):
+        if number == 0:
+            check_header(record, study, path)
+        elif record is not None:
+            batches[record["stage"]].append(record)
+    rows = np.unique(np.concatenate([np.empty(0, ROW), *map(rows_of, batches["screen"])]))
+    keys = identities(rows)
+    place = {key: k for k, key in enumerate(keys)}
+    figures = {name: np.full(rows.size, np.nan) for name in MERITS}
+    stage, error = np.zeros(rows.size, "i1"), np.full(rows.size, "", dtype=object)
+    for level, name in enumerate(STAGES):
+        for record in batches[name]:
+            where = np.array([place[key] for key in identities(rows_of(record))])
+            stage[where] = level
+            for figure, values in figures_in(record).items():
+                figures[figure][where] = values
+            for k, text in record["errors"].items():
+                error[where[int(k)]] = text
+    feasible = error == ""
+    for c in study.constraints:
+        if MERITS[c.figure].stage == "entry":
+            judged = stage == STAGES.index("entry")
+            feasible &= ~judged | [c.holds(float(v)) for v in figures[c.figure]]
+        else:
+            feasible &= [c.holds(float(v)) for v in figures[c.figure]]
+    feasible &= stage >= STAGES.index("map")
+    data: dict[str, Any] = {"identity": ("candidate", np.array(keys, dtype=object))}
+    for column in ROW.names or ():
+        values = rows[column]
+        if column == "pattern":
+            values = np.array([PATTERNS[code] for code in values], dtype=object)
+        data[column] = ("candidate", values, {"units": _UNITS[column]} if column in _UNITS else {})
+    for figure, merit in MERITS.items():
+        if figure not in data:
+            attrs = {"units": merit.unit, "long_name": merit.title}
+            data[figure] = ("candidate", figures[figure], attrs)
+    data |= {
+        "stage": ("candidate", np.array(STAGES, dtype=object)[stage]),
+        "error": ("candidate", error),
+        "feasible": ("candidate", feasible),
+        "front": ("candidate", _fronts(study, figures, feasible)),
+    }
+    attrs = {
+        "title": study.name,
+        "source": f"compass {compass.__version__}",
+        "study_text": study.text,
+        "study_sha256": study.digest,
+    }
+    return xr.Dataset(data, attrs=attrs)
+
+
+def _fronts(
+    study: Study, figures: dict[str, NDArray[np.float64]], feasible: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    columns = np.column_stack([o.sign * figures[o.figure] for o in study.objectives])
+    chosen = np.flatnonzero(feasible & ~np.isnan(columns).any(axis=1))
+    front = np.full(feasible.size, -1)
+    front[chosen] = fronts(columns[chosen])
+    return front
+
+
+def first_front(study: Study, results: "xr.Dataset") -> list[dict[str, Any]]:
+    """Candidates of the first Pareto front as plain values, best in the first objective first."""
+    front = results.isel(candidate=np.flatnonzero(results.front.values == 0))
+    order = np.lexsort([o.sign * front[o.figure].values for o in study.objectives[::-1]])
+    names = dict.fromkeys(["identity", *(ROW.names or ()), *(o.figure for o in study.objectives)])
+    columns = {name: front[name].values[order].tolist() for name in names}
+    return [{name: columns[name][k] for name in names} for k in range(order.size)]
+
+
+def write_results(dataset: "xr.Dataset", path: Path) -> None:
+    """Write the dataset as netCDF, so that a kill leaves the old file or the new one."""
+    from compass.saving import replacing
+
+    with replacing(path) as temporary:
+        plain = dataset.assign(feasible=dataset.feasible.astype("i1"))
+        plain.to_netcdf(temporary, engine="h5netcdf")

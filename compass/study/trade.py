@@ -1,0 +1,189 @@
+"""The runner of a study: every stage over every candidate that gets so far, stored as it goes.
+
+A run adds to the store what is not there yet, so the same command resumes a run that was killed,
+and a finished study is read, not computed. What is found does not depend on the workers.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.inputs.merit import MERITS, STAGES
+from compass.inputs.study import Study
+from compass.study.candidates import ROW, batches, candidates, identities
+from compass.study.pareto import best
+from compass.study.stages import passing
+from compass.study.store import Store, figures_in, rows_of
+from compass.study.workers import Workers
+
+#: Candidates a task: enough work to dwarf its handling, little enough to lose.
+BATCH = {"screen": 500, "map": 64, "entry": 16}
+
+
+class Bar(Protocol):
+    """What a progress bar can do, as tqdm's."""
+
+    def update(self, n: int) -> Any:
+        """Count n more."""
+
+
+#: Makes a bar: title, total, already done.
+Bars = Callable[[str, int, int], AbstractContextManager[Bar]]
+
+
+@dataclass
+class Summary:
+    """What a run did.
+
+    Attributes
+    ----------
+    candidates
+        In the study (looked at so far, for an optimiser).
+    reached, computed, failed
+        By stage: candidates that came to it; of these computed in this run; raised an error.
+    unfinished
+        Candidates left out because their workers died; the same command tries them again.
+    seconds
+        Work of this run, by stage, summed over the workers.
+    """
+
+    candidates: int = 0
+    reached: dict[str, int] = field(default_factory=dict)
+    computed: dict[str, int] = field(default_factory=dict)
+    failed: dict[str, int] = field(default_factory=dict)
+    unfinished: int = 0
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summary:
+    """Bring a study to its end: screen, map, entry; or generation by generation (NSGA-II).
+
+    Raises
+    ------
+    DesignError
+        The study has no candidate.
+    OutputError
+        The store cannot be written; what it holds stays good.
+    """
+    summary = Summary()
+    if study.sampling.method == "nsga2":
+        from compass.study.evolve import evolve
+
+        evolve(
+            study,
+            store,
+            lambda stage, rows: _stage(stage, rows, store, workers, None, summary),
+            bars,
+        )
+        summary.candidates = store.finished
+        return summary
+    found = candidates(study)
+    summary.candidates = len(found)
+    _stage("screen", batches(found, BATCH["screen"]), store, workers, bars, summary, len(found))
+    survivors = passed(study, store, "screen")
+    _stage("map", survivors, store, workers, bars, summary)
+    if study.entry is not None:
+        _stage("entry", finalists(study, store), store, workers, bars, summary)
+    return summary
+
+
+def _stage(
+    stage: str,
+    rows: NDArray | Iterable[NDArray],
+    store: Store,
+    workers: Workers,
+    bars: Bars | None,
+    summary: Summary,
+    total: int | None = None,
+) -> None:
+    """Put candidates through a stage, but for those that the store has."""
+    if isinstance(rows, np.ndarray):
+        total = rows.size
+        rows = [rows[k : k + BATCH[stage]] for k in range(0, rows.size, BATCH[stage])]
+    already = len(store.done.get(stage, ()))
+    missing = _missing(rows, store.done.get(stage, set()))
+    computed, failed = 0, 0
+    with bars(stage, total or 0, already) if bars else _Silent() as bar:
+        for batch, found in workers.run(stage, missing):
+            if found is None:
+                summary.unfinished += batch.size
+                continue
+            store.add(stage, batch, found)
+            computed += batch.size
+            failed += len(found.errors)
+            summary.seconds[stage] = summary.seconds.get(stage, 0.0) + found.seconds
+            bar.update(batch.size)
+    summary.reached[stage] = len(store.done.get(stage, ()))
+    summary.computed[stage] = summary.computed.get(stage, 0) + computed
+    summary.failed[stage] = summary.failed.get(stage, 0) + failed
+
+
+class _Silent:
+    """No bar."""
+
+    def update(self, n: int) -> None:
+        """Count nothing."""
+
+    def __enter__(self) -> "_Silent":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End nothing."""
+
+
+def _missing(rows: Iterable[NDArray], done: set[str]) -> Iterator[NDArray]:
+    """Batches without the candidates that are done."""
+    for batch in rows:
+        todo = [key not in done for key in identities(batch)] if done else slice(None)
+        if (left := batch[todo]).size:
+            yield left
+
+
+def passed(study: Study, store: Store, stage: str) -> NDArray:
+    """Candidates that meet every constraint up to and with this stage, in the order of rows."""
+    found = [np.empty(0, ROW)]
+    for record in store.records(stage):
+        figures = figures_in(record)
+        keep = passing(study, stage, figures)
+        if stage == "screen":
+            keep &= passing(study, "cost", figures)
+        keep[[int(k) for k in record["errors"]]] = False
+        found.append(rows_of(record)[keep])
+    return np.unique(np.concatenate(found))
+
+
+def finalists(study: Study, store: Store) -> NDArray:
+    """Candidates whose entries are judged: the best fronts of what is known before."""
+    assert study.entry is not None
+    rows = passed(study, store, "map")
+    known = [o for o in study.objectives if MERITS[o.figure].stage != "entry"]
+    if rows.size <= study.entry.finalists or not known:
+        return rows[: study.entry.finalists]
+    wanted = {o.figure for o in known}
+    values = gather(store, identities(rows), wanted)
+    columns = np.column_stack([o.sign * values[o.figure] for o in known])
+    columns[np.isnan(columns)] = np.inf
+    return rows[best(columns, study.entry.finalists)]
+
+
+def gather(store: Store, keys: list[str], names: set[str]) -> dict[str, NDArray[np.float64]]:
+    """Figures of some candidates from every stage, nan where there is none; shape (n,) each."""
+    place = {key: k for k, key in enumerate(keys)}
+    found = {name: np.full(len(keys), np.nan) for name in names}
+    for stage in STAGES[1:]:
+        for record in store.records(stage):
+            own = names & set(record["figures"])
+            if not own:
+                continue
+            figures = figures_in(record)
+            ids = identities(rows_of(record))
+            pairs = [(place[key], k) for k, key in enumerate(ids) if key in place]
+            if pairs:
+                there, here = np.array(pairs).T
+                for name in own:
+                    found[name][there] = figures[name][here]
+    return found

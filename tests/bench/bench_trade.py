@@ -1,0 +1,217 @@
+"""Trade: candidates a second, share of time outside kernels, growth from 10^2 to 10^5, a cluster.
+
+Run: pytest tests/bench/bench_trade.py -o python_files="bench_*.py" -p no:xdist -s
+"""
+
+import contextlib
+import json
+import os
+import pickle
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from compass.inputs.study import read_study, read_study_text
+from compass.study import judge, stages, trade
+from compass.study.candidates import candidates
+from compass.study.stages import evaluate
+from compass.study.store import FILE, Store
+from compass.study.trade import run_trade
+from compass.study.workers import AHEAD, Cluster, Here, Processes
+
+ROOT = Path(__file__).parents[2]
+
+TEXT = """
+name = "growth"
+[study]
+patterns = {patterns}
+satellites = {{ least = 8, most = 16 }}
+inclination_deg = {{ least = 40, most = {most}, step = {step} }}
+orbits = ["areosynchronous"]
+mask_deg = 5
+[[constraint]]
+figure = "fold_proven"
+at_least = 1
+[[objective]]
+figure = "satellites"
+[[objective]]
+figure = "gdop_p95"
+"""
+
+BOTH, ONE = '["walker-delta", "walker-star"]', '["walker-delta"]'
+
+
+class Quiet:
+    def __call__(self, *_):
+        return contextlib.nullcontext(self)
+
+    def update(self, n):
+        pass
+
+
+def growth(inclinations, patterns=BOTH):
+    step = 20 / max(inclinations - 1, 1)
+    return read_study_text(
+        TEXT.format(patterns=patterns, most=40 + step * (inclinations - 1) + step / 2, step=step)
+    )
+
+
+def timed(study, folder, team):
+    began = time.perf_counter()
+    with Store(folder, study) as store:
+        summary = run_trade(study, store, team, Quiet())
+    return summary, time.perf_counter() - began
+
+
+class Clock:
+    """Sums the processor time spent in kernels, wherever stages call them."""
+
+    def __init__(self, monkeypatch):
+        self.seconds = 0.0
+        for module, name in (
+            (stages, "screen_patterns"),
+            (stages, "dops_over"),
+            (judge, "information"),
+            (judge, "bounds"),
+        ):
+            monkeypatch.setattr(module, name, self._timing(getattr(module, name)))
+
+    def _timing(self, kernel):
+        def call(*arguments):
+            began = time.process_time()
+            try:
+                return kernel(*arguments)
+            finally:
+                self.seconds += time.process_time() - began
+
+        return call
+
+
+def warm(study):
+    rows = candidates(study).rows(0, 2)
+    for stage in ("screen", "map", *(("entry",) if study.entry else ())):
+        evaluate(stage, study, rows)
+
+
+def test_share_of_time_outside_kernels(tmp_path, monkeypatch):
+    study = growth(30)
+    warm(study)
+    clock = Clock(monkeypatch)
+    began = time.process_time()
+    summary, seconds = timed(study, tmp_path, Here(study))
+    processor = time.process_time() - began
+    share = 1 - clock.seconds / processor
+    print(
+        f"\n{summary.candidates} candidates, {summary.reached['map']} mapped, in {seconds:.2f} s: "
+        f"{summary.candidates / seconds:.0f} a second on one core; of {processor:.2f} s of "
+        f"processor {share:.1%} outside kernels; waiting (disk, others) {seconds - processor:.2f} s"
+    )
+    assert share < 0.2
+
+
+def test_stage_by_stage(monkeypatch):
+    study = read_study(ROOT / "designs/study-fourfold.toml")
+    found = candidates(study)
+    rows = found.rows(0, len(found))[:: len(found) // 400]
+    warm(study)
+    screened = evaluate("screen", study, rows)
+    kept = rows[stages.passing(study, "screen", screened.figures)]
+    for stage, some in (("screen", rows), ("map", kept), ("entry", kept)):
+        with monkeypatch.context() as patch:
+            clock = Clock(patch)
+            began = time.process_time()
+            seconds = evaluate(stage, study, some).seconds
+            processor = time.process_time() - began
+        print(
+            f"\n{stage}: {1e3 * seconds / some.size:.2f} ms a candidate, "
+            f"{some.size / seconds:.0f} a second; in kernels {clock.seconds / processor:.0%}"
+        )
+
+
+@pytest.mark.parametrize(
+    ("inclinations", "patterns"), [(1, ONE), (3, BOTH), (30, BOTH), (300, BOTH)]
+)
+def test_growth(tmp_path, inclinations, patterns):
+    study = growth(inclinations, patterns)
+    warm(study)
+    summary, seconds = timed(study, tmp_path, Here(study))
+    work = sum(summary.seconds.values())
+    size = (tmp_path / FILE).stat().st_size
+    began = time.perf_counter()
+    timed(study, tmp_path, Here(study))
+    again = time.perf_counter() - began
+    n = summary.candidates
+    print(
+        f"\n{n} candidates: {seconds:.2f} s, {1e3 * seconds / n:.3f} ms each; handling "
+        f"{1e6 * (seconds - work) / n:.0f} us each; store {size / n:.0f} bytes each; "
+        f"reading it again {1e6 * again / n:.0f} us each"
+    )
+
+
+def test_one_process_two_processes_two_cluster_workers(tmp_path):
+    pytest.importorskip("distributed")
+    study = growth(60)
+    warm(study)
+    wall = {}
+    _, wall["1 process"] = timed(study, tmp_path / "1", Here(study))
+    team = Processes(study, 2)
+    list(team.run("screen", [candidates(study).rows(k, k + 1) for k in range(8)]))  # start up
+    _, wall["2 processes"] = timed(study, tmp_path / "2", team)
+    team.close()
+    with cluster(tmp_path) as (address, scheduler):
+        team = Cluster(study, address)
+        list(team.run("screen", [candidates(study).rows(k, k + 1) for k in range(8)]))
+        before = processor_seconds(scheduler)
+        summary, wall["2 cluster workers"] = timed(study, tmp_path / "3", team)
+        load = processor_seconds(scheduler) - before
+        team.close()
+    batch = candidates(study).rows(0, trade.BATCH["screen"])
+    task = len(pickle.dumps((study, batch)))
+    answer = len(pickle.dumps(evaluate("screen", study, batch)))
+    tasks = sum(-(-n // trade.BATCH[stage]) for stage, n in summary.reached.items())
+    for name, seconds in wall.items():
+        print(f"\n{name}: {seconds:.2f} s, speed-up {wall['1 process'] / seconds:.2f}", end="")
+    print(
+        f"\nscheduler: {tasks} tasks, {1e3 * load / tasks:.1f} ms of processor each; task "
+        f"{task} bytes, answer {answer} bytes, for {batch.size} candidates; at most "
+        f"{AHEAD} tasks a worker on their way"
+    )
+
+
+@contextlib.contextmanager
+def cluster(folder):
+    running = []
+
+    def launch(part, *options):
+        command = [sys.executable, "-m", f"distributed.cli.dask_{part}", *options]
+        running.append(
+            subprocess.Popen(
+                [*command, "--no-dashboard"],
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                env=os.environ | {"PYTHONPATH": str(ROOT)},
+            )
+        )
+
+    file = folder / "scheduler.json"
+    launch("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file))
+    end = time.monotonic() + 30
+    while not file.exists() and time.monotonic() < end:
+        time.sleep(0.05)
+    address = json.loads(file.read_text())["address"]
+    for _ in range(2):
+        launch("worker", address, "--nthreads", "1", "--no-nanny")
+    try:
+        yield address, running[0].pid
+    finally:
+        for process in running:
+            process.kill()
+            process.wait()
+
+
+def processor_seconds(pid):
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

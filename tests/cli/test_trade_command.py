@@ -1,0 +1,138 @@
+"""``compass trade`` and ``compass report STUDY`` as a user runs them."""
+
+import json
+
+import pytest
+
+STUDY = """
+name = "Tiny <study>"
+[study]
+patterns = ["walker-delta", "walker-star"]
+satellites = [5, 6, 7]
+inclination_deg = [40, 55]
+orbits = ["areosynchronous", "half"]
+mask_deg = 5
+fold = {fold}
+[map]
+step_deg = 45
+epochs = 2
+[[constraint]]
+figure = "fold_proven"
+at_least = 1
+[[objective]]
+figure = "satellites"
+[[objective]]
+figure = "delta_v_total_m_s"
+[[objective]]
+figure = "mask_margin_deg"
+"""
+
+
+@pytest.fixture
+def study(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def write(text=STUDY, fold=1):
+        path = tmp_path / "tiny.toml"
+        path.write_text(text.format(fold=fold))
+        return path
+
+    return write
+
+
+def test_trade_then_report(study, run, tmp_path, designs):
+    compare = str(designs / "compass-15-5-1.toml")
+    path = study(STUDY + f"[compare]\ndesign = '{compare}'\n")
+    status, out, err = run("trade", path, "--workers", 1, "--json")
+    assert status == 0, err
+    result = json.loads(out)
+    # patterns t/p/f of 5, 6 and 7 satellites: 6 + 12 + 8; two kinds, two inclinations, two orbits
+    assert result["candidates"] == result["computed"]["screen"] == 26 * 8
+    assert result["feasible"] == result["reached"]["map"] > len(result["front"]) > 0
+    assert (tmp_path / "trades/tiny/trade.nc").is_file()
+    status, out, _ = run("trade", path, "--workers", 1)
+    assert status == 0 and "Pareto front" in out and "208 candidates" in out
+    status, out, err = run("report", path, "--json")
+    assert status == 0, err
+    summary = json.loads(out)
+    assert summary["candidates"] == 208 and summary["feasible"] == result["feasible"]
+    assert summary["first_front"] == len(result["front"])
+    assert all(f["certificate"] == "proven" for f in summary["finalists"])
+    assert summary["compared_with"]["figures"]["satellites"] == 15
+    folder = tmp_path / "reports/tiny"
+    page = (folder / "index.html").read_text()
+    assert "Tiny &lt;study&gt;" in page and "Recommendation" in page
+    for title in ("Pareto fronts", "The best by objective", "Sensitivity", "Against COMPASS"):
+        assert title in page
+    assert json.loads((folder / "summary.json").read_text()) | {"page": summary["page"]} == summary
+    pictures = {p.stem for p in folder.glob("*.png")}
+    assert {"finalist-maps", "sensitivity-share", "front-satellites-delta-v-total-m-s"} <= pictures
+    status, out, _ = run("report", path)
+    assert status == 0 and out.startswith("report: reports/tiny")
+
+
+def test_nothing_meets_the_constraints(study, run):
+    path = study(fold=6)
+    status, out, _ = run("trade", path, "--workers", 1, "--json")
+    assert status == 1
+    assert json.loads(out)["feasible"] == 0 and json.loads(out)["front"] == []
+    status, out, _ = run("report", path, "--json")
+    assert status == 0 and json.loads(out)["finalists"] == []
+
+
+def test_a_large_pool_is_offered_by_default(study, run, monkeypatch):
+    monkeypatch.setattr("os.cpu_count", lambda: 1)
+    status, out, _ = run("trade", study(), "-o", "elsewhere", "--json")
+    assert status == 0 and json.loads(out)["store"] == "elsewhere"
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--workers", 0], "--workers = 0: allowed 1 to 1024"),
+        (["--workers", 1, "--scheduler", "tcp://a:1"], "--workers: not beside --scheduler"),
+        (["--tls-ca", "a.pem"], "all three go together, beside --scheduler"),
+        (
+            ["--scheduler", "tls://a:1", "--tls-ca", "a", "--tls-cert", "b", "--tls-key", "c"],
+            "a: no such file; give a certificate",
+        ),
+        (["--scheduler", "here"], "not an address; write it as tcp://host:port"),
+    ],
+)
+def test_wrong_options(study, run, options, message):
+    if "here" in options:
+        pytest.importorskip("distributed")
+    status, out, err = run("trade", study(), *options)
+    assert status == 2 and out == "" and message in err
+
+
+def test_wrong_files(study, run, tmp_path):
+    status, _, err = run("trade", tmp_path / "none.toml")
+    assert status == 2 and "no such file" in err
+    status, _, err = run("trade", study(STUDY.replace("[5, 6, 7]", "[5]\nplanes = 2")))
+    assert status == 2 and "study: no candidate" in err
+    assert not (tmp_path / "trades").exists()
+    status, _, err = run("report", study())
+    assert status == 2 and "no such store; run `compass trade" in err
+
+
+def test_a_store_of_another_study(study, run):
+    assert run("trade", study(), "--workers", 1)[0] == 0
+    status, out, err = run("trade", study(fold=2), "--workers", 1)
+    assert status == 2 and out == "" and "the store of another study" in err
+
+
+def test_a_design_has_no_store(run, designs):
+    status, _, err = run("report", designs / "compass-15-5-1.toml", "--store", "x")
+    assert status == 2 and "is a design, not a study" in err
+
+
+def test_a_damaged_store_is_said(study, run, tmp_path):
+    path = study()
+    assert run("trade", path, "--workers", 1)[0] == 0
+    store = tmp_path / "trades/tiny/candidates.jsonl"
+    whole = store.read_bytes()
+    store.write_bytes(whole[:-10])
+    status, _, err = run("trade", path, "--workers", 1)
+    assert status == 0 and "1 damaged line(s) ignored" in err
+    assert len(store.read_bytes()) == pytest.approx(len(whole), abs=20)

@@ -1,0 +1,141 @@
+"""Study files: what is read, and every fault at once with its remedy."""
+
+import pytest
+
+from compass.errors import DesignError
+from compass.inputs.merit import MERITS, STAGES, merits_of
+from compass.inputs.study import Free, is_study, read_study, read_study_text
+from compass.orbits import areosynchronous_radius, orbital_period
+
+GOOD = """
+name = "t"
+[study]
+patterns = ["walker-delta", "walker-delta"]
+satellites = 5
+inclination_deg = { least = 40, most = 50, step = 5 }
+orbits = ["areosynchronous", "half", "third"]
+[[constraint]]
+figure = "fold_proven"
+at_least = 1
+[[constraint]]
+figure = "gdop_p95"
+below = 6
+[[objective]]
+figure = "satellites"
+[[objective]]
+figure = "mask_margin_deg"
+"""
+
+
+def test_a_good_one():
+    study = read_study_text(GOOD)
+    assert study.space.patterns == ("walker-delta",)
+    assert study.space.satellites == (5,)
+    assert study.space.inclination_deg == (40.0, 45.0, 50.0)
+    assert study.space.mask_deg == (0.0,)
+    assert [o.sign for o in study.objectives] == [1, -1]
+    assert [o.goal for o in study.objectives] == ["smallest", "largest"]
+    proven, gdop = study.constraints
+    assert proven.holds(1.0) and not proven.holds(0.0) and not proven.holds(None)
+    assert gdop.holds(5.9) and not gdop.holds(6.0) and not gdop.holds(float("nan"))
+    assert str(proven) == "fold_proven >= 1" and str(gdop) == "gdop_p95 < 6"
+    assert study.constraints_of("map") == [gdop]
+    assert is_study(GOOD) and not is_study('name = "x"') and not is_study("= [")
+
+
+def test_named_orbits_have_whole_revolutions_in_a_sidereal_day():
+    day = orbital_period(areosynchronous_radius())
+    for k, radius in enumerate(read_study_text(GOOD).space.radius_km, start=1):
+        assert orbital_period(radius * 1e3) * k == pytest.approx(day, rel=1e-12)
+
+
+def test_free_ranges_with_sampling():
+    text = GOOD.replace(", step = 5", "").replace(
+        "[[constraint]]", '[sampling]\nmethod = "sobol"\nsamples = 8\n[[constraint]]', 1
+    )
+    assert read_study_text(text).space.inclination_deg == Free(40.0, 50.0)
+
+
+def test_the_digest_covers_the_files_it_names(tmp_path, designs):
+    design = (designs / "compass-15-5-1.toml").read_text()
+    (tmp_path / "d.toml").write_text(design)
+    path = tmp_path / "s.toml"
+    path.write_text(GOOD + '[compare]\ndesign = "d.toml"\n')
+    first = read_study(path)
+    assert first.compare.constellation.size == 15
+    assert read_study(path).digest == first.digest
+    (tmp_path / "d.toml").write_text(design + "\n# another\n")
+    assert read_study(path).digest != first.digest
+    (tmp_path / "d.toml").unlink()
+    with pytest.raises(DesignError, match=r"s.toml: .*d.toml: no such file"):
+        read_study(path)
+
+
+def test_entry_takes_a_scenario(designs):
+    text = GOOD.replace(
+        '[[objective]]\nfigure = "satellites"', '[[objective]]\nfigure = "crlb_position_m.p95"'
+    )
+    with pytest.raises(DesignError, match=r"without judging entries; add a table \[entry\]"):
+        read_study_text(text)
+    text += '[entry]\nscenario = "entry-compass.toml"\nsamples = 3\nfinalists = 2\n'
+    entry = read_study_text(text, folder=designs).entry
+    assert (entry.samples, entry.finalists) == (3, 2) and entry.scenario.name
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("satellites = 5", "satellites = []", "study.satellites.values"),
+        ("satellites = 5", "satellites = [0]", r"study.satellites = 0: allowed 1 to 10000"),
+        ("satellites = 5", "satellites = {least = 9}", r"study.satellites.most: missing"),
+        ("satellites = 5", "satellites = {least = 9, most = 3}", "least is above most"),
+        ("satellites = 5", 'satellites = "5"', "study.satellites"),
+        ("satellites = 5", "satellites = {values = [5], step = 2}", "values or step, not both"),
+        ("step = 5 }", "step = 1e-6 }", "take a larger step"),
+        ("step = 5 }", "step = 0 }", "must be above 0"),
+        (", step = 5", "", "a range without step is free"),
+        ("most = 50", "most = 200", "allowed 0 to 180"),
+        ("most = 50", 'most = "x"', "must be a number"),
+        ('orbits = ["areosynchronous", "half", "third"]', "radius_km = 3000", "allowed 3396"),
+        ('orbits = ["areosynchronous", "half", "third"]', "", "found neither"),
+        ("[[constraint]]", "[sampling]\nmethod = 3\n[[constraint]]", "sampling.method = 3"),
+        ("[[constraint]]", "[sampling]\nsamples = 9\n[[constraint]]", 'not for method = "grid"'),
+        (
+            "[[constraint]]",
+            '[sampling]\nmethod = "sobol"\nsamples = 9\n[[constraint]]',
+            "use 8 or 16",
+        ),
+        (
+            "[[constraint]]",
+            '[sampling]\nmethod = "nsga2"\n[[constraint]]',
+            "sampling.population: missing",
+        ),
+        ("at_least = 1", "", r"constraint\[1\]: needs exactly one of .* found none"),
+        ("at_least = 1", "at_least = 1\nabove = 0", "found at_least and above"),
+        ('"satellites"', '"satelites"', "no candidate has this figure; did you mean satellites"),
+        ('"satellites"', "7", r"objective\[1\].figure = 7: must be text"),
+        ('"mask_margin_deg"', '"satellites"', "is an objective already"),
+    ],
+)
+def test_faults(old, new, message):
+    assert old in GOOD
+    with pytest.raises(DesignError, match=message):
+        read_study_text(GOOD.replace(old, new, 1))
+
+
+def test_all_faults_at_once():
+    text = GOOD.replace("satellites = 5", "satellites = 0").replace('"gdop_p95"', '"gdop"')
+    with pytest.raises(DesignError) as caught:
+        read_study_text(text, "s.toml")
+    assert len(caught.value.faults) == 2
+    assert all(fault.startswith("s.toml: ") for fault in caught.value.faults)
+
+
+def test_faults_of_what_is_no_table():
+    with pytest.raises(DesignError, match="study"):
+        read_study_text('name = "t"\nstudy = 3\nsampling = 4\nobjective = 5\n')
+
+
+def test_every_merit_belongs_to_a_stage():
+    assert {m.stage for m in MERITS.values()} == set(STAGES)
+    assert sum(len(merits_of(stage)) for stage in STAGES) == len(MERITS)

@@ -1,0 +1,123 @@
+"""Candidates: the grid against plain loops, samples inside the space, identities that stay."""
+
+import struct
+from fractions import Fraction
+from hashlib import blake2b
+from itertools import product
+
+import numpy as np
+import pytest
+
+from compass.errors import DesignError
+from compass.inputs.study import read_study_text
+from compass.orbits import rosette
+from compass.study.candidates import (
+    PATTERNS,
+    ROW,
+    Grid,
+    Listed,
+    batches,
+    candidates,
+    identities,
+    make_constellation,
+)
+
+TEXT = """
+name = "t"
+[study]
+patterns = {patterns}
+satellites = {satellites}
+inclination_deg = {inclination}
+radius_km = {radius}
+mask_deg = [0, 5]
+{more}
+[[objective]]
+figure = "satellites"
+"""
+
+
+def study(patterns='["walker-delta", "walker-star"]', satellites="[4, 6]", inclination="[40, 55.5]",
+          radius="[10000, 20000]", more=""):  # fmt: skip
+    return read_study_text(TEXT.format_map(locals()), "s.toml")
+
+
+def test_the_grid_is_every_combination_once():
+    found = candidates(study())
+    wanted = [
+        (kind, t, p, f, i, r, m)
+        for kind in (0, 1)
+        for t in (4, 6)
+        for p in range(1, t + 1)
+        if t % p == 0
+        for f, i, r, m in product(range(p), (40.0, 55.5), (10000.0, 20000.0), (0.0, 5.0))
+    ]
+    assert len(found) == len(wanted)
+    assert found.rows(0, len(found)).tolist() == wanted
+    assert np.concatenate(list(batches(found, 17))).tolist() == wanted
+    assert found.rows(5, 8).tolist() == wanted[5:8]
+
+
+def test_planes_and_phasings_given():
+    found = candidates(study(more="planes = [2, 5]\nphasing = [1, 7]"))
+    rows = found.rows(0, len(found))
+    assert set(rows["planes"]) == {2} and set(rows["phasing"]) == {1}
+
+
+def test_no_candidate():
+    with pytest.raises(DesignError, match=r"s.toml: study: no candidate.*4, 6 goes"):
+        candidates(study(more="planes = [5]"))
+    with pytest.raises(DesignError, match=r"no candidate.*1, 2, 3, 4, 5 \.\.\."):
+        candidates(study(satellites="{least = 1, most = 6}", more="planes = [7]"))
+
+
+def test_rosettes_are_the_patterns_of_their_multipliers():
+    found = candidates(study(patterns='["rosette"]', satellites="[12]"))
+    rows = found.rows(0, len(found))
+    assert set(rows["pattern"]) == {PATTERNS.index("rosette")}
+    for row in rows[::7]:
+        c = make_constellation(row)
+        again = rosette(12, c.pattern.planes, Fraction(c.pattern.multiplier),
+                        inclination=c.pattern.inclination, radius=row["radius_km"] * 1e3)  # fmt: skip
+        assert c.pattern.phasing == row["phasing"]
+        assert np.array_equal(c.mean_anomaly, again.mean_anomaly)
+    # (12, 3, m) with m c multiple of 1/4: multipliers 1/4, 3/4, ... with odd numerators
+    assert set(rows[rows["planes"] == 3]["phasing"]) == {0, 1, 2}
+
+
+@pytest.mark.parametrize("method", ["latin-hypercube", "sobol"])
+def test_samples_lie_in_the_space_and_repeat(method):
+    sampled = study(
+        inclination="{ least = 30, most = 60 }",
+        radius="{ least = 9000, most = 21000 }",
+        more=f'seed = 3\n[sampling]\nmethod = "{method}"\nsamples = 64',
+    )
+    found = candidates(sampled)
+    rows = found.rows(0, len(found))
+    assert isinstance(found, Listed) and len(found) == 64
+    assert np.all((rows["inclination_deg"] >= 30) & (rows["inclination_deg"] <= 60))
+    assert np.ptp(rows["radius_km"]) > 10000
+    assert np.all(rows["satellites"] % rows["planes"] == 0)
+    assert np.all(rows["phasing"] < rows["planes"])
+    assert np.array_equal(rows, candidates(sampled).rows(0, 64))
+    # one of equal marginals: each half of the free ranges has half of the samples
+    assert (rows["inclination_deg"] < 45).sum() == 32
+
+
+def test_no_sample_twice():
+    coarse = study(more='[sampling]\nmethod = "latin-hypercube"\nsamples = 900')
+    found = candidates(coarse)
+    assert len(found) < 900
+    assert len(set(identities(found.rows(0, len(found))))) == len(found)
+
+
+def test_identities_are_of_the_candidate_alone():
+    row = np.array([(0, 15, 5, 1, 45.0, 20427.68, 5.0)], ROW)
+    packed = struct.pack("<Bhhhddd", 0, 15, 5, 1, 45.0, 20427.68, 5.0)
+    assert identities(row) == [blake2b(packed, digest_size=8).hexdigest()]
+    assert identities(row) == ["081a170ac64e0a63"]  # must never change: stores rest on it
+    grid = Grid(study())
+    rows = grid.rows(0, len(grid))
+    keys = identities(rows)
+    assert len(set(keys)) == len(keys)
+    assert identities(rows[::-1].copy()) == keys[::-1]
+    assert identities(rows[::2]) == keys[::2]

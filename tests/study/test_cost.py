@@ -1,0 +1,89 @@
+"""Cost proxies against limits, textbook numbers, vectors and the secular rates themselves."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compass.bodies import MARS_GM
+from compass.inputs.study_models import CostTable
+from compass.orbits.period import secular_rates
+from compass.study.candidates import ROW, make_constellation
+from compass.study.cost import YEAR, cost_figures, hohmann, node_change, station_keeping
+
+R = 3396.19e3
+
+
+def test_hohmann_of_the_textbook():
+    # Vallado 2013, example 6-1: 191.34411 km to 35781.34857 km about the Earth, 3.935224 km/s
+    earth, radius = 3.986004418e14, 6378.1363e3
+    dv = hohmann(radius + 191344.11, radius + 35781348.57, earth)
+    assert dv == pytest.approx(3935.224, abs=0.01)
+
+
+def test_hohmann_limits():
+    assert hohmann(4e6, 4e6) == 0.0
+    escape = (np.sqrt(2) - 1) * np.sqrt(MARS_GM.value / 4e6)
+    assert hohmann(4e6, 1e15) == pytest.approx(escape, rel=1e-3)
+    small = hohmann(4e6, 4e6 * (1 + 1e-6))  # first order: n da / 2
+    assert small == pytest.approx(0.5e-6 * np.sqrt(MARS_GM.value / 4e6), rel=1e-4)
+
+
+@given(st.floats(3.5e6, 1e8), st.floats(3.5e6, 1e8))
+def test_hohmann_either_way_costs_the_same(a, b):
+    assert hohmann(a, b) == pytest.approx(hohmann(b, a), rel=1e-9, abs=1e-9)
+
+
+@given(st.floats(0, np.pi), st.floats(-np.pi, np.pi))
+def test_node_change_is_the_difference_of_velocities(inclination, turn):
+    # at the common line of both planes the velocities are v (pole x line)
+    def pole(raan):
+        return np.array(
+            [
+                np.sin(inclination) * np.sin(raan),
+                -np.sin(inclination) * np.cos(raan),
+                np.cos(inclination),
+            ]
+        )
+
+    a, b = pole(0.0), pole(turn)
+    line = np.cross(a, b)
+    norm = np.linalg.norm(line)
+    if norm < 1e-7:  # one plane, or opposite senses in one
+        return
+    speed = np.sqrt(MARS_GM.value / 1e7)
+    change = speed * np.linalg.norm(np.cross(a - b, line / norm))
+    assert node_change(1e7, inclination, turn) == pytest.approx(change, rel=1e-6, abs=1e-3)
+
+
+def test_node_change_limits():
+    assert node_change(1e7, 0.0, 1.0) == 0.0
+    assert node_change(1e7, np.pi / 2, np.pi) == pytest.approx(2 * np.sqrt(MARS_GM.value / 1e7))
+
+
+def test_station_keeping_against_differences_of_the_rates():
+    a, i, di, da = 9.8e6, np.radians(60), 1e-6, 1.0
+
+    def node(radius, inclination):
+        return secular_rates(radius, 0.0, inclination)[0]
+
+    by_inclination = abs(node(a, i + di) - node(a, i - di)) / 2
+    by_axis = abs(node(a + da, i) - node(a - da, i)) / 2
+    wanted = np.sqrt(MARS_GM.value / a) * np.sin(i) * (by_inclination + by_axis) * YEAR
+    assert station_keeping(a, i, di, da) == pytest.approx(wanted, rel=1e-6)
+    assert station_keeping(a, 0.0, di, da) == 0.0
+
+
+def test_sums_over_satellites_one_by_one():
+    kinds = [(0, 12, 4, 1), (1, 12, 4, 1), (0, 5, 5, 2), (1, 6, 3, 0), (0, 3, 1, 0)]
+    rows = np.array([(*k, 50.0, 12870.0, 0.0) for k in kinds], ROW)
+    found = cost_figures(rows, CostTable.model_validate({}), R)
+    for k, row in enumerate(rows):
+        c = make_constellation(row)
+        turns = np.where(c.raan > np.pi, c.raan - 2 * np.pi, c.raan)
+        each = node_change(12870e3, np.radians(50), turns)
+        transfer = hohmann(R + 400e3, 12870e3)
+        assert found["delta_v_total_m_s"][k] == pytest.approx((each + transfer).sum())
+        assert found["delta_v_planes_m_s"][k] == pytest.approx(each.max())
+    assert found["station_keeping_m_s_year"][-1] == 0.0  # one plane has nothing to hold together
+    assert found["satellites"].tolist() == [12, 12, 5, 6, 3]

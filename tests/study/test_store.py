@@ -1,0 +1,168 @@
+"""The store: nothing that was reported as stored is lost, nothing torn is believed."""
+
+import errno
+import os
+
+import numpy as np
+import pytest
+
+import compass
+from compass.errors import ArgumentError, OutputError
+from compass.study import store as module
+from compass.study.candidates import candidates, identities
+from compass.study.results import read_results, write_results
+from compass.study.stages import Found, evaluate
+from compass.study.store import FILE, Store, figures_in, rows_of
+
+
+@pytest.fixture
+def batch(tiny):
+    study = tiny()
+    rows = candidates(study).rows(0, 10)
+    return study, rows, evaluate("screen", study, rows)
+
+
+def test_what_goes_in_comes_out(batch, tmp_path):
+    study, rows, found = batch
+    found.figures["gdop_p50"] = np.full(10, np.inf)
+    with Store(tmp_path, study) as store:
+        store.add("screen", rows, found)
+        assert store.finished == 10
+    with Store(tmp_path, study) as store:
+        assert store.done["screen"] == set(identities(rows)) and store.damaged == 0
+        (record,) = store.records("screen")
+        assert list(store.records("map")) == []
+    assert np.array_equal(rows_of(record), rows)
+    for name, values in figures_in(record).items():
+        assert np.array_equal(values, found.figures[name], equal_nan=True)
+
+
+def test_every_torn_end_is_dropped(batch, tmp_path):
+    study, rows, _found = batch
+    with Store(tmp_path, study) as store:
+        store.add("screen", rows[:5], Found({}, {}, 0.0))
+        safe = (tmp_path / FILE).stat().st_size
+        store.add("screen", rows[5:], Found({}, {}, 0.0))
+    whole = (tmp_path / FILE).read_bytes()
+    for end in range(safe, len(whole), 41):
+        (tmp_path / FILE).write_bytes(whole[:end])
+        with Store(tmp_path, study) as store:
+            assert store.finished == 5
+            store.add("screen", rows[5:], Found({}, {}, 0.0))
+        assert (tmp_path / FILE).read_bytes() == whole
+
+
+def test_a_first_line_torn_begins_anew(tiny, tmp_path):
+    (tmp_path / FILE).write_bytes(b"12345678 {")
+    with Store(tmp_path, tiny()) as store:
+        assert store.finished == 0
+    with Store(tmp_path, tiny()) as store:
+        assert store.damaged == 0
+
+
+def test_a_spoilt_line_in_the_middle_is_left_out(batch, tmp_path):
+    study, rows, _found = batch
+    with Store(tmp_path, study) as store:
+        store.add("screen", rows[:5], Found({}, {}, 0.0))
+        end = (tmp_path / FILE).stat().st_size
+        store.add("screen", rows[5:], Found({}, {}, 0.0))
+    data = bytearray((tmp_path / FILE).read_bytes())
+    data[end - 20] ^= 1
+    (tmp_path / FILE).write_bytes(data)
+    with Store(tmp_path, study) as store:
+        assert store.damaged == 1
+        assert store.done["screen"] == set(identities(rows[5:]))
+
+
+def test_two_runs_at_once_are_refused(tiny, tmp_path):
+    with Store(tmp_path, tiny()), pytest.raises(ArgumentError, match="another run is at work"):
+        Store(tmp_path, tiny())
+    Store(tmp_path, tiny()).close()
+
+
+def test_another_study_and_another_version_are_refused(tiny, tmp_path, monkeypatch):
+    Store(tmp_path, tiny()).close()
+    with pytest.raises(ArgumentError, match=r"the store of another study \('tiny'"):
+        Store(tmp_path, tiny(fold=2))
+    with pytest.raises(ArgumentError, match="the store of another study"):
+        read_results(tiny(fold=2), tmp_path)
+    monkeypatch.setattr(compass, "__version__", "99")
+    with pytest.raises(ArgumentError, match="this is 99, whose numbers may differ"):
+        Store(tmp_path, tiny())
+
+
+def test_a_file_that_is_no_store(tiny, tmp_path):
+    (tmp_path / FILE).write_text("hello\nworld\n")
+    with pytest.raises(ArgumentError, match="not a store of candidates"):
+        Store(tmp_path, tiny())
+    assert (tmp_path / FILE).read_text() == "hello\nworld\n"
+
+
+def test_a_folder_that_cannot_be_one(tiny, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OutputError, match="cannot be used"):
+        Store(tmp_path / "file", tiny())
+    (tmp_path / "there" / FILE).mkdir(parents=True)
+    with pytest.raises((OutputError, OSError), match=r"cannot be written|directory"):
+        Store(tmp_path / "there", tiny())
+
+
+@pytest.mark.parametrize("part", [0, 30])
+def test_a_full_disk_takes_nothing_back(batch, tmp_path, monkeypatch, part):
+    study, rows, _found = batch
+    honest = os.write
+
+    def full(handle, data):
+        if part:
+            honest(handle, data[:part])
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with Store(tmp_path, study) as store:
+        store.add("screen", rows[:5], Found({}, {}, 0.0))
+        before = (tmp_path / FILE).read_bytes()
+        monkeypatch.setattr(module.os, "write", full)
+        with pytest.raises(OutputError, match="No space left on device; all 5 finished"):
+            store.add("screen", rows[5:], Found({}, {}, 0.0))
+        assert (tmp_path / FILE).read_bytes() == before
+        monkeypatch.undo()
+        store.add("screen", rows[5:], Found({}, {}, 0.0))
+    assert len(read_results(study, tmp_path).candidate) == 10
+
+
+def test_results_of_all_stages_and_their_errors(tiny, tmp_path):
+    study = tiny()
+    rows = candidates(study).rows(0, 52)
+    with Store(tmp_path, study) as store:
+        found = evaluate("screen", study, rows)
+        store.add("screen", rows, found)
+        proven = np.flatnonzero(found.figures["fold_proven"] == 1)
+        mapped = evaluate("map", study, rows[proven])
+        mapped.errors[0] = "ValueError: made up"
+        store.add("map", rows[proven], mapped)
+    results = read_results(study, tmp_path)
+    assert results.sizes["candidate"] == 52
+    assert set(results.identity.values) == set(identities(rows))
+    assert (results.stage == "map").sum() == proven.size
+    assert results.feasible.sum() == proven.size - 1
+    assert (results.error != "").sum() == 1
+    one = results.isel(
+        candidate=int(np.flatnonzero(results.identity == identities(rows)[proven[1]])[0])
+    )
+    assert one.gdop_p50 == mapped.figures["gdop_p50"][1]
+    # the front by its definition
+    good = results.isel(candidate=np.flatnonzero(results.feasible))
+    t, m = good.satellites.values, good.mask_margin_deg.values
+    for k in range(t.size):
+        beaten = np.any((t <= t[k]) & (m >= m[k]) & ((t < t[k]) | (m > m[k])))
+        assert (good.front.values[k] == 0) == (not beaten)
+    write_results(results, tmp_path / "trade.nc")
+    import xarray as xr
+
+    with xr.open_dataset(tmp_path / "trade.nc", engine="h5netcdf") as again:
+        assert np.array_equal(again.front, results.front)
+        assert again.mask_margin_deg.units == "deg"
+
+
+def test_no_store_to_read(tiny, tmp_path):
+    with pytest.raises(ArgumentError, match=r"no such store; run `compass trade tiny.toml` first"):
+        read_results(tiny(), tmp_path)

@@ -1,0 +1,248 @@
+"""The runner: the same numbers whoever works, resumed or not; what raises, dies or is evolved."""
+
+import contextlib
+import os
+
+import numpy as np
+import pytest
+
+from compass.errors import ArgumentError, CompassError
+from compass.study import stages, trade, workers
+from compass.study.candidates import candidates, identities
+from compass.study.choice import finalists_of, yardstick
+from compass.study.evolve import assess
+from compass.study.results import read_results
+from compass.study.store import Store
+from compass.study.trade import finalists, passed, run_trade
+from compass.study.workers import Cluster, Here, Processes
+
+
+class Bars:
+    """Counts what bars are told."""
+
+    def __init__(self):
+        self.told = []
+
+    def __call__(self, title, total, already):
+        self.told.append([title, total, already, 0])
+        return contextlib.nullcontext(self)
+
+    def update(self, n):
+        self.told[-1][3] += n
+
+
+def run(study, folder, team=None, bars=None):
+    with Store(folder, study) as store:
+        return run_trade(study, store, team or Here(study), bars or Bars())
+
+
+def test_every_stage_over_what_gets_so_far(tiny, tmp_path, monkeypatch):
+    monkeypatch.setitem(trade.BATCH, "screen", 7)
+    study, bars = tiny(entry=True), Bars()
+    summary = run(study, tmp_path, bars=bars)
+    results = read_results(study, tmp_path)
+    proven = int((results.fold_proven == 1).sum())
+    assert 3 < proven < 52
+    assert summary.candidates == 52
+    assert summary.reached == summary.computed == {"screen": 52, "map": proven, "entry": 3}
+    assert summary.failed == {"screen": 0, "map": 0, "entry": 0} and summary.unfinished == 0
+    assert bars.told == [["screen", 52, 0, 52], ["map", proven, 0, proven], ["entry", 3, 0, 3]]
+    judged = results.isel(candidate=np.flatnonzero(results.stage == "entry"))
+    assert np.isfinite(judged["crlb_position_m.p95"]).all()
+    again = run(study, tmp_path)
+    assert again.computed == {"screen": 0, "map": 0, "entry": 0}
+    assert read_results(study, tmp_path).identical(results)
+
+
+def test_finalists_are_the_best_fronts(tiny, tmp_path):
+    study = tiny(entry=True)
+    run(study, tmp_path)
+    results = read_results(study, tmp_path)
+    with Store(tmp_path, study) as store:
+        keys = set(identities(finalists(study, store)))
+        assert len(passed(study, store, "map")) == int(results.feasible.sum())
+    front = set(results.identity.values[results.front.values == 0])
+    assert len(keys) == 3 and (keys <= front or front <= keys)
+
+
+def test_two_processes_find_the_same(tiny, tmp_path, monkeypatch):
+    monkeypatch.setitem(trade.BATCH, "screen", 5)
+    study = tiny()
+    run(study, tmp_path / "one")
+    team = Processes(study, 2)
+    try:
+        run(study, tmp_path / "two", team)
+    finally:
+        team.close()
+    one, two = (read_results(study, tmp_path / name) for name in ("one", "two"))
+    assert one.identical(two)
+
+
+@pytest.mark.slow
+def test_a_cluster_finds_the_same(tiny, tmp_path, monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setitem(trade.BATCH, "screen", 5)
+    study = tiny()
+    run(study, tmp_path / "one")
+    with distributed.LocalCluster(
+        n_workers=2,
+        threads_per_worker=1,
+        processes=False,
+        protocol="tcp",
+        host="127.0.0.1",
+        dashboard_address=None,
+    ) as local:
+        team = Cluster(study, local.scheduler_address)
+        try:
+            assert team.count == 2
+            run(study, tmp_path / "two", team)
+        finally:
+            team.close()
+    one, two = (read_results(study, tmp_path / name) for name in ("one", "two"))
+    assert one.identical(two)
+
+
+def test_only_a_few_batches_are_on_their_way(tiny):
+    study = tiny()
+    taken = 0
+
+    def source():
+        nonlocal taken
+        for rows in [candidates(study).rows(k, k + 2) for k in range(0, 40, 2)]:
+            taken += 1
+            yield rows
+
+    team = Processes(study, 2)
+    try:
+        for count, (rows, found) in enumerate(team.run("screen", source()), start=1):
+            assert rows.size == 2 and not found.errors
+            # what a kill could lose: one batch a worker, one waiting, and those finished with it
+            assert taken - count < 2 * (team.count + 1)
+    finally:
+        team.close()
+    assert taken == count == 20
+
+
+def lethal(stage, rows):
+    if rows["planes"][0] == 7:
+        os._exit(9)
+    return stages.evaluate(stage, workers._study, rows)
+
+
+def test_a_batch_that_kills_its_workers_is_left_out(tiny, monkeypatch):
+    monkeypatch.setattr(workers, "_work", lethal)
+    monkeypatch.setattr(workers, "ATTEMPTS", 2)
+    study = tiny()
+    rows = candidates(study).rows(0, 52)
+    bad, good = rows[rows["planes"] == 7][:1], rows[rows["planes"] == 1]
+    team = Processes(study, 1)
+    try:
+        found = list(team.run("screen", [bad, good]))
+    finally:
+        team.close()
+    lost = [batch for batch, what in found if what is None]
+    assert any(np.array_equal(batch, bad) for batch in lost)
+    assert len(found) == 2
+
+
+def test_what_raises_is_recorded_and_the_rest_goes_on(tiny, tmp_path, monkeypatch):
+    study, honest = tiny(), stages.make_constellation
+
+    def flawed(row):
+        if row["planes"] == 5:
+            raise RuntimeError("five planes")
+        return honest(row)
+
+    monkeypatch.setattr(stages, "make_constellation", flawed)
+    summary = run(study, tmp_path)
+    results = read_results(study, tmp_path)
+    bad = results.error == "RuntimeError: five planes"
+    assert summary.failed["map"] == int(bad.sum()) > 0
+    assert set(results.planes.values[bad]) == {5} and not results.feasible.values[bad].any()
+    assert run(study, tmp_path).computed["map"] == 0  # recorded, not tried for ever
+
+
+def test_lost_batches_are_counted_and_tried_again(tiny, tmp_path):
+    study = tiny()
+
+    class Loses(Here):
+        def run(self, stage, batches):
+            for k, (rows, found) in enumerate(super().run(stage, batches)):
+                yield rows, None if stage == "map" and k == 0 else found
+
+    summary = run(study, tmp_path, Loses(study))
+    assert summary.unfinished > 0
+    again = run(study, tmp_path)
+    assert again.unfinished == 0 and again.computed["map"] == summary.unfinished
+
+
+def test_schedulers_that_do_not_answer(tiny, monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(workers, "PATIENCE", 0.5)
+    for address in ("nonsense", "tcp://host", "tcp://host:port"):
+        with pytest.raises(ArgumentError, match="not an address; write it as tcp://host:port"):
+            Cluster(tiny(), address)
+    with pytest.raises(ArgumentError, match=r"tcp://127.0.0.1:9: does not answer within 0.5 s"):
+        Cluster(tiny(), "tcp://127.0.0.1:9")
+
+
+def test_a_cluster_of_another_version_is_refused(tiny):
+    rows = candidates(tiny()).rows(0, 1)
+    with pytest.raises(CompassError, match="install the same version on both"):
+        workers._remote("99", "screen", tiny(), rows)
+
+
+EVOLVE = 'seed = 2\n[sampling]\nmethod = "nsga2"\npopulation = 12\ngenerations = 8'
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning:pymoo.*")
+def test_evolution_finds_the_front_and_resumes(tiny, tmp_path):
+    pytest.importorskip("pymoo")
+    study = tiny(EVOLVE)
+    summary = run(study, tmp_path)
+    results = read_results(study, tmp_path)
+    assert 12 <= summary.candidates == results.sizes["candidate"] <= 52
+    assert results.feasible.any()
+    # the smallest there is, known from the full grid
+    grid = tiny()
+    run(grid, tmp_path / "grid")
+    whole = read_results(grid, tmp_path / "grid")
+    best = int(whole.satellites.values[whole.feasible.values].min())
+    assert int(results.satellites.values[results.feasible.values].min()) == best
+    again = run(study, tmp_path)
+    assert again.computed["screen"] == 0 and again.candidates == summary.candidates
+    assert read_results(study, tmp_path).identical(results)
+
+
+def test_violations_count_stages_then_constraints(tiny, tmp_path):
+    study = tiny()
+    rows = candidates(study).rows(0, 52)
+    with Store(tmp_path, study) as store:
+        summary = trade.Summary()
+
+        def stage(name, some):
+            trade._stage(name, some, store, Here(study), None, summary)
+
+        values, violation = assess(study, store, stage, rows)
+        proven = np.isin(identities(rows), identities(passed(study, store, "screen")))
+    assert np.array_equal(violation == 0, proven)
+    assert np.all(violation[~proven] == 2.01)  # two stages missed, one constraint not met
+    assert np.array_equal(values[:, 0], rows["satellites"])
+
+
+def test_finalists_and_yardstick(tiny, tmp_path):
+    study = tiny(entry=True)
+    run(study, tmp_path)
+    results = read_results(study, tmp_path)
+    chosen = finalists_of(study, results)
+    assert chosen[0].role.startswith("balanced")
+    roles = "; ".join(f.role for f in chosen)
+    assert "smallest number of satellites" in roles and "largest highest mask" in roles
+    small = next(f for f in chosen if "smallest number" in f.role)
+    front = results.isel(candidate=np.flatnonzero(results.front == 0))
+    assert small.figures["satellites"] == front.satellites.min()
+    measure = yardstick(study)
+    # COMPASS, Kelly and Bevilacqua 2018: 15 satellites in 5 planes at 45 deg
+    assert measure.role == "COMPASS 15/5/1" and measure.notation.startswith("delta 45°: 15/5/1")
+    assert measure.figures["fold_proven"] == 1.0
+    assert yardstick(tiny()) is None
