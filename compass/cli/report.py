@@ -1,6 +1,7 @@
 """``compass report``: one self-contained HTML page about a design or a study."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -11,6 +12,9 @@ from compass.cli.shared import (
     emit_json,
     json_option,
 )
+
+if TYPE_CHECKING:
+    from compass.report.section import Section
 
 
 @click.command("report")
@@ -37,28 +41,47 @@ def command(
     store: Path | None,
     as_json: bool,
 ) -> None:
-    """Report on a DESIGN, or on a study: pictures and tables in one HTML page without network.
+    """Report on a DESIGN, a scenario or a study: one HTML page that needs no network.
 
-    A file with a table [study] is a study; the page is made from the store of `compass trade`.
+    A file with a table [study] is a study, and its page is made from the store of `compass
+    trade`; one with a table [vehicle] is a scenario of landing; all else is a design.
     """
     announce_compilation()
-    from tqdm import tqdm
-
     from compass.errors import ArgumentError
-    from compass.inputs import read_design
     from compass.inputs.reading import read_text
-    from compass.inputs.study import is_study
-    from compass.report.design_report import design_report
-    from compass.report.page import write_page
-    from compass.study.mapping import MapOptions
 
-    if is_study(read_text(design)):
+    tables = _tables(read_text(design))
+    if "study" in tables:
         _trade(design, output, store or Path("trades") / design.stem, as_json)
         return
     if store is not None:
-        raise ArgumentError(f"--store: {design} is a design, not a study; leave it out")
-    chosen = read_design(design)
+        raise ArgumentError(f"--store: {design} is not a study; leave it out")
     folder = output or Path("reports") / design.stem
+    if "vehicle" in tables:
+        _scenario(design, folder, as_json)
+    else:
+        _design(design, folder, step_deg, epochs, as_json)
+
+
+def _tables(text: str) -> set[str]:
+    """Names at the top of a TOML text; none if it is no TOML, which its reader will say."""
+    import tomllib
+
+    try:
+        return set(tomllib.loads(text))
+    except (ValueError, RecursionError):
+        return set()
+
+
+def _design(path: Path, folder: Path, step_deg: float, epochs: int, as_json: bool) -> None:
+    """Make the report of a design."""
+    from tqdm import tqdm
+
+    from compass.inputs import read_design
+    from compass.report.design_report import design_report
+    from compass.study.mapping import MapOptions
+
+    chosen = read_design(path)
     with tqdm(total=8, desc="report", unit="part", disable=None, leave=False) as bar:
 
         def step(name: str) -> None:
@@ -67,6 +90,21 @@ def command(
 
         options = MapOptions(step_deg=step_deg, epochs=epochs)
         page, sections = design_report(chosen, command_line(), options, progress=step)
+    _write(folder, page, sections, as_json)
+
+
+def _scenario(path: Path, folder: Path, as_json: bool) -> None:
+    """Make the report of a scenario."""
+    from compass.inputs.scenario import read_scenario
+    from compass.report.scenario_report import scenario_report
+
+    page, sections = scenario_report(read_scenario(path), command_line())
+    _write(folder, page, sections, as_json)
+
+
+def _write(folder: Path, page: str, sections: "list[Section]", as_json: bool) -> None:
+    from compass.report.page import write_page
+
     path = write_page(folder, page, sections)
     if as_json:
         pictures = [f"{p.stem}.png" for section in sections for p in section.pictures]

@@ -96,6 +96,20 @@ def test_report_command_writes_the_page_and_the_pictures(run, designs, tmp_path)
     assert out == f"report: {folder / 'index.html'}\n"
 
 
+@pytest.mark.slow
+def test_report_of_a_scenario(run, designs, tmp_path):
+    text = (designs / "lou2019-recommended.toml").read_text()
+    path = tmp_path / "landing.toml"
+    path.write_text(re.sub(r"(?m)^runs = \d+", "runs = 4", text))
+    code, out, _ = run("report", path, "-o", tmp_path / "page")
+    assert code == 0
+    page = (tmp_path / "page" / "index.html").read_text()
+    links = Links()
+    links.feed(page)
+    assert links.images >= 8
+    assert out == f"report: {tmp_path / 'page' / 'index.html'}\n"
+
+
 def test_report_into_a_file_is_refused(run, designs, tmp_path):
     path = tmp_path / "taken"
     path.write_text("x")
