@@ -192,7 +192,7 @@ def test_a_scheduler_without_workers(tiny, monkeypatch):
         distributed.LocalCluster(
             n_workers=0, processes=False, protocol="tcp", host="127.0.0.1", dashboard_address=None
         ) as local,
-        pytest.raises(ArgumentError, match="has no worker; start `dask worker tcp://127.0.0.1:"),
+        pytest.raises(ArgumentError, match=r"has no worker; start `dask worker tcp://127.0.0.1:"),
     ):
         Cluster(tiny(), local.scheduler_address)
 
