@@ -35,8 +35,8 @@ VARIABLES = {
     "pattern": "pattern",
 }
 
-#: Epochs of the finalists' maps.
-EPOCHS = 127
+#: Epochs and cells, degrees, of the finalists' maps.
+EPOCHS, CELL_DEG = 127, 5.0
 
 #: A free variable is shown in so many classes.
 CLASSES = 12
@@ -209,7 +209,7 @@ def sensitivity_pictures(study: Study, results: "xr.Dataset") -> list[Picture]:
 
 def map_comparison(study: Study, shown: Sequence[Finalist]) -> Picture:
     """GDOP maps of finalists side by side, on one scale of colours."""
-    grid = equal_angle_grid(float(np.radians(5.0)))
+    grid = equal_angle_grid(float(np.radians(CELL_DEG)))
     fields = []
     for one in shown:
         c = make_constellation(one.row)
@@ -256,6 +256,6 @@ def map_comparison(study: Study, shown: Sequence[Finalist]) -> Picture:
         figure,
         "finalist-maps",
         "GDOP maps of the finalists",
-        "Below this GDOP 95 % of the time, all on one scale; grey: not for so long. 5-degree "
-        f"cells, {EPOCHS} epochs in the period after which the ground tracks repeat.",
+        f"Below this GDOP 95 % of the time, all on one scale; grey: not for so long. {CELL_DEG:g}-"
+        f"degree cells, {EPOCHS} epochs in the period after which the ground tracks repeat.",
     )

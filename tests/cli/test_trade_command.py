@@ -4,6 +4,8 @@ import json
 
 import pytest
 
+from compass.report import trade_pictures
+
 STUDY = """
 name = "Tiny <study>"
 [study]
@@ -29,6 +31,13 @@ figure = "mask_margin_deg"
 
 
 @pytest.fixture
+def coarse(monkeypatch):
+    """Coarse maps: what they look like is not tested here."""
+    monkeypatch.setattr(trade_pictures, "EPOCHS", 3)
+    monkeypatch.setattr(trade_pictures, "CELL_DEG", 30.0)
+
+
+@pytest.fixture
 def study(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
@@ -40,7 +49,7 @@ def study(tmp_path, monkeypatch):
     return write
 
 
-def test_trade_then_report(study, run, tmp_path, designs):
+def test_trade_then_report(study, run, tmp_path, designs, coarse):
     compare = str(designs / "compass-15-5-1.toml")
     path = study(STUDY + f"[compare]\ndesign = '{compare}'\n")
     status, out, err = run("trade", path, "--workers", 1, "--json")
@@ -71,7 +80,7 @@ def test_trade_then_report(study, run, tmp_path, designs):
     assert status == 0 and out.startswith("report: reports/tiny")
 
 
-def test_nothing_meets_the_constraints(study, run):
+def test_nothing_meets_the_constraints(study, run, coarse):
     path = study(fold=6)
     status, out, _ = run("trade", path, "--workers", 1, "--json")
     assert status == 1

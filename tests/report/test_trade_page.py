@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from compass.inputs.study import read_study_text
+from compass.report import trade_pictures
 from compass.report.trade import _against, _verdict, trade_report
 from compass.study.candidates import ROW
 from compass.study.choice import Finalist
@@ -35,6 +36,13 @@ figure = "gdop_p50"
 """
 
 
+@pytest.fixture
+def coarse(monkeypatch):
+    """Coarse maps: what they look like is not tested here."""
+    monkeypatch.setattr(trade_pictures, "EPOCHS", 3)
+    monkeypatch.setattr(trade_pictures, "CELL_DEG", 30.0)
+
+
 def finalist(satellites, gdop):
     row = np.array([(0, satellites, 1, 0, 50.0, 20000.0, 0.0)], ROW)[0]
     return Finalist("x", row, {"satellites": float(satellites), "gdop_p50": gdop})
@@ -62,7 +70,7 @@ def test_words():
     assert "gdop_p50 inf against 3" in _against(study, finalist(9, np.inf), finalist(10, 3.0))
 
 
-def test_free_variables_are_shown_in_classes(tmp_path):
+def test_free_variables_are_shown_in_classes(tmp_path, coarse):
     import contextlib
 
     class Bars:

@@ -154,6 +154,7 @@ def test_costs_that_are_not_allowed_end_it_at_once():
     assert np.array_equal(passing(s, "cost", figures), small)
 
 
+@pytest.mark.slow
 def test_map_against_the_coverage_map():
     s = study(satellites=15, fold=4)
     c = walker_delta(15, 5, 1, inclination=np.radians(45), radius=ORBIT)
@@ -218,6 +219,7 @@ def test_one_that_raises_does_not_harm_the_others(monkeypatch):
         assert np.array_equal(values[others], whole.figures[name][others])
 
 
+@pytest.mark.slow
 def test_a_symmetric_pattern_that_fails_the_poles_is_found_out():
     # 24/8/4: near the poles all in view lie on a cone once a step, whatever the inclination
     text = study(satellites=24, fold=4).text.replace("step_deg = 15", "step_deg = 10")

@@ -78,7 +78,6 @@ def test_two_processes_find_the_same(tiny, tmp_path, monkeypatch):
     assert one.identical(two)
 
 
-@pytest.mark.slow
 def test_a_cluster_finds_the_same(tiny, tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed")
     monkeypatch.setitem(trade.BATCH, "screen", 5)
@@ -184,6 +183,18 @@ def test_schedulers_that_do_not_answer(tiny, monkeypatch):
             Cluster(tiny(), address)
     with pytest.raises(ArgumentError, match=r"tcp://127.0.0.1:9: does not answer within 0.5 s"):
         Cluster(tiny(), "tcp://127.0.0.1:9")
+
+
+def test_a_scheduler_without_workers(tiny, monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(workers, "PATIENCE", 1.0)
+    with (
+        distributed.LocalCluster(
+            n_workers=0, processes=False, protocol="tcp", host="127.0.0.1", dashboard_address=None
+        ) as local,
+        pytest.raises(ArgumentError, match=r"has no worker; start `dask worker tcp://127.0.0.1:"),
+    ):
+        Cluster(tiny(), local.scheduler_address)
 
 
 def test_a_cluster_of_another_version_is_refused(tiny):
