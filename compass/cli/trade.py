@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from compass.cli.main import CLAIM_FAILS
-from compass.cli.shared import emit_json, json_option, print_table, say
+from compass.cli.shared import announce_compilation, emit_json, json_option, print_table, say
 
 _FILE = click.Path(path_type=Path)
 
@@ -39,6 +39,7 @@ def command(
     Every finished batch is stored at once; the same command resumes a run that was killed.
     Exit status 1 if no candidate meets every constraint, or workers died of some.
     """
+    announce_compilation()
     import os
 
     from tqdm import tqdm

@@ -3,7 +3,6 @@
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -252,14 +251,3 @@ def _constraint(table: ConstraintTable) -> Constraint:
         infinity if high is None else high,
         strict,
     )
-
-
-def is_study(text: str) -> bool:
-    """Whether a TOML text is a study's: it has a table [study]."""
-    import tomllib
-
-    try:
-        raw: dict[str, Any] = tomllib.loads(text)
-    except (ValueError, RecursionError):
-        return False
-    return "study" in raw
