@@ -34,7 +34,7 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
     Raises
     ------
     ArgumentError
-        There is no store, or it is of another study or version.
+        There is no store, it is of another study or version, or nothing is finished in it.
     """
     import xarray as xr
 
@@ -50,6 +50,10 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
         elif record is not None:
             batches[record["stage"]].append(record)
     rows = np.unique(np.concatenate([np.empty(0, ROW), *map(rows_of, batches["screen"])]))
+    if not rows.size:
+        raise ArgumentError(
+            f"{path}: no candidate is finished yet; run `compass trade {study.label}` again"
+        )
     keys = identities(rows)
     place = {key: k for k, key in enumerate(keys)}
     figures = {name: np.full(rows.size, np.nan) for name in MERITS}

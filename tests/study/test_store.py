@@ -166,3 +166,10 @@ def test_results_of_all_stages_and_their_errors(tiny, tmp_path):
 def test_no_store_to_read(tiny, tmp_path):
     with pytest.raises(ArgumentError, match=r"no such store; run `compass trade tiny.toml` first"):
         read_results(tiny(), tmp_path)
+
+
+def test_a_store_without_a_finished_candidate(tiny, tmp_path):
+    with Store(tmp_path, tiny()):
+        pass
+    with pytest.raises(ArgumentError, match="no candidate is finished yet"):
+        read_results(tiny(), tmp_path)
