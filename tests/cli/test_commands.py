@@ -152,6 +152,7 @@ def test_bad_design_is_one_message_and_exit_2(run, tmp_path, command):
     assert run(command, tmp_path / "none.toml")[0] == 2
 
 
+@pytest.mark.slow
 def test_reproduce_prints_every_row_and_its_json(run):
     code, out, _ = run("reproduce", "kelly2018", "--json")
     result = json.loads(out)

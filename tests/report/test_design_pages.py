@@ -34,6 +34,22 @@ def page(seed_design):
     return design_report(seed_design, "compass report x", SMALL)
 
 
+@pytest.fixture
+def brief(monkeypatch):
+    """Leave out the parts whose kernels are slow when interpreted; they have tests of their own."""
+    home = "compass.report.design_report"
+    monkeypatch.setattr(f"{home}.fold_section", lambda design: Section("Continuous fold"))
+    monkeypatch.setattr(f"{home}.access_section", lambda design: None)
+    monkeypatch.setattr("compass.reproduce.kelly2018._fold_rows", list)
+
+
+def test_brief_page_tells_where_its_numbers_come_from(brief, seed_design):
+    text, _ = design_report(seed_design, "compass report x", SMALL)
+    for part in ("60,422,2", "erratum", seed_design.digest, "compass report x", "North pole"):
+        assert part in text
+
+
+@pytest.mark.slow
 def test_page_is_self_contained(page):
     text, sections = page
     links = Links()
@@ -43,6 +59,7 @@ def test_page_is_self_contained(page):
     assert not re.search(r"<script|@import|url\(", text)
 
 
+@pytest.mark.slow
 def test_page_tells_everything(page, seed_design):
     text, sections = page
     titles = [section.title for section in sections]
@@ -58,7 +75,7 @@ def test_page_tells_everything(page, seed_design):
             assert picture.caption
 
 
-def test_text_of_a_design_is_escaped(designs):
+def test_text_of_a_design_is_escaped(designs, brief):
     evil = '<script>alert("x")</script>'
     text = (designs / "areostationary-trio.toml").read_text()
     text = text.replace("Three areostationary relays", evil.replace('"', '\\"'))
@@ -69,6 +86,7 @@ def test_text_of_a_design_is_escaped(designs):
     assert "&lt;script&gt;" in page
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["relay-orbiters", "walker-star-iridium", "draim-four", "rosette-12-3-quarter"]
 )
@@ -81,7 +99,7 @@ def test_every_kind_of_design_makes_a_page(designs, name):
     assert len(sections) >= 3
 
 
-def test_report_command_writes_the_page_and_the_pictures(run, designs, tmp_path):
+def test_report_command_writes_the_page_and_the_pictures(run, designs, tmp_path, brief):
     import json
 
     folder = tmp_path / "out"
@@ -110,7 +128,7 @@ def test_report_of_a_scenario(run, designs, tmp_path):
     assert out == f"report: {tmp_path / 'page' / 'index.html'}\n"
 
 
-def test_report_into_a_file_is_refused(run, designs, tmp_path):
+def test_report_into_a_file_is_refused(run, designs, tmp_path, brief):
     path = tmp_path / "taken"
     path.write_text("x")
     code, _, err = run(
