@@ -133,7 +133,7 @@ def test_a_store_of_another_study(study, run):
 
 def test_a_design_has_no_store(run, designs):
     status, _, err = run("report", designs / "compass-15-5-1.toml", "--store", "x")
-    assert status == 2 and "is a design, not a study" in err
+    assert status == 2 and "is not a study" in err
 
 
 def test_a_damaged_store_is_said(study, run, tmp_path):

@@ -53,6 +53,7 @@ def test_a_proven_design():
     assert {row[0]: row[1] for row in found.tables[0].rows}["outcome"] == "proven"
 
 
+@pytest.mark.slow
 def test_a_refuted_design_shows_its_witness():
     found = section(PATTERN, pattern="walker-star", third="phasing = 1", fold=4)
     assert "Counter-example" in found.paragraphs[0]
