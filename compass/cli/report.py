@@ -134,12 +134,13 @@ def _trade(study: Path, folder: Path, store: Path, as_json: bool) -> None:
             bar.set_postfix_str(name)
             bar.update()
 
-        page, sections, summary = trade_report(chosen, store, command_line(), progress=step)
-    path = write_page(folder, page, sections)
-    with replacing(folder / "summary.json") as temporary:
-        text = json.dumps(plain(summary), indent=2, allow_nan=False, ensure_ascii=False)
-        temporary.write_text(text + "\n", encoding="utf-8")
+        made = trade_report(chosen, store, command_line(), progress=step)
+    path = write_page(folder, made.page, made.sections)
+    summary = json.dumps(plain(made.summary), indent=2, allow_nan=False, ensure_ascii=False)
+    for name, text in {"summary.json": summary + "\n", **made.files}.items():
+        with replacing(folder / name) as temporary:
+            temporary.write_text(text, encoding="utf-8")
     if as_json:
-        emit_json({"page": str(path)} | summary)
+        emit_json({"page": str(path)} | made.summary)
     else:
         click.echo(f"report: {path}")

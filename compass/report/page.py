@@ -36,6 +36,7 @@ def render(
         title=title,
         subtitle=subtitle,
         sections=sections,
+        scripts=list(dict.fromkeys(i.script for s in sections for i in s.interactive)),
         provenance=provenance,
         source_text=source_text,
     )
