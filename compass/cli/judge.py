@@ -176,6 +176,7 @@ def _print(r: dict[str, Any]) -> None:
                 f"{d['after_loss']['crlb_position_m']['worst']:.2f}" if "after_loss" in d else "",
                 f"{100 * d['unobservable_share']:.3g}",
                 "" if d["nees"] is None else f"{d['ekf_position_m']['p95']:.2f}",
+                "" if d["nees"] is None else f"{d['rms_over_bound']:.3f}",
                 ""
                 if d["nees"] is None
                 else f"{d['nees']:.2f} in {{low:.2f}} to {{high:.2f}}".format(**d["nees_interval"]),
@@ -184,15 +185,16 @@ def _print(r: dict[str, Any]) -> None:
         ],
         [
             "rank", "design", "sats", "in view", "p50 m", "p95 m", "worst m", "p95 m/s",
-            "p95 lost", "worst lost", "blind %", "EKF p95 m", "NEES",
+            "p95 lost", "worst lost", "blind %", "EKF p95 m", "rms/bound", "NEES",
         ],
     )  # fmt: skip
     click.echo(
         "\np50, p95 and worst: Cramer-Rao sigma of the position in space over the entries. in "
         "view:\nfewest and median. lost: after the loss of the one satellite that matters most. "
-        "blind: entries\nwhose measurements alone do not determine the state. NEES: 6 if the "
-        "filter is consistent\n(which in 95 of 100 cases puts it in the interval)."
-        + (" The filter takes density and L/D as known." if unknown else "")
+        "blind: entries\nwhose measurements alone do not determine the state. EKF p95: of the "
+        "filter's errors, which\nscatter about their sigma; rms/bound: their root mean square over "
+        "that of the bound. NEES: 6 if\nthe filter is consistent (which in 95 of 100 cases puts it "
+        "in the interval)." + (" The filter takes density and L/D as known." if unknown else "")
     )
     print_table(
         "Users on the surface",

@@ -25,8 +25,8 @@ ROWS, COLUMNS = 18, 36
 STRIPS = 12
 
 
-#: How many times the ranking's entries the maps rest on.
-BATCHES = 4
+#: How many of the best are mapped, and on how many times the ranking's entries.
+MAPPED, BATCHES = 4, 4
 
 
 def judge_report(
@@ -77,7 +77,7 @@ def judge_section(
     threads: int = 1,
     progress: Callable[[str], None] = lambda step: None,
 ) -> Section:
-    """Show designs ranked for a lander: a world map of the best two, distributions of all.
+    """Show designs ranked for a lander: world maps of the best, distributions of all.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def judge_section(
 
     progress("bounds over the globe")
     found = [judged(design, campaign) for design in ranked]
-    more: list[list[Judgement]] = [[one] for one in found[:2]]
+    more: list[list[Judgement]] = [[one] for one in found[:MAPPED]]
     for k in range(1, BATCHES):
         again = campaign.again(draw_arrivals(samples, seed + k))
         for own, design in zip(more, ranked, strict=False):
@@ -133,7 +133,11 @@ def judge_section(
         _map([(name, own) for name, own in zip(names, more, strict=False)], goal),
         _distributions(names, found, goal),
     )
-    return Section("Landing navigation", paragraphs, pictures, (_table(ranking["designs"]),))
+    tables = [_table(ranking["designs"])]
+    run = [row for row in ranking["designs"] if row["nees"] is not None]
+    if run:
+        tables.append(_filter_table(run))
+    return Section("Landing navigation", paragraphs, pictures, tuple(tables))
 
 
 def surface_section(ranking: dict[str, Any]) -> Section:
@@ -142,9 +146,11 @@ def surface_section(ranking: dict[str, Any]) -> Section:
         (
             row["design"],
             f"{row['surface']['fold']['wanted']}-fold {row['surface']['fold']['outcome']}",
-            _known(row["surface"]["mask_margin_deg"], "no mask has it"),
-            *(row["surface"]["gdop"][key] for key in ("p50", "p95")),
-            100 * row["surface"]["availability"],
+            "no mask has it"
+            if row["surface"]["mask_margin_deg"] is None
+            else row["surface"]["mask_margin_deg"],
+            *(_digits(row["surface"]["gdop"][key]) for key in ("p50", "p95")),
+            _digits(100 * row["surface"]["availability"]),
         )
         for row in ranking["designs"]
     )
@@ -164,7 +170,6 @@ def _table(rows: Sequence[dict[str, Any]]) -> Table:
         (
             "rank", "design", "satellites", "in view, fewest", "position p50, m", "p95, m",
             "worst found, m", "velocity p95, m/s", "p95 after worst loss, m", "blind, %",
-            "filter p95, m", "NEES", "consistent between",
         ),
         tuple(
             (
@@ -172,26 +177,45 @@ def _table(rows: Sequence[dict[str, Any]]) -> Table:
                 row["design"],
                 row["satellites"],
                 row["in_view"]["min"],
-                row["crlb_position_m"]["p50"],
-                row["crlb_position_m"]["p95"],
-                row["worst_found"]["value"],
-                row["crlb_velocity_m_s"]["p95"],
-                row["after_loss"]["crlb_position_m"]["p95"] if "after_loss" in row else "",
-                100 * row["unobservable_share"],
-                _known(row["ekf_position_m"]["p95"], ""),
-                _known(row["nees"], ""),
-                ""
-                if row["nees"] is None
-                else "{low:.2f} and {high:.2f}".format(**row["nees_interval"]),
+                _digits(row["crlb_position_m"]["p50"]),
+                _digits(row["crlb_position_m"]["p95"]),
+                _digits(row["worst_found"]["value"]),
+                _digits(row["crlb_velocity_m_s"]["p95"]),
+                _digits(row["after_loss"]["crlb_position_m"]["p95"]) if "after_loss" in row else "",
+                _digits(100 * row["unobservable_share"]),
             )
             for row in rows
         ),
     )  # fmt: skip
 
 
-def _known(value: float | None, word: str) -> float | str:
-    """A number, or a word where there is none."""
-    return word if value is None else value
+def _filter_table(rows: Sequence[dict[str, Any]]) -> Table:
+    return Table(
+        "The filter itself: its errors at deployment, and whether they are as large as it says",
+        (
+            "design", "runs", "diverged", "error p50, m", "p95, m", "rms over the bound's", "NEES",
+            "95 % of consistent filters between", "consistent",
+        ),
+        tuple(
+            (
+                row["design"],
+                row["runs"],
+                row["diverged"],
+                _digits(row["ekf_position_m"]["p50"]),
+                _digits(row["ekf_position_m"]["p95"]),
+                _digits(row["rms_over_bound"]),
+                _digits(row["nees"]),
+                "{low:.2f} and {high:.2f}".format(**row["nees_interval"]),
+                "yes" if row["consistent"] else "no",
+            )
+            for row in rows
+        ),
+    )  # fmt: skip
+
+
+def _digits(value: float) -> float:
+    """Four digits: more would be noise of the entries drawn."""
+    return float(f"{value:.4g}")
 
 
 def largest_by_cell(judgements: Sequence[Judgement]) -> NDArray[np.float64]:
@@ -206,18 +230,22 @@ def largest_by_cell(judgements: Sequence[Judgement]) -> NDArray[np.float64]:
 
 
 def _map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> Picture:
-    """Largest bound by place of deployment, one map a design, one colour scale."""
+    """Largest bound by place of deployment, maps in two columns on one colour scale."""
     fields = [largest_by_cell(judgements) for _, judgements in named]
     low = min(np.nanmin(field) for field in fields)
     high = max(np.nanmax(field) for field in fields)
-    figure = new_figure(8.6, 0.6 + 4.1 * len(fields))
+    columns = min(2, len(fields))
+    rows = -(-len(fields) // columns)
+    figure = new_figure(7.4 * columns, 0.7 + 3.7 * rows)
     edges = np.degrees(np.arcsin(np.linspace(-1, 1, ROWS + 1)))
     # each row drawn in strips, so that its cells follow the curved meridians
     latitudes = np.interp(np.arange(ROWS * STRIPS + 1) / STRIPS, np.arange(ROWS + 1), edges)
     longitudes = np.linspace(-180, 180, COLUMNS + 1)
     with look():
-        axes = figure.subplots(len(fields), 1, squeeze=False)[:, 0]
-        for each, (name, judgements), field in zip(axes, named, fields, strict=True):
+        axes = figure.subplots(rows, columns, squeeze=False).ravel()
+        for each in axes[len(fields) :]:
+            each.set_axis_off()
+        for each, (name, judgements), field in zip(axes, named, fields, strict=False):
             world = MarsMap(each)
             # matplotlib's log scale needs room between its ends
             mesh = world.field(
@@ -239,7 +267,7 @@ def _map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> Pictu
             each.set_title(
                 f"{name}: {int(far.sum())} of {sigma.size} entries beyond {goal:g} m", fontsize=10
             )
-        bar = colour_bar(axes[-1], mesh, "largest position bound at deployment in the cell, m")
+        bar = colour_bar(list(axes), mesh, "largest position bound at deployment in the cell, m")
         bar.ax.xaxis.set_major_formatter("{x:g}")
         bar.ax.xaxis.set_minor_formatter("{x:g}")
     return picture(

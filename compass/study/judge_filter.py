@@ -29,6 +29,7 @@ NOT_RUN: dict[str, Any] = {
     "ekf_position_m": {"p50": None, "p95": None},
     "ekf_velocity_m_s": {"p50": None, "p95": None},
     "nees": None,
+    "rms_over_bound": None,
 }
 
 

@@ -46,7 +46,8 @@ def ranking_of(designs, scenario, samples):
             figure=design.figure, mask=design.mask,
         )  # fmt: skip
         filtered = {
-            "ekf_position_m": {"p95": 12.0}, "nees": 6.1, "nees_interval": {"low": 5, "high": 7}
+            "runs": 4, "diverged": 0, "consistent": True, "ekf_position_m": {"p50": 8.0, "p95": 12.0}, "rms_over_bound": 1.1, "nees": 6.1,
+            "nees_interval": {"low": 5, "high": 7},
         }  # fmt: skip
         rows.append(
             {
@@ -68,11 +69,11 @@ def test_section_has_maps_distributions_and_a_table(scenario):
     section = module.judge_section(ranking, [two, three], scenario)
     assert [picture.stem for picture in section.pictures] == ["judge-map", "judge-distributions"]
     assert all(picture.png.startswith(b"\x89PNG") for picture in section.pictures)
-    (table,) = section.tables
+    table, run = section.tables
     assert len(table.rows) == 2 and len(table.rows[0]) == len(table.header)
     assert table.rows[0][1] == "3 satellites"
-    assert table.rows[0][-3:] == (12.0, 6.1, "5.00 and 7.00")
-    assert table.rows[1][-3:] == ("", "", "")
+    (row,) = run.rows
+    assert row == ("3 satellites", 4, 0, 8.0, 12.0, 1.1, 6.1, "5.00 and 7.00", "yes")
     assert "3 satellites: within 10 m? no." in section.paragraphs
 
 
