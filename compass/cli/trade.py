@@ -47,10 +47,11 @@ def command(
     from compass.errors import ArgumentError
     from compass.inputs.study import read_study
     from compass.study.candidates import blocks
+    from compass.study.cluster import Cluster, Tls
     from compass.study.results import first_front, read_results, write_results
     from compass.study.store import Store
     from compass.study.trade import run_trade
-    from compass.study.workers import Cluster, Here, Processes, Tls, Workers
+    from compass.study.workers import Here, Processes, Workers
 
     if scheduler is not None and workers is not None:
         raise ArgumentError("--workers: not beside --scheduler, whose cluster has its own")

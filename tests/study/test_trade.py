@@ -7,14 +7,15 @@ import numpy as np
 import pytest
 
 from compass.errors import ArgumentError, CompassError
-from compass.study import stages, trade, workers
+from compass.study import cluster, stages, trade, workers
 from compass.study.candidates import candidates, identities
 from compass.study.choice import finalists_of, yardstick
+from compass.study.cluster import Cluster
 from compass.study.evolve import assess
 from compass.study.results import read_results
 from compass.study.store import Store
 from compass.study.trade import finalists, passed, run_trade
-from compass.study.workers import Cluster, Here, Processes
+from compass.study.workers import Here, Processes
 
 
 class Bars:
@@ -177,7 +178,7 @@ def test_lost_batches_are_counted_and_tried_again(tiny, tmp_path):
 
 def test_schedulers_that_do_not_answer(tiny, monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr(workers, "PATIENCE", 0.5)
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
     for address in ("nonsense", "tcp://host", "tcp://host:port"):
         with pytest.raises(ArgumentError, match="not an address; write it as tcp://host:port"):
             Cluster(tiny(), address)
@@ -187,7 +188,7 @@ def test_schedulers_that_do_not_answer(tiny, monkeypatch):
 
 def test_a_scheduler_without_workers(tiny, monkeypatch):
     distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr(workers, "PATIENCE", 1.0)
+    monkeypatch.setattr(cluster, "PATIENCE", 1.0)
     with (
         distributed.LocalCluster(
             n_workers=0, processes=False, protocol="tcp", host="127.0.0.1", dashboard_address=None
@@ -200,7 +201,7 @@ def test_a_scheduler_without_workers(tiny, monkeypatch):
 def test_a_cluster_of_another_version_is_refused(tiny):
     rows = candidates(tiny()).rows(0, 1)
     with pytest.raises(CompassError, match="install the same version on both"):
-        workers._remote("99", "screen", tiny(), rows)
+        cluster._remote("99", "screen", tiny(), rows)
 
 
 EVOLVE = 'seed = 2\n[sampling]\nmethod = "nsga2"\npopulation = 12\ngenerations = 8'
