@@ -64,9 +64,6 @@ def command(
             raise ArgumentError(
                 "--tls-ca, --tls-cert, --tls-key: all three go together, beside --scheduler"
             )
-        for file in (tls_ca, tls_cert, tls_key):
-            if not file.is_file():
-                raise ArgumentError(f"{file}: no such file; give a certificate or key (PEM)")
         tls = Tls(tls_ca, tls_cert, tls_key)
     chosen = read_study(study)
     blocks(chosen)  # refuse a study without candidates before anything is made
