@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,6 +14,10 @@ from compass.cli.shared import (
     print_table,
     say,
 )
+
+if TYPE_CHECKING:
+    from compass.inputs import Design
+    from compass.inputs.scenario import Scenario
 
 
 @click.command()
@@ -45,6 +49,13 @@ from compass.cli.shared import (
 @click.option(
     "--rival-radius-km", type=float, help="Its orbits' radius; the first design's if left out."
 )
+@click.option(
+    "-o",
+    "--report",
+    "folder",
+    type=click.Path(path_type=Path),
+    help="Folder for an HTML page with maps and distributions; none is made if left out.",
+)
 @json_option
 def command(
     designs: tuple[Path, ...],
@@ -58,6 +69,7 @@ def command(
     runs: int,
     rival: Path | None,
     rival_radius_km: float | None,
+    folder: Path | None,
     as_json: bool,
 ) -> None:
     """Judge constellations as beacons of a lander: anywhere, along any azimuth, at any time.
@@ -74,6 +86,7 @@ def command(
     from compass.errors import ArgumentError
     from compass.inputs import read_design
     from compass.inputs.scenario import read_scenario
+    from compass.report.page import check_page_folder
     from compass.saving import check_writable, replacing
     from compass.study.judge import campaign_of
     from compass.study.ranking import rank_designs
@@ -84,6 +97,8 @@ def command(
     def progress(work: Iterable[Any], total: int, desc: str) -> Iterable[Any]:
         return tqdm(work, total=total, desc=desc, disable=None)
 
+    if folder is not None:
+        check_page_folder(folder)
     scenario = read_scenario(scenario_path)
     candidates = [read_design(path) for path in designs]
     unknown: dict[str, Any] = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
@@ -115,10 +130,27 @@ def command(
         progress=progress,
         **unknown,
     )
+    if folder is not None:
+        _write_report(folder, result, candidates, scenario, threads)
     if as_json:
         emit_json(result)
     else:
         _print(result)
+
+
+def _write_report(
+    folder: Path,
+    ranking: dict[str, Any],
+    designs: "list[Design]",
+    scenario: "Scenario",
+    threads: int,
+) -> None:
+    """Make the page of a ranking."""
+    from compass.report.judge import judge_report
+    from compass.report.page import write_page
+
+    page, sections = judge_report(ranking, designs, scenario, command_line(), threads=threads)
+    say(f"report: {write_page(folder, page, sections)}")
 
 
 def _print(r: dict[str, Any]) -> None:
@@ -143,24 +175,26 @@ def _print(r: dict[str, Any]) -> None:
                 f"{d['after_loss']['crlb_position_m']['p95']:.2f}" if "after_loss" in d else "",
                 f"{d['after_loss']['crlb_position_m']['worst']:.2f}" if "after_loss" in d else "",
                 f"{100 * d['unobservable_share']:.3g}",
-                "" if d["ekf_position_m"] is None else f"{d['ekf_position_m']['p95']:.2f}",
+                "" if d["nees"] is None else f"{d['ekf_position_m']['p95']:.2f}",
+                "" if d["nees"] is None else f"{d['rms_over_bound']:.3f}",
                 ""
                 if d["nees"] is None
-                else "{mean:.2f} in {low:.2f} to {high:.2f}".format(**d["nees"]),
+                else f"{d['nees']:.2f} in {{low:.2f}} to {{high:.2f}}".format(**d["nees_interval"]),
             ]
             for d in rows
         ],
         [
             "rank", "design", "sats", "in view", "p50 m", "p95 m", "worst m", "p95 m/s",
-            "p95 lost", "worst lost", "blind %", "EKF p95 m", "NEES",
+            "p95 lost", "worst lost", "blind %", "EKF p95 m", "rms/bound", "NEES",
         ],
     )  # fmt: skip
     click.echo(
         "\np50, p95 and worst: Cramer-Rao sigma of the position in space over the entries. in "
         "view:\nfewest and median. lost: after the loss of the one satellite that matters most. "
-        "blind: entries\nwhose measurements alone do not determine the state. NEES: 6 if the "
-        "filter is consistent\n(which in 95 of 100 cases puts it in the interval)."
-        + (" The filter takes density and L/D as known." if unknown else "")
+        "blind: entries\nwhose measurements alone do not determine the state. EKF p95: of the "
+        "filter's errors, which\nscatter about their sigma; rms/bound: their root mean square over "
+        "that of the bound. NEES: 6 if\nthe filter is consistent (which in 95 of 100 cases puts it "
+        "in the interval)." + (" The filter takes density and L/D as known." if unknown else "")
     )
     print_table(
         "Users on the surface",

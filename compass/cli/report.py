@@ -49,14 +49,16 @@ def command(
     announce_compilation()
     from compass.errors import ArgumentError
     from compass.inputs.reading import read_text
+    from compass.report.page import check_page_folder
 
     tables = _tables(read_text(design))
+    folder = output or Path("reports") / design.stem
+    check_page_folder(folder)
     if "study" in tables:
-        _trade(design, output, store or Path("trades") / design.stem, as_json)
+        _trade(design, folder, store or Path("trades") / design.stem, as_json)
         return
     if store is not None:
         raise ArgumentError(f"--store: {design} is not a study; leave it out")
-    folder = output or Path("reports") / design.stem
     if "vehicle" in tables:
         _scenario(design, folder, as_json)
     else:
@@ -113,7 +115,7 @@ def _write(folder: Path, page: str, sections: "list[Section]", as_json: bool) ->
         click.echo(f"report: {path}")
 
 
-def _trade(study: Path, output: Path | None, store: Path, as_json: bool) -> None:
+def _trade(study: Path, folder: Path, store: Path, as_json: bool) -> None:
     """Make the trade report of a study."""
     import json
 
@@ -126,19 +128,19 @@ def _trade(study: Path, output: Path | None, store: Path, as_json: bool) -> None
     from compass.saving import replacing
 
     chosen = read_study(study)
-    folder = output or Path("reports") / study.stem
     with tqdm(desc="report", unit="part", disable=None, leave=False) as bar:
 
         def step(name: str) -> None:
             bar.set_postfix_str(name)
             bar.update()
 
-        page, sections, summary = trade_report(chosen, store, command_line(), progress=step)
-    path = write_page(folder, page, sections)
-    with replacing(folder / "summary.json") as temporary:
-        text = json.dumps(plain(summary), indent=2, allow_nan=False, ensure_ascii=False)
-        temporary.write_text(text + "\n", encoding="utf-8")
+        made = trade_report(chosen, store, command_line(), progress=step)
+    path = write_page(folder, made.page, made.sections)
+    summary = json.dumps(plain(made.summary), indent=2, allow_nan=False, ensure_ascii=False)
+    for name, text in {"summary.json": summary + "\n", **made.files}.items():
+        with replacing(folder / name) as temporary:
+            temporary.write_text(text, encoding="utf-8")
     if as_json:
-        emit_json({"page": str(path)} | summary)
+        emit_json({"page": str(path)} | made.summary)
     else:
         click.echo(f"report: {path}")

@@ -47,10 +47,11 @@ def command(
     from compass.errors import ArgumentError
     from compass.inputs.study import read_study
     from compass.study.candidates import blocks
+    from compass.study.cluster import Cluster, Tls
     from compass.study.results import first_front, read_results, write_results
     from compass.study.store import Store
     from compass.study.trade import run_trade
-    from compass.study.workers import Cluster, Here, Processes, Tls, Workers
+    from compass.study.workers import Here, Processes, Workers
 
     if scheduler is not None and workers is not None:
         raise ArgumentError("--workers: not beside --scheduler, whose cluster has its own")
@@ -63,9 +64,6 @@ def command(
             raise ArgumentError(
                 "--tls-ca, --tls-cert, --tls-key: all three go together, beside --scheduler"
             )
-        for file in (tls_ca, tls_cert, tls_key):
-            if not file.is_file():
-                raise ArgumentError(f"{file}: no such file; give a certificate or key (PEM)")
         tls = Tls(tls_ca, tls_cert, tls_key)
     chosen = read_study(study)
     blocks(chosen)  # refuse a study without candidates before anything is made

@@ -99,11 +99,17 @@ class Objective:
 
 @dataclass(frozen=True)
 class EntryStage:
-    """Judging of landing navigation: the lander, entries a candidate, how many are judged."""
+    """Judging of landing navigation: the lander, entries a candidate, how many are judged.
+
+    Those that the report singles out are judged again on `finalist_samples` entries and their
+    filter is run `filter_runs` times.
+    """
 
     scenario: Scenario
     samples: int
     finalists: int
+    finalist_samples: int
+    filter_runs: int
 
 
 @dataclass(frozen=True)
@@ -180,7 +186,13 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
             digest.update(named.digest.encode())
     entry = None
     if file.entry and scenario is not None:
-        entry = EntryStage(scenario, file.entry.samples, file.entry.finalists)
+        entry = EntryStage(
+            scenario,
+            file.entry.samples,
+            file.entry.finalists,
+            file.entry.finalist_samples,
+            file.entry.filter_runs,
+        )
     return Study(
         name=file.name,
         source=file.source,

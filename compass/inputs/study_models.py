@@ -120,6 +120,12 @@ class EntryStageTable(Table):
     finalists: int = Field(
         100, ge=1, le=1_000_000, description="how many candidates are judged, best fronts first"
     )
+    finalist_samples: int = Field(
+        1024, ge=1, le=100_000, description="entries on which the report judges its finalists"
+    )
+    filter_runs: int = Field(
+        512, ge=0, le=100_000, description="runs of the filter on each of these; 0 for none"
+    )
 
 
 class CostTable(Table):

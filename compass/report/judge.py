@@ -1,6 +1,6 @@
-"""Report section on landing navigation: designs ranked, their bounds over the globe and as CDFs."""
+"""Landing navigation in pictures: designs ranked, their bounds over the globe and as CDFs."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from compass.entry.arrivals import draw_arrivals
 from compass.entry.campaign import Campaign
 from compass.inputs import Design
-from compass.inputs.scenario import Scenario
+from compass.inputs.scenario import Scenario, provenance
 from compass.report.mars_map import MarsMap, colour_bar
+from compass.report.page import render
 from compass.report.section import Picture, Section, Table, picture
 from compass.report.style import CYCLE, FAINT, MARS, SEQUENTIAL, look, new_figure
 from compass.study.judge import campaign_of, judge_entries
 from compass.study.judgement import Judgement
-from compass.study.ranking import rank_designs
 
 #: Rows, equal in sine of latitude, and columns of the map's cells: of equal area.
 ROWS, COLUMNS = 18, 36
@@ -25,42 +25,78 @@ ROWS, COLUMNS = 18, 36
 STRIPS = 12
 
 
-def judge_section(
+#: How many of the best are mapped, and on how many times the ranking's entries.
+MAPPED, BATCHES = 4, 4
+
+
+def judge_report(
+    ranking: dict[str, Any],
     designs: Sequence[Design],
     scenario: Scenario,
+    command: str = "",
     *,
-    samples: int = 1024,
-    batches: int = 4,
-    seed: int = 0,
-    goal: float = 10.0,
-    density_sigma: float = 0.0,
-    lift_sigma: float = 0.0,
-    finalists: int = 2,
     threads: int = 1,
-) -> Section:
-    """Rank designs for a lander, with a world map of the best two and distributions of all.
+    progress: Callable[[str], None] = lambda step: None,
+) -> tuple[str, list[Section]]:
+    """Make the page (HTML text) and the sections of a ranking's report.
 
     Parameters
     ----------
-    designs, scenario, samples, seed, goal, density_sigma, lift_sigma, finalists, threads
-        As in `compass.study.ranking.rank_designs`.
-    batches
-        How many times `samples` entries the maps rest on.
+    ranking, designs, scenario, threads, progress
+        As in `judge_section`.
+    command
+        The command line, for provenance.
     """
-    options: dict[str, Any] = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
-    result = rank_designs(
-        designs,
-        scenario,
-        samples=samples,
-        seed=seed,
-        goal=goal,
-        finalists=finalists,
-        threads=threads,
-        **options,
+    sections = [
+        judge_section(ranking, designs, scenario, threads=threads, progress=progress),
+        surface_section(ranking),
+    ]
+    made = provenance(scenario, command)
+    page = render(
+        f"Constellations judged: {scenario.name}",
+        made["references"] or "No source given.",
+        sections,
+        [
+            ("command", command or "made from Python"),
+            ("made", made["history"].split(" ")[0]),
+            ("version", made["source"]),
+            ("scenario file", made["scenario_file"]),
+            ("SHA-256 of the scenario", made["scenario_sha256"]),
+            *((f"SHA-256 of {design.label}", design.digest) for design in designs),
+        ],
+        scenario.text,
     )
-    campaign = campaign_of(scenario, samples, seed, **options)
+    return page, sections
+
+
+def judge_section(
+    ranking: dict[str, Any],
+    designs: Sequence[Design],
+    scenario: Scenario,
+    *,
+    threads: int = 1,
+    progress: Callable[[str], None] = lambda step: None,
+) -> Section:
+    """Show designs ranked for a lander: world maps of the best, distributions of all.
+
+    Parameters
+    ----------
+    ranking
+        Of `compass.study.ranking.rank_designs`, of these designs for this scenario.
+    designs, scenario
+        Who was ranked, for which lander.
+    threads
+        Threads; the pictures do not depend on them.
+    progress
+        Told the name of each part before it is made.
+    """
+    samples, seed, goal = ranking["drawn"], ranking["seed"], ranking["goal_m"]
+    density_sigma, lift_sigma = ranking["density_sigma"], ranking["lift_sigma"]
+    campaign = campaign_of(
+        scenario, samples, seed, density_sigma=density_sigma, lift_sigma=lift_sigma
+    )
     by_file = {design.label: design for design in designs}
-    ranked = [by_file[row["file"]] for row in result["designs"]]
+    ranked = [by_file[row["file"]] for row in ranking["designs"]]
 
     def judged(design: Design, on: Campaign) -> Judgement:
         return judge_entries(
@@ -72,9 +108,10 @@ def judge_section(
             threads=threads,
         )
 
+    progress("bounds over the globe")
     found = [judged(design, campaign) for design in ranked]
-    more: list[list[Judgement]] = [[one] for one in found[:2]]
-    for k in range(1, batches):
+    more: list[list[Judgement]] = [[one] for one in found[:MAPPED]]
+    for k in range(1, BATCHES):
         again = campaign.again(draw_arrivals(samples, seed + k))
         for own, design in zip(more, ranked, strict=False):
             own.append(judged(design, again))
@@ -89,23 +126,50 @@ def judge_section(
         "posterior Cramer-Rao bound of position and velocity there from ranges of one sigma "
         f"{scenario.measurements.range_sigma} m to every satellite in view, each weighted with the "
         f"probability that it gets through the plasma{'; ' + unknown if unknown else ''}.",
-        *(f"{row['design']}: within {goal:g} m? {row['answer']}." for row in result["designs"]),
+        *(f"{row['design']}: within {goal:g} m? {row['answer']}." for row in ranking["designs"]),
     )
     names = [design.name for design in ranked]
-    pictures = [
+    pictures = (
         _map([(name, own) for name, own in zip(names, more, strict=False)], goal),
         _distributions(names, found, goal),
-    ]
-    return Section("Landing navigation", paragraphs, tuple(pictures), (_table(result["designs"]),))
+    )
+    tables = [_table(ranking["designs"])]
+    run = [row for row in ranking["designs"] if row["nees"] is not None]
+    if run:
+        tables.append(_filter_table(run))
+    return Section("Landing navigation", paragraphs, pictures, tuple(tables))
 
 
-def _table(rows: Sequence[dict]) -> Table:
+def surface_section(ranking: dict[str, Any]) -> Section:
+    """Show what the ranked designs are worth to users on the surface."""
+    rows = tuple(
+        (
+            row["design"],
+            f"{row['surface']['fold']['wanted']}-fold {row['surface']['fold']['outcome']}",
+            "no mask has it"
+            if row["surface"]["mask_margin_deg"] is None
+            else row["surface"]["mask_margin_deg"],
+            *(_digits(row["surface"]["gdop"][key]) for key in ("p50", "p95")),
+            _digits(100 * row["surface"]["availability"]),
+        )
+        for row in ranking["designs"]
+    )
+    header = (
+        "design", "continuous coverage", "highest mask, deg", "GDOP p50", "p95", "GDOP <= 6, %"
+    )  # fmt: skip
+    text = (
+        "Coverage at the design's mask is proven or refuted for all time; the highest mask is the "
+        "one up to which that fold holds. GDOP is sampled over area and time."
+    )
+    return Section("Users on the surface", (text,), (), (Table("Side by side", header, rows),))
+
+
+def _table(rows: Sequence[dict[str, Any]]) -> Table:
     return Table(
         "Designs ranked by the 95th percentile of the position bound",
         (
             "rank", "design", "satellites", "in view, fewest", "position p50, m", "p95, m",
             "worst found, m", "velocity p95, m/s", "p95 after worst loss, m", "blind, %",
-            "filter p95, m", "NEES",
         ),
         tuple(
             (
@@ -113,18 +177,45 @@ def _table(rows: Sequence[dict]) -> Table:
                 row["design"],
                 row["satellites"],
                 row["in_view"]["min"],
-                row["crlb_position_m"]["p50"],
-                row["crlb_position_m"]["p95"],
-                row["worst_found"]["value"],
-                row["crlb_velocity_m_s"]["p95"],
-                row["after_loss"]["crlb_position_m"]["p95"] if "after_loss" in row else "",
-                100 * row["unobservable_share"],
-                "" if row["ekf_position_m"] is None else row["ekf_position_m"]["p95"],
-                "" if row["nees"] is None else row["nees"]["mean"],
+                _digits(row["crlb_position_m"]["p50"]),
+                _digits(row["crlb_position_m"]["p95"]),
+                _digits(row["worst_found"]["value"]),
+                _digits(row["crlb_velocity_m_s"]["p95"]),
+                _digits(row["after_loss"]["crlb_position_m"]["p95"]) if "after_loss" in row else "",
+                _digits(100 * row["unobservable_share"]),
             )
             for row in rows
         ),
     )  # fmt: skip
+
+
+def _filter_table(rows: Sequence[dict[str, Any]]) -> Table:
+    return Table(
+        "The filter itself: its errors at deployment, and whether they are as large as it says",
+        (
+            "design", "runs", "diverged", "error p50, m", "p95, m", "rms over the bound's", "NEES",
+            "95 % of consistent filters between", "consistent",
+        ),
+        tuple(
+            (
+                row["design"],
+                row["runs"],
+                row["diverged"],
+                _digits(row["ekf_position_m"]["p50"]),
+                _digits(row["ekf_position_m"]["p95"]),
+                _digits(row["rms_over_bound"]),
+                _digits(row["nees"]),
+                "{low:.2f} and {high:.2f}".format(**row["nees_interval"]),
+                "yes" if row["consistent"] else "no",
+            )
+            for row in rows
+        ),
+    )  # fmt: skip
+
+
+def _digits(value: float) -> float:
+    """Four digits: more would be noise of the entries drawn."""
+    return float(f"{value:.4g}")
 
 
 def largest_by_cell(judgements: Sequence[Judgement]) -> NDArray[np.float64]:
@@ -139,18 +230,22 @@ def largest_by_cell(judgements: Sequence[Judgement]) -> NDArray[np.float64]:
 
 
 def _map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> Picture:
-    """Largest bound by place of deployment, one map a design, one colour scale."""
+    """Largest bound by place of deployment, maps in two columns on one colour scale."""
     fields = [largest_by_cell(judgements) for _, judgements in named]
     low = min(np.nanmin(field) for field in fields)
     high = max(np.nanmax(field) for field in fields)
-    figure = new_figure(8.6, 0.6 + 4.1 * len(fields))
+    columns = min(2, len(fields))
+    rows = -(-len(fields) // columns)
+    figure = new_figure(7.4 * columns, 0.7 + 3.7 * rows)
     edges = np.degrees(np.arcsin(np.linspace(-1, 1, ROWS + 1)))
     # each row drawn in strips, so that its cells follow the curved meridians
     latitudes = np.interp(np.arange(ROWS * STRIPS + 1) / STRIPS, np.arange(ROWS + 1), edges)
     longitudes = np.linspace(-180, 180, COLUMNS + 1)
     with look():
-        axes = figure.subplots(len(fields), 1, squeeze=False)[:, 0]
-        for each, (name, judgements), field in zip(axes, named, fields, strict=True):
+        axes = figure.subplots(rows, columns, squeeze=False).ravel()
+        for each in axes[len(fields) :]:
+            each.set_axis_off()
+        for each, (name, judgements), field in zip(axes, named, fields, strict=False):
             world = MarsMap(each)
             # matplotlib's log scale needs room between its ends
             mesh = world.field(
@@ -172,7 +267,7 @@ def _map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> Pictu
             each.set_title(
                 f"{name}: {int(far.sum())} of {sigma.size} entries beyond {goal:g} m", fontsize=10
             )
-        bar = colour_bar(axes[-1], mesh, "largest position bound at deployment in the cell, m")
+        bar = colour_bar(list(axes), mesh, "largest position bound at deployment in the cell, m")
         bar.ax.xaxis.set_major_formatter("{x:g}")
         bar.ax.xaxis.set_minor_formatter("{x:g}")
     return picture(

@@ -1,6 +1,6 @@
 """Equal-area maps of Mars: frame, graticule, named places, fields, lines and shapes."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -161,11 +161,9 @@ def _halo(text: Any) -> None:
     text.set_path_effects([withStroke(linewidth=1.6, foreground="white", alpha=0.85)])
 
 
-def colour_bar(axes: Axes, mesh: Any, label: str, **options: Any) -> Any:
-    """Draw a labelled colour bar under a map."""
-    figure = axes.get_figure()
-    assert figure is not None
-    bar = figure.colorbar(
+def colour_bar(axes: Axes | Sequence[Axes], mesh: Any, label: str, **options: Any) -> Any:
+    """Draw a labelled colour bar under a map or several."""
+    bar = mesh.get_figure().colorbar(
         mesh, ax=axes, orientation="horizontal", shrink=0.62, aspect=38, pad=0.03, **options
     )
     bar.set_label(label)

@@ -1,6 +1,7 @@
 """One self-contained HTML page, its pictures inside it and also as PNG files beside it."""
 
 import base64
+import os
 import shutil
 import tempfile
 from collections.abc import Sequence
@@ -35,6 +36,7 @@ def render(
         title=title,
         subtitle=subtitle,
         sections=sections,
+        scripts=list(dict.fromkeys(i.script for s in sections for i in s.interactive)),
         provenance=provenance,
         source_text=source_text,
     )
@@ -47,6 +49,23 @@ def cell(value: object) -> str:
             return "∞"
         return f"{value:,.0f}" if 1e6 <= abs(value) < 1e15 else f"{value:.7g}"
     return str(value)
+
+
+def check_page_folder(folder: Path) -> None:
+    """Refuse a folder for a report before any work is spent on it; it need not be there yet.
+
+    Raises
+    ------
+    OutputError
+        It, or a folder that it is to be made in, is a file or cannot be written into.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise OutputError(f"{folder}: is a file; give a folder for the report")
+    place = next(p for p in (folder, *folder.absolute().parents) if p.exists())
+    if not place.is_dir():
+        raise OutputError(f"{folder}: {place} is a file; give another folder for the report")
+    if not os.access(place, os.W_OK):
+        raise OutputError(f"{folder}: {place} is not writable; give another folder for the report")
 
 
 def write_page(folder: Path, page: str, sections: Sequence[Section]) -> Path:
@@ -63,10 +82,9 @@ def write_page(folder: Path, page: str, sections: Sequence[Section]) -> Path:
     Raises
     ------
     OutputError
-        The folder is a file, or cannot be written.
+        As `check_page_folder`, or the disk is full.
     """
-    if folder.exists() and not folder.is_dir():
-        raise OutputError(f"{folder}: is a file; give a folder for the report")
+    check_page_folder(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         scratch = Path(tempfile.mkdtemp(prefix=".report-", dir=folder))

@@ -30,13 +30,25 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Interactive:
+    """A picture that answers the pointer: file stem, title, caption, HTML, the script it needs."""
+
+    stem: str
+    title: str
+    caption: str
+    html: str
+    script: str
+
+
+@dataclass(frozen=True)
 class Section:
-    """A section of a report, shown in the order paragraphs, pictures, tables."""
+    """A section of a report, shown in the order paragraphs, interactive, pictures, tables."""
 
     title: str
     paragraphs: tuple[str, ...] = ()
     pictures: tuple[Picture, ...] = field(default_factory=tuple)
     tables: tuple[Table, ...] = field(default_factory=tuple)
+    interactive: tuple[Interactive, ...] = ()
 
 
 def picture(figure: "Figure", stem: str, title: str, caption: str) -> Picture:

@@ -1,24 +1,33 @@
 """The design trade report of a study: fronts, the best, sensitivity, maps, recommendation."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import compass
-from compass.coverage.certificate import prove_fold
 from compass.inputs.merit import MERITS, STAGES
 from compass.inputs.study import Study
 from compass.report.page import render
 from compass.report.section import Section, Table
+from compass.report.trade_finalists import (
+    Entrant,
+    entrants,
+    handover_section,
+    landing_sections,
+    number,
+    rank_finalists,
+    recommendation,
+)
+from compass.report.trade_interactive import interactive_front
 from compass.report.trade_pictures import (
     front_pictures,
     map_comparison,
     sensitivity_pictures,
     share_picture,
 )
-from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, finalists_of, yardstick
 from compass.study.results import read_results
 
@@ -31,14 +40,34 @@ BEST = 10
 _VARIABLES = ("pattern", "satellites", "planes", "phasing", "inclination_deg", "radius_km")
 
 
+@dataclass(frozen=True)
+class TradeReport:
+    """A study's report.
+
+    Attributes
+    ----------
+    page, sections
+        HTML text, and what it was made of.
+    summary
+        The numbers, as plain values.
+    files
+        Texts of the design files handed over, by name.
+    """
+
+    page: str
+    sections: list[Section]
+    summary: dict[str, Any]
+    files: dict[str, str]
+
+
 def trade_report(
     study: Study,
     folder: Path,
     command: str = "",
     *,
     progress: Callable[[str], None] = lambda step: None,
-) -> tuple[str, list[Section], dict[str, Any]]:
-    """Make the page (HTML text), the sections and the numbers of a study's report.
+) -> TradeReport:
+    """Make the report of a study.
 
     Parameters
     ----------
@@ -58,18 +87,22 @@ def trade_report(
     """
     progress("results")
     results = read_results(study, folder)
-    chosen, measure = finalists_of(study, results), yardstick(study)
-    progress("recommendation")
-    certified = {f.notation: _certificate(study, f) for f in chosen}
-    sections = [_recommendation(study, chosen, measure, certified), _looked_at(study, results)]
+    progress("finalists")
+    chosen, measure = entrants(study, finalists_of(study, results)), yardstick(study)
+    ranked = rank_finalists(study, chosen, progress)
+    sections = [recommendation(study, chosen, measure), _looked_at(study, results)]
     if chosen:
+        finalists = [e.finalist for e in chosen]
         progress("fronts")
-        sections.append(_fronts(study, results, chosen, measure))
+        sections.append(_fronts(study, results, finalists, measure))
         sections.append(_best(study, results))
         progress("sensitivity")
         sections.append(_sensitivity(study, results))
         progress("maps")
-        sections.append(_maps(study, chosen, measure))
+        sections.append(_maps(study, finalists, measure))
+        if ranked is not None:
+            sections += landing_sections(study, *ranked, progress)
+        sections.append(handover_section(chosen))
     page = render(
         study.name,
         " ".join(study.source.split()) or "No source given.",
@@ -83,114 +116,9 @@ def trade_report(
         ],
         study.text,
     )
-    return page, sections, _summary(study, results, chosen, measure, certified)
-
-
-def _certificate(study: Study, finalist: Finalist) -> str:
-    """Outcome of the certificate, whose rounding is on the safe side."""
-    return prove_fold(
-        make_constellation(finalist.row),
-        study.fold,
-        sphere_radius=study.figure.equatorial_radius,
-        mask=float(np.radians(finalist.row["mask_deg"])),
-    ).outcome
-
-
-def shown_figures(study: Study) -> list[str]:
-    """Figures worth a row: those wanted, then the rest of the stages that the study has."""
-    wanted = [o.figure for o in study.objectives]
-    others = [
-        name
-        for name, merit in MERITS.items()
-        if name not in wanted and (study.entry or merit.stage != "entry")
-    ]
-    return wanted + others
-
-
-def _recommendation(
-    study: Study,
-    chosen: Sequence[Finalist],
-    measure: Finalist | None,
-    certified: dict[str, str],
-) -> Section:
-    if not chosen:
-        return Section("Recommendation", ("No candidate meets every constraint; see below why.",))
-    first = chosen[0]
-    numbers = ", ".join(f"{o.figure} {first.figures[o.figure]:.5g}" for o in study.objectives)
-    text = [
-        f"Build {first.notation}: {numbers}. It is the balanced choice of the Pareto front: the "
-        "largest of its shortfalls from the front's best, each in ranges of the front, is the "
-        f"smallest. Its {study.fold}-fold coverage above {first.row['mask_deg']:g} deg is "
-        f"{certified[first.notation]} for all time by a certificate whose rounding is on the safe "
-        "side (two-body motion).",
-    ]
-    for other in chosen[1:]:
-        text.append(f"{other.role}: {other.notation}, {_against(study, other, first)}.")
-    tables = [_finalist_table(study, chosen, measure, certified)]
-    if measure is not None:
-        rows = [
-            (f.role, f.notation, _verdict(study, f, measure), _against(study, f, measure))
-            for f in chosen
-        ]
-        tables.append(
-            Table(
-                f"Against {measure.role}",
-                ("role", "candidate", "verdict", "by objective"),
-                tuple(rows),
-            )
-        )
-    return Section("Recommendation", tuple(text), (), tuple(tables))
-
-
-def _against(study: Study, one: Finalist, other: Finalist) -> str:
-    """How one compares with another, objective by objective."""
-    parts = []
-    for o in study.objectives:
-        a, b = one.figures[o.figure], other.figures[o.figure]
-        if a == b:
-            parts.append(f"{o.figure} equal")
-        elif np.isfinite(a) and np.isfinite(b):
-            word = "better" if o.sign * a < o.sign * b else "worse"
-            change = f" ({100 * (a / b - 1):+.1f} %)" if b else ""
-            parts.append(f"{o.figure} {word}: {a:.5g} against {b:.5g}{change}")
-        else:
-            parts.append(f"{o.figure} {a:.5g} against {b:.5g}")
-    return "; ".join(parts)
-
-
-def _verdict(study: Study, one: Finalist, other: Finalist) -> str:
-    pairs = [
-        (o.sign * one.figures[o.figure], o.sign * other.figures[o.figure]) for o in study.objectives
-    ]
-    if any(np.isnan(a) or np.isnan(b) for a, b in pairs):
-        return "not comparable"
-    if all(a <= b for a, b in pairs) and any(a < b for a, b in pairs):
-        return "beats it in all"
-    if all(a >= b for a, b in pairs) and any(a > b for a, b in pairs):
-        return "loses in all"
-    if all(a == b for a, b in pairs):
-        return "equal"
-    return "a trade"
-
-
-def _finalist_table(
-    study: Study,
-    chosen: Sequence[Finalist],
-    measure: Finalist | None,
-    certified: dict[str, str],
-) -> Table:
-    columns = [*chosen, *([measure] if measure else [])]
-    rows: list[tuple[object, ...]] = [("constellation", *(f.notation for f in columns))]
-    for name in shown_figures(study):
-        merit = MERITS[name]
-        unit = "" if merit.unit == "1" else f", {merit.unit}"
-        rows.append((f"{merit.title}{unit}", *(_number(f.figures[name]) for f in columns)))
-    rows.append(("certificate of the fold", *(certified.get(f.notation, "") for f in columns)))
-    return Table("The finalists", ("figure of merit", *(f.role for f in columns)), tuple(rows))
-
-
-def _number(value: float) -> object:
-    return "–" if np.isnan(value) else float(f"{value:.5g}")
+    ranking = None if ranked is None else ranked[0]
+    summary = _summary(study, results, chosen, measure, ranking)
+    return TradeReport(page, sections, summary, {e.design.label: e.design.text for e in chosen})
 
 
 def _looked_at(study: Study, results: "xr.Dataset") -> Section:
@@ -239,8 +167,13 @@ def _fronts(
         "The first Pareto front, first 40", study, front.isel(candidate=order[:40])
     )
     text = "None is better than one of the first front in an objective and as good in all others."
+    interactive = interactive_front(study, results, chosen, measure)
     return Section(
-        "Pareto fronts", (text,), front_pictures(study, results, chosen, measure), (table,)
+        "Pareto fronts",
+        (text,),
+        front_pictures(study, results, chosen, measure),
+        (table,),
+        () if interactive is None else (interactive,),
     )
 
 
@@ -251,7 +184,7 @@ def _candidate_table(title: str, study: Study, some: "xr.Dataset") -> Table:
     rows = []
     for k in range(some.sizes["candidate"]):
         values = [some[name].values[k] for name in names]
-        rows.append(tuple(v if isinstance(v, str) else _number(float(v)) for v in values))
+        rows.append(tuple(v if isinstance(v, str) else number(float(v)) for v in values))
     return Table(title, tuple(name.replace("_", " ") for name in names), tuple(rows))
 
 
@@ -286,31 +219,30 @@ def _maps(study: Study, chosen: Sequence[Finalist], measure: Finalist | None) ->
 def _summary(
     study: Study,
     results: "xr.Dataset",
-    chosen: Sequence[Finalist],
+    chosen: Sequence[Entrant],
     measure: Finalist | None,
-    certified: dict[str, str],
+    ranking: dict[str, Any] | None,
 ) -> dict[str, Any]:
     """Return the numbers of the report as plain values."""
 
     def facts(f: Finalist) -> dict[str, Any]:
         row = {name: f.row[name].item() for name in f.row.dtype.names or () if name != "pattern"}
-        return {
-            "role": f.role,
-            "constellation": f.notation,
-            **row,
-            "certificate": certified.get(f.notation),
-            "figures": f.figures,
-        }
+        return {"role": f.role, "constellation": f.notation, **row, "figures": f.figures}
 
+    stage = [STAGES.index(s) for s in results.stage.values]
     return {
         "study": study.name,
         "study_sha256": study.digest,
         "version": compass.__version__,
         "candidates": results.sizes["candidate"],
         "feasible": int(results.feasible.sum()),
-        "judged": int((results.stage.values == "entry").sum()),
+        "judged": stage.count(STAGES.index("entry")),
         "errors": int((results.error.values != "").sum()),
         "first_front": int((results.front.values == 0).sum()),
-        "finalists": [facts(f) for f in chosen],
+        "finalists": [
+            facts(e.finalist) | {"certificate": e.certificate, "design": e.design.label}
+            for e in chosen
+        ],
         "compared_with": None if measure is None else facts(measure),
+        "landing": ranking,
     }

@@ -35,12 +35,19 @@ class Finalist:
     figures: dict[str, float]
 
     @property
+    def kind(self) -> str:
+        """Of pattern."""
+        return PATTERNS[self.row["pattern"]]
+
+    @property
     def notation(self) -> str:
         """Pattern and orbit in short."""
-        c = make_constellation(self.row)
-        kind = PATTERNS[self.row["pattern"]].removeprefix("walker-")
-        assert c.pattern is not None
-        return f"{kind} {c.pattern.notation}, {self.row['radius_km']:.0f} km"
+        pattern = make_constellation(self.row).pattern
+        assert pattern is not None
+        kind = self.kind.removeprefix("walker-")
+        if pattern.multiplier is not None:  # whose notation leaves the inclination out
+            kind += f" {self.row['inclination_deg']:.6g}°:"
+        return f"{kind} {pattern.notation}, {self.row['radius_km']:.0f} km"
 
 
 def rows_in(results: "xr.Dataset") -> NDArray:
@@ -110,18 +117,20 @@ def _shortfall(
     return np.asarray(worst, dtype=np.float64)
 
 
-def yardstick(study: Study) -> Finalist | None:
-    """Put the design to compare with through every stage; None unless it is a pattern of circles.
+def compared_mask_deg(study: Study) -> float:
+    """Mask under which the design to compare with is judged: the study's first, degrees."""
+    mask = study.space.mask_deg
+    return mask[0] if isinstance(mask, tuple) else mask.least
 
-    It gets the study's first mask.
-    """
+
+def yardstick(study: Study) -> Finalist | None:
+    """Put the design to compare with through every stage; None unless a pattern of circles."""
     if study.compare is None:
         return None
     c = study.compare.constellation
     pattern: Pattern | None = c.pattern
     if pattern is None:
         return None
-    mask = study.space.mask_deg
     rows = np.array(
         [
             (
@@ -131,7 +140,7 @@ def yardstick(study: Study) -> Finalist | None:
                 pattern.phasing % pattern.planes,
                 round(float(np.degrees(pattern.inclination)), 9),
                 float(c.semi_major_axis[0]) / 1e3,
-                mask[0] if isinstance(mask, tuple) else mask.least,
+                compared_mask_deg(study),
             )
         ],
         ROW,

@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -20,13 +21,24 @@ from compass.sites import Mask
 from compass.study.judge import campaign_of, due, judge_entries
 from compass.study.judgement import Judgement
 
+#: Entries over which the runs are spread.
+ENTRIES = 64
+
+#: Figures of a design whose filter is not run.
+NOT_RUN: dict[str, Any] = {
+    "ekf_position_m": {"p50": None, "p95": None},
+    "ekf_velocity_m_s": {"p50": None, "p95": None},
+    "nees": None,
+    "rms_over_bound": None,
+}
+
 
 def judge_filter(
     constellation: Constellation,
     scenario: Scenario,
     *,
     samples: int,
-    runs: int = 8,
+    runs: int = 512,
     seed: int = 0,
     figure: Figure,
     mask: Mask,
@@ -42,7 +54,8 @@ def judge_filter(
         As in `compass.study.judge.judge`; the truth is the scenario's, with its biases, and the
         filter that of the scenario, which takes density and L/D as known.
     samples, runs
-        Entries of the campaign, and runs in each, with its own errors, noise and arrivals.
+        Entries of the campaign, of which the first `ENTRIES` are flown, and how many runs at
+        least, the same number in each entry, with its own errors, noise and arrivals.
     seed
         Of the entries and of the runs.
     electrons
@@ -56,19 +69,22 @@ def judge_filter(
     -------
     dict
         ``ekf_position_m``, ``ekf_velocity_m_s``: percentiles and root mean square of the error;
-        ``nees``: its mean, and the interval that holds the mean of a consistent filter in 95 of
-        100 cases (chi-squared with 6 degrees of freedom a run); ``rms_over_bound``: root mean
-        square error over that of the bound on the same entries; ``runs``, ``diverged``.
+        ``nees``: mean normalised estimation error squared; ``nees_interval``: low and high, which
+        hold the mean of a consistent filter in 95 of 100 cases (chi-squared with 6 degrees of
+        freedom a run); ``consistent``: whether they do; ``rms_over_bound``: root mean square
+        error over that of the bound on the same entries; ``runs``, ``diverged``.
     """
     from scipy.stats import chi2
 
     if runs < 1:
         raise ArgumentError(f"runs = {runs}: must be at least 1")
-    campaign = campaign_of(scenario, samples, seed, electrons=electrons)
+    entries = min(ENTRIES, samples, runs)
+    campaign = campaign_of(scenario, entries, seed, electrons=electrons)
+    each = ceil(runs / campaign.size)
     found = judge_entries(constellation, campaign, scenario, figure=figure, mask=mask)
     streams = np.random.SeedSequence(seed).spawn(campaign.size)
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
-        work = pool.map(lambda m: _run(found, scenario, m, runs, streams[m]), range(campaign.size))
+        work = pool.map(lambda m: _run(found, scenario, m, each, streams[m]), range(campaign.size))
         parts = list(progress(work, total=campaign.size))
     errors = np.concatenate([part.errors[:, -1] for part in parts])
     nees = np.concatenate([part.nees[:, -1] for part in parts])
@@ -87,12 +103,9 @@ def judge_filter(
     bound = np.sqrt(np.mean(found.position_sigma**2))
     return {
         **result,
-        "nees": {
-            "mean": mean,
-            "low": float(low),
-            "high": float(high),
-            "consistent": bool(low <= mean <= high),
-        },
+        "nees": mean,
+        "nees_interval": {"low": float(low), "high": float(high)},
+        "consistent": bool(low <= mean <= high),
         "rms_over_bound": float(result["ekf_position_m"]["rms"] / bound),
         "runs": int(good.size),
         "diverged": int(good.size - count),

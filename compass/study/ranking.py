@@ -1,19 +1,15 @@
 """Designs judged on the same entries, and ranked."""
 
 from collections.abc import Callable, Iterable, Sequence
-from math import ceil
 from typing import Any
 
 from compass.errors import ArgumentError
 from compass.inputs import Design
 from compass.inputs.scenario import Scenario
 from compass.study.judge import campaign_of, judge_entries
-from compass.study.judge_filter import judge_filter
+from compass.study.judge_filter import NOT_RUN, judge_filter
 from compass.study.judge_surface import judge_surface
 from compass.study.judge_worst import worst_entry
-
-#: Entries in which a finalist's filter is run.
-FILTER_ENTRIES = 64
 
 
 def rank_designs(
@@ -48,7 +44,7 @@ def rank_designs(
     density_sigma, lift_sigma
         As in `compass.entry.campaign.fly_campaign`.
     finalists, runs
-        On how many of the best to run the filter, and how often in all.
+        On how many of the best to run the filter, and how often for each.
     threads
         Threads; the numbers do not depend on them.
     progress
@@ -84,8 +80,7 @@ def rank_designs(
                 "satellites": design.constellation.size,
                 **judged,
                 "answer": answer(judged, goal),
-                "ekf_position_m": None,
-                "nees": None,
+                **NOT_RUN,
                 "surface": judge_surface(c, fold=design.fold, **place),
             }
         )
@@ -93,15 +88,14 @@ def rank_designs(
         range(len(rows)),
         key=lambda k: (rows[k]["crlb_position_m"]["p95"], rows[k]["satellites"]),
     )
-    entries = min(FILTER_ENTRIES, samples, runs)
     for k in progress(order[:finalists], total=min(finalists, len(order)), desc="filter"):
         design = designs[k]
         rows[k].update(
             judge_filter(
                 design.constellation,
                 scenario,
-                samples=entries,
-                runs=ceil(runs / entries),
+                samples=samples,
+                runs=runs,
                 seed=seed,
                 figure=design.figure,
                 mask=design.mask,
@@ -111,6 +105,7 @@ def rank_designs(
     return {
         "scenario": scenario.name,
         "deployment": campaign.deployment,
+        "drawn": samples,
         "samples": campaign.size,
         "seed": seed,
         "goal_m": goal,

@@ -109,6 +109,17 @@ def _fronts(
     return front
 
 
+def known_figures(study: Study) -> list[str]:
+    """Figures of the stages that a study has: its objectives first."""
+    wanted = [o.figure for o in study.objectives]
+    others = [
+        name
+        for name, merit in MERITS.items()
+        if name not in wanted and (study.entry or merit.stage != "entry")
+    ]
+    return wanted + others
+
+
 def first_front(study: Study, results: "xr.Dataset") -> list[dict[str, Any]]:
     """Candidates of the first Pareto front as plain values, best in the first objective first."""
     front = results.isel(candidate=np.flatnonzero(results.front.values == 0))

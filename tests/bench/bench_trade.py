@@ -17,10 +17,11 @@ import pytest
 from compass.inputs.study import read_study, read_study_text
 from compass.study import judge, stages, trade
 from compass.study.candidates import candidates
+from compass.study.cluster import AHEAD, Cluster
 from compass.study.stages import evaluate
 from compass.study.store import FILE, Store
 from compass.study.trade import run_trade
-from compass.study.workers import AHEAD, Cluster, Here, Processes
+from compass.study.workers import Here, Processes
 
 ROOT = Path(__file__).parents[2]
 

@@ -66,8 +66,11 @@ def test_json_has_the_promised_keys(run, files):
         assert {"p50", "p95"} <= set(row["crlb_velocity_m_s"])
         assert {"unobservable_share", "fisher_log_det", "fisher_trace", "after_loss"} <= set(row)
     assert {"p50", "p95"} <= set(first["ekf_position_m"])
-    assert {"mean", "low", "high", "consistent"} <= set(first["nees"])
-    assert second["ekf_position_m"] is None and second["nees"] is None
+    assert first["nees_interval"]["low"] < 6 < first["nees_interval"]["high"]
+    assert first["consistent"] is (
+        first["nees_interval"]["low"] <= first["nees"] <= first["nees_interval"]["high"]
+    )
+    assert second["ekf_position_m"] == {"p50": None, "p95": None} and second["nees"] is None
     assert first["surface"]["gdop"]["p95"] is None
 
 
@@ -115,3 +118,25 @@ def test_bad_input_is_said_in_one_message(run, files, monkeypatch, arguments, me
     status, out, err = run("judge", *arguments)
     assert status == 2 and out == ""
     assert message in err and "Traceback" not in err
+
+
+def test_page_on_request(run, files):
+    folder = files / "pages" / "judged"
+    status, out, err = run(
+        "judge", files / "2.toml", files / "3.toml", "-s", files / "lander.toml",
+        "--samples", 2, "--runs", 2, "--finalists", 1, "-o", folder, "--json",
+    )  # fmt: skip
+    assert status == 0 and f"report: {folder / 'index.html'}" in err
+    page = (folder / "index.html").read_text()
+    assert "Users on the surface" in page and "no mask has it" in page
+    assert json.loads(out)["designs"][0]["answer"] in page
+    assert (folder / "judge-map.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_page_s_folder_is_checked_before_the_work(run, files, monkeypatch):
+    monkeypatch.setattr(ranking, "judge_entries", None)
+    status, out, err = run(
+        "judge", files / "2.toml", "-s", files / "lander.toml", "-o", files / "3.toml" / "x",
+    )  # fmt: skip
+    assert status == 2 and out == ""
+    assert "3.toml is a file; give another folder for the report" in err

@@ -1,5 +1,4 @@
 import re
-import subprocess
 from html.parser import HTMLParser
 
 import pytest
@@ -161,44 +160,7 @@ def test_cells():
     assert cell(3) == "3"
 
 
-def _chromium():
-    import shutil
-
-    return shutil.which("chromium") and shutil.which("chromedriver")
-
-
 @pytest.mark.browser
-@pytest.mark.skipif(not _chromium(), reason="Chromium and its driver are not installed")
-def test_page_in_a_real_browser(page, tmp_path):
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
-    from selenium.webdriver.common.by import By
-
+def test_page_in_a_real_browser(page, tmp_path, opened):
     text, sections = page
-    path = write_page(tmp_path, text, sections)
-    options = webdriver.ChromeOptions()
-    for flag in (
-        "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-        "--disable-background-networking", "--disable-component-update", "--disable-sync",
-        "--window-size=1300,1000", f"--user-data-dir={tmp_path / 'profile'}",
-    ):  # fmt: skip
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    service = Service("/usr/bin/chromedriver", log_output=subprocess.DEVNULL)
-    browser = webdriver.Chrome(options, service)
-    try:
-        browser.get(path.as_uri())
-        images = browser.find_elements(By.TAG_NAME, "img")
-        sizes = [browser.execute_script("return arguments[0].naturalWidth", i) for i in images]
-        assert len(sizes) == sum(len(s.pictures) for s in sections)
-        assert all(size > 300 for size in sizes)
-        assert browser.get_log("browser") == []
-        requests = browser.execute_script(
-            "return performance.getEntriesByType('resource').map(e => e.name)"
-            ".filter(n => !n.startsWith('data:'))"
-        )
-        assert requests == []
-        width = browser.execute_script("return document.documentElement.scrollWidth")
-        assert width <= browser.execute_script("return window.innerWidth")
-    finally:
-        browser.quit()
+    opened(write_page(tmp_path, text, sections), sum(len(s.pictures) for s in sections))

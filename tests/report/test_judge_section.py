@@ -8,6 +8,7 @@ from compass.inputs import read_design_text
 from compass.inputs.scenario import read_scenario_text
 from compass.report import judge as module
 from compass.study.judge import campaign_of, judge_entries
+from compass.study.judge_filter import NOT_RUN
 
 DESIGN = """
 name = "{name}"
@@ -36,34 +37,43 @@ def designs_of(*sizes):
     ]
 
 
-def test_section_has_maps_distributions_and_a_table(scenario, monkeypatch):
+def ranking_of(designs, scenario, samples):
+    """Give a ranking without the search for the worst, the surface and the filter's runs."""
+    rows = []
+    for rank, design in enumerate(designs):
+        found = judge_entries(
+            design.constellation, campaign_of(scenario, samples), scenario,
+            figure=design.figure, mask=design.mask,
+        )  # fmt: skip
+        filtered = {
+            "runs": 4, "diverged": 0, "consistent": True, "ekf_position_m": {"p50": 8.0, "p95": 12.0}, "rms_over_bound": 1.1, "nees": 6.1,
+            "nees_interval": {"low": 5, "high": 7},
+        }  # fmt: skip
+        rows.append(
+            {
+                "rank": rank + 1, "design": design.name, "file": design.label,
+                "satellites": design.constellation.size, **found.figures(),
+                "worst_found": {"value": found.position_sigma.max()}, "answer": "no",
+                **(NOT_RUN if rank else filtered),
+            }
+        )  # fmt: skip
+    return {
+        "designs": rows, "drawn": samples, "seed": 0, "goal_m": 10.0, "density_sigma": 0.0,
+        "lift_sigma": 0.0,
+    }  # fmt: skip
+
+
+def test_section_has_maps_distributions_and_a_table(scenario):
     two, three = designs_of(2, 3)
-
-    def ranked(designs, on, **options):
-        rows = []
-        for rank, design in enumerate(designs):
-            found = judge_entries(
-                design.constellation, campaign_of(on, options["samples"], options["seed"]),
-                on, figure=design.figure, mask=design.mask,
-            )  # fmt: skip
-            rows.append(
-                {
-                    "rank": rank + 1, "design": design.name, "file": design.label,
-                    "satellites": design.constellation.size, **found.figures(),
-                    "worst_found": {"value": found.position_sigma.max()}, "answer": "no",
-                    "ekf_position_m": {"p95": 12.0} if rank == 0 else None,
-                    "nees": {"mean": 6.1} if rank == 0 else None,
-                }
-            )  # fmt: skip
-        return {"designs": rows}
-
-    monkeypatch.setattr(module, "rank_designs", ranked)
-    section = module.judge_section([three, two], scenario, samples=4, batches=2)
+    ranking = ranking_of([three, two], scenario, 4)
+    section = module.judge_section(ranking, [two, three], scenario)
     assert [picture.stem for picture in section.pictures] == ["judge-map", "judge-distributions"]
     assert all(picture.png.startswith(b"\x89PNG") for picture in section.pictures)
-    (table,) = section.tables
+    table, run = section.tables
     assert len(table.rows) == 2 and len(table.rows[0]) == len(table.header)
-    assert table.rows[0][1] == "3 satellites" and table.rows[1][-1] == ""
+    assert table.rows[0][1] == "3 satellites"
+    (row,) = run.rows
+    assert row == ("3 satellites", 4, 0, 8.0, 12.0, 1.1, 6.1, "5.00 and 7.00", "yes")
     assert "3 satellites: within 10 m? no." in section.paragraphs
 
 

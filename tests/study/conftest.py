@@ -1,6 +1,7 @@
 """A small study, and a lander short of time: quick enough for interpreted kernels."""
 
 import pytest
+from trade_processes import CANDIDATES, STUDY, Trade
 
 from compass.inputs.scenario import read_scenario_text
 from compass.inputs.study import read_study_text
@@ -64,3 +65,22 @@ def short(designs):
         return read_scenario_text(changed)
 
     return make
+
+
+@pytest.fixture(scope="session")
+def killed_study(tmp_path_factory):
+    """Give the file of a study that takes a few seconds, long enough to be disturbed."""
+    path = tmp_path_factory.mktemp("study") / "study.toml"
+    path.write_text(STUDY)
+    return path
+
+
+@pytest.fixture(scope="session")
+def undisturbed(killed_study, tmp_path_factory):
+    """Give its results when nothing happens to it."""
+    trade = Trade(killed_study, tmp_path_factory.mktemp("whole") / "store")
+    summary = trade.start("--workers", 1).finish()
+    assert summary["candidates"] == summary["computed"]["screen"] == CANDIDATES
+    assert summary["feasible"] == summary["computed"]["map"] > 50
+    assert set(trade.evaluations().values()) == {1}
+    return trade.results()

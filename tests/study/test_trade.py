@@ -6,7 +6,6 @@ import os
 import numpy as np
 import pytest
 
-from compass.errors import ArgumentError, CompassError
 from compass.study import stages, trade, workers
 from compass.study.candidates import candidates, identities
 from compass.study.choice import finalists_of, yardstick
@@ -14,7 +13,7 @@ from compass.study.evolve import assess
 from compass.study.results import read_results
 from compass.study.store import Store
 from compass.study.trade import finalists, passed, run_trade
-from compass.study.workers import Cluster, Here, Processes
+from compass.study.workers import Here, Processes
 
 
 class Bars:
@@ -74,29 +73,6 @@ def test_two_processes_find_the_same(tiny, tmp_path, monkeypatch):
         run(study, tmp_path / "two", team)
     finally:
         team.close()
-    one, two = (read_results(study, tmp_path / name) for name in ("one", "two"))
-    assert one.identical(two)
-
-
-def test_a_cluster_finds_the_same(tiny, tmp_path, monkeypatch):
-    distributed = pytest.importorskip("distributed")
-    monkeypatch.setitem(trade.BATCH, "screen", 5)
-    study = tiny()
-    run(study, tmp_path / "one")
-    with distributed.LocalCluster(
-        n_workers=2,
-        threads_per_worker=1,
-        processes=False,
-        protocol="tcp",
-        host="127.0.0.1",
-        dashboard_address=None,
-    ) as local:
-        team = Cluster(study, local.scheduler_address)
-        try:
-            assert team.count == 2
-            run(study, tmp_path / "two", team)
-        finally:
-            team.close()
     one, two = (read_results(study, tmp_path / name) for name in ("one", "two"))
     assert one.identical(two)
 
@@ -173,34 +149,6 @@ def test_lost_batches_are_counted_and_tried_again(tiny, tmp_path):
     assert summary.unfinished > 0
     again = run(study, tmp_path)
     assert again.unfinished == 0 and again.computed["map"] == summary.unfinished
-
-
-def test_schedulers_that_do_not_answer(tiny, monkeypatch):
-    pytest.importorskip("distributed")
-    monkeypatch.setattr(workers, "PATIENCE", 0.5)
-    for address in ("nonsense", "tcp://host", "tcp://host:port"):
-        with pytest.raises(ArgumentError, match="not an address; write it as tcp://host:port"):
-            Cluster(tiny(), address)
-    with pytest.raises(ArgumentError, match=r"tcp://127.0.0.1:9: does not answer within 0.5 s"):
-        Cluster(tiny(), "tcp://127.0.0.1:9")
-
-
-def test_a_scheduler_without_workers(tiny, monkeypatch):
-    distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr(workers, "PATIENCE", 1.0)
-    with (
-        distributed.LocalCluster(
-            n_workers=0, processes=False, protocol="tcp", host="127.0.0.1", dashboard_address=None
-        ) as local,
-        pytest.raises(ArgumentError, match=r"has no worker; start `dask worker tcp://127.0.0.1:"),
-    ):
-        Cluster(tiny(), local.scheduler_address)
-
-
-def test_a_cluster_of_another_version_is_refused(tiny):
-    rows = candidates(tiny()).rows(0, 1)
-    with pytest.raises(CompassError, match="install the same version on both"):
-        workers._remote("99", "screen", tiny(), rows)
 
 
 EVOLVE = 'seed = 2\n[sampling]\nmethod = "nsga2"\npopulation = 12\ngenerations = 8'

@@ -1,0 +1,53 @@
+"""A real browser, to open pages in as a reader would."""
+
+import shutil
+import subprocess
+
+import pytest
+
+FLAGS = (
+    "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+    "--window-size=1300,1000",
+)  # fmt: skip
+
+
+@pytest.fixture
+def browser(tmp_path):
+    """Headless Chromium."""
+    if not (shutil.which("chromium") and shutil.which("chromedriver")):
+        pytest.skip("Chromium and its driver are not installed")
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+
+    options = webdriver.ChromeOptions()
+    for flag in (*FLAGS, f"--user-data-dir={tmp_path / 'profile'}"):
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = webdriver.Chrome(
+        options, Service("/usr/bin/chromedriver", log_output=subprocess.DEVNULL)
+    )
+    yield driver
+    driver.quit()
+
+
+@pytest.fixture
+def opened(browser):
+    """Open a page: its pictures load, nothing is fetched or logged, nothing sticks out."""
+
+    def check(path, pictures):
+        browser.get(path.as_uri())
+        images = browser.find_elements("tag name", "img")
+        sizes = [browser.execute_script("return arguments[0].naturalWidth", i) for i in images]
+        assert len(sizes) == pictures and all(size > 300 for size in sizes)
+        assert browser.get_log("browser") == []
+        requests = browser.execute_script(
+            "return performance.getEntriesByType('resource').map(e => e.name)"
+            ".filter(n => !n.startsWith('data:'))"
+        )
+        assert requests == []
+        width = browser.execute_script("return document.documentElement.scrollWidth")
+        assert width <= browser.execute_script("return window.innerWidth")
+        return browser
+
+    return check

@@ -1,0 +1,176 @@
+"""A Dask cluster as workers: the same numbers, and everything that may stand at its address."""
+
+import contextlib
+import socket
+import threading
+import time
+from http.server import BaseHTTPRequestHandler, HTTPServer
+
+import pytest
+
+from compass.errors import ArgumentError, CompassError
+from compass.study import cluster, trade
+from compass.study.candidates import candidates
+from compass.study.cluster import Cluster, Tls
+from compass.study.results import read_results
+from compass.study.store import Store
+from compass.study.trade import run_trade
+from compass.study.workers import Here
+
+distributed = pytest.importorskip("distributed")
+
+
+class Quiet:
+    """Bars that count nothing."""
+
+    def __call__(self, *_):
+        return contextlib.nullcontext(self)
+
+    def update(self, n):
+        pass
+
+
+def run(study, folder, team):
+    with Store(folder, study) as store:
+        return run_trade(study, store, team, Quiet())
+
+
+@pytest.fixture
+def local():
+    """Make a cluster of threads of this process."""
+    with contextlib.ExitStack() as stack:
+
+        def make(workers):
+            return stack.enter_context(
+                distributed.LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    processes=False,
+                    protocol="tcp",
+                    host="127.0.0.1",
+                    dashboard_address=None,
+                )
+            )
+
+        yield make
+
+
+def test_a_cluster_finds_the_same(tiny, tmp_path, monkeypatch, local):
+    monkeypatch.setitem(trade.BATCH, "screen", 5)
+    study = tiny()
+    run(study, tmp_path / "one", Here(study))
+    team = Cluster(study, local(2).scheduler_address)
+    try:
+        assert team.count == 2
+        run(study, tmp_path / "two", team)
+    finally:
+        team.close()
+    one, two = (read_results(study, tmp_path / name) for name in ("one", "two"))
+    assert one.identical(two)
+
+
+def test_addresses_that_are_none(tiny):
+    for address in ("nonsense", "tcp://host", "tcp://host:port", "http://127.0.0.1:80"):
+        with pytest.raises(ArgumentError, match="not an address; write it as tcp://host:port"):
+            Cluster(tiny(), address)
+
+
+def test_nobody_is_there(tiny, monkeypatch):
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    with pytest.raises(ArgumentError, match=r"tcp://127.0.0.1:9: (does not answer|no connection)"):
+        Cluster(tiny(), "tcp://127.0.0.1:9")
+
+
+def test_somebody_is_there_and_silent(tiny, monkeypatch):
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        with pytest.raises(ArgumentError, match="check the address, that `dask scheduler` runs"):
+            Cluster(tiny(), address)
+
+
+def test_a_web_server_is_no_scheduler(tiny, monkeypatch):
+    monkeypatch.setattr(cluster, "PATIENCE", 2.0)
+    monkeypatch.setattr(BaseHTTPRequestHandler, "log_message", lambda *_: None)
+    server = HTTPServer(("127.0.0.1", 0), BaseHTTPRequestHandler)
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    try:
+        with pytest.raises(ArgumentError, match="that `dask scheduler` runs there"):
+            Cluster(tiny(), f"tcp://127.0.0.1:{server.server_port}")
+    finally:
+        server.shutdown()
+        thread.join()
+        server.server_close()
+
+
+def test_a_worker_is_no_scheduler(tiny, local):
+    (worker,) = local(1).workers.values()
+    with pytest.raises(ArgumentError, match="a Dask Worker, not a scheduler"):
+        Cluster(tiny(), worker.address)
+
+
+def test_a_scheduler_without_workers(tiny, monkeypatch, local):
+    monkeypatch.setattr(cluster, "PATIENCE", 1.0)
+    with pytest.raises(ArgumentError, match=r"has no worker; start `dask worker tcp://127.0.0.1:"):
+        Cluster(tiny(), local(0).scheduler_address)
+
+
+def test_a_cluster_of_another_version_is_refused(tiny):
+    rows = candidates(tiny()).rows(0, 1)
+    with pytest.raises(CompassError, match="install the same version on both; every finished"):
+        cluster._remote("99", "screen", b"", rows)
+
+
+def test_a_worker_that_cannot_do_the_work(tiny, tmp_path, monkeypatch, local):
+    def missing(*_):
+        raise ModuleNotFoundError("No module named 'compass'")
+
+    monkeypatch.setattr(cluster, "_remote", missing)
+    team = Cluster(tiny(), local(1).scheduler_address)
+    try:
+        with pytest.raises(CompassError, match=r"cannot do the work .*No module named 'compass'"):
+            run(tiny(), tmp_path, team)
+    finally:
+        team.close()
+
+
+def test_a_cluster_that_loses_all_its_workers(tiny, tmp_path, monkeypatch, local):
+    monkeypatch.setattr(cluster, "WATCH", 0.1)
+    monkeypatch.setattr(cluster, "SILENCE", 1.0)
+    made = local(1)
+    team = Cluster(tiny(), made.scheduler_address)
+    try:
+        made.scale(0)
+        end = time.monotonic() + 10
+        while made.scheduler.workers and time.monotonic() < end:
+            time.sleep(0.05)
+        with pytest.raises(CompassError, match="has had no worker for 1 s; every finished"):
+            run(tiny(), tmp_path, team)
+    finally:
+        team.close()
+
+
+@pytest.mark.parametrize(
+    ("address", "message"),
+    [
+        ("tls://127.0.0.1:9", "missing.pem: no such file; give a certificate or key"),
+        ("tcp://127.0.0.1:9", "with certificates, write it as tls://host:port"),
+    ],
+)
+def test_certificates_that_are_not_there(tiny, tmp_path, address, message):
+    missing = tmp_path / "missing.pem"
+    with pytest.raises(ArgumentError, match=message):
+        Cluster(tiny(), address, Tls(missing, missing, missing))
+
+
+def test_text_is_no_certificate(tiny, tmp_path):
+    text = tmp_path / "text.pem"
+    text.write_text("hello")
+    with pytest.raises(ArgumentError, match=r"--tls-ca = .*text.pem: not a certificate"):
+        Cluster(tiny(), "tls://127.0.0.1:9", Tls(text, text, text))
+
+
+def test_tls_without_certificates(tiny):
+    with pytest.raises(ArgumentError, match="needs certificates; give --tls-ca"):
+        Cluster(tiny(), "tls://127.0.0.1:9")
