@@ -63,16 +63,19 @@ def map_patterns(
         circles(raan, u, inclination[m], p, q)
         for k in range(epochs):
             phase = first + (last - first) * (k + 0.5) / epochs
-            r[k] = radius[m] * (math.cos(phase) * p + math.sin(phase) * q)
+            c, s = radius[m] * math.cos(phase), radius[m] * math.sin(phase)
+            for i in range(n):
+                for axis in range(3):
+                    r[k, i, axis] = c * p[i, axis] + s * q[i, axis]
         dops_over(r, area, 1.0, sin_mask[m], fold, gdop, pdop)
         dops_over(r, zones, 1.0, sin_mask[m], zone_fold, zone_gdop, zone_pdop)
         values = gdop.ravel()
         figures[m, 0] = select(values, half)
         figures[m, 1] = select(values[half:], most - half)  # the rest is smaller
         figures[m, 2] = worst_zone(zone_gdop, columns)
-        figures[m, 4] = np.sum(pdop <= pdop_max) / pdop.size
+        figures[m, 4] = (pdop.size - count_above(pdop.ravel(), pdop_max)) / pdop.size
         figures[m, 3] = select(pdop.ravel(), most)
-        figures[m, 5] = np.sum(fold) / fold.size
+        figures[m, 5] = fold.sum() / fold.size
 
 
 @kernel
@@ -90,13 +93,24 @@ def worst_zone(values, columns):
         Places in a row.
     """
     moments, places = values.shape
+    zone = np.empty((moments, 2, columns))
+    rank = nearest_rank(zone.size, 95)
     worst = 0.0
     for row in range((places // columns + 1) // 2):
         south, north = row * columns, places - (row + 1) * columns
-        zone = np.empty((2, moments, columns))
-        zone[0], zone[1] = values[:, south : south + columns], values[:, north : north + columns]
-        rank = nearest_rank(zone.size, 95)
+        for t in range(moments):
+            for c in range(columns):
+                zone[t, 0, c], zone[t, 1, c] = values[t, south + c], values[t, north + c]
         # most zones are not the worst: then too few of their values are larger
-        if np.sum(zone > worst) >= zone.size - rank:
+        if count_above(zone.ravel(), worst) >= zone.size - rank:
             worst = select(zone.ravel(), rank)
     return worst
+
+
+@kernel
+def count_above(values, limit):
+    """How many values are larger than a limit."""
+    count = 0
+    for value in values:
+        count += value > limit
+    return count
