@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from compass.core.jit import fast_kernel, kernel
+from compass.core.jit import fast_kernel, inline_kernel, kernel
 from compass.core.runs import cap_run, horizon_runs
 
 #: Order of the DOPs in every array.
@@ -25,7 +25,7 @@ TILE = 128
 XX, YY, ZZ, XY, XZ, YZ, X, Y, Z, N, PX, PY = (k * TILE for k in range(12))
 
 
-@fast_kernel
+@inline_kernel
 def dops(n, sxx, syy, szz, sxy, sxz, syz, sx, sy, sz, ux, uy, uz):
     """GDOP, PDOP, HDOP, VDOP, TDOP from moments of the lines of sight.
 
@@ -68,7 +68,7 @@ def dops(n, sxx, syy, szz, sxy, sxz, syz, sx, sy, sz, ux, uy, uz):
     )
 
 
-@fast_kernel
+@inline_kernel
 def _quadratic(caa, cbb, ccc, cab, cac, cbc, x, y, z):
     return caa * x * x + cbb * y * y + ccc * z * z + 2.0 * (cab * x * y + cac * x * z + cbc * y * z)
 

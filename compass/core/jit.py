@@ -44,3 +44,7 @@ kernel = _compiler()
 
 #: Compile with sums reordered and multiply-adds fused; never where rounding is accounted for.
 fast_kernel = _compiler(fastmath=FASTMATH)
+
+#: As `fast_kernel`, and part of every loop that calls it: one that is only called keeps the loop
+#: from working on several elements at once.
+inline_kernel = _compiler(fastmath=FASTMATH, forceinline=True)

@@ -236,9 +236,8 @@ def bounds(shares, gains, stops, out):
         traces of the parts of ``B (I + F)^-1 B^T``, B the gain at the end.
     """
     n, size = shares.shape[1], gains.shape[3]
-    low, y = np.empty((size, size)), np.empty(size)
+    low, y, packed = np.empty((size, size)), np.empty(size), np.empty(shares.shape[2])
     for m in range(shares.shape[0]):
-        gain = gains[m, stops[m]]
         for lost in range(-1, n):
             k = 0
             for a in range(size):
@@ -247,25 +246,38 @@ def bounds(shares, gains, stops, out):
                     for i in range(n):
                         if i != lost:
                             total += shares[m, i, k]
-                    low[a, b] = total
+                    packed[k] = total
                     k += 1
-            # Cholesky in place; every eigenvalue is at least 1
+            bound(packed, gains[m, stops[m]], low, y, out[m, 1 + lost])
+
+
+@kernel
+def bound(packed, gain, low, y, out):
+    """Roots of the traces of the position and velocity parts of ``B A^-1 B^T``.
+
+    A, packed, is the prior's unit matrix and the information; B, `gain`, is (6, d); `low` (d, d)
+    and `y` (d,) are scratch.
+    """
+    size = y.size
+    k = 0
+    # Cholesky; every eigenvalue is at least 1
+    for a in range(size):
+        for b in range(a + 1):
+            total = packed[k]
+            for c in range(b):
+                total -= low[a, c] * low[b, c]
+            low[a, b] = math.sqrt(total) if a == b else total / low[b, b]
+            k += 1
+    for part in range(2):
+        trace = 0.0
+        for i in range(3 * part, 3 * part + 3):
             for a in range(size):
-                for b in range(a + 1):
-                    total = low[a, b]
-                    for c in range(b):
-                        total -= low[a, c] * low[b, c]
-                    low[a, b] = math.sqrt(total) if a == b else total / low[b, b]
-            for part in range(2):
-                trace = 0.0
-                for i in range(3 * part, 3 * part + 3):
-                    for a in range(size):
-                        total = gain[i, a]
-                        for c in range(a):
-                            total -= low[a, c] * y[c]
-                        y[a] = total / low[a, a]
-                        trace += y[a] * y[a]
-                out[m, 1 + lost, part] = math.sqrt(trace)
+                total = gain[i, a]
+                for c in range(a):
+                    total -= low[a, c] * y[c]
+                y[a] = total / low[a, a]
+                trace += y[a] * y[a]
+        out[part] = math.sqrt(trace)
 
 
 @kernel

@@ -17,6 +17,9 @@ from compass.core.jit import kernel
 #: Satellites whose distances differ by less than this count as equally far, cosine.
 EQUAL = 1e-13
 
+#: Margin for rounding of the cosine of a radius that is not exceeded.
+SLACK = 1e-9
+
 
 @kernel
 def _nearer_than(u, p, sign, cosine, k, i, j, m):
@@ -33,7 +36,7 @@ def _nearer_than(u, p, sign, cosine, k, i, j, m):
 
 
 @kernel
-def covering_radius(u, k, least, p_best):
+def covering_radius(u, k, least, most, p_best):
     """Greatest k-th nearest distance, radians: the smallest radius of caps that cover k-fold.
 
     Parameters
@@ -44,6 +47,9 @@ def covering_radius(u, k, least, p_best):
         Fold, at least 1.
     least
         Radius, radians, at or below which nothing needs to be told apart; 0 for all.
+    most
+        Radius, radians, that is known not to be exceeded; pi if nothing is known. Points farther
+        than that from three satellites have too many nearer ones, and are not looked at.
     p_best
         Takes the point where it is reached, shape (3,).
 
@@ -56,12 +62,14 @@ def covering_radius(u, k, least, p_best):
     if n < k:
         return math.inf
     best = math.cos(min(max(least, 0.0), math.pi))
-    squared = best * abs(best)
+    squared = best * abs(best) + EQUAL
+    lowest = math.cos(min(most, math.pi)) - SLACK
+    low_squared = lowest * abs(lowest)
     found = False
     p = np.empty(3)
     for i in range(n):
-        if best > -1.0 and _nearer_than(u, u[i], -1.0, -1.0, k, i, i, i):
-            best, squared, found = -1.0, -1.0, True
+        if lowest <= -1.0 < best and _nearer_than(u, u[i], -1.0, -1.0, k, i, i, i):
+            best, squared, found = -1.0, EQUAL - 1.0, True
             p_best[:] = -u[i]
         for j in range(i + 1, n):
             ax, ay, az = u[j, 0] - u[i, 0], u[j, 1] - u[i, 1], u[j, 2] - u[i, 2]
@@ -71,28 +79,30 @@ def covering_radius(u, k, least, p_best):
                 p[0], p[1], p[2] = circle_frame(u[i])[0]
             else:
                 p /= norm
-            if -0.5 * norm < best and _nearer_than(u, p, -1.0, -0.5 * norm, k, i, j, j):
-                best, squared, found = -0.5 * norm, -0.25 * norm * norm, True
+            far = -0.5 * norm
+            if lowest <= far < best and _nearer_than(u, p, -1.0, far, k, i, j, j):
+                best, squared, found = far, EQUAL - far * far, True
                 p_best[:] = -p
             for m in range(j + 1, n):
                 bx, by, bz = u[m, 0] - u[i, 0], u[m, 1] - u[i, 1], u[m, 2] - u[i, 2]
-                p[0], p[1], p[2] = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+                x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
                 # compare cosines by their squares with signs: most triples end here
-                square = p[0] * p[0] + p[1] * p[1] + p[2] * p[2]
-                height = p[0] * u[i, 0] + p[1] * u[i, 1] + p[2] * u[i, 2]
-                if -height * abs(height) >= squared * square and (
-                    height * abs(height) >= squared * square
-                ):
+                square = x * x + y * y + z * z
+                height = x * u[i, 0] + y * u[i, 1] + z * u[i, 2]
+                signed, high, low = height * abs(height), squared * square, low_squared * square
+                if not (low <= signed < high or low <= -signed < high):
                     continue
                 if square < 1e-24:
                     continue
                 norm = math.sqrt(square)
-                p /= norm
+                p[0], p[1], p[2] = x / norm, y / norm, z / norm
                 cosine = height / norm
                 for sign in (1.0, -1.0):
-                    if sign * cosine < best and _nearer_than(u, p, sign, sign * cosine, k, i, j, m):
+                    if lowest <= sign * cosine < best and _nearer_than(
+                        u, p, sign, sign * cosine, k, i, j, m
+                    ):
                         best, found = sign * cosine, True
-                        squared = best * abs(best)
+                        squared = best * abs(best) + EQUAL
                         p_best[:] = sign * p
     if not found:
         return least
@@ -125,15 +135,17 @@ def worst_radius(orbits, poles, gm, spin, k, start, stop, tolerance, limit, max_
         an early end `most` is infinite.
     """
     parts = 8
-    stack = np.empty((parts + 128, 2))
+    stack = np.empty((parts + 128, 3))  # intervals, and the radius that is not exceeded in each
     point, candidate = np.zeros(3), np.zeros(3)
     least, most, when = -1.0, 0.0, start
     if orbits.shape[1] < k:
         return math.inf, math.inf, start, point, 0
     sphere = 1e-9 * orbits[0].min()  # caps do not matter here, only directions
+    ceiling = math.pi
     for time in (start, stop):
-        u, _, _ = caps_at(orbits, poles, gm, sphere, 0.0, spin, math.nan, time, 0.0)
-        value = covering_radius(u, k, least, candidate)
+        u, _, stray = caps_at(orbits, poles, gm, sphere, 0.0, spin, math.nan, time, stop - start)
+        value = covering_radius(u, k, least, ceiling, candidate)
+        ceiling = min(ceiling, value + stray.max())
         if value > least:
             least, when = value, time
             point[:] = candidate
@@ -142,6 +154,7 @@ def worst_radius(orbits, poles, gm, spin, k, start, stop, tolerance, limit, max_
         for part in range(parts):
             stack[part, 0] = start + (stop - start) * part / parts
             stack[part, 1] = start + (stop - start) * (part + 1) / parts
+            stack[part, 2] = ceiling
         depth = parts
     while depth > 0:
         if least > limit:
@@ -153,7 +166,7 @@ def worst_radius(orbits, poles, gm, spin, k, start, stop, tolerance, limit, max_
         u, _, stray = caps_at(orbits, poles, gm, sphere, 0.0, spin, math.nan, middle, half)
         # a lower radius than this closes the interval, whatever it is
         enough = least + tolerance - stray.max()
-        value = covering_radius(u, k, enough, candidate)
+        value = covering_radius(u, k, enough, stack[depth, 2], candidate)
         nodes += 1
         if value > max(least, enough):
             least, when = value, middle
@@ -168,7 +181,7 @@ def worst_radius(orbits, poles, gm, spin, k, start, stop, tolerance, limit, max_
         ):
             most = max(most, bound)
             continue
-        stack[depth, 0], stack[depth, 1] = middle, right
-        stack[depth + 1, 0], stack[depth + 1, 1] = left, middle
+        stack[depth, 0], stack[depth, 1], stack[depth, 2] = middle, right, bound
+        stack[depth + 1, 0], stack[depth + 1, 1], stack[depth + 1, 2] = left, middle, bound
         depth += 2
     return least, min(max(least, most), math.pi), when, point, nodes

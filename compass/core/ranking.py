@@ -43,6 +43,12 @@ def select(values, k):
 
 
 @kernel
+def nearest_rank(size, percent):
+    """Place, from 0, of the smallest of `size` values that `percent` of them do not exceed."""
+    return max(-(-percent * size // 100), 1) - 1
+
+
+@kernel
 def add_to_histogram(values, weight, histogram):
     """Add positive values, each of one weight, to a log-scale histogram.
 

@@ -44,6 +44,17 @@ def deciding_phases(star, satellites, planes, phasing):
 
 
 @kernel
+def circles(raan, latitude_argument, inclination, p, q):
+    """Unit vectors P and Q, shape (n, 3): satellites are at ``P cos x + Q sin x`` at phase x."""
+    ci, si = math.cos(inclination), math.sin(inclination)
+    for s in range(raan.size):
+        co, so = math.cos(raan[s]), math.sin(raan[s])
+        cu, su = math.cos(latitude_argument[s]), math.sin(latitude_argument[s])
+        p[s, 0], p[s, 1], p[s, 2] = co * cu - so * ci * su, so * cu + co * ci * su, si * su
+        q[s, 0], q[s, 1], q[s, 2] = -so * ci * cu - co * su, co * ci * cu - so * su, si * cu
+
+
+@kernel
 def closest_pair(raan, latitude_argument, inclination):
     """Least angle between two satellites of equal circular orbits at any time, radians.
 
@@ -51,13 +62,8 @@ def closest_pair(raan, latitude_argument, inclination):
     ``(P.P' + Q.Q')/2 + (P.P' - Q.Q')/2 cos 2x + (P.Q' + Q.P')/2 sin 2x``; pi for one alone.
     """
     n = raan.size
-    ci, si = math.cos(inclination), math.sin(inclination)
     p, q = np.empty((n, 3)), np.empty((n, 3))
-    for s in range(n):
-        co, so = math.cos(raan[s]), math.sin(raan[s])
-        cu, su = math.cos(latitude_argument[s]), math.sin(latitude_argument[s])
-        p[s, 0], p[s, 1], p[s, 2] = co * cu - so * ci * su, so * cu + co * ci * su, si * su
-        q[s, 0], q[s, 1], q[s, 2] = -so * ci * cu - co * su, co * ci * cu - so * su, si * cu
+    circles(raan, latitude_argument, inclination, p, q)
     nearest = -1.0
     for a in range(n):
         for b in range(a + 1, n):

@@ -98,10 +98,29 @@ def repeat_period(constellation: Constellation, *, max_days: int = 10) -> Repeat
     two-body motion; if none does, the one that closes best. The miss is reported either way.
     An empty constellation repeats at once, after one rotation.
     """
-    day = sidereal_day()
-    turns = np.outer(np.arange(1, max_days + 1) * day, constellation.mean_motion) / (2 * np.pi)
-    miss = 2 * np.pi * np.abs(turns - np.round(turns)).max(axis=1, initial=0.0)
-    close = np.flatnonzero(miss <= np.radians(1.0))
-    best = int(close[0]) if close.size else int(miss.argmin())
-    revolutions = int(np.round(turns[best, 0])) if constellation.size else 0
-    return RepeatPeriod((best + 1) * day, best + 1, revolutions, float(miss[best]))
+    motion = constellation.mean_motion
+    days, closure = closing_days(motion, max_days)
+    duration = int(days) * sidereal_day()
+    revolutions = int(np.round(duration * motion[0] / (2 * np.pi))) if motion.size else 0
+    return RepeatPeriod(duration, int(days), revolutions, float(closure))
+
+
+def closing_days(
+    mean_motion: ArrayLike, max_days: int = 10
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Rotations of Mars in the `repeat_period` of orbits of these mean motions, and its closure.
+
+    Parameters
+    ----------
+    mean_motion
+        rad/s, shape (..., n): n satellites of each of many constellations.
+    max_days
+        Most rotations.
+    """
+    days = np.arange(1, max_days + 1)
+    motion = np.asarray(mean_motion, dtype=float)[..., np.newaxis, :]
+    turns = (days * sidereal_day())[:, np.newaxis] * motion / (2 * np.pi)
+    miss = 2 * np.pi * np.abs(turns - np.round(turns)).max(axis=-1, initial=0.0)
+    close = miss <= np.radians(1.0)
+    best = np.where(close.any(axis=-1), close.argmax(axis=-1), miss.argmin(axis=-1))
+    return days[best], np.take_along_axis(miss, best[..., np.newaxis], axis=-1)[..., 0]

@@ -54,6 +54,13 @@ def make_constellation(row: np.void) -> Constellation:
     return make(t, p, f, inclination=inclination, radius=radius)
 
 
+def pattern_columns(rows: NDArray) -> tuple[NDArray, ...]:
+    """Candidates as kernels take patterns: star or not, t, p, f, inclination (rad), (n,) each."""
+    counts = (rows[name].astype(np.int64) for name in ("satellites", "planes", "phasing"))
+    star = rows["pattern"] == PATTERNS.index("walker-star")
+    return star, *counts, np.radians(rows["inclination_deg"])
+
+
 @dataclass(frozen=True)
 class Block:
     """Candidates of one kind, size and number of planes, with the phasings they may have."""

@@ -161,7 +161,8 @@ def judge_entries(
     ArgumentError
         Measurements in turn, process noise, or a satellite that comes down to the surface.
     """
-    _check(constellation, scenario, figure)
+    check_measurements(scenario)
+    _check_height(constellation, figure)
     size, n = campaign.size, constellation.size
     epochs = campaign.arrivals.phase * repeat_period(constellation).duration
     angles = prime_meridian_angle(constellation.epoch, epochs)
@@ -215,7 +216,14 @@ def due(scenario: Scenario, times: Array) -> NDArray[np.bool_]:
     return scenario.measurements.taken(np.ones((times.size, 1), dtype=bool), times)[:, 0]
 
 
-def _check(constellation: Constellation, scenario: Scenario, figure: Figure) -> None:
+def check_measurements(scenario: Scenario) -> None:
+    """Refuse what the bound does not cover.
+
+    Raises
+    ------
+    ArgumentError
+        Measurements in turn, or process noise.
+    """
     if scenario.measurements.in_turn:
         raise ArgumentError(
             f"{scenario.label}: measurements.in_turn = true: judged is what all satellites in "
@@ -226,6 +234,9 @@ def _check(constellation: Constellation, scenario: Scenario, figure: Figure) -> 
             f"{scenario.label}: filter.process_noise_si: judged is the bound without process "
             "noise; leave it out"
         )
+
+
+def _check_height(constellation: Constellation, figure: Figure) -> None:
     lowest = constellation.periapsis_radius.min(initial=np.inf)
     if lowest <= figure.equatorial_radius:
         raise ArgumentError(

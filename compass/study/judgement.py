@@ -85,7 +85,7 @@ class Judgement:
         worst = int(position.argmax())
         latitude, longitude = self.campaign.deployment_place
         return {
-            "in_view": {"min": int(np.argmax(counts > 0)), "median": _median(counts)},
+            "in_view": {"min": int(np.argmax(counts > 0)), "median": float(median_number(counts))},
             "crlb_position_m": {
                 **_percentiles(position),
                 "worst": float(position[worst]),
@@ -126,11 +126,12 @@ def spectrum_and_floor(f: Array, terms: int) -> tuple[Array, Array]:
     return values, np.asarray(floor, dtype=np.float64)
 
 
-def _median(counts: NDArray[np.int64]) -> float:
-    """Median of a number that occurs ``counts[number]`` times."""
-    below, total = np.cumsum(counts), int(counts.sum())
-    middle = np.searchsorted(below, [(total - 1) // 2, total // 2], side="right")
-    return float(middle.mean())
+def median_number(counts: NDArray[np.int64]) -> Array:
+    """Median of a number that occurs ``counts[..., number]`` times, shape (...)."""
+    below = counts.cumsum(axis=-1)
+    total = below[..., -1:]
+    middle = [(below <= (total - 1 + k) // 2).sum(axis=-1) for k in (0, 1)]
+    return np.asarray((middle[0] + middle[1]) / 2, dtype=np.float64)
 
 
 def _percentiles(values: Array) -> dict[str, float]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from compass.core.gdop import dops_at
+from compass.core.gdop import dops_at, dops_over
 from compass.coverage.gdop import gdop_availability, gdop_percentile, gdop_samples
 from compass.coverage.symmetry import shortest_span
 from compass.errors import ArgumentError
@@ -35,6 +35,22 @@ def test_kernel_against_numpy():
             expected = plain_gdop(r, up, mask)
             assert fold == expected[0]
             assert gdop == pytest.approx(expected[1], rel=1e-7)
+
+
+@pytest.mark.parametrize("count", [1, 5, 130])  # less than a tile of places, and more
+def test_many_places_as_each_alone(count):
+    r = positions_mci(design(), [1234.0, 40000.0]).transpose(1, 0, 2).copy()
+    places = np.random.default_rng(count).normal(size=(count, 3))
+    places /= np.linalg.norm(places, axis=1, keepdims=True)
+    fold = np.empty((2, count), np.int64)
+    gdop, pdop = np.empty((2, 2, count))
+    dops_over(r, places, R, np.sin(0.1), fold, gdop, pdop)
+    for t in range(2):
+        for q in range(count):
+            alone = dops_at(r[t], places[q], R, np.sin(0.1))
+            assert fold[t, q] == alone[0]
+            limit = 1e-15 * 15 * alone[1] ** 2 if np.isfinite(alone[1]) else 0
+            assert (gdop[t, q], pdop[t, q]) == pytest.approx(alone[1:], rel=limit)
 
 
 def test_singular_geometry_is_infinite():

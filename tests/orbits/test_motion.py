@@ -7,7 +7,7 @@ from compass.errors import ArgumentError
 from compass.frames import latitude_longitude
 from compass.orbits import orbital_period, positions_mcmf, repeat_period, states_mci
 from compass.orbits.ephemeris import acceleration_j2
-from compass.orbits.period import secular_rates
+from compass.orbits.period import closing_days, secular_rates
 
 
 def one(a=8e6, e=0.2, i=1.0, **more):
@@ -95,6 +95,21 @@ def test_repeat_period():
     assert (
         repeat_period(walker_delta(1, 1, 0, inclination=0.8, radius=two_thirds)).sidereal_days == 2
     )
+
+
+def test_closing_days_of_many_constellations_at_once():
+    radii = np.linspace(4e6, 3e7, 40)
+    motion = np.sqrt(MARS_GM.value / radii**3)
+    days, closure = closing_days(motion[:, None])
+    for k, radius in enumerate(radii):
+        alone = repeat_period(walker_delta(1, 1, 0, inclination=0.8, radius=radius))
+        assert (days[k], closure[k]) == (alone.sidereal_days, alone.closure)
+        turns = np.arange(1, 11) * sidereal_day() * motion[k] / (2 * np.pi)
+        misses = 360 * np.abs(turns - np.rint(turns))
+        first = np.flatnonzero(misses <= 1)
+        assert days[k] == (first[0] if first.size else misses.argmin()) + 1
+    pair, _ = closing_days([motion[[0, 7]], motion[[3, 3]]])
+    assert pair.shape == (2,) and pair[1] == days[3]
 
 
 def test_ephemeris_is_a_dataset_with_units():

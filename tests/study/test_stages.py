@@ -1,5 +1,7 @@
 """Stages against the slow, obvious twins: brackets, spans, geometry maps, single candidates."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,10 +16,11 @@ from compass.coverage.margin import covering_radius
 from compass.coverage.motion import motion_of
 from compass.coverage.symmetry import shortest_span
 from compass.coverage.view import view
-from compass.inputs.study import read_study_text
+from compass.inputs.study import EntryStage, read_study_text
 from compass.orbits import walker_delta, walker_star
 from compass.study import stages
 from compass.study.candidates import ROW, candidates, make_constellation
+from compass.study.pattern_map import map_figures
 from compass.study.search import closest_approach
 from compass.study.stages import TOLERANCE, evaluate, passing
 
@@ -159,7 +162,6 @@ def test_map_against_the_coverage_map():
     s = study(satellites=15, fold=4)
     c = walker_delta(15, 5, 1, inclination=np.radians(45), radius=ORBIT)
     mask = np.radians(5)
-    ours = stages.map_figures(c, s, mask)
     # the map is Mars-fixed, ours inertial: many epochs of a day average the difference out
     grid = equal_area_grid(np.radians(5))
     from compass.sites import Mask
@@ -170,7 +172,8 @@ def test_map_against_the_coverage_map():
     finer = read_study_text(
         s.text.replace("step_deg = 15", "step_deg = 5").replace("epochs = 4", "epochs = 40")
     )
-    ours = stages.map_figures(c, finer, mask)
+    found = map_figures(finer, np.array([(0, 15, 5, 1, 45.0, ORBIT / 1e3, 5.0)], ROW))
+    ours = {name: values[0] for name, values in found.items()}
     # both sample area and time: some 1e5 correlated points each, percents apart
     for name, percent in (("gdop", 50), ("gdop", 95), ("pdop", 95)):
         there = float(dops.sel(dop=name, global_percentile=percent))
@@ -181,36 +184,32 @@ def test_map_against_the_coverage_map():
     assert ours["count_mean"] == pytest.approx(15 * (1 - np.cos(cap)) / 2, rel=2e-3)
 
 
-def test_entry_is_the_judges(designs):
-    text = (
-        TEXT.format(satellites=12, fold=1, more="")
-        + '[entry]\nscenario = "entry-compass.toml"\nsamples = 4\n'
-    )
-    s = read_study_text(text, folder=designs)
-    row = np.array([(0, 12, 3, 1, 50.0, 20427.7, 5.0)], ROW)
-    found = evaluate("entry", s, row)
-    from compass.sites import Mask
-    from compass.study.judge import judge
-
-    wanted = judge(make_constellation(row[0]), s.entry.scenario, samples=4, seed=0,
-                   figure=s.figure, mask=Mask.constant(np.radians(5)))  # fmt: skip
-    assert not found.errors
-    assert found.figures["crlb_position_m.p95"][0] == wanted["crlb_position_m"]["p95"]
-    assert found.figures["unobservable_share"][0] == wanted["unobservable_share"]
+@pytest.mark.parametrize("stage", ["screen", "map", "entry"])
+def test_the_batch_does_not_matter(stage, short):
+    s = replace(study(satellites="[5, 6, 12]"), entry=EntryStage(short(), 2, 9))
+    found = candidates(s)
+    rows = found.rows(0, len(found))[::17]
+    assert set(rows["pattern"]) == {0, 1, 2}
+    together = evaluate(stage, s, rows)
+    assert not together.errors
+    for some in ([3, 1], *([k] for k in range(rows.size))):
+        alone = evaluate(stage, s, rows[some])
+        for name in stages.figures_of(stage):
+            assert np.array_equal(together.figures[name][some], alone.figures[name], equal_nan=True)
 
 
 def test_one_that_raises_does_not_harm_the_others(monkeypatch):
     s = study(satellites="[5, 6]")
     rows = candidates(s).rows(0, 5)
     whole = evaluate("map", s, rows)
-    honest = stages.make_constellation
+    honest = stages.FINDERS["map"]
 
-    def flawed(row):
-        if row == rows[2]:
+    def flawed(study, some):
+        if rows[2] in some:
             raise ZeroDivisionError("no such thing")
-        return honest(row)
+        return honest(study, some)
 
-    monkeypatch.setattr(stages, "make_constellation", flawed)
+    monkeypatch.setitem(stages.FINDERS, "map", flawed)
     found = evaluate("map", s, rows)
     assert found.errors == {2: "ZeroDivisionError: no such thing"}
     for name, values in found.figures.items():
@@ -225,7 +224,7 @@ def test_a_symmetric_pattern_that_fails_the_poles_is_found_out():
     text = study(satellites=24, fold=4).text.replace("step_deg = 15", "step_deg = 10")
     s = read_study_text(text.replace("epochs = 4", "epochs = 100"))
     c = walker_delta(24, 8, 4, inclination=np.radians(50), radius=ORBIT)
-    figures = stages.map_figures(c, s, np.radians(5))
+    figures = map_figures(s, np.array([(0, 24, 8, 4, 50.0, ORBIT / 1e3, 5.0)], ROW))
     assert figures["gdop_p95"] < 3
     # the worst zone, sampled plainly: both hemispheres, random times of a whole revolution
     rng = np.random.default_rng(3)

@@ -121,14 +121,14 @@ def test_a_batch_that_kills_its_workers_is_left_out(tiny, monkeypatch):
 
 
 def test_what_raises_is_recorded_and_the_rest_goes_on(tiny, tmp_path, monkeypatch):
-    study, honest = tiny(), stages.make_constellation
+    study, honest = tiny(), stages.FINDERS["map"]
 
-    def flawed(row):
-        if row["planes"] == 5:
+    def flawed(study, rows):
+        if 5 in rows["planes"]:
             raise RuntimeError("five planes")
-        return honest(row)
+        return honest(study, rows)
 
-    monkeypatch.setattr(stages, "make_constellation", flawed)
+    monkeypatch.setitem(stages.FINDERS, "map", flawed)
     summary = run(study, tmp_path)
     results = read_results(study, tmp_path)
     bad = results.error == "RuntimeError: five planes"

@@ -1,0 +1,102 @@
+"""Many patterns mapped in one call: dilution of precision and counts over area and time."""
+
+import math
+
+import numpy as np
+
+from compass.core.gdop import dops_over
+from compass.core.jit import kernel
+from compass.core.ranking import nearest_rank, select
+from compass.core.screen import circles, deciding_phases, lay_out
+
+
+@kernel
+def map_patterns(
+    star,
+    satellites,
+    planes,
+    phasing,
+    inclination,
+    radius,
+    sin_mask,
+    epochs,
+    area,
+    zones,
+    columns,
+    pdop_max,
+    figures,
+):
+    """Figures of geometry of m patterns over the whole sphere and the phases that decide.
+
+    Parameters
+    ----------
+    star, satellites, planes, phasing, inclination
+        The patterns, shape (m,); radians.
+    radius
+        Of the orbits, in radii of the sphere, shape (m,).
+    sin_mask
+        Sine of the elevation mask of each, shape (m,).
+    epochs
+        Moments, evenly spread over `deciding_phases`.
+    area
+        Unit vectors to places that stand for equal areas, shape (q, 3).
+    zones, columns
+        Unit vectors to places in rows of latitude from pole to pole, shape (rows * columns, 3),
+        and how many there are in a row.
+    pdop_max
+        Largest PDOP that counts as available.
+    figures
+        Takes, shape (m, 6): GDOP not exceeded at 50 and at 95 of 100 places and moments, and at
+        95 of 100 in the zone of latitude where that is worst; PDOP at 95; share with PDOP at
+        most `pdop_max`; mean number in view. Percentiles are values that occur; inf counts.
+    """
+    fold = np.empty((epochs, area.shape[0]), np.int64)
+    gdop, pdop = np.empty((epochs, area.shape[0])), np.empty((epochs, area.shape[0]))
+    zone_fold = np.empty((epochs, zones.shape[0]), np.int64)
+    zone_gdop, zone_pdop = np.empty((epochs, zones.shape[0])), np.empty((epochs, zones.shape[0]))
+    half, most = nearest_rank(gdop.size, 50), nearest_rank(gdop.size, 95)
+    for m in range(satellites.size):
+        n = satellites[m]
+        raan, u = lay_out(star[m], n, planes[m], phasing[m])
+        first, last = deciding_phases(star[m], n, planes[m], phasing[m])
+        p, q, r = np.empty((n, 3)), np.empty((n, 3)), np.empty((epochs, n, 3))
+        circles(raan, u, inclination[m], p, q)
+        for k in range(epochs):
+            phase = first + (last - first) * (k + 0.5) / epochs
+            r[k] = radius[m] * (math.cos(phase) * p + math.sin(phase) * q)
+        dops_over(r, area, 1.0, sin_mask[m], fold, gdop, pdop)
+        dops_over(r, zones, 1.0, sin_mask[m], zone_fold, zone_gdop, zone_pdop)
+        values = gdop.ravel()
+        figures[m, 0] = select(values, half)
+        figures[m, 1] = select(values[half:], most - half)  # the rest is smaller
+        figures[m, 2] = worst_zone(zone_gdop, columns)
+        figures[m, 4] = np.sum(pdop <= pdop_max) / pdop.size
+        figures[m, 3] = select(pdop.ravel(), most)
+        figures[m, 5] = np.sum(fold) / fold.size
+
+
+@kernel
+def worst_zone(values, columns):
+    """Largest 95th percentile of a zone of latitude, north and south together.
+
+    Where it is seen in the centre or run backwards, a pattern has north and south exchanged: in
+    the time that decides only both together show all there is.
+
+    Parameters
+    ----------
+    values
+        At every moment in rows from pole to pole, shape (t, rows * columns).
+    columns
+        Places in a row.
+    """
+    moments, places = values.shape
+    worst = 0.0
+    for row in range((places // columns + 1) // 2):
+        south, north = row * columns, places - (row + 1) * columns
+        zone = np.empty((2, moments, columns))
+        zone[0], zone[1] = values[:, south : south + columns], values[:, north : north + columns]
+        rank = nearest_rank(zone.size, 95)
+        # most zones are not the worst: then too few of their values are larger
+        if np.sum(zone > worst) >= zone.size - rank:
+            worst = select(zone.ravel(), rank)
+    return worst

@@ -1,0 +1,43 @@
+"""Geometry over area and time of many patterns at once."""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.core.pattern_map import map_patterns
+from compass.coverage.grid import make_grid
+from compass.frames import direction
+from compass.inputs.merit import merits_of
+from compass.inputs.study import Study
+from compass.study.candidates import pattern_columns
+
+
+def map_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
+    """Dilution of precision and counts over the whole sphere and the time that decides, (n,) each.
+
+    A pattern shows all it ever shows within a fraction of a revolution, but for turns of the
+    sphere; the epochs are spread over that fraction, so few are enough. Zones of latitude are
+    taken from rows of equal width: these reach nearer to the poles, where little area is.
+    """
+    step = study.map.step_deg
+    figures = np.empty((rows.size, len(merits_of("map"))))
+    map_patterns(
+        *pattern_columns(rows),
+        rows["radius_km"] * 1e3 / study.figure.equatorial_radius,
+        np.sin(np.radians(rows["mask_deg"])),
+        study.map.epochs,
+        _places("equal-area", step),
+        _places("equal-angle", step),
+        make_grid("equal-angle", step).columns,
+        study.map.pdop_max,
+        figures,
+    )
+    return dict(zip(merits_of("map"), figures.T, strict=True))
+
+
+@lru_cache(maxsize=8)
+def _places(kind: str, step_deg: float) -> NDArray[np.float64]:
+    """Unit vectors to the middles of a grid's cells, row by row from the south, shape (q, 3)."""
+    grid = make_grid(kind, step_deg)
+    return direction(grid.latitude[:, np.newaxis], grid.longitude).reshape(-1, 3)
