@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from compass.errors import CompassError, DesignError
 from compass.frames import FIGURES, Figure
@@ -69,13 +70,12 @@ class Constraint:
     high: float
     strict: bool
 
-    def holds(self, value: float | None) -> bool:
-        """Whether a value meets it; no value never does."""
-        if value is None or np.isnan(value):
-            return False
+    def holds(self, values: ArrayLike | None) -> NDArray[np.bool_]:
+        """Whether values meet it, shape as `values`; no value (None, nan) never does."""
+        found = np.asarray(values, dtype=float)
         if self.strict:
-            return self.low < value < self.high
-        return self.low <= value <= self.high
+            return np.asarray((self.low < found) & (found < self.high))
+        return np.asarray((self.low <= found) & (found <= self.high))
 
     def __str__(self) -> str:
         sign = ("<", ">") if self.strict else ("<=", ">=")

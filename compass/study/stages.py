@@ -78,7 +78,7 @@ def passing(study: Study, stage: str, figures: dict[str, NDArray[np.float64]]) -
     size = next(iter(figures.values())).size
     keep = np.ones(size, dtype=bool)
     for constraint in study.constraints_of(stage):
-        keep &= [constraint.holds(float(value)) for value in figures[constraint.figure]]
+        keep &= constraint.holds(figures[constraint.figure])
     return keep
 
 

@@ -47,10 +47,9 @@ def batch_record(stage: str, rows: NDArray, found: Found) -> dict[str, Any]:
 
 def _plain(values: NDArray[np.float64]) -> list[float | str | None]:
     """Values for JSON, which has neither nan (null) nor infinity (a word)."""
-    plain: list[float | str | None] = values.tolist()
-    for k in np.flatnonzero(~np.isfinite(values)):
-        plain[k] = None if np.isnan(values[k]) else "inf"
-    return plain
+    plain = values.astype(object)
+    plain[np.isnan(values)], plain[np.isinf(values)] = None, "inf"
+    return list(plain)
 
 
 def rows_of(record: dict[str, Any]) -> NDArray:

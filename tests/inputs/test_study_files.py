@@ -1,5 +1,6 @@
 """Study files: what is read, and every fault at once with its remedy."""
 
+import numpy as np
 import pytest
 
 from compass.errors import DesignError
@@ -38,6 +39,7 @@ def test_a_good_one():
     proven, gdop = study.constraints
     assert proven.holds(1.0) and not proven.holds(0.0) and not proven.holds(None)
     assert gdop.holds(5.9) and not gdop.holds(6.0) and not gdop.holds(float("nan"))
+    assert gdop.holds(np.array([5.9, 6.0, np.nan])).tolist() == [True, False, False]
     assert str(proven) == "fold_proven >= 1" and str(gdop) == "gdop_p95 < 6"
     assert study.constraints_of("map") == [gdop]
 

@@ -131,7 +131,7 @@ def test_median_of_numbers():
 
 
 def entry(scenario, samples=4):
-    return replace(study(), entry=EntryStage(scenario, samples, 9, 2, 0))
+    return replace(study(), entry=EntryStage(scenario, samples, 9, samples, 1))
 
 
 def assert_as_judged_one_by_one(s, rows):

@@ -186,7 +186,7 @@ def test_map_against_the_coverage_map():
 
 @pytest.mark.parametrize("stage", ["screen", "map", "entry"])
 def test_the_batch_does_not_matter(stage, short):
-    s = replace(study(satellites="[5, 6, 12]"), entry=EntryStage(short(), 2, 9, 2, 0))
+    s = replace(study(satellites="[5, 6, 12]"), entry=EntryStage(short(), 2, 9, 2, 1))
     found = candidates(s)
     rows = found.rows(0, len(found))[::17]
     assert set(rows["pattern"]) == {0, 1, 2}
