@@ -110,7 +110,7 @@ class MonteCarlo:
         Estimate minus truth in Mars-fixed position (m) and relative velocity (m/s), (runs, t, 6).
     nees
         Normalised estimation error squared of the six states, (runs, t); 6 on average if the
-        filter is consistent.
+        filter is consistent, nan where its covariance is not positive definite.
     sigmas
         What the filter claims: roots of the traces of its position and velocity covariance,
         (runs, t, 2).
@@ -135,9 +135,14 @@ class MonteCarlo:
 
     @property
     def mean_nees(self) -> NDArray[np.float64]:
-        """Mean of the normalised error squared over the runs, shape (t,)."""
+        """Mean of the normalised error squared over the runs, shape (t,); nan if one is."""
         kept = self.nees[~self.diverged]
         return kept.mean(axis=0) if len(kept) else np.full(kept.shape[1], np.nan)
+
+    @property
+    def broken(self) -> NDArray[np.bool_]:
+        """Runs that stay finite, but with a covariance that is no longer positive definite."""
+        return np.asarray(~self.diverged & np.isnan(self.nees).any(axis=1), dtype=np.bool_)
 
 
 def _rms(errors: NDArray[np.float64]) -> NDArray[np.float64]:

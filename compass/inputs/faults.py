@@ -22,7 +22,7 @@ _KINDS = {
 
 def fault(field: str, value: object, problem: str) -> str:
     """One fault: ``field = value: problem``; long values are cut."""
-    shown = repr(value)
+    shown = str(value).lower() if isinstance(value, bool) else repr(value)
     return f"{field} = {shown if len(shown) <= 60 else shown[:57] + '...'}: {problem}"
 
 
@@ -51,6 +51,12 @@ def _sentence(error: ErrorDetails, model: type[BaseModel]) -> str:
         return fault(f"{path}.{tag}", context["tag"], f"allowed: {context['expected_tags']}")
     if kind == "literal_error":
         return fault(path, value, f"allowed: {context['expected']}")
+    if kind in ("too_short", "too_long", "string_too_short", "string_too_long"):
+        count = context.get("min_length", context.get("max_length"))
+        word = "least" if kind.endswith("short") else "most"
+        unit = "character" if kind.startswith("string") else "value"
+        plural = "" if count == 1 else "s"
+        return fault(path, value, f"must have at {word} {count} {unit}{plural}{hint}")
     if kind == "finite_number":
         return fault(path, value, f"must be a finite number{hint}")
     if kind in ("greater_than", "greater_than_equal", "less_than", "less_than_equal"):

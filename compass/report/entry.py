@@ -18,6 +18,9 @@ from compass.report.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure
 
 KM = 1e3
 
+#: Nearer to the polar axis than so many sigmas, a filter of longitudes goes astray.
+NEAR_POLE = 10.0
+
 
 def assess_scenario(scenario: Scenario, runs: int | None = None) -> Assessment:
     """Fly a scenario's truth and assess its navigation; `runs` instead of the scenario's.
@@ -47,13 +50,13 @@ def entry_section(scenario: Scenario, found: Assessment) -> Section:
     paragraphs = [" ".join(scenario.source.split())] if scenario.source.strip() else []
     return Section(
         f"Entry: {scenario.name}",
-        (*paragraphs, *_findings(found)),
+        (*paragraphs, *_findings(scenario, found)),
         entry_pictures(found),
         entry_tables(found),
     )
 
 
-def _findings(found: Assessment) -> list[str]:
+def _findings(scenario: Scenario, found: Assessment) -> list[str]:
     flight, mc = found.flight, found.monte_carlo
     last = flight.times[-1]
     count = found.seen.sum(axis=1)
@@ -81,6 +84,24 @@ def _findings(found: Assessment) -> list[str]:
         words.append("No beacon is ever measured: the errors are those of the first estimate.")
     if mc.diverged.any():
         words.append(f"{mc.diverged.sum()} of {len(mc.errors)} runs diverged and are left out.")
+    if mc.broken.any():
+        words.append(
+            f"In {mc.broken.sum()} of {len(mc.errors)} runs the filter's covariance did not stay "
+            "positive definite: the NEES is undefined from there on, and the filter not to be "
+            "trusted."
+        )
+    # metres from the polar axis, against those by which the estimate may be off
+    r, latitude = flight.states[:, 0], flight.states[:, 2]
+    axis, unsure = r * np.cos(latitude), found.bound.position_sigma.copy()
+    spread = np.diag(scenario.settings.covariance0)[:3] * [1.0, axis[0] ** 2, r[0] ** 2]
+    unsure[0] = np.sqrt(spread.sum())  # before the first measurement
+    if (near := axis < NEAR_POLE * unsure).any():
+        first = int(np.argmax(near))
+        words.append(
+            f"At {flight.times[first]:g} s the lander is {axis[first] / KM:.3g} km from the polar "
+            f"axis, its position known to {unsure[first] / KM:.3g} km: the filter estimates "
+            "longitude and heading, which are undefined at a pole, so its errors say little."
+        )
     return words
 
 
@@ -406,5 +427,6 @@ def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
             "nees": mc.mean_nees,
             "runs": len(mc.errors),
             "diverged": int(mc.diverged.sum()),
+            "broken": int(mc.broken.sum()),
         },
     }

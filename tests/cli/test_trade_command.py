@@ -145,3 +145,17 @@ def test_a_damaged_store_is_said(study, run, tmp_path):
     status, _, err = run("trade", path, "--workers", 1)
     assert status == 0 and "1 damaged line(s) ignored" in err
     assert len(store.read_bytes()) == pytest.approx(len(whole), abs=20)
+
+
+def test_a_lander_that_cannot_be_judged_is_refused_at_once(study, run, tmp_path, designs):
+    text = (
+        (designs / "landing.toml")
+        .read_text()
+        .replace("range_sigma_m = 50", "range_sigma_m = 50\nin_turn = true")
+    )
+    text = text.replace("compass-15-5-1.toml", str(designs / "compass-15-5-1.toml"))
+    (tmp_path / "lander.toml").write_text(text)
+    status, out, err = run("trade", study(STUDY + '[entry]\nscenario = "lander.toml"\n'))
+    assert status == 2 and out == ""
+    assert "lander.toml: measurements.in_turn = true" in err and "set it to false" in err
+    assert not (tmp_path / "trades").exists()

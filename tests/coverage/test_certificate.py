@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compass.core.certificate import caps_at
+from compass.coverage import witness
 from compass.coverage.certificate import fold_range, prove_fold
 from compass.coverage.fold import caps_of, in_view
 from compass.coverage.motion import motion_of
@@ -218,6 +219,23 @@ def test_an_empty_constellation():
     assert fold_range(c, sphere_radius=R) == ((0, 0), (0, 0))
     found = prove_fold(c, 1, sphere_radius=R)
     assert (found.outcome, found.witness.satellites) == ("refuted", ())
+
+
+def test_a_witness_in_a_narrow_valley_is_found_soon(monkeypatch):
+    """Moves that gain ever less went on for millions of steps."""
+    calls = 0
+
+    def counted(*arguments):
+        nonlocal calls
+        calls += 1
+        return in_view(*arguments)
+
+    monkeypatch.setattr(witness, "in_view", counted)
+    sixth = np.radians(30.0) * np.arange(6)
+    c = from_elements(2e7, 0.8, np.radians(100.0), sixth, -np.pi / 2, 2 * sixth)
+    assert prove_fold(c, 1, sphere_radius=R).outcome == "refuted"
+    halvings = np.ceil(np.log2(0.05 / 1e-7))
+    assert calls <= 2 + halvings * (1 + witness.MOVES)
 
 
 def test_no_witness_where_the_claim_holds():

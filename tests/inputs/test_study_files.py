@@ -86,7 +86,8 @@ def test_entry_takes_a_scenario(designs):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("satellites = 5", "satellites = []", "study.satellites.values"),
+        ("satellites = 5", "satellites = []", r"values = \[\]: must have at least 1 value; a list"),
+        ("satellites = 5", "satellites = true", r"study.satellites = true: must be a table"),
         ("satellites = 5", "satellites = [0]", r"study.satellites = 0: allowed 1 to 10000"),
         ("satellites = 5", "satellites = {least = 9}", r"study.satellites.most: missing"),
         ("satellites = 5", "satellites = {least = 9, most = 3}", "least is above most"),

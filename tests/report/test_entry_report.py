@@ -1,5 +1,6 @@
 """The report's sections on entry: what they say is what was found."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -45,12 +46,35 @@ def test_entry_section_and_facts(coarse):
 
 
 def test_diverged_runs_are_mentioned(coarse):
-    from dataclasses import replace
-
     found = assess_scenario(coarse, 4)
     lost = replace(found.monte_carlo, diverged=np.array([True, False, False, False]))
     section = entry_section(coarse, replace(found, monte_carlo=lost))
     assert any("1 of 4 runs diverged" in words for words in section.paragraphs)
+
+
+def test_runs_whose_covariance_breaks_are_mentioned(coarse):
+    found = assess_scenario(coarse, 4)
+    nees = found.monte_carlo.nees.copy()
+    nees[2, 5:] = np.nan
+    broken = replace(found, monte_carlo=replace(found.monte_carlo, nees=nees))
+    assert any("In 1 of 4 runs" in words for words in entry_section(coarse, broken).paragraphs)
+    assert entry_facts(coarse, broken)["navigation"]["broken"] == 1
+    assert entry_facts(coarse, found)["navigation"]["broken"] == 0
+
+
+@pytest.mark.parametrize(("latitude", "mentioned"), [(-28.22, False), (89.99, True)])
+def test_a_pole_is_mentioned(latitude, mentioned):
+    text = (DESIGNS / "landing.toml").read_text()
+    text = text.replace("duration_s = 320", "duration_s = 20\nstep_s = 5")
+    text = text.replace('[beacons]\ndesign = "compass-15-5-1.toml"\n', "")
+    scenario = read_scenario_text(
+        text.replace("latitude_deg = -28.22", f"latitude_deg = {latitude}")
+    )
+    found = assess_scenario(scenario, 4)
+    said = any(
+        "from the polar axis" in words for words in entry_section(scenario, found).paragraphs
+    )
+    assert said is mentioned
 
 
 @pytest.mark.slow
