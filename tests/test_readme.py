@@ -25,6 +25,13 @@ def test_design_of_the_readme_reads():
     assert read_design_text(blocks("toml")[0]).constellation.size == 15
 
 
+def test_study_of_the_readme_reads():
+    from compass.inputs.study import read_study_text
+
+    study = read_study_text(blocks("toml")[1], folder=ROOT / "designs")
+    assert study.entry is not None and study.compare is not None
+
+
 def test_commands_of_the_readme_exist():
     named = set(re.findall(r"^\| `compass (\w+)", README, re.MULTILINE))
     script = "from compass.cli.main import main; import sys; sys.argv = ['c', '--help']; main()"
