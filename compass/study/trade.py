@@ -20,8 +20,8 @@ from compass.study.stages import passing
 from compass.study.store import Store, figures_in, rows_of
 from compass.study.workers import Workers
 
-#: Candidates a task: enough work to dwarf its handling, little enough to lose.
-BATCH = {"screen": 500, "map": 64, "entry": 16}
+#: Candidates a task: some 80 ms of work, to dwarf its handling, and little enough to lose.
+BATCH = {"screen": 500, "map": 128, "entry": 96}
 
 
 class Bar(Protocol):
