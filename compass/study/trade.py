@@ -103,7 +103,9 @@ def _stage(
     """Put candidates through a stage, but for those that the store has."""
     if isinstance(rows, np.ndarray):
         total = rows.size
-        rows = [rows[k : k + BATCH[stage]] for k in range(0, rows.size, BATCH[stage])]
+        # a short stage is shared among all workers
+        size = max(1, min(BATCH[stage], rows.size // (2 * workers.count)))
+        rows = [rows[k : k + size] for k in range(0, rows.size, size)]
     already = len(store.done.get(stage, ()))
     missing = _missing(rows, store.done.get(stage, set()))
     computed, failed = 0, 0
