@@ -138,6 +138,7 @@ def _trade(study: Path, folder: Path, store: Path, as_json: bool) -> None:
     path = write_page(folder, made.page, made.sections)
     summary = json.dumps(plain(made.summary), indent=2, allow_nan=False, ensure_ascii=False)
     for name, text in {"summary.json": summary + "\n", **made.files}.items():
+        (folder / name).parent.mkdir(exist_ok=True)
         with replacing(folder / name) as temporary:
             temporary.write_text(text, encoding="utf-8")
     if as_json:

@@ -15,6 +15,7 @@ from compass.report.section import Section, Table
 from compass.report.trade_finalists import (
     Entrant,
     entrants,
+    handover_files,
     handover_section,
     landing_sections,
     number,
@@ -51,7 +52,7 @@ class TradeReport:
     summary
         The numbers, as plain values.
     files
-        Texts of the design files handed over, by name.
+        Texts of the files handed over, by name, which may name a folder.
     """
 
     page: str
@@ -118,7 +119,7 @@ def trade_report(
     )
     ranking = None if ranked is None else ranked[0]
     summary = _summary(study, results, chosen, measure, ranking)
-    return TradeReport(page, sections, summary, {e.design.label: e.design.text for e in chosen})
+    return TradeReport(page, sections, summary, handover_files(chosen))
 
 
 def _looked_at(study: Study, results: "xr.Dataset") -> Section:

@@ -8,6 +8,10 @@ from typing import Any
 import numpy as np
 
 from compass.coverage.certificate import prove_fold
+from compass.handover.czml import czml
+from compass.handover.geojson import geojson
+from compass.handover.instants import sample_times
+from compass.handover.oem import oem
 from compass.handover.toml import constellation_toml
 from compass.inputs import Design, read_design_text
 from compass.inputs.merit import MERITS
@@ -192,16 +196,29 @@ def landing_sections(
     return [landing, surface_section(ranking)]
 
 
+def handover_files(chosen: Sequence[Entrant]) -> dict[str, str]:
+    """Texts of the files handed over, by name: every finalist, the first for other programs too."""
+    files = {e.design.label: e.design.text for e in chosen}
+    if chosen:
+        first = chosen[0].design
+        stem = first.label.removesuffix(".toml")
+        times = sample_times(first.constellation)
+        files[f"{stem}.czml"] = czml(first, times)
+        files[f"{stem}.geojson"] = geojson(first, times)
+        files |= {f"{stem}-oem/{name}": text for name, text in oem(first, times).items()}
+    return files
+
+
 def handover_section(chosen: Sequence[Entrant]) -> Section:
-    """Say which file is which finalist, and how it goes to other programs."""
+    """Say which file is which finalist, and how the others go to other programs."""
     rows = tuple((e.design.label, e.finalist.role, e.finalist.notation) for e in chosen)
     first = chosen[0].design.label
     out = first.removesuffix(".toml")
     text = (
-        "Beside this page each finalist lies as a design file, which every command reads. For "
-        f"other programs: compass export {first} --format oem -o {out}-oem (CCSDS OEM, a message a "
-        f"satellite), --format czml -o {out}.czml (CZML on the Mars ellipsoid), --format geojson "
-        f"-o {out}.geojson (footprints and gaps in the Mars CRS)."
+        "Beside this page each finalist lies as a design file, which every command reads. The one "
+        f"recommended is there for other programs too: {out}-oem (CCSDS OEM, a message a "
+        f"satellite), {out}.czml (on the Mars ellipsoid), {out}.geojson (footprints and gaps in "
+        f"the Mars CRS); for another, or another span: compass export {first} --format oem -o FOLDER."
     )
     table = Table("Design files", ("file", "finalist", "constellation"), rows)
     return Section("Hand-over", (text,), (), (table,))

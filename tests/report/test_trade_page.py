@@ -1,6 +1,7 @@
 """Verdicts and free variables of the trade report."""
 
 import contextlib
+import json
 import sys
 from dataclasses import replace
 
@@ -179,6 +180,12 @@ def test_finalists_are_judged_again_and_handed_over(landing, tmp_path, coarse):
     assert all(row["nees"] > 0 and row["ekf_position_m"]["p95"] > 0 for row in ranked)
     assert all(row["answer"] in made.page for row in ranked)
     assert "Users on the surface" in made.page and "Hand-over" in made.page
+    first = read_design_text(made.files["finalist-1.toml"]).constellation
+    messages = [name for name in made.files if name.startswith("finalist-1-oem/")]
+    assert len(messages) == first.size
+    assert all(made.files[name].startswith("CCSDS_OEM_VERS = 2.0") for name in messages)
+    assert json.loads(made.files["finalist-1.czml"])[0]["id"] == "document"
+    assert "IAU:2015:49900" in made.files["finalist-1.geojson"]
     for facts in finalists:
         design = read_design_text(made.files[facts["design"]], facts["design"])
         pattern = design.constellation.pattern
