@@ -218,7 +218,8 @@ def handover_section(chosen: Sequence[Entrant]) -> Section:
         "Beside this page each finalist lies as a design file, which every command reads. The one "
         f"recommended is there for other programs too: {out}-oem (CCSDS OEM, a message a "
         f"satellite), {out}.czml (on the Mars ellipsoid), {out}.geojson (footprints and gaps in "
-        f"the Mars CRS); for another, or another span: compass export {first} --format oem -o FOLDER."
+        "the Mars CRS). For another finalist, or another span: "
+        f"compass export {first} --format oem -o FOLDER."
     )
     table = Table("Design files", ("file", "finalist", "constellation"), rows)
     return Section("Hand-over", (text,), (), (table,))
