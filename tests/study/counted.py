@@ -2,13 +2,17 @@
 
 Run as ``python counted.py trade ...`` or as ``dask worker --preload counted.py``; worker processes
 of the program load it again. Each evaluation is a line, written at once, of the file that the
-environment names: stage and candidates.
+environment names: stage and candidates. A batch takes PAUSE seconds more, so that a study is not
+over before it can be disturbed, however busy the machine is.
 """
 
 import os
+import time
 
 from compass.study import stages
 from compass.study.candidates import identities
+
+PAUSE = 0.2
 
 # Dask loads this twice
 _evaluate = getattr(stages.evaluate, "uncounted", stages.evaluate)
@@ -19,6 +23,7 @@ def evaluate(stage, study, rows):
     handle = os.open(os.environ["EVALUATIONS"], os.O_WRONLY | os.O_APPEND | os.O_CREAT)
     os.write(handle, line.encode())
     os.close(handle)
+    time.sleep(PAUSE)
     return _evaluate(stage, study, rows)
 
 

@@ -142,7 +142,7 @@ def test_a_cluster_that_loses_all_its_workers(tiny, tmp_path, monkeypatch, local
     team = Cluster(tiny(), made.scheduler_address)
     try:
         made.scale(0)
-        end = time.monotonic() + 10
+        end = time.monotonic() + 60
         while made.scheduler.workers and time.monotonic() < end:
             time.sleep(0.05)
         with pytest.raises(CompassError, match="has had no worker for 1 s; every finished"):

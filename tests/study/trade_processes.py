@@ -41,6 +41,9 @@ figure = "satellites"
 figure = "gdop_p95"
 """
 
+#: Seconds after which something hangs: kernels may have to be compiled first, beside other work.
+HANGS = 600.0
+
 CANDIDATES = (28 + 14 + 24 + 24 + 31) * 31  # sums of divisors of 12 ... 16, 31 inclinations
 
 
@@ -74,14 +77,14 @@ class Trade:
         )
         return self
 
-    def finish(self, code=0, limit=60):
+    def finish(self, code=0, limit=HANGS):
         """Wait for its end; return what it says: JSON, or a message if it failed."""
         out, err = self.process.communicate(timeout=limit)
         assert self.process.returncode == code, err
         assert "Traceback" not in err
         return json.loads(out) if code in (0, 1) else err
 
-    def wait_for(self, candidates, limit=40.0):
+    def wait_for(self, candidates, limit=HANGS):
         """Wait until so many are screened; the study must not be over by then."""
         end = time.monotonic() + limit
         while time.monotonic() < end:
@@ -108,6 +111,14 @@ class Trade:
             counts.update((stage, key) for key in keys)
         self.log.unlink(missing_ok=True)
         return counts
+
+    def rest(self, seconds=1.0):
+        """Wait until nobody has begun anything for so long: what was on its way has ended."""
+        size, since = -1, time.monotonic()
+        while time.monotonic() < since + seconds:
+            if self.log.stat().st_size != size:
+                size, since = self.log.stat().st_size, time.monotonic()
+            time.sleep(0.05)
 
     def children(self):
         text = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text()
@@ -168,7 +179,7 @@ class DaskProcesses:
         process = self.launch(
             "scheduler", "--port", 0, "--scheduler-file", file, *options, around=around
         )
-        end = time.monotonic() + 30
+        end = time.monotonic() + HANGS
         while not file.exists() and time.monotonic() < end:
             time.sleep(0.05)
         return process, json.loads(file.read_text())["address"]
