@@ -60,6 +60,9 @@ MERITS: dict[str, Merit] = {
     "crlb_velocity_m_s.p95": Merit(
         "entry", "m/s", "velocity bound at the end, 95th percentile of entries", "minimise"
     ),
+    "share_within_goal": Merit(
+        "entry", "1", "share of entries whose position bound is within the goal", "maximise"
+    ),
     "unobservable_share": Merit(
         "entry", "1", "share of entries whose state cannot be observed", "minimise"
     ),

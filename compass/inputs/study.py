@@ -102,7 +102,8 @@ class EntryStage:
     """Judging of landing navigation: the lander, entries a candidate, how many are judged.
 
     Those that the report singles out are judged again on `finalist_samples` entries and their
-    filter is run `filter_runs` times.
+    filter is run `filter_runs` times. Density and L/D are unknown by relative sigmas; the position
+    sigma wanted at the end is `goal`, metres.
     """
 
     scenario: Scenario
@@ -110,6 +111,9 @@ class EntryStage:
     finalists: int
     finalist_samples: int
     filter_runs: int
+    density_sigma: float = 0.0
+    lift_sigma: float = 0.0
+    goal: float = 10.0
 
 
 @dataclass(frozen=True)
@@ -192,6 +196,9 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
             file.entry.finalists,
             file.entry.finalist_samples,
             file.entry.filter_runs,
+            file.entry.density_sigma,
+            file.entry.lift_sigma,
+            file.entry.goal_m,
         )
     return Study(
         name=file.name,

@@ -117,6 +117,13 @@ class EntryStageTable(Table):
 
     scenario: str = Field(min_length=1, description="scenario file, from the study's folder")
     samples: int = Field(32, ge=1, le=100_000, description="entries a candidate")
+    density_sigma: float = Field(
+        0.0, ge=0, le=10, description="unknown part of the air's density, relative; 0: it is known"
+    )
+    lift_sigma: float = Field(
+        0.0, ge=0, le=10, description="unknown part of L/D, relative; 0: it is known"
+    )
+    goal_m: float = Field(10.0, gt=0, le=1e9, description="position sigma wanted at the end, m")
     finalists: int = Field(
         100, ge=1, le=1_000_000, description="how many candidates are judged, best fronts first"
     )

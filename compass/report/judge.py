@@ -276,6 +276,7 @@ def _map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> Pictu
         "Position bound at deployment over the globe",
         "Largest Cramer-Rao sigma of position among the entries that deploy in each cell (all of "
         f"one area); red rings: entries beyond {goal:g} m. White: no entry deployed there.",
+        wide=True,
     )
 
 
@@ -293,8 +294,9 @@ def _distributions(names: Sequence[str], found: Sequence[Judgement], goal: float
                 axes.step(after, share, color=colour, lw=1.0, ls="--")
         axes.axvline(goal, color=FAINT, lw=1)
         axes.annotate(
-            f"{goal:g} m", (goal, 2), xytext=(3, 0), textcoords="offset points", color=FAINT
-        )
+            f"{goal:g} m", (goal, 101), xytext=(3, -2), textcoords="offset points", color=FAINT,
+            va="top",
+        )  # fmt: skip
         axes.set(
             xscale="log",
             xlabel="Cramer-Rao sigma of position at deployment, m",

@@ -12,12 +12,16 @@ PNG_DPI = 130
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture: file stem, title (also the alternative text), caption, PNG bytes."""
+    """A picture: file stem, title (also the alternative text), caption, PNG bytes, how wide.
+
+    A wide one takes the width of the page, others stand two to a row.
+    """
 
     stem: str
     title: str
     caption: str
     png: bytes
+    wide: bool = False
 
 
 @dataclass(frozen=True)
@@ -51,9 +55,11 @@ class Section:
     interactive: tuple[Interactive, ...] = ()
 
 
-def picture(figure: "Figure", stem: str, title: str, caption: str) -> Picture:
+def picture(
+    figure: "Figure", stem: str, title: str, caption: str, *, wide: bool = False
+) -> Picture:
     """Render a matplotlib figure to PNG; the same figure gives the same bytes."""
     buffer = BytesIO()
     metadata: dict[str, Any] = {"Software": None, "Title": title}
     figure.savefig(buffer, format="png", dpi=PNG_DPI, metadata=metadata)
-    return Picture(stem, title, caption, buffer.getvalue())
+    return Picture(stem, title, caption, buffer.getvalue(), wide)

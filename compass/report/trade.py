@@ -9,7 +9,7 @@ import numpy as np
 
 import compass
 from compass.inputs.merit import MERITS, STAGES
-from compass.inputs.study import Study
+from compass.inputs.study import Free, Study
 from compass.report.page import render
 from compass.report.section import Section, Table
 from compass.report.trade_finalists import (
@@ -17,6 +17,7 @@ from compass.report.trade_finalists import (
     entrants,
     handover_files,
     handover_section,
+    heading,
     landing_sections,
     number,
     rank_finalists,
@@ -29,7 +30,7 @@ from compass.report.trade_pictures import (
     sensitivity_pictures,
     share_picture,
 )
-from compass.study.choice import Finalist, finalists_of, yardstick
+from compass.study.choice import Finalist, finalists_of, notation, rows_in, yardstick
 from compass.study.results import read_results
 
 if TYPE_CHECKING:
@@ -37,8 +38,6 @@ if TYPE_CHECKING:
 
 #: Rows of a table of the best.
 BEST = 10
-
-_VARIABLES = ("pattern", "satellites", "planes", "phasing", "inclination_deg", "radius_km")
 
 
 @dataclass(frozen=True)
@@ -91,7 +90,8 @@ def trade_report(
     progress("finalists")
     chosen, measure = entrants(study, finalists_of(study, results)), yardstick(study)
     ranked = rank_finalists(study, chosen, progress)
-    sections = [recommendation(study, chosen, measure), _looked_at(study, results)]
+    ranking = None if ranked is None else ranked[0]
+    sections = [recommendation(study, chosen, measure, ranking), _looked_at(study, results)]
     if chosen:
         finalists = [e.finalist for e in chosen]
         progress("fronts")
@@ -117,7 +117,6 @@ def trade_report(
         ],
         study.text,
     )
-    ranking = None if ranked is None else ranked[0]
     summary = _summary(study, results, chosen, measure, ranking)
     return TradeReport(page, sections, summary, handover_files(chosen))
 
@@ -167,7 +166,10 @@ def _fronts(
     table = _candidate_table(
         "The first Pareto front, first 40", study, front.isel(candidate=order[:40])
     )
-    text = "None is better than one of the first front in an objective and as good in all others."
+    text = (
+        "None is better than one of the first front in an objective and as good in all others; "
+        "one of the front need not be the best in any two of them alone."
+    )
     interactive = interactive_front(study, results, chosen, measure)
     return Section(
         "Pareto fronts",
@@ -179,14 +181,15 @@ def _fronts(
 
 
 def _candidate_table(title: str, study: Study, some: "xr.Dataset") -> Table:
-    names = [*_VARIABLES, *(o.figure for o in study.objectives if o.figure not in _VARIABLES)]
-    if "mask_margin_deg" not in names:
-        names.append("mask_margin_deg")
-    rows = []
-    for k in range(some.sizes["candidate"]):
-        values = [some[name].values[k] for name in names]
-        rows.append(tuple(v if isinstance(v, str) else number(float(v)) for v in values))
-    return Table(title, tuple(name.replace("_", " ") for name in names), tuple(rows))
+    names = [*dict.fromkeys([*(o.figure for o in study.objectives), "mask_margin_deg"])]
+    labels = [heading(name) for name in names]
+    if isinstance(study.space.mask_deg, Free) or len(study.space.mask_deg) > 1:
+        names, labels = ["mask_deg", *names], ["mask, deg", *labels]
+    rows = [
+        (notation(row), *(number(float(some[name].values[k])) for name in names))
+        for k, row in enumerate(rows_in(some))
+    ]
+    return Table(title, ("constellation", *labels), tuple(rows))
 
 
 def _best(study: Study, results: "xr.Dataset") -> Section:

@@ -63,53 +63,83 @@ def entrants(study: Study, chosen: Sequence[Finalist]) -> list[Entrant]:
     return found
 
 
-def recommendation(study: Study, chosen: Sequence[Entrant], measure: Finalist | None) -> Section:
-    """Say what to build, why, and how each finalist compares with the others and the yardstick."""
+def recommendation(
+    study: Study,
+    chosen: Sequence[Entrant],
+    measure: Finalist | None,
+    ranking: dict[str, Any] | None,
+) -> Section:
+    """Say what to build and why, and show each finalist beside the others and the yardstick.
+
+    Parameters
+    ----------
+    study
+        The study.
+    chosen
+        Its finalists, the recommended one first.
+    measure
+        The design to compare with, put through the same stages, if there is one.
+    ranking
+        Of `rank_finalists`, if there is one.
+    """
     if not chosen:
         return Section("Recommendation", ("No candidate meets every constraint; see below why.",))
     first = chosen[0].finalist
-    numbers = ", ".join(f"{o.figure} {first.figures[o.figure]:.5g}" for o in study.objectives)
+    of_each = "; ".join(
+        f"{MERITS[o.figure].title}: {worth(o.figure, first.figures[o.figure])}"
+        for o in study.objectives
+    )
     text = [
-        f"Build {first.notation}: {numbers}. It is the balanced choice of the Pareto front: the "
-        "largest of its shortfalls from the front's best, each in ranges of the front, is the "
-        f"smallest. Its {study.fold}-fold coverage above {first.row['mask_deg']:g} deg is "
+        f"Build {first.row['satellites']} satellites in {first.row['planes']} plane"
+        f"{'s' if first.row['planes'] > 1 else ''}: {first.notation} ({chosen[0].design.label}).",
+        f"By objective: {of_each}. It is the balanced choice of the Pareto front: the largest of "
+        "its shortfalls from the front's best, each in ranges of the front, is the smallest.",
+        f"Its {study.fold}-fold coverage above {first.row['mask_deg']:g} deg is "
         f"{chosen[0].certificate} for all time by a certificate whose rounding is on the safe "
         "side (two-body motion).",
     ]
-    for other in chosen[1:]:
-        one = other.finalist
-        text.append(f"{one.role}: {one.notation}, {against(study, one, first)}.")
-    tables = [_finalist_table(study, chosen, measure)]
     if measure is not None:
-        rows = [
-            (e.finalist.role, e.finalist.notation, verdict(study, e.finalist, measure),
-             against(study, e.finalist, measure))
-            for e in chosen
-        ]  # fmt: skip
-        tables.append(
-            Table(
-                f"Against {measure.role}",
-                ("role", "candidate", "verdict", "by objective"),
-                tuple(rows),
-            )
+        text.append(f"Beside {measure.role} it is {against(study, first, measure)}.")
+    if ranking is not None:
+        row = next(row for row in ranking["designs"] if row["file"] == chosen[0].design.label)
+        text.append(
+            f"Does a lander anywhere and at any time know its position to {ranking['goal_m']:g} m "
+            f"at {ranking['deployment']}? {row['answer'][0].upper()}{row['answer'][1:]}."
         )
-    return Section("Recommendation", tuple(text), (), tuple(tables))
+    tables = (_objective_table(study, chosen, measure), _figure_table(study, chosen, measure))
+    return Section("Recommendation", tuple(text), (), tables)
+
+
+def worth(name: str, value: float) -> str:
+    """Value of a figure of merit with its unit, for a sentence."""
+    unit = MERITS[name].unit
+    return f"{value:.5g}" + ("" if unit == "1" else f" {unit}")
+
+
+def change(a: float, b: float) -> str:
+    """How far a is from b in percent, in brackets; nothing where that says nothing."""
+    if not (np.isfinite(a) and np.isfinite(b) and b) or a == b:
+        return ""
+    percent = 100 * (a - b) / abs(b)
+    return f" ({percent:+.{0 if abs(percent) >= 1 else 1}f} %)"
 
 
 def against(study: Study, one: Finalist, other: Finalist) -> str:
-    """How one compares with another, objective by objective."""
-    parts = []
+    """How one compares with another, objective by objective, in words."""
+    words = ("better in", "worse in", "equal in", "not comparable in")
+    groups: dict[str, list[str]] = {word: [] for word in words}
     for o in study.objectives:
         a, b = one.figures[o.figure], other.figures[o.figure]
-        if a == b:
-            parts.append(f"{o.figure} equal")
-        elif np.isfinite(a) and np.isfinite(b):
-            word = "better" if o.sign * a < o.sign * b else "worse"
-            change = f" ({100 * (a / b - 1):+.1f} %)" if b else ""
-            parts.append(f"{o.figure} {word}: {a:.5g} against {b:.5g}{change}")
+        title = MERITS[o.figure].title
+        if np.isnan(a) or np.isnan(b):
+            groups["not comparable in"].append(title)
+        elif a == b:
+            groups["equal in"].append(title)
         else:
-            parts.append(f"{o.figure} {a:.5g} against {b:.5g}")
-    return "; ".join(parts)
+            word = "better in" if o.sign * a < o.sign * b else "worse in"
+            values = f"{worth(o.figure, a)} against {worth(o.figure, b)}{change(a, b)}"
+            groups[word].append(f"{title}: {values}")
+    return "; ".join(f"{word} {', '.join(some)}" for word, some in groups.items() if some)
 
 
 def verdict(study: Study, one: Finalist, other: Finalist) -> str:
@@ -128,17 +158,43 @@ def verdict(study: Study, one: Finalist, other: Finalist) -> str:
     return "a trade"
 
 
-def _finalist_table(study: Study, chosen: Sequence[Entrant], measure: Finalist | None) -> Table:
+def heading(name: str) -> str:
+    """Title of a figure of merit with its unit."""
+    merit = MERITS[name]
+    return merit.title + ("" if merit.unit == "1" else f", {merit.unit}")
+
+
+def _objective_table(study: Study, chosen: Sequence[Entrant], measure: Finalist | None) -> Table:
+    """Finalists by objective, beside the yardstick if there is one."""
+    names = [o.figure for o in study.objectives]
+    rows = []
+    for e in chosen:
+        one = e.finalist
+        other = measure or one
+        values = [f"{one.figures[n]:.5g}{change(one.figures[n], other.figures[n])}" for n in names]
+        beside = (verdict(study, one, measure),) if measure else ()
+        rows.append((e.design.label, one.role, one.notation, *values, *beside))
+    title, last = "The finalists by objective", ()
+    if measure is not None:
+        own = (f"{measure.figures[n]:.5g}" for n in names)
+        rows.append((measure.role, "to compare with", measure.notation, *own, ""))
+        title, last = f"{title}, and the change from {measure.role}", (f"beside {measure.role}",)
+    header = ("design", "best at", "constellation", *map(heading, names), *last)
+    return Table(title, header, tuple(rows))
+
+
+def _figure_table(study: Study, chosen: Sequence[Entrant], measure: Finalist | None) -> Table:
+    """Every figure of merit of the finalists and the yardstick."""
     columns = [*(e.finalist for e in chosen), *([measure] if measure else [])]
     rows: list[tuple[object, ...]] = [("constellation", *(f.notation for f in columns))]
-    for name in known_figures(study):
-        merit = MERITS[name]
-        unit = "" if merit.unit == "1" else f", {merit.unit}"
-        rows.append((f"{merit.title}{unit}", *(number(f.figures[name]) for f in columns)))
+    rows += [
+        (heading(name), *(number(f.figures[name]) for f in columns))
+        for name in known_figures(study)
+    ]
     rest = ("",) if measure else ()
     rows.append(("certificate of the fold", *(e.certificate for e in chosen), *rest))
-    rows.append(("design file", *(e.design.label for e in chosen), *rest))
-    return Table("The finalists", ("figure of merit", *(f.role for f in columns)), tuple(rows))
+    names = [*(e.design.label for e in chosen), *([measure.role] if measure else [])]
+    return Table("Every figure of the finalists", ("figure of merit", *names), tuple(rows))
 
 
 def number(value: float) -> object:
@@ -174,6 +230,9 @@ def rank_finalists(
         study.entry.scenario,
         samples=study.entry.finalist_samples,
         seed=study.seed,
+        goal=study.entry.goal,
+        density_sigma=study.entry.density_sigma,
+        lift_sigma=study.entry.lift_sigma,
         finalists=len(designs) if runs else 0,
         runs=max(runs, 1),
         threads=os.cpu_count() or 1,

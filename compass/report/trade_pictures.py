@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import combinations
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,6 +33,7 @@ VARIABLES = {
     "phasing": "phasing F",
     "inclination_deg": "inclination, deg",
     "radius_km": "orbit radius, km",
+    "mask_deg": "mask, deg",
     "pattern": "pattern",
 }
 
@@ -42,9 +44,10 @@ EPOCHS, CELL_DEG = 127, 5.0
 CLASSES = 12
 
 
-def _label(name: str) -> str:
+def _label(name: str, width: int = 44) -> str:
+    """Title of a figure of merit with its unit, in lines of `width` letters."""
     merit = MERITS[name]
-    return name if merit.unit == "1" else f"{name.split('.')[0]} {name.partition('.')[2]}".strip()
+    return fill(merit.title + ("" if merit.unit == "1" else f", {merit.unit}"), width)
 
 
 def front_pictures(
@@ -80,16 +83,15 @@ def front_pictures(
                 axes.set_yscale("log")
                 axes.yaxis.set_major_formatter(ScalarFormatter())
                 axes.yaxis.set_minor_formatter(ScalarFormatter())
-            axes.set(xlabel=_label(a), ylabel=_label(b), title=f"{_label(b)} against {_label(a)}")
+            axes.set(xlabel=_label(a, 60), ylabel=_label(b))
             axes.grid(True)
             axes.legend(frameon=False, fontsize=7.5, loc="center left", bbox_to_anchor=(1.01, 0.5))
         made.append(
             picture(
                 figure,
                 f"front-{a}-{b}".replace(".", "-").replace("_", "-"),
-                f"{b} against {a}",
-                f"{MERITS[b].title} against {MERITS[a].title}. With more than two objectives a "
-                "candidate of the front need not be best in any one pair.",
+                f"{MERITS[b].title} against {MERITS[a].title}",
+                f"{MERITS[b].title} against {MERITS[a].title}.",
             )
         )
     return tuple(made)
@@ -191,7 +193,7 @@ def sensitivity_pictures(study: Study, results: "xr.Dataset") -> list[Picture]:
                     color=CYCLE[0],
                     label="median",
                 )
-                axes.set_ylabel(_label(objective.figure), fontsize=8)
+                axes.set_ylabel(_label(objective.figure, 30), fontsize=8)
             panels[0].legend(frameon=False, fontsize=8)
             title = MERITS[objective.figure].title
             figure.suptitle(f"{title[0].upper()}{title[1:]}, by variable", weight="bold")
@@ -199,7 +201,7 @@ def sensitivity_pictures(study: Study, results: "xr.Dataset") -> list[Picture]:
             picture(
                 figure,
                 f"sensitivity-{objective.figure}".replace(".", "-").replace("_", "-"),
-                f"{objective.figure} by variable",
+                f"{title}, by variable",
                 "Best and median of the candidates that meet every constraint and were judged in "
                 "every objective.",
             )
@@ -258,4 +260,5 @@ def map_comparison(study: Study, shown: Sequence[Finalist]) -> Picture:
         "GDOP maps of the finalists",
         f"Below this GDOP 95 % of the time, all on one scale; grey: not for so long. {CELL_DEG:g}-"
         f"degree cells, {EPOCHS} epochs in the period after which the ground tracks repeat.",
+        wide=True,
     )

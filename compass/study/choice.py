@@ -42,12 +42,17 @@ class Finalist:
     @property
     def notation(self) -> str:
         """Pattern and orbit in short."""
-        pattern = make_constellation(self.row).pattern
-        assert pattern is not None
-        kind = self.kind.removeprefix("walker-")
-        if pattern.multiplier is not None:  # whose notation leaves the inclination out
-            kind += f" {self.row['inclination_deg']:.6g}°:"
-        return f"{kind} {pattern.notation}, {self.row['radius_km']:.0f} km"
+        return notation(self.row)
+
+
+def notation(row: np.void) -> str:
+    """Pattern and orbit of a candidate in short."""
+    pattern = make_constellation(row).pattern
+    assert pattern is not None
+    kind = PATTERNS[row["pattern"]].removeprefix("walker-")
+    if pattern.multiplier is not None:  # whose notation leaves the inclination out
+        kind += f" {row['inclination_deg']:.6g}°:"
+    return f"{kind} {pattern.notation}, {row['radius_km']:.0f} km"
 
 
 def rows_in(results: "xr.Dataset") -> NDArray:

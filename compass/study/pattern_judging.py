@@ -34,7 +34,13 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         raise ArgumentError(
             f"radius_km = {radius.min() / 1e3:g}: must be above the surface, {sphere / 1e3:g} km"
         )
-    campaign = campaign_of(scenario, study.entry.samples, study.seed)
+    campaign = campaign_of(
+        scenario,
+        study.entry.samples,
+        study.seed,
+        density_sigma=study.entry.density_sigma,
+        lift_sigma=study.entry.lift_sigma,
+    )
     motion = np.sqrt(MARS_GM.value / radius**3)
     days, _ = closing_days(motion[:, np.newaxis])
     begins = days[:, np.newaxis] * sidereal_day() * campaign.arrivals.phase
@@ -69,5 +75,6 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         "crlb_position_m.p95": p95,
         "crlb_velocity_m_s.p50": v50,
         "crlb_velocity_m_s.p95": v95,
+        "share_within_goal": (sigma[..., 0] <= study.entry.goal).mean(axis=1),
         "unobservable_share": blind.mean(axis=1),
     }

@@ -76,8 +76,29 @@ def test_verdicts(other, word):
 def test_words():
     study = read_study_text(TEXT)
     text = against(study, finalist(10, 4.5), finalist(10, 3.0))
-    assert text == "satellites equal; gdop_p50 worse: 4.5 against 3 (+50.0 %)"
-    assert "gdop_p50 inf against 3" in against(study, finalist(9, np.inf), finalist(10, 3.0))
+    gdop = "GDOP, median over area and time"
+    assert text == f"worse in {gdop}: 4.5 against 3 (+50 %); equal in number of satellites"
+    assert against(study, finalist(9, np.inf), finalist(10, 3.0)) == (
+        f"better in number of satellites: 9 against 10 (-10 %); worse in {gdop}: inf against 3"
+    )
+    assert against(study, finalist(9, np.nan), finalist(9, 3.0)) == (
+        f"equal in number of satellites; not comparable in {gdop}"
+    )
+
+
+def test_recommendation_names_file_and_units(landing, tmp_path, coarse):
+    made = traded(landing, tmp_path / "store")
+    section = made.sections[0]
+    assert "(finalist-1.toml)" in section.paragraphs[0]
+    answer = made.summary["landing"]["designs"]
+    own = next(row["answer"] for row in answer if row["file"] == "finalist-1.toml")
+    assert any(own[1:] in text for text in section.paragraphs)
+    assert "Beside Three areostationary relays it is " in section.paragraphs[3]
+    # two masks, so that the tables say which
+    tables = {t.title: t for s in made.sections for t in s.tables}
+    assert "mask, deg" in tables["The first Pareto front, first 40"].header
+    title = "The finalists by objective, and the change from Three areostationary relays"
+    assert tables[title].rows[-1][:2] == ("Three areostationary relays", "to compare with")
 
 
 class Bars:
@@ -157,7 +178,7 @@ def landing(tmp_path, designs, monkeypatch):
     study = TEXT.replace("samples = 60", "samples = 8").replace(
         "fold = 1", "fold = 1\nmask_deg = [0, 5]"
     )
-    compare = designs / "areostationary-trio.toml"  # not a pattern: no yardstick, yet it is ranked
+    compare = designs / "areostationary-trio.toml"
     study += f"""
 [entry]
 scenario = "lander.toml"

@@ -130,8 +130,8 @@ def test_median_of_numbers():
         assert value == np.median(np.repeat(np.arange(7), row))
 
 
-def entry(scenario, samples=4):
-    return replace(study(), entry=EntryStage(scenario, samples, 9, samples, 1))
+def entry(scenario, samples=4, **unknown):
+    return replace(study(), entry=EntryStage(scenario, samples, 9, samples, 1, **unknown))
 
 
 def assert_as_judged_one_by_one(s, rows):
@@ -140,7 +140,8 @@ def assert_as_judged_one_by_one(s, rows):
     for k, row in enumerate(rows):
         wanted = judge(
             make_constellation(row), s.entry.scenario, samples=s.entry.samples, seed=s.seed,
-            figure=s.figure, mask=Mask.constant(np.radians(row["mask_deg"])),
+            figure=s.figure, mask=Mask.constant(np.radians(row["mask_deg"])), goal=s.entry.goal,
+            density_sigma=s.entry.density_sigma, lift_sigma=s.entry.lift_sigma,
         )  # fmt: skip
         for name, values in found.items():
             value = wanted
@@ -148,7 +149,7 @@ def assert_as_judged_one_by_one(s, rows):
                 value = value[part]
             # interpolated orbits are off by 2e-6 m of 2e7 m, so directions by 1e-13 (at 9000 km
             # 6e-5 m of 9e6 m, 6e-12), and what is sought is a hundredth to all of a kilometre
-            exact = name.startswith(("in_view", "unobservable"))
+            exact = name.startswith(("in_view", "unobservable", "share"))
             assert values[k] == (value if exact else pytest.approx(value, rel=1e-8)), name
     return found
 
@@ -163,6 +164,14 @@ def test_entries_against_judging_one_by_one(short, kind):
     found = assert_as_judged_one_by_one(s, ROWS)
     assert found["in_view.min"][0] >= 3
     assert found["unobservable_share"][0] == 0 and found["unobservable_share"][4] > 0
+
+
+@pytest.mark.parametrize("unknown", [{"density_sigma": 0.2}, {"density_sigma": 0.2, "lift_sigma": 0.1}])
+def test_air_and_lift_that_are_not_known(short, unknown):
+    known = assert_as_judged_one_by_one(entry(short(), goal=300.0), ROWS[:2])
+    found = assert_as_judged_one_by_one(entry(short(), goal=300.0, **unknown), ROWS[:2])
+    assert (found["crlb_position_m.p95"] > known["crlb_position_m.p95"]).all()
+    assert 0 < known["share_within_goal"].min() <= 1
 
 
 @pytest.mark.slow
