@@ -15,6 +15,11 @@ class Merit:
     title: str
     goal: str
 
+    @property
+    def heading(self) -> str:
+        """Title with unit, for a column or an axis."""
+        return self.title + ("" if self.unit == "1" else f", {self.unit}")
+
 
 MERITS: dict[str, Merit] = {
     "satellites": Merit("cost", "1", "number of satellites", "minimise"),

@@ -17,7 +17,6 @@ from compass.report.trade_finalists import (
     entrants,
     handover_files,
     handover_section,
-    heading,
     landing_sections,
     number,
     rank_finalists,
@@ -30,8 +29,10 @@ from compass.report.trade_pictures import (
     sensitivity_pictures,
     share_picture,
 )
-from compass.study.choice import Finalist, finalists_of, notation, rows_in, yardstick
+from compass.study.candidates import make_constellation
+from compass.study.choice import Finalist, finalists_of, notation, rows_in
 from compass.study.results import read_results
+from compass.study.yardstick import Yardstick, yardstick
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -159,7 +160,7 @@ def _looked_at(study: Study, results: "xr.Dataset") -> Section:
 
 
 def _fronts(
-    study: Study, results: "xr.Dataset", chosen: Sequence[Finalist], measure: Finalist | None
+    study: Study, results: "xr.Dataset", chosen: Sequence[Finalist], measure: Yardstick | None
 ) -> Section:
     front = results.isel(candidate=np.flatnonzero(results.front.values == 0))
     order = np.lexsort([o.sign * front[o.figure].values for o in study.objectives[::-1]])
@@ -182,11 +183,14 @@ def _fronts(
 
 def _candidate_table(title: str, study: Study, some: "xr.Dataset") -> Table:
     names = [*dict.fromkeys([*(o.figure for o in study.objectives), "mask_margin_deg"])]
-    labels = [heading(name) for name in names]
+    labels = [MERITS[name].heading for name in names]
     if isinstance(study.space.mask_deg, Free) or len(study.space.mask_deg) > 1:
         names, labels = ["mask_deg", *names], ["mask, deg", *labels]
     rows = [
-        (notation(row), *(number(float(some[name].values[k])) for name in names))
+        (
+            notation(make_constellation(row)),
+            *(number(float(some[name].values[k])) for name in names),
+        )
         for k, row in enumerate(rows_in(some))
     ]
     return Table(title, ("constellation", *labels), tuple(rows))
@@ -215,8 +219,8 @@ def _sensitivity(study: Study, results: "xr.Dataset") -> Section:
     return Section("Sensitivity", (text,), pictures)
 
 
-def _maps(study: Study, chosen: Sequence[Finalist], measure: Finalist | None) -> Section:
-    shown = [*chosen[:5], *([measure] if measure else [])]
+def _maps(study: Study, chosen: Sequence[Finalist], measure: Yardstick | None) -> Section:
+    shown: list[Finalist | Yardstick] = [*chosen[:5], *([measure] if measure else [])]
     return Section("The finalists' maps", (), (map_comparison(study, shown),))
 
 
@@ -224,14 +228,13 @@ def _summary(
     study: Study,
     results: "xr.Dataset",
     chosen: Sequence[Entrant],
-    measure: Finalist | None,
+    measure: Yardstick | None,
     ranking: dict[str, Any] | None,
 ) -> dict[str, Any]:
     """Return the numbers of the report as plain values."""
 
-    def facts(f: Finalist) -> dict[str, Any]:
-        row = {name: f.row[name].item() for name in f.row.dtype.names or () if name != "pattern"}
-        return {"role": f.role, "constellation": f.notation, **row, "figures": f.figures}
+    def facts(f: Finalist | Yardstick) -> dict[str, Any]:
+        return {"role": f.role, "constellation": f.notation, **f.variables, "figures": f.figures}
 
     stage = [STAGES.index(s) for s in results.stage.values]
     return {

@@ -19,10 +19,10 @@ from compass.inputs.study import Study
 from compass.report.judge import judge_section, surface_section
 from compass.report.section import Section, Table
 from compass.sites import Mask
-from compass.study.candidates import make_constellation
-from compass.study.choice import Finalist, compared_mask_deg
+from compass.study.choice import Finalist
 from compass.study.ranking import rank_designs
 from compass.study.results import known_figures
+from compass.study.yardstick import Yardstick, compared_mask_deg
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,8 @@ def entrants(study: Study, chosen: Sequence[Finalist]) -> list[Entrant]:
     """Write each finalist down as a design file, and prove its fold."""
     found = []
     for k, finalist in enumerate(chosen, start=1):
-        c = replace(make_constellation(finalist.row), name=finalist.notation)
-        mask = float(np.radians(finalist.row["mask_deg"]))
+        c = replace(finalist.constellation, name=finalist.notation)
+        mask = float(np.radians(finalist.mask_deg))
         source = f'"{finalist.role}" of the trade study "{study.name}" ({study.label})'
         text = constellation_toml(
             c, study.figure, mask=Mask.constant(mask), fold=study.fold, source=source
@@ -66,7 +66,7 @@ def entrants(study: Study, chosen: Sequence[Finalist]) -> list[Entrant]:
 def recommendation(
     study: Study,
     chosen: Sequence[Entrant],
-    measure: Finalist | None,
+    measure: Yardstick | None,
     ranking: dict[str, Any] | None,
 ) -> Section:
     """Say what to build and why, and show each finalist beside the others and the yardstick.
@@ -94,7 +94,7 @@ def recommendation(
         f"{'s' if first.row['planes'] > 1 else ''}: {first.notation} ({chosen[0].design.label}).",
         f"By objective: {of_each}. It is the balanced choice of the Pareto front: the largest of "
         "its shortfalls from the front's best, each in ranges of the front, is the smallest.",
-        f"Its {study.fold}-fold coverage above {first.row['mask_deg']:g} deg is "
+        f"Its {study.fold}-fold coverage above {first.mask_deg:g} deg is "
         f"{chosen[0].certificate} for all time by a certificate whose rounding is on the safe "
         "side (two-body motion).",
     ]
@@ -124,7 +124,7 @@ def change(a: float, b: float) -> str:
     return f" ({percent:+.{0 if abs(percent) >= 1 else 1}f} %)"
 
 
-def against(study: Study, one: Finalist, other: Finalist) -> str:
+def against(study: Study, one: Finalist, other: Finalist | Yardstick) -> str:
     """How one compares with another, objective by objective, in words."""
     words = ("better in", "worse in", "equal in", "not comparable in")
     groups: dict[str, list[str]] = {word: [] for word in words}
@@ -142,7 +142,7 @@ def against(study: Study, one: Finalist, other: Finalist) -> str:
     return "; ".join(f"{word} {', '.join(some)}" for word, some in groups.items() if some)
 
 
-def verdict(study: Study, one: Finalist, other: Finalist) -> str:
+def verdict(study: Study, one: Finalist, other: Finalist | Yardstick) -> str:
     """Whether one beats another in all objectives, loses in all, or is a trade."""
     pairs = [
         (o.sign * one.figures[o.figure], o.sign * other.figures[o.figure]) for o in study.objectives
@@ -158,13 +158,7 @@ def verdict(study: Study, one: Finalist, other: Finalist) -> str:
     return "a trade"
 
 
-def heading(name: str) -> str:
-    """Title of a figure of merit with its unit."""
-    merit = MERITS[name]
-    return merit.title + ("" if merit.unit == "1" else f", {merit.unit}")
-
-
-def _objective_table(study: Study, chosen: Sequence[Entrant], measure: Finalist | None) -> Table:
+def _objective_table(study: Study, chosen: Sequence[Entrant], measure: Yardstick | None) -> Table:
     """Finalists by objective, beside the yardstick if there is one."""
     names = [o.figure for o in study.objectives]
     rows = []
@@ -174,21 +168,23 @@ def _objective_table(study: Study, chosen: Sequence[Entrant], measure: Finalist 
         values = [f"{one.figures[n]:.5g}{change(one.figures[n], other.figures[n])}" for n in names]
         beside = (verdict(study, one, measure),) if measure else ()
         rows.append((e.design.label, one.role, one.notation, *values, *beside))
-    title, last = "The finalists by objective", ()
+    title = "The finalists by objective"
+    header = ["design", "best at", "constellation", *(MERITS[n].heading for n in names)]
     if measure is not None:
         own = (f"{measure.figures[n]:.5g}" for n in names)
         rows.append((measure.role, "to compare with", measure.notation, *own, ""))
-        title, last = f"{title}, and the change from {measure.role}", (f"beside {measure.role}",)
-    header = ("design", "best at", "constellation", *map(heading, names), *last)
-    return Table(title, header, tuple(rows))
+        title += f", and the change from {measure.role}"
+        header.append(f"beside {measure.role}")
+    return Table(title, tuple(header), tuple(rows))
 
 
-def _figure_table(study: Study, chosen: Sequence[Entrant], measure: Finalist | None) -> Table:
+def _figure_table(study: Study, chosen: Sequence[Entrant], measure: Yardstick | None) -> Table:
     """Every figure of merit of the finalists and the yardstick."""
-    columns = [*(e.finalist for e in chosen), *([measure] if measure else [])]
+    columns: list[Finalist | Yardstick] = [e.finalist for e in chosen]
+    columns += [measure] if measure else []
     rows: list[tuple[object, ...]] = [("constellation", *(f.notation for f in columns))]
     rows += [
-        (heading(name), *(number(f.figures[name]) for f in columns))
+        (MERITS[name].heading, *(number(f.figures[name]) for f in columns))
         for name in known_figures(study)
     ]
     rest = ("",) if measure else ()

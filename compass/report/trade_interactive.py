@@ -12,6 +12,7 @@ from compass.report.section import Interactive
 from compass.report.style import CYCLE, FAINT, INK, MARS
 from compass.study.choice import Finalist
 from compass.study.results import known_figures
+from compass.study.yardstick import Yardstick
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,7 +33,7 @@ _VARIABLES = {
 
 
 def interactive_front(
-    study: Study, results: "xr.Dataset", chosen: Sequence[Finalist], measure: Finalist | None
+    study: Study, results: "xr.Dataset", chosen: Sequence[Finalist], measure: Yardstick | None
 ) -> Interactive | None:
     """Feasible candidates, the first front and the finalists on any two axes; None: no plotly.
 
@@ -124,10 +125,7 @@ def _axes(study: Study, results: "xr.Dataset") -> dict[str, str]:
 
     objectives = [o.figure for o in study.objectives]
     others = [name for name in known_figures(study) if name not in objectives and varies(name)]
-    labels = {}
-    for name in [*objectives, *others]:
-        unit = MERITS[name].unit
-        labels[name] = MERITS[name].title + ("" if unit == "1" else f", {unit}")
+    labels = {name: MERITS[name].heading for name in [*objectives, *others]}
     return labels | {name: label for name, label in _VARIABLES.items() if varies(name)}
 
 
@@ -138,8 +136,8 @@ def _column(values: NDArray[Any]) -> list[Any]:
     return [float(f"{value:.6g}") if np.isfinite(value) else None for value in values]
 
 
-def _columns_of(one: Finalist, names: Sequence[str]) -> dict[str, list[Any]]:
-    values = {**{name: one.row[name] for name in one.row.dtype.names or ()}, **one.figures}
+def _columns_of(one: Finalist | Yardstick, names: Sequence[str]) -> dict[str, list[Any]]:
+    values = {**one.figures, **one.variables}
     numbers = {name: _column(np.array([values[name]], float)) for name in names[:-1]}
     return numbers | {"pattern": [one.kind]}
 

@@ -20,8 +20,8 @@ from compass.report.mars_map import MarsMap
 from compass.report.section import Picture, picture
 from compass.report.style import CYCLE, FAINT, INK, MARS, look, new_figure
 from compass.sites import Mask
-from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist
+from compass.study.yardstick import Yardstick
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -46,12 +46,11 @@ CLASSES = 12
 
 def _label(name: str, width: int = 44) -> str:
     """Title of a figure of merit with its unit, in lines of `width` letters."""
-    merit = MERITS[name]
-    return fill(merit.title + ("" if merit.unit == "1" else f", {merit.unit}"), width)
+    return fill(MERITS[name].heading, width)
 
 
 def front_pictures(
-    study: Study, results: "xr.Dataset", chosen: Sequence[Finalist], measure: Finalist | None
+    study: Study, results: "xr.Dataset", chosen: Sequence[Finalist], measure: Yardstick | None
 ) -> tuple[Picture, ...]:
     """One picture a pair of objectives: all with values, the first front, the finalists."""
     good = results.front.values >= 0
@@ -209,14 +208,14 @@ def sensitivity_pictures(study: Study, results: "xr.Dataset") -> list[Picture]:
     return made
 
 
-def map_comparison(study: Study, shown: Sequence[Finalist]) -> Picture:
+def map_comparison(study: Study, shown: Sequence[Finalist | Yardstick]) -> Picture:
     """GDOP maps of finalists side by side, on one scale of colours."""
     grid = equal_angle_grid(float(np.radians(CELL_DEG)))
     fields = []
     for one in shown:
-        c = make_constellation(one.row)
+        c = one.constellation
         duration = repeat_period(c).duration
-        mask = Mask.constant(float(np.radians(one.row["mask_deg"])))
+        mask = Mask.constant(float(np.radians(one.mask_deg)))
         # a prime number of epochs, between the moments of symmetry, meets none too often
         times = (np.arange(EPOCHS) + 0.5) * duration / EPOCHS
         seen = view(c, times, study.figure.equatorial_radius, mask)

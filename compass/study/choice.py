@@ -8,9 +8,8 @@ from numpy.typing import NDArray
 
 from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
-from compass.orbits.constellation import Pattern
+from compass.orbits import Constellation
 from compass.study.candidates import PATTERNS, ROW, make_constellation
-from compass.study.stages import evaluate
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,19 +39,34 @@ class Finalist:
         return PATTERNS[self.row["pattern"]]
 
     @property
+    def constellation(self) -> Constellation:
+        """Its orbits."""
+        return make_constellation(self.row)
+
+    @property
+    def mask_deg(self) -> float:
+        """Mask under which it was looked at, degrees."""
+        return float(self.row["mask_deg"])
+
+    @property
+    def variables(self) -> dict[str, float]:
+        """What it is, but for the kind of pattern."""
+        return {name: self.row[name].item() for name in ROW.names or () if name != "pattern"}
+
+    @property
     def notation(self) -> str:
         """Pattern and orbit in short."""
-        return notation(self.row)
+        return notation(self.constellation)
 
 
-def notation(row: np.void) -> str:
-    """Pattern and orbit of a candidate in short."""
-    pattern = make_constellation(row).pattern
-    assert pattern is not None
-    kind = PATTERNS[row["pattern"]].removeprefix("walker-")
-    if pattern.multiplier is not None:  # whose notation leaves the inclination out
-        kind += f" {row['inclination_deg']:.6g}°:"
-    return f"{kind} {pattern.notation}, {row['radius_km']:.0f} km"
+def notation(c: Constellation) -> str:
+    """Pattern and orbit in short."""
+    if c.pattern is None:
+        return f"{c.size} satellites by their elements"
+    kind = c.pattern.kind.removeprefix("walker-")
+    if c.pattern.multiplier is not None:  # whose notation leaves the inclination out
+        kind += f" {np.degrees(c.pattern.inclination):.6g}°:"
+    return f"{kind} {c.pattern.notation}, {c.semi_major_axis[0] / 1e3:.0f} km"
 
 
 def rows_in(results: "xr.Dataset") -> NDArray:
@@ -120,38 +134,3 @@ def _shortfall(
     values = np.column_stack([o.sign * some[o.figure].values for o in study.objectives])
     worst = ((values - low) / width).max(axis=1)
     return np.asarray(worst, dtype=np.float64)
-
-
-def compared_mask_deg(study: Study) -> float:
-    """Mask under which the design to compare with is judged: the study's first, degrees."""
-    mask = study.space.mask_deg
-    return mask[0] if isinstance(mask, tuple) else mask.least
-
-
-def yardstick(study: Study) -> Finalist | None:
-    """Put the design to compare with through every stage; None unless a pattern of circles."""
-    if study.compare is None:
-        return None
-    c = study.compare.constellation
-    pattern: Pattern | None = c.pattern
-    if pattern is None:
-        return None
-    rows = np.array(
-        [
-            (
-                PATTERNS.index(pattern.kind),
-                pattern.satellites,
-                pattern.planes,
-                pattern.phasing % pattern.planes,
-                round(float(np.degrees(pattern.inclination)), 9),
-                float(c.semi_major_axis[0]) / 1e3,
-                compared_mask_deg(study),
-            )
-        ],
-        ROW,
-    )
-    figures = dict.fromkeys(MERITS, float("nan"))
-    for stage in ("screen", "map", *(("entry",) if study.entry else ())):
-        found = evaluate(stage, study, rows)
-        figures |= {name: float(values[0]) for name, values in found.figures.items()}
-    return Finalist(study.compare.name, rows[0], figures)

@@ -27,8 +27,8 @@ def map_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
         rows["radius_km"] * 1e3 / study.figure.equatorial_radius,
         np.sin(np.radians(rows["mask_deg"])),
         study.map.epochs,
-        _places("equal-area", step),
-        _places("equal-angle", step),
+        places("equal-area", step),
+        places("equal-angle", step),
         make_grid("equal-angle", step).columns,
         study.map.pdop_max,
         figures,
@@ -37,7 +37,7 @@ def map_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
 
 
 @lru_cache(maxsize=8)
-def _places(kind: str, step_deg: float) -> NDArray[np.float64]:
+def places(kind: str, step_deg: float) -> NDArray[np.float64]:
     """Unit vectors to the middles of a grid's cells, row by row from the south, shape (q, 3)."""
     grid = make_grid(kind, step_deg)
     return direction(grid.latitude[:, np.newaxis], grid.longitude).reshape(-1, 3)

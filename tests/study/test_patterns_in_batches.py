@@ -166,7 +166,9 @@ def test_entries_against_judging_one_by_one(short, kind):
     assert found["unobservable_share"][0] == 0 and found["unobservable_share"][4] > 0
 
 
-@pytest.mark.parametrize("unknown", [{"density_sigma": 0.2}, {"density_sigma": 0.2, "lift_sigma": 0.1}])
+@pytest.mark.parametrize(
+    "unknown", [{"density_sigma": 0.2}, {"density_sigma": 0.2, "lift_sigma": 0.1}]
+)
 def test_air_and_lift_that_are_not_known(short, unknown):
     known = assert_as_judged_one_by_one(entry(short(), goal=300.0), ROWS[:2])
     found = assert_as_judged_one_by_one(entry(short(), goal=300.0, **unknown), ROWS[:2])

@@ -8,7 +8,7 @@ import pytest
 
 from compass.study import stages, trade, workers
 from compass.study.candidates import candidates, identities
-from compass.study.choice import finalists_of, yardstick
+from compass.study.choice import finalists_of
 from compass.study.evolve import assess
 from compass.study.results import read_results
 from compass.study.store import Store
@@ -200,8 +200,3 @@ def test_finalists_and_yardstick(tiny, tmp_path):
     small = next(f for f in chosen if "smallest number" in f.role)
     front = results.isel(candidate=np.flatnonzero(results.front == 0))
     assert small.figures["satellites"] == front.satellites.min()
-    measure = yardstick(study)
-    # COMPASS, Kelly and Bevilacqua 2018: 15 satellites in 5 planes at 45 deg
-    assert measure.role == "COMPASS 15/5/1" and measure.notation.startswith("delta 45°: 15/5/1")
-    assert measure.figures["fold_proven"] == 1.0
-    assert yardstick(tiny()) is None

@@ -1,0 +1,185 @@
+"""A design beside which a study's candidates are put, pattern or not."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.core.gdop import dops_over
+from compass.core.ranking import nearest_rank
+from compass.coverage.certificate import prove_fold
+from compass.coverage.grid import make_grid
+from compass.coverage.margin import highest_mask
+from compass.coverage.symmetry import Span, shortest_span
+from compass.coverage.view import view
+from compass.inputs import Design
+from compass.inputs.merit import MERITS
+from compass.inputs.study import Study
+from compass.orbits import Constellation
+from compass.sites import Mask
+from compass.study.candidates import PATTERNS, ROW
+from compass.study.choice import notation
+from compass.study.judge import judge
+from compass.study.pattern_map import places
+from compass.study.stages import evaluate
+
+#: Moments at which the geometry of orbits that are no pattern is sampled; a prime number meets
+#: moments of symmetry least often.
+EPOCHS = 127
+
+
+@dataclass(frozen=True)
+class Yardstick:
+    """A design to compare with, and its figures of merit.
+
+    Attributes
+    ----------
+    design
+        As given in its file.
+    mask_deg
+        Mask under which it is compared, degrees.
+    figures
+        By name; nan where its orbits are no pattern of equal circles and the figure is of those.
+    """
+
+    design: Design
+    mask_deg: float
+    figures: dict[str, float]
+
+    @property
+    def role(self) -> str:
+        """What to call it."""
+        return self.design.name
+
+    @property
+    def constellation(self) -> Constellation:
+        """Its orbits."""
+        return self.design.constellation
+
+    @property
+    def kind(self) -> str:
+        """Of pattern."""
+        pattern = self.constellation.pattern
+        return "elements" if pattern is None else pattern.kind
+
+    @property
+    def notation(self) -> str:
+        """Pattern and orbit in short."""
+        return notation(self.constellation)
+
+    @property
+    def variables(self) -> dict[str, float]:
+        """What it is, where that can be said as of a candidate; else nan."""
+        c, nan = self.constellation, float("nan")
+        common = np.ptp(c.inclination) == 0, c.is_circular and np.ptp(c.semi_major_axis) == 0
+        return {
+            "satellites": float(c.size),
+            "planes": self.figures["planes"],
+            "phasing": nan if c.pattern is None else float(c.pattern.phasing),
+            "inclination_deg": float(np.degrees(c.inclination[0])) if common[0] else nan,
+            "radius_km": float(c.semi_major_axis[0]) / 1e3 if common[1] else nan,
+            "mask_deg": self.mask_deg,
+        }
+
+
+def yardstick(study: Study) -> Yardstick | None:
+    """Put the design to compare with through every stage; None if the study names none.
+
+    Under the study's figure, fold and first mask. A pattern of equal circles goes the way of the
+    candidates; the fold and the margin of other orbits are of the time that `shortest_span` gives.
+    """
+    if study.compare is None:
+        return None
+    mask = compared_mask_deg(study)
+    find = _as_candidate if study.compare.constellation.pattern is not None else _by_itself
+    known = find(study, study.compare.constellation, mask)
+    return Yardstick(study.compare, mask, dict.fromkeys(MERITS, float("nan")) | known)
+
+
+def compared_mask_deg(study: Study) -> float:
+    """Mask under which the design to compare with is judged: the study's first, degrees."""
+    mask = study.space.mask_deg
+    return mask[0] if isinstance(mask, tuple) else mask.least
+
+
+def _as_candidate(study: Study, c: Constellation, mask_deg: float) -> dict[str, float]:
+    """Figures of a pattern, by the functions that sort the candidates."""
+    pattern = c.pattern
+    assert pattern is not None
+    rows = np.array(
+        [
+            (
+                PATTERNS.index(pattern.kind),
+                pattern.satellites,
+                pattern.planes,
+                pattern.phasing % pattern.planes,
+                round(float(np.degrees(pattern.inclination)), 9),
+                float(c.semi_major_axis[0]) / 1e3,
+                mask_deg,
+            )
+        ],
+        ROW,
+    )
+    figures: dict[str, float] = {}
+    for stage in ("screen", "map", *(("entry",) if study.entry else ())):
+        found = evaluate(stage, study, rows)
+        figures |= {name: float(values[0]) for name, values in found.figures.items()}
+    return figures
+
+
+def _by_itself(study: Study, c: Constellation, mask_deg: float) -> dict[str, float]:
+    """Figures of any orbits, by the functions for one constellation."""
+    sphere, mask = study.figure.equatorial_radius, float(np.radians(mask_deg))
+    span = shortest_span(c)
+    outcome = prove_fold(c, study.fold, sphere_radius=sphere, mask=mask, span=span).outcome
+    margin = highest_mask(c, study.fold, sphere_radius=sphere, span=span)
+    orbits = np.unique(np.round(np.stack([c.inclination, c.raan], axis=1), 9), axis=0)
+    figures = {
+        "satellites": float(c.size),
+        "planes": float(len(orbits)),
+        "fold_proven": {"proven": 1.0, "refuted": 0.0}.get(outcome, float("nan")),
+        "mask_margin_deg": float("nan") if margin is None else float(np.degrees(margin)),
+    }
+    figures |= _geometry(study, c, mask, span)
+    if study.entry is not None:
+        entry = study.entry
+        judged = judge(
+            c, entry.scenario, samples=entry.samples, seed=study.seed, figure=study.figure,
+            mask=Mask.constant(mask), goal=entry.goal, density_sigma=entry.density_sigma,
+            lift_sigma=entry.lift_sigma,
+        )  # fmt: skip
+        for name, merit in MERITS.items():
+            if merit.stage == "entry":
+                group, _, key = name.partition(".")
+                figures[name] = float(judged[group][key] if key else judged[group])
+    return figures
+
+
+def _geometry(study: Study, c: Constellation, mask: float, span: Span) -> dict[str, float]:
+    """Geometry over area and time, with north and south each for itself as a zone."""
+    times = span.start + (span.stop - span.start) * (np.arange(EPOCHS) + 0.5) / EPOCHS
+    r = view(c, times, study.figure.equatorial_radius).r
+
+    def over(kind: str) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+        where = places(kind, study.map.step_deg)
+        fold = np.empty((EPOCHS, len(where)), np.int64)
+        gdop, pdop = np.empty(fold.shape), np.empty(fold.shape)
+        dops_over(r, where, 1.0, np.sin(mask), fold, gdop, pdop)
+        return fold, gdop, pdop
+
+    fold, gdop, pdop = over("equal-area")
+    columns = make_grid("equal-angle", study.map.step_deg).columns
+    zones = over("equal-angle")[1].reshape(EPOCHS, -1, columns)
+    return {
+        "gdop_p50": _rank(gdop, 50),
+        "gdop_p95": _rank(gdop, 95),
+        "gdop_p95_zone": max(_rank(zones[:, k], 95) for k in range(zones.shape[1])),
+        "pdop_p95": _rank(pdop, 95),
+        "availability": float((pdop <= study.map.pdop_max).mean()),
+        "count_mean": float(fold.mean()),
+    }
+
+
+def _rank(values: NDArray[np.float64], percent: int) -> float:
+    """Smallest value that `percent` of 100 do not exceed; infinities count."""
+    return float(np.sort(values, axis=None)[nearest_rank(values.size, percent)])

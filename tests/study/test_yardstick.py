@@ -1,0 +1,54 @@
+"""The design to compare with: as a candidate, or by itself where it is no pattern."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compass.inputs import read_design
+from compass.inputs.merit import merits_of
+from compass.study.yardstick import yardstick
+
+
+def test_a_pattern_goes_the_way_of_the_candidates(tiny):
+    measure = yardstick(tiny(entry=True))
+    # COMPASS, Kelly and Bevilacqua 2018: 15 satellites in 5 planes at 45 deg
+    assert measure.role == "COMPASS 15/5/1" and measure.notation.startswith("delta 45°: 15/5/1")
+    assert measure.figures["fold_proven"] == 1.0
+    assert (measure.variables["phasing"], measure.variables["mask_deg"]) == (1, 5)
+    assert measure.variables["radius_km"] == 20427
+    assert yardstick(tiny()) is None
+
+
+@pytest.mark.slow
+def test_by_elements_as_by_pattern(tiny):
+    """The same satellites, not told that they are a pattern: other functions, the same figures."""
+    study = tiny(entry=True)
+    known = yardstick(study)
+    c = replace(study.compare.constellation, pattern=None)
+    found = yardstick(replace(study, compare=replace(study.compare, constellation=c)))
+    assert (found.kind, found.notation) == ("elements", "15 satellites by their elements")
+    for name in ("satellites", "planes", "fold_proven", *merits_of("entry")):
+        assert found.figures[name] == pytest.approx(known.figures[name], rel=1e-8), name
+    # the screen brackets the cap radius lambda = acos(R/r cos e) - e to 5e-4 rad, and at R/r = 1/6
+    # abs(d lambda/d e) is at least 1 - (R/r)/sqrt(1 - (R/r)^2) = 0.83
+    assert found.figures["mask_margin_deg"] == pytest.approx(
+        known.figures["mask_margin_deg"], abs=np.degrees(5e-4) / 0.83
+    )
+    # 2 moments of the candidates' way against 127: within what moments differ by
+    for name in ("count_mean", "availability"):
+        assert found.figures[name] == pytest.approx(known.figures[name], rel=0.1), name
+    assert np.isnan(found.figures["delta_v_total_m_s"])
+
+
+@pytest.mark.slow
+def test_draims_four(tiny, designs):
+    """Draim 1987: four satellites on ellipses see all of the planet once at any time, not twice."""
+    draim = read_design(designs / "draim-four.toml")
+    study = replace(tiny(fold=1), compare=draim)
+    space = replace(study.space, mask_deg=(0.0,))
+    once = yardstick(replace(study, space=space))
+    assert once.figures["fold_proven"] == 1.0
+    assert yardstick(replace(study, space=space, fold=2)).figures["fold_proven"] == 0.0
+    assert np.isnan(once.variables["phasing"])
+    assert once.figures["count_mean"] > 1 and once.figures["gdop_p95_zone"] == np.inf
