@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from compass.entry.search import Optimum, Start
-from compass.reproduce import yu2018
+from compass.reproduce import yu2018, yu2018_case, yu2018_ground, yu2018_orbiters
 
 PLACES = np.radians(
     [[-27.297, -82.7228], [-27.209, -82.7385], [-25.6395, -73.2034]]
@@ -17,13 +17,14 @@ def coarse(monkeypatch):
         start = Start(value, parameters, (value,), 1)
         return lambda *args, **options: Optimum("test", value, parameters, (start,), 1.0)
 
-    caches = (yu2018.ground_flight, yu2018.orbiter_flight, yu2018.best_ground)
+    caches = (yu2018_case.ground_flight, yu2018_case.orbiter_flight, yu2018_ground.best_ground)
     for cache in caches:
         cache.cache_clear()
-    monkeypatch.setattr(yu2018, "TIMES", np.arange(0.0, 241.0, 5.0))
-    monkeypatch.setattr(yu2018, "RUNS", 4)
-    monkeypatch.setattr(yu2018, "best_ground_beacons", found(1.64e-8, PLACES))
-    monkeypatch.setattr(yu2018, "best_orbiters", found(239.85, np.zeros((3, 3))))
+    monkeypatch.setattr(yu2018_case, "TIMES", np.arange(0.0, 241.0, 5.0))
+    monkeypatch.setattr(yu2018_case, "RUNS", 4)
+    for module in (yu2018_ground, yu2018_orbiters):
+        monkeypatch.setattr(module, "best_ground_beacons", found(1.64e-8, PLACES))
+    monkeypatch.setattr(yu2018_orbiters, "best_orbiters", found(239.85, np.zeros((3, 3))))
     yield
     for cache in caches:
         cache.cache_clear()
