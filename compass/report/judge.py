@@ -269,7 +269,7 @@ def _map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> Pictu
             )
         bar = colour_bar(list(axes), mesh, "largest position bound at deployment in the cell, m")
         bar.ax.xaxis.set_major_formatter("{x:g}")
-        bar.ax.xaxis.set_minor_formatter("{x:g}")
+        bar.ax.xaxis.set_minor_formatter("{x:g}" if high < 8 * low else "")
     return picture(
         figure,
         "judge-map",
