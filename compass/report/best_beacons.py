@@ -15,7 +15,7 @@ from compass.entry.search import Optimum
 from compass.entry.trajectory import Trajectory, fly
 from compass.errors import ArgumentError
 from compass.inputs.scenario import Scenario
-from compass.report.entry import draw_map
+from compass.report.entry_pictures import draw_map
 from compass.report.section import Picture, Section, Table, picture
 from compass.report.style import CYCLE, look, new_figure
 
