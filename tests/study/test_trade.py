@@ -6,6 +6,7 @@ import os
 import numpy as np
 import pytest
 
+from compass.errors import CompassError
 from compass.study import stages, trade, workers
 from compass.study.candidates import candidates, identities
 from compass.study.choice import finalists_of, yardstick
@@ -98,26 +99,50 @@ def test_only_a_few_batches_are_on_their_way(tiny):
     assert taken == count == 20
 
 
-def lethal(stage, rows):
-    if rows["planes"][0] == 7:
-        os._exit(9)
-    return stages.evaluate(stage, workers._study, rows)
+def serve_lethally(end, study):
+    """As a worker that dies of seven planes."""
+    honest = workers.evaluate
+
+    def evaluate(stage, study, rows):
+        if 7 in rows["planes"]:
+            os._exit(9)
+        return honest(stage, study, rows)
+
+    workers.evaluate = evaluate
+    workers._serve(end, study)
 
 
-def test_a_batch_that_kills_its_workers_is_left_out(tiny, monkeypatch):
-    monkeypatch.setattr(workers, "_work", lethal)
+@pytest.fixture
+def lethal(monkeypatch):
+    monkeypatch.setattr(workers, "_serve", serve_lethally)
     monkeypatch.setattr(workers, "ATTEMPTS", 2)
+
+
+def test_only_the_candidate_that_kills_its_workers_is_left_out(tiny, lethal):
     study = tiny()
     rows = candidates(study).rows(0, 52)
     bad, good = rows[rows["planes"] == 7][:1], rows[rows["planes"] == 1]
     team = Processes(study, 1)
     try:
-        found = list(team.run("screen", [bad, good]))
+        found = list(team.run("screen", [good, np.concatenate([good[:2], bad, good[2:]]), good]))
+        (lost,) = [batch for batch, what in found if what is None]
+        assert np.array_equal(lost, bad)
+        # its mates were found one by one, the batches around it at the first go
+        assert sorted(batch.size for batch, _ in found) == [1] * (good.size + 1) + [good.size] * 2
     finally:
         team.close()
-    lost = [batch for batch, what in found if what is None]
-    assert any(np.array_equal(batch, bad) for batch in lost)
-    assert len(found) == 2
+
+
+def test_workers_that_only_die_end_the_run(tiny, lethal):
+    study = tiny()
+    rows = candidates(study).rows(0, 52)
+    bad = rows[rows["planes"] == 7]
+    team = Processes(study, 1)
+    try:
+        with pytest.raises(CompassError, match=r"die before they find anything \(exit status 9\)"):
+            list(team.run("screen", [bad, bad]))
+    finally:
+        team.close()
 
 
 def test_what_raises_is_recorded_and_the_rest_goes_on(tiny, tmp_path, monkeypatch):
