@@ -199,13 +199,21 @@ class Cluster:
         source = iter(batches)
         done: queue.SimpleQueue[Any] = queue.SimpleQueue()
         flying: dict[str, tuple[Any, NDArray]] = {}
+        suspects: list[NDArray] = []
+
+        def fly(rows: NDArray) -> None:
+            future = self._submit(stage, rows)
+            flying[future.key] = future, rows
+            future.add_done_callback(done.put)
+
         while True:
             if time.monotonic() - self._looked > WATCH:
                 self._look()
             while len(flying) < AHEAD * self.count and (rows := next(source, None)) is not None:
-                future = self._submit(stage, rows)
-                flying[future.key] = future, rows
-                future.add_done_callback(done.put)
+                fly(rows)
+            if not flying and suspects:
+                # alone: Dask blames a death on all that its worker had
+                fly(suspects.pop())
             if not flying:
                 return
             try:
@@ -218,7 +226,10 @@ class Cluster:
                 future.add_done_callback(done.put)
             else:
                 _, rows = flying.pop(future.key)
-                yield rows, found
+                if found is None and rows.size > 1:
+                    suspects += [rows[k : k + 1] for k in range(rows.size)]
+                else:
+                    yield rows, found
 
     def _submit(self, stage: str, rows: NDArray) -> Any:
         from distributed.client import ClosedClientError

@@ -3,8 +3,8 @@
 Every kind has ``run(stage, batches)``, which yields each batch with what was found, in the order
 in which they finish, and keeps only a few batches a worker on their way: a queue of millions
 would burden a scheduler, and what is on its way is what a kill loses. A batch whose worker died
-waits until all others are through and is then tried again; after `ATTEMPTS` deaths its candidates
-are tried one by one, and only one that its worker dies of again comes back with None.
+is given to another; after `ATTEMPTS` deaths (Dask has its own limit) and when all others are
+through, its candidates are tried one by one. Only one that kills again comes back with None.
 """
 
 import os
