@@ -131,8 +131,6 @@ def first_front(study: Study, results: "xr.Dataset") -> list[dict[str, Any]]:
 
 def write_results(dataset: "xr.Dataset", path: Path) -> None:
     """Write the dataset as netCDF, so that a kill leaves the old file or the new one."""
-    from compass.saving import replacing
+    from compass.saving import save_netcdf
 
-    with replacing(path) as temporary:
-        plain = dataset.assign(feasible=dataset.feasible.astype("i1"))
-        plain.to_netcdf(temporary, engine="h5netcdf")
+    save_netcdf(path, dataset.assign(feasible=dataset.feasible.astype("i1")))
