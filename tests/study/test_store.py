@@ -193,6 +193,23 @@ def test_results_of_all_stages_and_their_errors(tiny, tmp_path):
         assert again.mask_margin_deg.units == "deg"
 
 
+def test_results_without_the_line_of_a_screening(tiny, tmp_path):
+    study = tiny()
+    rows = candidates(study).rows(0, 52)
+    screened = evaluate("screen", study, rows)
+    rows = rows[screened.figures["fold_proven"] == 1]
+    mapped = evaluate("map", study, rows)
+    mapped.errors.update({0: "ValueError: made up", rows.size - 1: "ValueError: another"})
+    with Store(tmp_path, study) as store:
+        store.add("screen", rows[1:], evaluate("screen", study, rows[1:]))
+        store.add("map", rows, mapped)
+    results = read_results(study, tmp_path)
+    assert set(results.identity.values) == set(identities(rows[1:]))
+    last = results.isel(candidate=results.identity.values.tolist().index(identities(rows)[-1]))
+    assert last.error == "ValueError: another" and (results.error != "").sum() == 1
+    assert (results.stage == "map").all() and last.gdop_p50 == mapped.figures["gdop_p50"][-1]
+
+
 def test_no_store_to_read(tiny, tmp_path):
     with pytest.raises(ArgumentError, match=r"no such store; run `compass trade tiny.toml` first"):
         read_results(tiny(), tmp_path)
