@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from compass.errors import CompassError
-from compass.study import stages, trade, workers
+from compass.inputs.merit import MERITS
+from compass.study import evolve, stages, trade, workers
 from compass.study.candidates import candidates, identities
 from compass.study.choice import finalists_of, yardstick
-from compass.study.evolve import assess
+from compass.study.evolve import Known, assess
 from compass.study.results import read_results
 from compass.study.store import Store
-from compass.study.trade import finalists, passed, run_trade
+from compass.study.trade import finalists, gather, passed, run_trade
 from compass.study.workers import Here, Processes
 
 
@@ -207,11 +208,32 @@ def test_violations_count_stages_then_constraints(tiny, tmp_path):
         def stage(name, some):
             trade._stage(name, some, store, Here(study), None, summary)
 
-        values, violation = assess(study, store, stage, rows)
+        values, violation = assess(study, Known(store), stage, rows)
         proven = np.isin(identities(rows), identities(passed(study, store, "screen")))
     assert np.array_equal(violation == 0, proven)
     assert np.all(violation[~proven] == 2.01)  # two stages missed, one constraint not met
     assert np.array_equal(values[:, 0], rows["satellites"])
+
+
+def test_what_is_known_is_read_once(tiny, tmp_path, monkeypatch):
+    study = tiny()
+    rows, read = candidates(study).rows(0, 52), []
+    honest = evolve.figures_in
+    monkeypatch.setattr(evolve, "figures_in", lambda record: read.append(1) or honest(record))
+    with Store(tmp_path, study) as store:
+        known = Known(store)
+        assert np.isnan(known.figures(identities(rows))["fold_proven"]).all()
+        for part in (rows[:5], rows[5:]):
+            store.add("screen", part, stages.evaluate("screen", study, part))
+            figures = known.figures(identities(rows))
+        mapped = stages.evaluate("map", study, rows[:7])
+        store.add("map", rows[:7], mapped)
+        both = known.figures(identities(rows))
+        assert len(read) == 3
+        everything = gather(store, identities(rows), set(MERITS))
+    assert np.array_equal(both["satellites"], rows["satellites"])
+    assert np.isnan(figures["gdop_p50"]).all()
+    assert all(np.array_equal(both[n], everything[n], equal_nan=True) for n in MERITS)
 
 
 def test_finalists_and_yardstick(tiny, tmp_path):
