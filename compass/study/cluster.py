@@ -116,7 +116,7 @@ class Cluster:
         for name in ("distributed", "distributed.client", "tornado.application"):
             logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said here
         self._study, self._option = pickle.dumps(study), f"--scheduler = {address}"
-        self._check_address(address, tls)
+        address = self._checked(address, tls)
         security = Security()  # of Dask's own configuration
         if tls is not None:
             tls.check()
@@ -147,19 +147,21 @@ class Cluster:
         self.count, self._attended = 1, time.monotonic()
         self._look()
 
-    def _check_address(self, address: str, tls: Tls | None) -> None:
-        place = urlsplit(address)
+    def _checked(self, address: str, tls: Tls | None) -> str:
+        """Return the address as Dask wants it."""
         try:
+            place = urlsplit(address.strip())
             known = place.scheme in ("tcp", "tls") and place.hostname and place.port
-        except ValueError:
-            known = None
-        if not known:
+            if not known or place.username is not None or place.path not in ("", "/"):
+                raise ValueError
+        except ValueError as error:
             raise ArgumentError(
                 f"{self._option}: not an address; write it as tcp://host:port or, with TLS, "
                 "tls://host:port"
-            )
+            ) from error
         if tls is not None and place.scheme != "tls":
             raise ArgumentError(f"{self._option}: with certificates, write it as tls://host:port")
+        return f"{place.scheme}://{place.netloc}"
 
     def _greet(self, address: str, security: Any) -> None:
         """Find out who is there; Dask's client would wait without end for one that is silent."""

@@ -93,10 +93,25 @@ def test_only_the_candidate_that_kills_its_workers_is_left_out(tiny, tmp_path, m
     assert set(read_results(tiny(), tmp_path).identity.values) == set(identities(rows)) - {key}
 
 
-def test_addresses_that_are_none(tiny):
-    for address in ("nonsense", "tcp://host", "tcp://host:port", "http://127.0.0.1:80"):
-        with pytest.raises(ArgumentError, match="not an address; write it as tcp://host:port"):
-            Cluster(tiny(), address)
+NO_ADDRESSES = (
+    "  nonsense  tcp://[::1  tcp://host  tcp://host:port  tcp://host:0  http://127.0.0.1:80"
+)
+
+
+@pytest.mark.parametrize(
+    "address",
+    [*NO_ADDRESSES.split("  "), "tcp://me@127.0.0.1:9", "tcp://127.0.0.1:9/path"],
+)
+def test_addresses_that_are_none(tiny, address):
+    with pytest.raises(ArgumentError, match="not an address; write it as tcp://host:port"):
+        Cluster(tiny(), address)
+
+
+@pytest.mark.parametrize("address", ["TCP://127.0.0.1:9", " tcp://127.0.0.1:9", "tcp://[::1]:9/"])
+def test_addresses_written_otherwise(tiny, monkeypatch, address):
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    with pytest.raises(ArgumentError, match=r"does not answer|no connection"):
+        Cluster(tiny(), address)
 
 
 def test_nobody_is_there(tiny, monkeypatch):
