@@ -3,11 +3,16 @@
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from compass.errors import OutputError
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def check_writable(path: Path, inputs: Sequence[Path] = ()) -> None:
@@ -50,6 +55,24 @@ def replacing(path: Path) -> Iterator[Path]:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def save_netcdf(
+    path: Path, dataset: "xr.Dataset", groups: Iterable[tuple[str, "xr.Dataset"]] = ()
+) -> None:
+    """Write a dataset, and others as its groups, as one netCDF-4 file.
+
+    The file is made in memory first: HDF5 crashes the program when a disk is full.
+    """
+    import h5netcdf
+    from xarray.backends import H5NetCDFStore
+
+    with replacing(path) as temporary:
+        memory = BytesIO()
+        with h5netcdf.File(memory, "w") as file:
+            for group, part in [(None, dataset), *groups]:
+                part.dump_to_store(H5NetCDFStore(file, group=group, mode="a"))
+        temporary.write_bytes(memory.getbuffer())
 
 
 def check_new_folder(path: Path) -> None:

@@ -3,10 +3,12 @@ import signal
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+import xarray as xr
 
 from compass.errors import OutputError
-from compass.saving import check_writable, making_folder, replacing
+from compass.saving import check_writable, making_folder, replacing, save_netcdf
 
 
 def test_success_replaces_and_failure_leaves_the_old_file(tmp_path):
@@ -102,3 +104,28 @@ def test_a_device_is_not_replaced(tmp_path):
     with pytest.raises(OutputError, match="is a device or the like"):
         check_writable(pipe)
     assert pipe.is_fifo()
+
+
+def test_netcdf_on_a_full_disk_is_refused(tmp_path):
+    """In a process of its own: it once crashed."""
+    script = (
+        "import resource, sys, numpy, xarray; from pathlib import Path\n"
+        "from compass.errors import OutputError; from compass.saving import save_netcdf\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, resource.RLIM_INFINITY))\n"
+        "try: save_netcdf(Path(sys.argv[1]), xarray.Dataset({'x': ('n', numpy.ones(50_000))}))\n"
+        "except OutputError as error: print(error)\n"
+    )
+    path = tmp_path / "result.nc"
+    path.write_text("old")
+    done = subprocess.run([sys.executable, "-c", script, path], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == f"{path}: cannot be written: File too large\n"
+    assert path.read_text() == "old" and list(tmp_path.iterdir()) == [path]
+
+
+def test_netcdf_with_groups(tmp_path):
+    one, two = (xr.Dataset({"x": ("n", [k, 2.0])}, attrs={"title": "t"}) for k in (1.0, np.nan))
+    save_netcdf(tmp_path / "result.nc", one, [("part/two", two)])
+    for group, whole in ((None, one), ("part/two", two)):
+        with xr.open_dataset(tmp_path / "result.nc", group=group, engine="h5netcdf") as again:
+            assert again.identical(whole)

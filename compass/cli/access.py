@@ -185,21 +185,22 @@ def _write(output: Path, found: "Survey", record: dict[str, Any], design: "Desig
     import compass
     from compass.access.dataset import windows_dataset
     from compass.cli.shared import plain
-    from compass.saving import replacing
+    from compass.saving import replacing, save_netcdf
 
+    if output.suffix == ".nc":
+        dataset = windows_dataset(
+            found.windows,
+            title=f"Access windows of {design.name}",
+            design=design.text,
+            design_sha256=design.digest,
+            epoch_tdb_s_past_j2000=design.constellation.epoch,
+            history=command_line(),
+            source=f"compass {compass.__version__}",
+        )
+        save_netcdf(output, dataset)
+        return
     with replacing(output) as path:
-        if output.suffix == ".nc":
-            dataset = windows_dataset(
-                found.windows,
-                title=f"Access windows of {design.name}",
-                design=design.text,
-                design_sha256=design.digest,
-                epoch_tdb_s_past_j2000=design.constellation.epoch,
-                history=command_line(),
-                source=f"compass {compass.__version__}",
-            )
-            dataset.to_netcdf(path, engine="h5netcdf")
-        elif output.suffix == ".json":
+        if output.suffix == ".json":
             path.write_text(json.dumps(plain(record), indent=2, allow_nan=False) + "\n")
         else:
             _write_csv(path, record)

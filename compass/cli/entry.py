@@ -37,7 +37,7 @@ def command(
     from compass.report.entry import assess_scenario, entry_facts, entry_section
     from compass.report.fusion import fusion_facts, fusion_section
     from compass.report.pictures import check_folder, write_pictures
-    from compass.saving import check_writable, replacing
+    from compass.saving import check_writable, save_netcdf
     from compass.study.fusion import run_fusion
 
     chosen = read_scenario(scenario)
@@ -58,10 +58,7 @@ def command(
     if output:
         data = assessment_dataset(found)
         data.attrs |= provenance(chosen, command_line())
-        with replacing(output) as temporary:
-            data.to_netcdf(temporary, engine="h5netcdf")
-            for group, part in fused.groups() if fused else ():
-                part.to_netcdf(temporary, mode="a", group=group, engine="h5netcdf")
+        save_netcdf(output, data, fused.groups() if fused else ())
         say(f"wrote {output}")
     if figures:
         pictures = [image for section in sections for image in section.pictures]

@@ -46,6 +46,7 @@ def command(
 
     from compass.errors import ArgumentError
     from compass.inputs.study import read_study
+    from compass.saving import check_writable
     from compass.study.candidates import blocks
     from compass.study.cluster import Cluster, Tls
     from compass.study.judge import check_measurements
@@ -83,7 +84,11 @@ def command(
 
     with Store(folder, chosen) as store:
         if store.damaged:
-            say(f"{store.path}: {store.damaged} damaged line(s) ignored; computed again")
+            say(
+                f"{store.path}: {store.damaged} damaged line(s) ignored; candidates that no other "
+                "line has are computed again"
+            )
+        check_writable(folder / "trade.nc")
         team = hire()
         try:
             summary = run_trade(chosen, store, team, bars)

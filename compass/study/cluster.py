@@ -116,7 +116,7 @@ class Cluster:
         for name in ("distributed", "distributed.client", "tornado.application"):
             logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said here
         self._study, self._option = pickle.dumps(study), f"--scheduler = {address}"
-        self._check_address(address, tls)
+        address = self._checked(address, tls)
         security = Security()  # of Dask's own configuration
         if tls is not None:
             tls.check()
@@ -147,19 +147,21 @@ class Cluster:
         self.count, self._attended = 1, time.monotonic()
         self._look()
 
-    def _check_address(self, address: str, tls: Tls | None) -> None:
-        place = urlsplit(address)
+    def _checked(self, address: str, tls: Tls | None) -> str:
+        """Return the address as Dask wants it."""
         try:
+            place = urlsplit(address.strip())
             known = place.scheme in ("tcp", "tls") and place.hostname and place.port
-        except ValueError:
-            known = None
-        if not known:
+            if not known or place.username is not None or place.path not in ("", "/"):
+                raise ValueError
+        except ValueError as error:
             raise ArgumentError(
                 f"{self._option}: not an address; write it as tcp://host:port or, with TLS, "
                 "tls://host:port"
-            )
+            ) from error
         if tls is not None and place.scheme != "tls":
             raise ArgumentError(f"{self._option}: with certificates, write it as tls://host:port")
+        return f"{place.scheme}://{place.netloc}"
 
     def _greet(self, address: str, security: Any) -> None:
         """Find out who is there; Dask's client would wait without end for one that is silent."""
@@ -199,13 +201,21 @@ class Cluster:
         source = iter(batches)
         done: queue.SimpleQueue[Any] = queue.SimpleQueue()
         flying: dict[str, tuple[Any, NDArray]] = {}
+        suspects: list[NDArray] = []
+
+        def fly(rows: NDArray) -> None:
+            future = self._submit(stage, rows)
+            flying[future.key] = future, rows
+            future.add_done_callback(done.put)
+
         while True:
             if time.monotonic() - self._looked > WATCH:
                 self._look()
             while len(flying) < AHEAD * self.count and (rows := next(source, None)) is not None:
-                future = self._submit(stage, rows)
-                flying[future.key] = future, rows
-                future.add_done_callback(done.put)
+                fly(rows)
+            if not flying and suspects:
+                # alone: Dask blames a death on all that its worker had
+                fly(suspects.pop())
             if not flying:
                 return
             try:
@@ -218,7 +228,10 @@ class Cluster:
                 future.add_done_callback(done.put)
             else:
                 _, rows = flying.pop(future.key)
-                yield rows, found
+                if found is None and rows.size > 1:
+                    suspects += [rows[k : k + 1] for k in range(rows.size)]
+                else:
+                    yield rows, found
 
     def _submit(self, stage: str, rows: NDArray) -> Any:
         from distributed.client import ClosedClientError

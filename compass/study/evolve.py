@@ -1,7 +1,7 @@
 """Candidates by evolution: NSGA-II over mixed whole and real variables.
 
 The optimiser is deterministic for a seed and sees only stored figures. A run that resumes
-replays the generations from the store, at no cost, up to where it was killed.
+replays the generations from the store, at little cost, up to where it was killed.
 """
 
 from collections.abc import Callable
@@ -15,12 +15,40 @@ from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.study.candidates import blocks, identities, pick
 from compass.study.stages import passing
-from compass.study.store import Store
+from compass.study.store import Store, figures_in, read_lines, rows_of
 
 VARIABLES = ("kind", "size", "planes", "phasing", "inclination", "radius", "mask")
 
 #: Whole variables are drawn in so many steps of the unit interval.
 STEPS = 10_000
+
+
+class Known:
+    """All figures in a store, of the few candidates of an optimiser; each line is read once."""
+
+    def __init__(self, store: Store) -> None:
+        self._path, self._end = store.path, 0
+        self._values: dict[str, NDArray[np.float64]] = {}
+
+    def figures(self, keys: list[str]) -> dict[str, NDArray[np.float64]]:
+        """By name those of some candidates, nan where there is none; shape (n,) each."""
+        self._read()
+        unknown = np.full(len(MERITS), np.nan)
+        table = [self._values.get(key, unknown) for key in keys]
+        return dict(zip(MERITS, np.array(table).T, strict=True))
+
+    def _read(self) -> None:
+        """Take in what was added since."""
+        names = list(MERITS)
+        for record, end in read_lines(self._path, self._end):
+            self._end = end
+            if record is None or "stage" not in record:
+                continue
+            found = figures_in(record)
+            columns = [names.index(name) for name in found]
+            values = np.column_stack(list(found.values()))
+            for key, row in zip(identities(rows_of(record)), values, strict=True):
+                self._values.setdefault(key, np.full(len(names), np.nan))[columns] = row
 
 
 def evolve(
@@ -65,6 +93,7 @@ def evolve(
         name: Integer(bounds=(0, STEPS - 1)) if k < 4 else Real(bounds=(0.0, 1.0))
         for k, name in enumerate(VARIABLES)
     }
+    known = Known(store)
     with bars("generation", generations, 0) as bar:
 
         class _Problem(Problem):
@@ -78,7 +107,7 @@ def evolve(
                         for p in x
                     ]
                 )
-                out["F"], violation = assess(study, store, stage, pick(study, choices, share))
+                out["F"], violation = assess(study, known, stage, pick(study, choices, share))
                 out["G"] = violation[:, np.newaxis]
                 bar.update(1)
 
@@ -92,18 +121,16 @@ def evolve(
 
 
 def assess(
-    study: Study, store: Store, stage: Callable[[str, NDArray], None], rows: NDArray
+    study: Study, known: Known, stage: Callable[[str, NDArray], None], rows: NDArray
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Objectives (to be minimised, shape (n, m)) and violations (0: none, shape (n,))."""
-    from compass.study.trade import gather
-
     stages = ["screen", "map", *(["entry"] if study.entry else [])]
     going = np.arange(rows.size)
     violation = np.zeros(rows.size)
     keys = identities(rows)
     for level, name in enumerate(stages):
         stage(name, np.unique(rows[going]))
-        figures = gather(store, [keys[k] for k in going], set(MERITS))
+        figures = known.figures([keys[k] for k in going])
         keep = passing(study, name, figures)
         if name == "screen":
             keep &= passing(study, "cost", figures)
@@ -116,6 +143,6 @@ def assess(
         going = going[keep]
         if not going.size:
             break
-    values = gather(store, keys, {o.figure for o in study.objectives})
+    values = known.figures(keys)
     objectives = np.column_stack([o.sign * values[o.figure] for o in study.objectives])
     return np.where(np.isfinite(objectives), objectives, 1e12), violation

@@ -60,12 +60,15 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
     stage, error = np.zeros(rows.size, "i1"), np.full(rows.size, "", dtype=object)
     for level, name in enumerate(STAGES):
         for record in batches[name]:
-            where = np.array([place[key] for key in identities(rows_of(record))])
-            stage[where] = level
+            # -1: the line with its screening is damaged, and not yet computed again
+            where = np.array([place.get(key, -1) for key in identities(rows_of(record))])
+            there = where >= 0
+            stage[where[there]] = level
             for figure, values in figures_in(record).items():
-                figures[figure][where] = values
+                figures[figure][where[there]] = values[there]
             for k, text in record["errors"].items():
-                error[where[int(k)]] = text
+                if there[int(k)]:
+                    error[where[int(k)]] = text
     feasible = error == ""
     for c in study.constraints:
         if MERITS[c.figure].stage == "entry":
@@ -131,8 +134,6 @@ def first_front(study: Study, results: "xr.Dataset") -> list[dict[str, Any]]:
 
 def write_results(dataset: "xr.Dataset", path: Path) -> None:
     """Write the dataset as netCDF, so that a kill leaves the old file or the new one."""
-    from compass.saving import replacing
+    from compass.saving import save_netcdf
 
-    with replacing(path) as temporary:
-        plain = dataset.assign(feasible=dataset.feasible.astype("i1"))
-        plain.to_netcdf(temporary, engine="h5netcdf")
+    save_netcdf(path, dataset.assign(feasible=dataset.feasible.astype("i1")))

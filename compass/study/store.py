@@ -7,13 +7,15 @@ is why this is neither Parquet nor Zarr: both keep an index (footer, chunk metad
 and the data's are two writes, and a part file a batch would make 10^5 files of a large study.
 The finished study is also exported as one netCDF file for other programs.
 
-A lock on the folder refuses a second run; the first line says which study and which version of
+A lock on the file refuses a second run; the first line says which study and which version of
 the program the numbers are from, and a store of another is refused.
 """
 
 import json
 import os
+import stat
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -28,7 +30,7 @@ from compass.inputs.study import Study
 from compass.study.candidates import PATTERNS, ROW, identities
 from compass.study.stages import Found
 
-FILE, LOCK = "candidates.jsonl", "lock"
+FILE = "candidates.jsonl"
 FORMAT = 1
 
 
@@ -70,13 +72,28 @@ def figures_in(record: dict[str, Any]) -> dict[str, NDArray[np.float64]]:
     }
 
 
-def read_lines(path: Path) -> Iterator[tuple[dict[str, Any] | None, int]]:
-    """Objects of a store's file and where each line ends; None for a line that is damaged."""
-    end = 0
-    with path.open("rb") as file:
-        for line in file:
-            end += len(line)
-            yield _parse(line), end
+def read_lines(path: Path, start: int = 0) -> Iterator[tuple[dict[str, Any] | None, int]]:
+    """Objects of a store's file and where each line ends; None for a line that is damaged.
+
+    Raises
+    ------
+    OutputError
+        It cannot be read, or is not there any more.
+    """
+    end = start
+    try:
+        with path.open("rb") as file:
+            file.seek(start)
+            for line in file:
+                end += len(line)
+                yield _parse(line), end
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be read: {error.strerror}") from error
+
+
+def _line(record: dict[str, Any]) -> bytes:
+    text = json.dumps(record, allow_nan=False, separators=(",", ":")).encode()
+    return b"%08x %s\n" % (crc32(text), text)
 
 
 def _parse(line: bytes) -> dict[str, Any] | None:
@@ -107,7 +124,9 @@ def check_header(found: dict[str, Any] | None, study: Study, path: Path) -> None
     """
     remedy = "give another folder with -o, or move this one away"
     if found is None or "format" not in found:
-        raise ArgumentError(f"{path}: not a store of candidates; {remedy}")
+        raise ArgumentError(
+            f"{path}: not a store of candidates, or its first line is damaged; {remedy}"
+        )
     if found["format"] != FORMAT or found["version"] != compass.__version__:
         raise ArgumentError(
             f"{path}: made by compass {found['version']}, this is {compass.__version__}, whose "
@@ -142,57 +161,60 @@ class Store:
         self.path = folder / FILE
         self.done: dict[str, set[str]] = {}
         self.damaged = 0
+        self._end = 0
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            self._lock = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o666)
+            # appending: whatever is there, nothing of it is overwritten
+            self._file = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
         except OSError as error:
-            raise OutputError(f"{folder}: cannot be used: {error.strerror}") from error
-        self._file = -1
+            raise OutputError(f"{self.path}: cannot be used: {error.strerror}") from error
         try:
-            self._claim(folder)
-            self._open(folder, study)
+            self._claim()
+            self._open(study)
+            _sync_folder(folder)
         except BaseException:
             self.close()
             raise
 
-    def _claim(self, folder: Path) -> None:
+    def _claim(self) -> None:
         import fcntl
 
+        if not stat.S_ISREG(os.fstat(self._file).st_mode):
+            raise OutputError(f"{self.path}: cannot be used: not a file")
         try:
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
             raise ArgumentError(
-                f"{folder}: another run is at work on this store; wait for it, or give another "
-                "folder with -o"
+                f"{self.path.parent}: another run is at work on this store; wait for it, or give "
+                "another folder with -o"
             ) from error
+        except OSError as error:
+            raise OutputError(f"{self.path}: cannot be locked: {error.strerror}") from error
 
-    def _open(self, folder: Path, study: Study) -> None:
-        self._end = 0
-        fresh = not self.path.exists() or self.path.stat().st_size == 0
-        if not fresh:
-            torn = False
-            for number, (record, end) in enumerate(read_lines(self.path)):
-                if number == 0 and record is None and end == self.path.stat().st_size:
-                    fresh = True  # killed while the first line was written
-                    break
-                if number == 0:
-                    check_header(record, study, self.path)
-                elif record is None:
-                    self.damaged += 1
-                else:
-                    self._note(record["stage"], rows_of(record))
-                torn = record is None
-                if not torn:
-                    self._end = end
+    def _open(self, study: Study) -> None:
+        """Learn what is there, and drop what is after the last good line."""
+        first = _line(header(study))
+        beginning = os.pread(self._file, len(first), 0)
+        if len(beginning) < len(first) and first.startswith(beginning):
+            self._truncate()  # new, or killed while its first line was written
+            self._append(header(study))
+            return
+        for number, (record, end) in enumerate(read_lines(self.path)):
+            if number == 0:
+                check_header(record, study, self.path)
+            elif record is None:
+                self.damaged += 1
+            else:
+                self._note(record["stage"], rows_of(record))
+            if record is not None:
+                self._end = end
+        self._truncate()  # or the rest would spoil the next line
+
+    def _truncate(self) -> None:
         try:
-            self._file = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
-            # what follows the last good line is of no use, and would spoil the next one
             os.ftruncate(self._file, self._end)
-            _sync_folder(folder)
         except OSError as error:
             raise OutputError(f"{self.path}: cannot be written: {error.strerror}") from error
-        if fresh:
-            self._append(header(study))
 
     def _note(self, stage: str, rows: NDArray) -> None:
         self.done.setdefault(stage, set()).update(identities(rows))
@@ -203,20 +225,31 @@ class Store:
         self._note(stage, rows)
 
     def _append(self, record: dict[str, Any]) -> None:
-        text = json.dumps(record, allow_nan=False, separators=(",", ":")).encode()
-        line = b"%08x %s\n" % (crc32(text), text)
+        self._check_place()
+        line = _line(record)
         try:
             written = 0
             while written < len(line):
                 written += os.write(self._file, line[written:])
             os.fsync(self._file)
         except OSError as error:
-            os.ftruncate(self._file, self._end)
+            with suppress(OSError):  # the next run does it, if it must
+                os.ftruncate(self._file, self._end)
             raise OutputError(
                 f"{self.path}: cannot be written: {error.strerror}; all {self.finished} finished "
                 "candidates stored so far are safe; make room and run the same command again"
             ) from error
         self._end += len(line)
+
+    def _check_place(self) -> None:
+        """Do not go on writing to a file that nobody can find."""
+        with suppress(OSError):
+            if os.path.samestat(os.stat(self.path), os.fstat(self._file)):
+                return
+        raise OutputError(
+            f"{self.path}: deleted or moved while in use; put it back if you have it, and run "
+            "the same command again"
+        )
 
     @property
     def finished(self) -> int:
@@ -231,10 +264,9 @@ class Store:
 
     def close(self) -> None:
         """Give the store free."""
-        for handle in (self._file, self._lock):
-            if handle >= 0:
-                os.close(handle)
-        self._file = self._lock = -1
+        if self._file >= 0:
+            os.close(self._file)
+        self._file = -1
 
     def __enter__(self) -> "Store":
         return self

@@ -3,23 +3,30 @@
 Every kind has ``run(stage, batches)``, which yields each batch with what was found, in the order
 in which they finish, and keeps only a few batches a worker on their way: a queue of millions
 would burden a scheduler, and what is on its way is what a kill loses. A batch whose worker died
-is given to another; after `ATTEMPTS` deaths it comes back with None.
+is given to another; after `ATTEMPTS` deaths (Dask has its own limit) and when all others are
+through, its candidates are tried one by one. Only one that kills again comes back with None.
 """
 
 import os
+import signal
 import threading
+from collections import deque
 from collections.abc import Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from typing import Protocol
+from contextlib import contextmanager, suppress
+from multiprocessing import connection, get_context, parent_process, resource_tracker
+from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
+from compass.errors import CompassError
 from compass.inputs.study import Study
 from compass.study.stages import Found, evaluate
 
-#: Workers that may die of a batch before it is left out.
+#: Workers that may die of a batch before its candidates are tried one by one.
 ATTEMPTS = 3
+
+#: Batches that a process has at once: one that it works on, and one so that it need not wait.
+HELD = 2
 
 Result = tuple[NDArray, Found | None]
 
@@ -53,16 +60,8 @@ class Here:
         """Nothing to let go."""
 
 
-_study: Study  # of a worker process
-
-
-def _begin(study: Study) -> None:
-    """Start a worker process: keep the study, leave ^C to the client, and end when it ends."""
-    import signal
-    from multiprocessing import connection, parent_process
-
-    global _study
-    _study = study
+def _serve(end: connection.Connection, study: Study) -> None:
+    """Work in a process of its own: leave ^C to the client, and end when it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = parent_process()
     assert parent is not None
@@ -72,63 +71,132 @@ def _begin(study: Study) -> None:
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
+    try:
+        while True:
+            stage, rows = end.recv()
+            end.send(evaluate(stage, study, rows))
+    except (EOFError, OSError):
+        pass  # the client is gone
 
 
-def _work(stage: str, rows: NDArray) -> Found:
-    return evaluate(stage, _study, rows)
+@contextmanager
+def _interrupts_held_back() -> Iterator[None]:
+    """Let a process begin that ^C in the terminal, which goes to all, does not reach."""
+    resource_tracker.ensure_running()  # its own start would let them through again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+class _Process:
+    """A worker process, and the batches that it has, with the deaths that each has caused."""
+
+    def __init__(self, study: Study) -> None:
+        context = get_context("spawn")
+        self.end, its = context.Pipe()
+        self.held: deque[tuple[NDArray, int]] = deque()
+        self._process = context.Process(target=_serve, args=(its, study), daemon=True)
+        with _interrupts_held_back():
+            self._process.start()
+        its.close()  # so that its death is the end of the connection
+
+    def give(self, stage: str, rows: NDArray, deaths: int) -> None:
+        """Add a batch to what it has."""
+        self.held.append((rows, deaths))
+        with suppress(OSError):  # it is dead, as whoever waits for it will see
+            self.end.send((stage, rows))
+
+    def take(self) -> Found | None:
+        """What it found of the first batch that it has; None if it died."""
+        try:
+            found: Found = self.end.recv()
+        except (EOFError, OSError):
+            return None
+        return found
+
+    def stop(self) -> str:
+        """End it, even if it stands still; return how it ended."""
+        self._process.kill()
+        self._process.join()
+        self.end.close()
+        code = self._process.exitcode or 0
+        return signal.Signals(-code).name if code < 0 else f"exit status {code}"
 
 
 class Processes:
-    """Worker processes on this machine, replaced when they die."""
+    """Worker processes on this machine, replaced when they die.
+
+    Each has its own batches, so that one that dies harms no other and the batch that it died of
+    is known.
+    """
 
     def __init__(self, study: Study, count: int) -> None:
         self.count = count
         self._study = study
-        self._pool = self._start()
-
-    def _start(self) -> ProcessPoolExecutor:
-        from multiprocessing import get_context
-
-        return ProcessPoolExecutor(
-            self.count, get_context("spawn"), initializer=_begin, initargs=(self._study,)
-        )
+        self._team: list[_Process] = []  # begun when there is something to do
+        self._deaths, self._proven = 0, False
 
     def run(self, stage: str, batches: Iterable[NDArray]) -> Iterator[Result]:
-        """As `Workers.run`."""
-        source, again = iter(batches), list[tuple[NDArray, int]]()
-        flying: dict[Future[Found], tuple[NDArray, int]] = {}
+        """As `Workers.run`.
+
+        Raises
+        ------
+        CompassError
+            Worker after worker dies, before any has found anything.
+        """
+        source, again = iter(batches), deque[tuple[NDArray, int]]()
+        for worker in [w for w in self._team if w.held]:  # an earlier run was given up
+            self._dismiss(worker)
         while True:
-            while len(flying) < self.count + 1:
-                rows, deaths = again.pop() if again else (next(source, None), 0)
-                if rows is None:
+            while sum(len(w.held) for w in self._team) < HELD * self.count:
+                if (rows := next(source, None)) is not None:
+                    self._freest().give(stage, rows, 0)
+                elif again:
+                    self._freest().give(stage, *again.popleft())
+                else:
                     break
-                if deaths >= ATTEMPTS:
-                    yield rows, None
-                    continue
-                try:
-                    flying[self._pool.submit(_work, stage, rows)] = rows, deaths
-                except BrokenProcessPool:  # noticed between two results
-                    again.append((rows, deaths))
-                    break
-            if not flying and not again:
+            ends: dict[Any, _Process] = {w.end: w for w in self._team if w.held}
+            if not ends:
                 return
-            broken = not flying
-            for future in wait(flying, return_when=FIRST_COMPLETED).done:
-                rows, deaths = flying.pop(future)
-                try:
-                    yield rows, future.result()
-                except BrokenProcessPool:
+            for end in connection.wait(list(ends)):
+                worker = ends[end]
+                found = worker.take()
+                rows, deaths = worker.held.popleft()
+                if found is not None:
+                    self._proven = True
+                    yield rows, found
+                    continue
+                again += worker.held  # which are not to blame
+                self._bury(worker)
+                if deaths + 1 < ATTEMPTS:
                     again.append((rows, deaths + 1))
-                    broken = True
-            if broken:  # all on their way are lost with the pool
-                again += [(rows, deaths + 1) for rows, deaths in flying.values()]
-                flying.clear()
-                self._pool.shutdown(wait=False, cancel_futures=True)
-                self._pool = self._start()
+                elif rows.size > 1:
+                    again += [(rows[k : k + 1], ATTEMPTS - 1) for k in range(rows.size)]
+                else:
+                    yield rows, None
+
+    def _freest(self) -> _Process:
+        """The worker with the least to do, a new one if all have something."""
+        if len(self._team) < self.count and all(w.held for w in self._team):
+            self._team.append(_Process(self._study))
+        return min(self._team, key=lambda w: len(w.held))
+
+    def _dismiss(self, worker: _Process) -> str:
+        self._team.remove(worker)
+        return worker.stop()
+
+    def _bury(self, worker: _Process) -> None:
+        how = self._dismiss(worker)
+        self._deaths += 1
+        if not self._proven and self._deaths >= ATTEMPTS * (self.count + 1):
+            raise CompassError(
+                f"worker processes die before they find anything ({how}); --workers 1 shows what "
+                "they die of; every finished candidate is stored"
+            )
 
     def close(self) -> None:
         """End the processes; batches on their way are dropped."""
-        processes = list((self._pool._processes or {}).values())
-        self._pool.shutdown(wait=False, cancel_futures=True)
-        for process in processes:
-            process.terminate()
+        for worker in list(self._team):
+            self._dismiss(worker)

@@ -7,10 +7,11 @@ import time
 from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import pytest
+from trade_processes import DaskProcesses, Trade
 
 from compass.errors import ArgumentError, CompassError
 from compass.study import cluster, trade
-from compass.study.candidates import candidates
+from compass.study.candidates import candidates, identities
 from compass.study.cluster import Cluster, Tls
 from compass.study.results import read_results
 from compass.study.store import Store
@@ -69,10 +70,48 @@ def test_a_cluster_finds_the_same(tiny, tmp_path, monkeypatch, local):
     assert one.identical(two)
 
 
-def test_addresses_that_are_none(tiny):
-    for address in ("nonsense", "tcp://host", "tcp://host:port", "http://127.0.0.1:80"):
-        with pytest.raises(ArgumentError, match="not an address; write it as tcp://host:port"):
-            Cluster(tiny(), address)
+@pytest.mark.slow
+def test_only_the_candidate_that_kills_its_workers_is_left_out(tiny, tmp_path, monkeypatch):
+    monkeypatch.setitem(trade.BATCH, "screen", 26)
+    rows = candidates(tiny()).rows(0, 52)
+    (key,) = identities(rows[5:6])
+    environment = Trade(None, tmp_path / "store").environment | {
+        "LETHAL": key,
+        "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0",
+    }
+    dask = DaskProcesses(tmp_path, environment)
+    try:
+        _, address = dask.scheduler("--host", "127.0.0.1")
+        dask.worker(address, nanny=True)
+        team = Cluster(tiny(), address)
+        summary = run(tiny(), tmp_path, team)
+        team.close()
+    finally:
+        dask.end()
+    assert summary.unfinished == 1 and summary.reached["screen"] == 51
+    # the batch that waited behind it was not to blame
+    assert set(read_results(tiny(), tmp_path).identity.values) == set(identities(rows)) - {key}
+
+
+NO_ADDRESSES = (
+    "  nonsense  tcp://[::1  tcp://host  tcp://host:port  tcp://host:0  http://127.0.0.1:80"
+)
+
+
+@pytest.mark.parametrize(
+    "address",
+    [*NO_ADDRESSES.split("  "), "tcp://me@127.0.0.1:9", "tcp://127.0.0.1:9/path"],
+)
+def test_addresses_that_are_none(tiny, address):
+    with pytest.raises(ArgumentError, match="not an address; write it as tcp://host:port"):
+        Cluster(tiny(), address)
+
+
+@pytest.mark.parametrize("address", ["TCP://127.0.0.1:9", " tcp://127.0.0.1:9", "tcp://[::1]:9/"])
+def test_addresses_written_otherwise(tiny, monkeypatch, address):
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    with pytest.raises(ArgumentError, match=r"does not answer|no connection"):
+        Cluster(tiny(), address)
 
 
 def test_nobody_is_there(tiny, monkeypatch):

@@ -2,6 +2,7 @@
 
 import errno
 import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -53,11 +54,12 @@ def test_every_torn_end_is_dropped(batch, tmp_path):
 
 
 def test_a_first_line_torn_begins_anew(tiny, tmp_path):
-    (tmp_path / FILE).write_bytes(b"12345678 {")
-    with Store(tmp_path, tiny()) as store:
-        assert store.finished == 0
-    with Store(tmp_path, tiny()) as store:
-        assert store.damaged == 0
+    Store(tmp_path, tiny()).close()
+    whole = (tmp_path / FILE).read_bytes()
+    for end in range(0, len(whole), 7):
+        (tmp_path / FILE).write_bytes(whole[:end])
+        Store(tmp_path, tiny()).close()
+        assert (tmp_path / FILE).read_bytes() == whole
 
 
 def test_a_spoilt_line_in_the_middle_is_left_out(batch, tmp_path):
@@ -91,20 +93,48 @@ def test_another_study_and_another_version_are_refused(tiny, tmp_path, monkeypat
         Store(tmp_path, tiny())
 
 
-def test_a_file_that_is_no_store(tiny, tmp_path):
-    (tmp_path / FILE).write_text("hello\nworld\n")
-    with pytest.raises(ArgumentError, match="not a store of candidates"):
+@pytest.mark.parametrize("text", ["hello\nworld\n", "one line\n", '{"not": "ended"', "x" * 500])
+def test_a_file_that_is_no_store_stays_as_it_is(tiny, tmp_path, text):
+    (tmp_path / FILE).write_text(text)
+    with pytest.raises(ArgumentError, match="not a store of candidates, or its first line is dam"):
         Store(tmp_path, tiny())
-    assert (tmp_path / FILE).read_text() == "hello\nworld\n"
+    assert (tmp_path / FILE).read_text() == text
 
 
 def test_a_folder_that_cannot_be_one(tiny, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match="cannot be used"):
         Store(tmp_path / "file", tiny())
-    (tmp_path / "there" / FILE).mkdir(parents=True)
-    with pytest.raises((OutputError, OSError), match=r"cannot be written|directory"):
-        Store(tmp_path / "there", tiny())
+
+
+@pytest.mark.parametrize(
+    "make",
+    [Path.mkdir, os.mkfifo, lambda p: p.symlink_to("/dev/full"), lambda p: p.symlink_to("/no/x")],
+)
+def test_something_else_at_the_place_of_the_store(tiny, tmp_path, make):
+    make(tmp_path / FILE)
+    with pytest.raises(OutputError, match=f"{FILE}: cannot be used: "):
+        Store(tmp_path, tiny())
+
+
+@pytest.mark.parametrize("gone", [Path.unlink, lambda p: p.rename(p.with_name("moved"))])
+def test_a_store_that_is_taken_away_ends_the_run(batch, tmp_path, gone):
+    study, rows, found = batch
+    with Store(tmp_path, study) as store:
+        gone(store.path)
+        with pytest.raises(OutputError, match="deleted or moved while in use"):
+            store.add("screen", rows, found)
+        with pytest.raises(OutputError, match="cannot be read: No such file"):
+            next(store.records("screen"))
+
+
+def test_a_file_system_without_locks_is_not_another_run(tiny, tmp_path, monkeypatch):
+    def refuse(*_):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr("fcntl.flock", refuse)
+    with pytest.raises(OutputError, match="cannot be locked: No locks available"):
+        Store(tmp_path, tiny())
 
 
 @pytest.mark.parametrize("part", [0, 30])
@@ -161,6 +191,23 @@ def test_results_of_all_stages_and_their_errors(tiny, tmp_path):
     with xr.open_dataset(tmp_path / "trade.nc", engine="h5netcdf") as again:
         assert np.array_equal(again.front, results.front)
         assert again.mask_margin_deg.units == "deg"
+
+
+def test_results_without_the_line_of_a_screening(tiny, tmp_path):
+    study = tiny()
+    rows = candidates(study).rows(0, 52)
+    screened = evaluate("screen", study, rows)
+    rows = rows[screened.figures["fold_proven"] == 1]
+    mapped = evaluate("map", study, rows)
+    mapped.errors.update({0: "ValueError: made up", rows.size - 1: "ValueError: another"})
+    with Store(tmp_path, study) as store:
+        store.add("screen", rows[1:], evaluate("screen", study, rows[1:]))
+        store.add("map", rows, mapped)
+    results = read_results(study, tmp_path)
+    assert set(results.identity.values) == set(identities(rows[1:]))
+    last = results.isel(candidate=results.identity.values.tolist().index(identities(rows)[-1]))
+    assert last.error == "ValueError: another" and (results.error != "").sum() == 1
+    assert (results.stage == "map").all() and last.gdop_p50 == mapped.figures["gdop_p50"][-1]
 
 
 def test_no_store_to_read(tiny, tmp_path):

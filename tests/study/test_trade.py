@@ -6,13 +6,15 @@ import os
 import numpy as np
 import pytest
 
-from compass.study import stages, trade, workers
+from compass.errors import CompassError
+from compass.inputs.merit import MERITS
+from compass.study import evolve, stages, trade, workers
 from compass.study.candidates import candidates, identities
 from compass.study.choice import finalists_of
-from compass.study.evolve import assess
+from compass.study.evolve import Known, assess
 from compass.study.results import read_results
 from compass.study.store import Store
-from compass.study.trade import finalists, passed, run_trade
+from compass.study.trade import finalists, gather, passed, run_trade
 from compass.study.workers import Here, Processes
 
 
@@ -98,26 +100,50 @@ def test_only_a_few_batches_are_on_their_way(tiny):
     assert taken == count == 20
 
 
-def lethal(stage, rows):
-    if rows["planes"][0] == 7:
-        os._exit(9)
-    return stages.evaluate(stage, workers._study, rows)
+def serve_lethally(end, study):
+    """As a worker that dies of seven planes."""
+    honest = workers.evaluate
+
+    def evaluate(stage, study, rows):
+        if 7 in rows["planes"]:
+            os._exit(9)
+        return honest(stage, study, rows)
+
+    workers.evaluate = evaluate
+    workers._serve(end, study)
 
 
-def test_a_batch_that_kills_its_workers_is_left_out(tiny, monkeypatch):
-    monkeypatch.setattr(workers, "_work", lethal)
+@pytest.fixture
+def lethal(monkeypatch):
+    monkeypatch.setattr(workers, "_serve", serve_lethally)
     monkeypatch.setattr(workers, "ATTEMPTS", 2)
+
+
+def test_only_the_candidate_that_kills_its_workers_is_left_out(tiny, lethal):
     study = tiny()
     rows = candidates(study).rows(0, 52)
     bad, good = rows[rows["planes"] == 7][:1], rows[rows["planes"] == 1]
     team = Processes(study, 1)
     try:
-        found = list(team.run("screen", [bad, good]))
+        found = list(team.run("screen", [good, np.concatenate([good[:2], bad, good[2:]]), good]))
+        (lost,) = [batch for batch, what in found if what is None]
+        assert np.array_equal(lost, bad)
+        # its mates were found one by one, the batches around it at the first go
+        assert sorted(batch.size for batch, _ in found) == [1] * (good.size + 1) + [good.size] * 2
     finally:
         team.close()
-    lost = [batch for batch, what in found if what is None]
-    assert any(np.array_equal(batch, bad) for batch in lost)
-    assert len(found) == 2
+
+
+def test_workers_that_only_die_end_the_run(tiny, lethal):
+    study = tiny()
+    rows = candidates(study).rows(0, 52)
+    bad = rows[rows["planes"] == 7]
+    team = Processes(study, 1)
+    try:
+        with pytest.raises(CompassError, match=r"die before they find anything \(exit status 9\)"):
+            list(team.run("screen", [bad, bad]))
+    finally:
+        team.close()
 
 
 def test_what_raises_is_recorded_and_the_rest_goes_on(tiny, tmp_path, monkeypatch):
@@ -182,11 +208,32 @@ def test_violations_count_stages_then_constraints(tiny, tmp_path):
         def stage(name, some):
             trade._stage(name, some, store, Here(study), None, summary)
 
-        values, violation = assess(study, store, stage, rows)
+        values, violation = assess(study, Known(store), stage, rows)
         proven = np.isin(identities(rows), identities(passed(study, store, "screen")))
     assert np.array_equal(violation == 0, proven)
     assert np.all(violation[~proven] == 2.01)  # two stages missed, one constraint not met
     assert np.array_equal(values[:, 0], rows["satellites"])
+
+
+def test_what_is_known_is_read_once(tiny, tmp_path, monkeypatch):
+    study = tiny()
+    rows, read = candidates(study).rows(0, 52), []
+    honest = evolve.figures_in
+    monkeypatch.setattr(evolve, "figures_in", lambda record: read.append(1) or honest(record))
+    with Store(tmp_path, study) as store:
+        known = Known(store)
+        assert np.isnan(known.figures(identities(rows))["fold_proven"]).all()
+        for part in (rows[:5], rows[5:]):
+            store.add("screen", part, stages.evaluate("screen", study, part))
+            figures = known.figures(identities(rows))
+        mapped = stages.evaluate("map", study, rows[:7])
+        store.add("map", rows[:7], mapped)
+        both = known.figures(identities(rows))
+        assert len(read) == 3
+        everything = gather(store, identities(rows), set(MERITS))
+    assert np.array_equal(both["satellites"], rows["satellites"])
+    assert np.isnan(figures["gdop_p50"]).all()
+    assert all(np.array_equal(both[n], everything[n], equal_nan=True) for n in MERITS)
 
 
 def test_finalists_and_yardstick(tiny, tmp_path):

@@ -11,11 +11,12 @@ import pytest
 from trade_processes import CANDIDATES, DaskProcesses, Trade
 
 from compass.study.cluster import AHEAD
+from compass.study.workers import HELD
 
 pytestmark = pytest.mark.slow
 
-#: Batches on their way with two worker processes: theirs, and one that waits.
-TWO_PROCESSES = 3
+#: Batches on their way with two worker processes: theirs, and those that wait.
+TWO_PROCESSES = 2 * HELD
 
 
 @pytest.fixture
@@ -46,17 +47,37 @@ def test_the_client_is_interrupted(trade, undisturbed):
     trade.check_resumed(undisturbed, trade.stored(), 1, "--workers", 1)
 
 
+def spawned(trade):
+    """Worker processes."""
+    commands = {child: Path(f"/proc/{child}/cmdline") for child in trade.children()}
+    return [child for child, command in commands.items() if b"spawn_main" in command.read_bytes()]
+
+
+@pytest.mark.parametrize("begun", [False, True])
+def test_a_terminal_interrupts_the_workers_too(trade, begun):
+    trade.start("--workers", 2, start_new_session=True)
+    end = time.monotonic() + 30
+    while not spawned(trade) and time.monotonic() < end:
+        time.sleep(0.02)
+    if begun:
+        trade.wait_for(500)
+    else:
+        time.sleep(0.3)  # while they import what they need
+    workers = spawned(trade)
+    os.kill(workers[0], signal.SIGSTOP)  # not even one that stands still is waited for
+    os.killpg(trade.process.pid, signal.SIGINT)
+    message = trade.finish(130, limit=10).strip()
+    assert message == "interrupted; nothing half-written was left behind"
+    assert not any(Path(f"/proc/{pid}/cmdline").exists() for pid in workers)
+
+
 def test_a_worker_is_killed(trade, undisturbed):
     trade.start("--workers", 2).wait_for(500)
-    workers = [
-        child
-        for child in trade.children()
-        if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes()
-    ]
+    workers = spawned(trade)
     assert len(workers) == 2
     os.kill(workers[0], signal.SIGKILL)
     assert trade.finish()["unfinished"] == 0
-    trade.check_survived(undisturbed, TWO_PROCESSES)
+    trade.check_survived(undisturbed, 1)
 
 
 @pytest.fixture

@@ -184,9 +184,10 @@ class DaskProcesses:
             time.sleep(0.05)
         return process, json.loads(file.read_text())["address"]
 
-    def worker(self, address, around=()):
+    def worker(self, address, around=(), nanny=False):
+        kind = "--nanny" if nanny else "--no-nanny"
         return self.launch(
-            "worker", address, "--nthreads", 1, "--no-nanny", "--preload", COUNTED, around=around
+            "worker", address, "--nthreads", 1, kind, "--preload", COUNTED, around=around
         )
 
     def end(self):
