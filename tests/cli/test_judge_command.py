@@ -104,7 +104,7 @@ def test_rival_is_written_and_ranked(run, files):
     ("arguments", "message"),
     [
         (["2.toml", "-s", "nowhere.toml"], "nowhere.toml"),
-        (["2.toml", "-s", "2.toml"], "2.toml: vehicle"),
+        (["2.toml", "-s", "2.toml"], "2.toml: is a design, not a scenario of landing"),
         (["2.toml", "-s", "lander.toml", "--samples", "0"], "samples = 0: allowed 1 to"),
         (["2.toml", "-s", "lander.toml", "--goal-m", "nan"], "goal_m = nan: must be positive"),
         (["2.toml", "-s", "lander.toml", "--lift-sigma", "-1"], "lift_sigma = -1.0"),
