@@ -37,7 +37,8 @@ def command(
     """Judge every candidate of a STUDY: an exact screen first, then maps, then entries.
 
     Every finished batch is stored at once; the same command resumes a run that was killed.
-    Exit status 1 if no candidate meets every constraint, or workers died of some.
+    Exit status 1 if no candidate meets every constraint and has a value for every objective, or
+    workers died of some.
     """
     announce_compilation()
     import os
@@ -135,5 +136,15 @@ def command(
             )
     if summary.unfinished:
         say(f"{summary.unfinished} candidate(s) left out: their workers died; run again")
-    if not feasible or summary.unfinished:
+    errors = [text for text in results.error.values if text]
+    if errors:
+        say(f"{len(errors)} candidate(s) raised an error and go no further; the first: {errors[0]}")
+    if feasible and not rows:
+        of_them = results.isel(candidate=results.feasible.values)
+        lacking = [o.figure for o in chosen.objectives if of_them[o.figure].isnull().all()]
+        say(
+            "no candidate that meets every constraint has a value of "
+            f"{' or of '.join(lacking) or 'every objective'}; choose another objective"
+        )
+    if not rows or summary.unfinished:
         raise click.exceptions.Exit(CLAIM_FAILS)

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from compass.report import trade_pictures
+from compass.study import stages
 
 STUDY = """
 name = "Tiny <study>"
@@ -87,6 +88,26 @@ def test_nothing_meets_the_constraints(study, run, coarse):
     assert json.loads(out)["feasible"] == 0 and json.loads(out)["front"] == []
     status, out, _ = run("report", path, "--json")
     assert status == 0 and json.loads(out)["finalists"] == []
+
+
+def test_an_objective_that_no_candidate_has(study, run):
+    text = STUDY.replace('figure = "fold_proven"\nat_least = 1', 'figure = "planes"\nat_least = 1')
+    path = study(text.replace("mask_margin_deg", "cap_radius_min_deg"), fold=9)
+    status, out, err = run("trade", path, "--workers", 1, "--json")
+    assert status == 1 and json.loads(out)["feasible"] == 208 and json.loads(out)["front"] == []
+    assert "meets every constraint has a value of cap_radius_min_deg; choose another" in err
+
+
+def test_candidates_that_raise_say_why(study, run, monkeypatch):
+    def broken(study, rows):
+        raise ZeroDivisionError("by nothing")
+
+    monkeypatch.setitem(stages.FINDERS, "map", broken)
+    status, out, err = run("trade", study(), "--workers", 1, "--json")
+    assert status == 1 and json.loads(out)["feasible"] == 0
+    count = json.loads(out)["failed"]["map"]
+    assert f"{count} candidate(s) raised an error" in err
+    assert "the first: ZeroDivisionError: by nothing" in err
 
 
 def test_a_large_pool_is_offered_by_default(study, run, monkeypatch):
