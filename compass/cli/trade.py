@@ -49,7 +49,7 @@ def command(
     from compass.inputs.study import read_study
     from compass.study.candidates import blocks
     from compass.study.cluster import Cluster, Tls
-    from compass.study.judge import check_measurements
+    from compass.study.judge import check_lander
     from compass.study.results import first_front, read_results, write_results
     from compass.study.store import Store
     from compass.study.trade import run_trade
@@ -70,7 +70,7 @@ def command(
     chosen = read_study(study)
     blocks(chosen)  # refuse a study without candidates before anything is made
     if chosen.entry is not None:
-        check_measurements(chosen.entry.scenario)
+        check_lander(chosen.entry.scenario, chosen.entry.samples, chosen.seed)
     folder = output or Path("trades") / study.stem
 
     def hire() -> Workers:

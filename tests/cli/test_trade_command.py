@@ -168,6 +168,16 @@ def test_a_damaged_store_is_said(study, run, tmp_path):
     assert len(store.read_bytes()) == pytest.approx(len(whole), abs=20)
 
 
+def test_a_lander_that_never_deploys_is_refused_at_once(study, run, tmp_path, designs):
+    text = (designs / "landing.toml").read_text().replace("duration_s = 320", "duration_s = 5")
+    text = text.replace("compass-15-5-1.toml", str(designs / "compass-15-5-1.toml"))
+    (tmp_path / "lander.toml").write_text(text)
+    status, out, err = run("trade", study(STUDY + '[entry]\nscenario = "lander.toml"\n'))
+    assert status == 2 and out == ""
+    assert "lander.toml: entry at latitude" in err and "has not come by 5 s to deployment" in err
+    assert not (tmp_path / "trades").exists()
+
+
 def test_a_lander_that_cannot_be_judged_is_refused_at_once(study, run, tmp_path, designs):
     text = (
         (designs / "landing.toml")
