@@ -57,6 +57,18 @@ def test_impossible_outputs_are_refused(tmp_path, case):
         check_writable(path, [source])
 
 
+def test_a_folder_that_takes_no_file_is_said(tmp_path, monkeypatch):
+    def full(**_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("tempfile.mkstemp", full)
+    with (
+        pytest.raises(OutputError, match="x.nc: cannot be written: No space left"),
+        replacing(tmp_path / "x.nc"),
+    ):
+        pass
+
+
 def test_unwritable_folder_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("os.access", lambda *_: False)  # root may write anywhere
     with pytest.raises(OutputError, match="not writable"):
