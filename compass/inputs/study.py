@@ -139,7 +139,8 @@ class Study:
     compare
         A design to compare with, or None.
     text, digest, label
-        The file's text, the SHA-256 of it and of the files it names, its name as given.
+        The file's text, the SHA-256 of it and of the files it names (and of the table of the air
+        that its scenario names), its name as given.
     """
 
     name: str
@@ -191,6 +192,9 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
     for named in (scenario, compare):
         if named is not None:
             digest.update(named.digest.encode())
+    if scenario is not None and scenario.model.atmosphere.table_radius:
+        air = scenario.model.atmosphere
+        digest.update(repr((air.table_radius, air.table_density)).encode())
     entry = None
     if file.entry and scenario is not None:
         entry = EntryStage(

@@ -73,6 +73,19 @@ def test_the_digest_covers_the_files_it_names(tmp_path, designs):
         read_study(path)
 
 
+def test_the_digest_covers_the_table_of_the_air(tmp_path, designs):
+    lander = (designs / "landing.toml").read_text().replace('[beacons]\ndesign', '[beacons]\n#')
+    lander = lander.replace("scale_height_km = 7.5", 'scale_height_km = 7.5\ntable = "air.txt"')
+    (tmp_path / "lander.toml").write_text(lander)
+    path = tmp_path / "s.toml"
+    path.write_text(GOOD + '[entry]\nscenario = "lander.toml"\n')
+    found = set()
+    for density in (2e-2, 2e-2, 1e-2):
+        (tmp_path / "air.txt").write_text(f"0, {density}\n50, 1e-4\n130, 1e-9\n")
+        found.add(read_study(path).digest)
+    assert len(found) == 2
+
+
 def test_entry_takes_a_scenario(designs):
     text = GOOD.replace(
         '[[objective]]\nfigure = "satellites"', '[[objective]]\nfigure = "crlb_position_m.p95"'
