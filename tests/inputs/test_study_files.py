@@ -74,7 +74,7 @@ def test_the_digest_covers_the_files_it_names(tmp_path, designs):
 
 
 def test_the_digest_covers_the_table_of_the_air(tmp_path, designs):
-    lander = (designs / "landing.toml").read_text().replace('[beacons]\ndesign', '[beacons]\n#')
+    lander = (designs / "landing.toml").read_text().replace("[beacons]\ndesign", "[beacons]\n#")
     lander = lander.replace("scale_height_km = 7.5", 'scale_height_km = 7.5\ntable = "air.txt"')
     (tmp_path / "lander.toml").write_text(lander)
     path = tmp_path / "s.toml"
