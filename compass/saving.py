@@ -3,7 +3,7 @@
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -53,6 +53,34 @@ def replacing(path: Path) -> Iterator[Path]:
             temporary.unlink(missing_ok=True)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+def write_files(folder: Path, files: Mapping[str, str]) -> None:
+    """Write texts, by their names, into a folder that is there.
+
+    A folder in it belongs to them as a whole: what it held of a former run, which might be taken
+    for a part of this one, is removed once its files are written.
+
+    Raises
+    ------
+    OutputError
+        A file or a folder cannot be written.
+    """
+    parts: dict[Path, set[str]] = {}
+    for name, text in files.items():
+        path = folder / name
+        if path.parent != folder:
+            parts.setdefault(path.parent, set()).add(path.name)
+            try:
+                path.parent.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise OutputError(f"{path.parent}: cannot be made: {error.strerror}") from error
+        with replacing(path) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+    for part, names in parts.items():
+        for old in part.iterdir():
+            if old.is_file() and old.name not in names:
+                old.unlink()
 
 
 def check_new_folder(path: Path) -> None:
