@@ -47,7 +47,7 @@ def command(
 
     from compass.errors import ArgumentError
     from compass.inputs.study import read_study
-    from compass.study.candidates import blocks
+    from compass.study.candidates import check_space
     from compass.study.cluster import Cluster, Tls
     from compass.study.judge import check_lander
     from compass.study.results import first_front, read_results, write_results
@@ -68,7 +68,7 @@ def command(
             )
         tls = Tls(tls_ca, tls_cert, tls_key)
     chosen = read_study(study)
-    blocks(chosen)  # refuse a study without candidates before anything is made
+    check_space(chosen)
     if chosen.entry is not None:
         check_lander(chosen.entry.scenario, chosen.entry.samples, chosen.seed)
     folder = output or Path("trades") / study.stem
