@@ -29,6 +29,9 @@ Array = NDArray[np.float64]
 #: and azimuth are singular there. They are 2e-3 of all.
 POLAR_GAP = np.radians(1.0)
 
+#: Largest relative uncertainty of density and of L/D, as of the density's bias in a scenario.
+MOST_SIGMA = 10.0
+
 
 @dataclass(frozen=True)
 class Campaign:
@@ -223,11 +226,13 @@ def check_sigmas(density_sigma: float, lift_sigma: float) -> None:
     Raises
     ------
     ArgumentError
-        One is negative or not finite.
+        One is negative, or more than a linear model can bear.
     """
     for name, sigma in (("density_sigma", density_sigma), ("lift_sigma", lift_sigma)):
-        if not 0 <= sigma < np.inf:
-            raise ArgumentError(f"{name} = {sigma}: must be 0 or more, and finite")
+        if not 0 <= sigma <= MOST_SIGMA:
+            raise ArgumentError(
+                f"{name} = {sigma:g}: must be 0 or more, and at most {MOST_SIGMA:g}"
+            )
 
 
 def _polar(latitude: Array) -> NDArray[np.bool_]:

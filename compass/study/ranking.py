@@ -127,7 +127,7 @@ def check_ranking(goal: float, finalists: int, runs: int) -> None:
         raise ArgumentError(f"finalists = {finalists}: must be 0 or more")
     if not 1 <= runs <= MOST_RUNS:
         raise ArgumentError(
-            f"runs = {runs}: allowed 1 to {MOST_RUNS}; for none of the filter, 0 finalists"
+            f"runs = {runs}: allowed 1 to {MOST_RUNS}; give 0 finalists to run no filter"
         )
 
 

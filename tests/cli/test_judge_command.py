@@ -118,7 +118,11 @@ def test_rival_is_written_and_ranked(run, files):
         ),
         (["2.toml", "-s", "late.toml"], "late.toml: entry at latitude"),
         (["2.toml", "-s", "pole.toml"], "pole.toml: entry.latitude_deg = 90: "),
-        (["2.toml", "-s", "lander.toml", "--lift-sigma", "-1"], "lift_sigma = -1.0"),
+        (
+            ["2.toml", "-s", "lander.toml", "--lift-sigma", "-1"],
+            "lift_sigma = -1: allowed 0 to 10",
+        ),
+        (["2.toml", "-s", "lander.toml", "--density-sigma", "1e300"], "allowed 0 to 10"),
         (["2.toml", "-s", "lander.toml", "--rival", "2.toml"], "2.toml"),
         (["2.toml", "-s", "lander.toml", "--rival-radius-km", "26000"], "give --rival too"),
         (["-s", "lander.toml"], "Missing argument"),
