@@ -3,7 +3,7 @@
 import os
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
@@ -42,19 +42,50 @@ def check_writable(path: Path, inputs: Sequence[Path] = ()) -> None:
 def replacing(path: Path) -> Iterator[Path]:
     """Yield a temporary path beside `path`; on success rename it over `path`, else remove it."""
     check_writable(path)
-    handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
-    os.close(handle)
-    temporary = Path(name)
     try:
-        yield temporary
-        mask = os.umask(0)
-        os.umask(mask)
-        temporary.chmod(0o666 & ~mask)  # mkstemp makes the file private; a result is not
-        temporary.replace(path)
+        handle, name = tempfile.mkstemp(
+            prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent
+        )
+        os.close(handle)
+        temporary = Path(name)
+        try:
+            yield temporary
+            mask = os.umask(0)
+            os.umask(mask)
+            temporary.chmod(0o666 & ~mask)  # mkstemp makes the file private; a result is not
+            temporary.replace(path)
+        finally:
+            temporary.unlink(missing_ok=True)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
-    finally:
-        temporary.unlink(missing_ok=True)
+
+
+def write_files(folder: Path, files: Mapping[str, str]) -> None:
+    """Write texts, by their names, into a folder that is there.
+
+    A folder in it belongs to them as a whole: what it held of a former run, which might be taken
+    for a part of this one, is removed once its files are written.
+
+    Raises
+    ------
+    OutputError
+        A file or a folder cannot be written.
+    """
+    parts: dict[Path, set[str]] = {}
+    for name, text in files.items():
+        path = folder / name
+        if path.parent != folder:
+            parts.setdefault(path.parent, set()).add(path.name)
+            try:
+                path.parent.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise OutputError(f"{path.parent}: cannot be made: {error.strerror}") from error
+        with replacing(path) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+    for part, names in parts.items():
+        for old in part.iterdir():
+            if old.is_file() and old.name not in names:
+                old.unlink()
 
 
 def save_netcdf(

@@ -8,7 +8,13 @@ import pytest
 import xarray as xr
 
 from compass.errors import OutputError
-from compass.saving import check_writable, making_folder, replacing, save_netcdf
+from compass.saving import (
+    check_writable,
+    making_folder,
+    replacing,
+    save_netcdf,
+    write_files,
+)
 
 
 def test_success_replaces_and_failure_leaves_the_old_file(tmp_path):
@@ -57,6 +63,28 @@ def test_impossible_outputs_are_refused(tmp_path, case):
     }[case]
     with pytest.raises(OutputError, match=message):
         check_writable(path, [source])
+
+
+def test_files_of_a_folder_and_of_folders_in_it(tmp_path):
+    write_files(tmp_path, {"a.txt": "old", "part/1.txt": "1", "part/2.txt": "2"})
+    (tmp_path / "mine.txt").write_text("kept")
+    write_files(tmp_path, {"a.txt": "new", "part/1.txt": "one"})
+    found = {str(p.relative_to(tmp_path)): p.read_text() for p in tmp_path.rglob("*.txt")}
+    assert found == {"a.txt": "new", "mine.txt": "kept", "part/1.txt": "one"}
+    with pytest.raises(OutputError, match=r"mine\.txt: cannot be made: "):
+        write_files(tmp_path, {"mine.txt/1.txt": "1"})
+
+
+def test_a_folder_that_takes_no_file_is_said(tmp_path, monkeypatch):
+    def full(**_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("tempfile.mkstemp", full)
+    with (
+        pytest.raises(OutputError, match=r"x\.nc: cannot be written: No space left"),
+        replacing(tmp_path / "x.nc"),
+    ):
+        pass
 
 
 def test_unwritable_folder_is_refused(tmp_path, monkeypatch):

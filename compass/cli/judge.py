@@ -1,6 +1,6 @@
 """``compass judge``: candidate constellations ranked by landing-navigation quality."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -83,13 +83,13 @@ def command(
 
     from tqdm import tqdm
 
-    from compass.errors import ArgumentError
+    from compass.errors import ArgumentError, DesignError
     from compass.inputs import read_design
     from compass.inputs.scenario import read_scenario
     from compass.report.page import check_page_folder
     from compass.saving import check_writable, replacing
     from compass.study.judge import campaign_of
-    from compass.study.ranking import rank_designs
+    from compass.study.ranking import check_ranking, rank_designs
     from compass.study.rival import best_rival, rival_toml
 
     threads = os.cpu_count() or 1
@@ -99,11 +99,28 @@ def command(
 
     if folder is not None:
         check_page_folder(folder)
-    scenario = read_scenario(scenario_path)
-    candidates = [read_design(path) for path in designs]
+    faults: list[str] = []
+
+    def read(reader: Callable[[Path], Any], path: Path) -> Any:
+        try:
+            return reader(path)
+        except DesignError as error:  # said with those of the other files
+            faults.extend(error.faults)
+
+    scenario = read(read_scenario, scenario_path)
+    candidates = [read(read_design, path) for path in designs]
+    if faults:
+        raise DesignError(list(dict.fromkeys(faults)))
+    check_ranking(goal_m, finalists, runs)
     unknown: dict[str, Any] = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
     if rival_radius_km is not None and rival is None:
         raise ArgumentError("rival_radius_km: says where --rival is to look; give --rival too")
+    surface = candidates[0].figure.equatorial_radius / 1e3
+    if rival_radius_km is not None and not surface < rival_radius_km <= 1e7:
+        raise ArgumentError(
+            f"rival_radius_km = {rival_radius_km:g}: allowed above the surface ({surface:g} km) "
+            "to 1e7 km"
+        )
     if rival is not None:
         check_writable(rival, [scenario_path, *designs])
         found = best_rival(

@@ -125,7 +125,7 @@ def _trade(study: Path, folder: Path, store: Path, as_json: bool) -> None:
     from compass.inputs.study import read_study
     from compass.report.page import write_page
     from compass.report.trade import trade_report
-    from compass.saving import replacing
+    from compass.saving import write_files
 
     chosen = read_study(study)
     with tqdm(desc="report", unit="part", disable=None, leave=False) as bar:
@@ -137,10 +137,7 @@ def _trade(study: Path, folder: Path, store: Path, as_json: bool) -> None:
         made = trade_report(chosen, store, command_line(), progress=step)
     path = write_page(folder, made.page, made.sections)
     summary = json.dumps(plain(made.summary), indent=2, allow_nan=False, ensure_ascii=False)
-    for name, text in {"summary.json": summary + "\n", **made.files}.items():
-        (folder / name).parent.mkdir(exist_ok=True)
-        with replacing(folder / name) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+    write_files(folder, {"summary.json": summary + "\n", **made.files})
     if as_json:
         emit_json({"page": str(path)} | made.summary)
     else:

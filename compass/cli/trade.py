@@ -37,7 +37,8 @@ def command(
     """Judge every candidate of a STUDY: an exact screen first, then maps, then entries.
 
     Every finished batch is stored at once; the same command resumes a run that was killed.
-    Exit status 1 if no candidate meets every constraint, or workers died of some.
+    Exit status 1 if no candidate meets every constraint and has a value for every objective, or
+    workers died of some.
     """
     announce_compilation()
     import os
@@ -47,9 +48,9 @@ def command(
     from compass.errors import ArgumentError
     from compass.inputs.study import read_study
     from compass.saving import check_writable
-    from compass.study.candidates import blocks
+    from compass.study.candidates import check_space
     from compass.study.cluster import Cluster, Tls
-    from compass.study.judge import check_measurements
+    from compass.study.judge import check_lander
     from compass.study.results import first_front, read_results, write_results
     from compass.study.store import Store
     from compass.study.trade import run_trade
@@ -68,9 +69,9 @@ def command(
             )
         tls = Tls(tls_ca, tls_cert, tls_key)
     chosen = read_study(study)
-    blocks(chosen)  # refuse a study without candidates before anything is made
+    check_space(chosen)
     if chosen.entry is not None:
-        check_measurements(chosen.entry.scenario)
+        check_lander(chosen.entry.scenario, chosen.entry.samples, chosen.seed)
     folder = output or Path("trades") / study.stem
 
     def hire() -> Workers:
@@ -140,5 +141,15 @@ def command(
             )
     if summary.unfinished:
         say(f"{summary.unfinished} candidate(s) left out: their workers died; run again")
-    if not feasible or summary.unfinished:
+    errors = [text for text in results.error.values if text]
+    if errors:
+        say(f"{len(errors)} candidate(s) raised an error and go no further; the first: {errors[0]}")
+    if feasible and not rows:
+        of_them = results.isel(candidate=results.feasible.values)
+        lacking = [o.figure for o in chosen.objectives if of_them[o.figure].isnull().all()]
+        say(
+            "no candidate that meets every constraint has a value of "
+            f"{' or of '.join(lacking) or 'every objective'}; choose another objective"
+        )
+    if not rows or summary.unfinished:
         raise click.exceptions.Exit(CLAIM_FAILS)

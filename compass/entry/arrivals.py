@@ -41,12 +41,14 @@ def draw_arrivals(count: int, seed: int) -> Arrivals:
     Raises
     ------
     ArgumentError
-        A count outside 1 to `MOST_SAMPLES`.
+        A count outside 1 to `MOST_SAMPLES`, or a seed below 0.
     """
     from scipy.stats import qmc
 
     if not 1 <= count <= MOST_SAMPLES:
         raise ArgumentError(f"samples = {count}: allowed 1 to {MOST_SAMPLES}")
+    if seed < 0:
+        raise ArgumentError(f"seed = {seed}: must be 0 or more")
     points = qmc.Sobol(4, scramble=True, seed=seed).random_base2(ceil(log2(count)))[:count]
     return Arrivals(
         np.arcsin(2.0 * points[:, 0] - 1.0),

@@ -29,6 +29,9 @@ Array = NDArray[np.float64]
 #: and azimuth are singular there. They are 2e-3 of all.
 POLAR_GAP = np.radians(1.0)
 
+#: Largest relative uncertainty of density and of L/D, as of the density's bias in a scenario.
+MOST_SIGMA = 10.0
+
 
 @dataclass(frozen=True)
 class Campaign:
@@ -139,11 +142,9 @@ def fly_campaign(
     ------
     ArgumentError
         Times not evenly spaced from 0, an entry that comes to the ground before deployment or
-        to no deployment at all, no entry left, or a negative sigma.
+        to no deployment at all, no entry left, an entry at a pole, or a negative sigma.
     """
-    for name, sigma in (("density_sigma", density_sigma), ("lift_sigma", lift_sigma)):
-        if not 0 <= sigma < np.inf:
-            raise ArgumentError(f"{name} = {sigma}: must be 0 or more")
+    check_sigmas(density_sigma, lift_sigma)
     given, seconds = np.asarray(state, dtype=float)[:6], np.asarray(times, dtype=float)
     if seconds.size < 2 or seconds[0] != 0 or not np.allclose(np.diff(seconds), seconds[1]):
         raise ArgumentError("times: must be evenly spaced from 0, at least two")
@@ -219,6 +220,21 @@ def fly_campaign(
     )
 
 
+def check_sigmas(density_sigma: float, lift_sigma: float) -> None:
+    """Refuse relative uncertainties of the air's density and of L/D that are none.
+
+    Raises
+    ------
+    ArgumentError
+        One is negative, or more than a linear model can bear.
+    """
+    for name, sigma in (("density_sigma", density_sigma), ("lift_sigma", lift_sigma)):
+        if not 0 <= sigma <= MOST_SIGMA:
+            raise ArgumentError(
+                f"{name} = {sigma:g}: must be 0 or more, and at most {MOST_SIGMA:g}"
+            )
+
+
 def _polar(latitude: Array) -> NDArray[np.bool_]:
     """Which flights, (m, t), come within `POLAR_GAP` of a pole."""
     return np.asarray((np.abs(latitude) > np.pi / 2 - POLAR_GAP).any(axis=1))
@@ -246,7 +262,13 @@ def _moved_spreads(state: Array, covariance: Array, starts: Array) -> Array:
     own = vehicle_axes(state) @ jacobian
     there = own @ covariance @ own.T
     scale = np.sqrt(np.diag(there))
-    root = scale[:, None] * np.linalg.cholesky(there / np.outer(scale, scale))
+    try:
+        root = scale[:, None] * np.linalg.cholesky(there / np.outer(scale, scale))
+    except np.linalg.LinAlgError as error:
+        raise ArgumentError(
+            f"entry.latitude_deg = {np.degrees(state[2]):g}: the filter's first uncertainty is "
+            "singular there, as longitude and heading are at a pole; move the entry away from it"
+        ) from error
     return np.linalg.solve(jacobians, np.swapaxes(vehicle_axes(starts), -1, -2) @ root)
 
 

@@ -79,8 +79,8 @@ def _locate(
 ) -> tuple[type[BaseModel] | None, str, str]:
     """Walk `location` through nested models; return owner, field description, dotted path.
 
-    Tags of discriminated unions and of plain unions, which pydantic puts into the location but
-    which are not written in the file, are left out of the path.
+    Tags of discriminated unions and of plain unions, and keys that a model says are implied, which
+    pydantic puts into the location but which are not written in the file, are left out of the path.
     """
     owner: type[BaseModel] | None = model
     here: Any = model
@@ -98,7 +98,8 @@ def _locate(
         if holder is None and not candidates:
             continue  # a tag of a plain union, such as "float"
         owner = holder or (candidates[0] if candidates else None)
-        path += f".{part}" if path else part
+        if part != getattr(holder, "IMPLIED", None):
+            path += f".{part}" if path else part
         field = holder.model_fields[part] if holder else None
         description = (field.description or "") if field else ""
         here = field.annotation if field else None

@@ -13,6 +13,9 @@ from compass.inputs.faults import model_faults
 #: A design file is some kilobytes; anything past this is not one.
 MAX_BYTES = 1_000_000
 
+#: The table by which each kind of file is known.
+KINDS = {"constellation": "a design", "vehicle": "a scenario of landing", "study": "a study"}
+
 Model = TypeVar("Model", bound=BaseModel)
 
 
@@ -24,24 +27,25 @@ def read_text(path: Path) -> str:
     DesignError
         The path is missing, a directory or a device, unreadable, empty, too large or binary.
     """
-    if not path.exists():
-        raise DesignError(f"{path}: no such file; check the path")
-    if path.is_dir():
-        raise DesignError(f"{path}: is a directory; give the TOML file inside it")
-    if not path.is_file():
-        raise DesignError(f"{path}: is not a regular file; give a TOML file")
-    size = path.stat().st_size
-    if size > MAX_BYTES:
-        raise DesignError(
-            f"{path}: {size / 1e6:.1f} MB; a design file has at most {MAX_BYTES / 1e6:.0f} MB"
-        )
     try:
+        if not path.exists():
+            raise DesignError(f"{path}: no such file; check the path")
+        if path.is_dir():
+            raise DesignError(f"{path}: is a directory; give the TOML file inside it")
+        if not path.is_file():
+            raise DesignError(f"{path}: is not a regular file; give a TOML file")
+        size = path.stat().st_size
+        if size > MAX_BYTES:
+            raise DesignError(
+                f"{path}: {size / 1e6:.1f} MB; a design file has at most {MAX_BYTES / 1e6:.0f} MB"
+            )
         text = path.read_bytes().decode("utf-8-sig")
-    except OSError as error:
+    except OSError as error:  # the very look at a path may fail: a name too long, a link to itself
         raise DesignError(f"{path}: cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
         raise DesignError(
-            f"{path}: not text in UTF-8 (byte {error.start}); a design file is TOML"
+            f"{path}: line {line} is not text in UTF-8; a design file is TOML, saved as UTF-8"
         ) from error
     if not text.strip():
         raise DesignError(f"{path}: empty; see designs/ for examples")
@@ -73,8 +77,15 @@ def parse(
     try:
         raw = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        reason = "nested too deeply" if isinstance(error, RecursionError) else str(error)
+        if isinstance(error, tomllib.TOMLDecodeError):
+            reason = str(error)
+        elif isinstance(error, RecursionError):
+            reason = "nested too deeply"
+        else:  # Python's own limit, or a date that no calendar has
+            reason = f"a value that cannot be: {str(error).partition(';')[0]}"
         raise DesignError(f"{label}: not valid TOML: {reason}") from error
+    if other := _other_kind(raw, model):
+        raise DesignError(f"{label}: {other}")
     faults: list[str] = []
     checked: Model | None = None
     try:
@@ -85,3 +96,12 @@ def parse(
     if faults or checked is None:
         raise DesignError([f"{label}: {text}" for text in dict.fromkeys(faults)])
     return checked
+
+
+def _other_kind(raw: dict[str, Any], model: type[BaseModel]) -> str:
+    """What is wrong with a file of another kind, said once; nothing if it may be of this one."""
+    own = [table for table in KINDS if table in model.model_fields]
+    found = [table for table in KINDS if table in raw]
+    if not own or not found or own[0] in found:
+        return ""
+    return f"is {KINDS[found[0]]}, not {KINDS[own[0]]}; give a file with a table [{own[0]}]"

@@ -55,6 +55,11 @@ def scenario_faults(raw: dict[str, Any]) -> list[str]:
         keys = ("range_sigma_m", "range_rate_sigma_m_s")
         if not any(key in measured for key in keys):
             faults.append(f"measurements: needs {keys[0]}, {keys[1]} or both")
+        start, stop = measured.get("start_s", 0.0), measured.get("stop_s")
+        if isinstance(start, int | float) and isinstance(stop, int | float) and start > stop:
+            faults.append(
+                fault("measurements.start_s", start, f"is after stop_s = {stop}; exchange them")
+            )
     optimize = raw.get("optimize")
     if (
         isinstance(optimize, dict)

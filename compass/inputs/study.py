@@ -1,8 +1,10 @@
 """Study files: read, check across fields, and turn into candidates and what is wanted of them."""
 
 import hashlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +27,8 @@ from compass.inputs.study_models import (
     StudyFile,
 )
 from compass.orbits import areosynchronous_radius
+
+FileKind = TypeVar("FileKind", Scenario, Design)
 
 #: Revolutions in one rotation of Mars of the orbits that have names.
 REVOLUTIONS = {"areosynchronous": 1, "half": 2, "third": 3}
@@ -139,7 +143,8 @@ class Study:
     compare
         A design to compare with, or None.
     text, digest, label
-        The file's text, the SHA-256 of it and of the files it names, its name as given.
+        The file's text, the SHA-256 of it and of the files it names (and of the table of the air
+        that its scenario names), its name as given.
     """
 
     name: str
@@ -180,14 +185,20 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
     """Read a study from its TOML text; files it names are looked for from `folder`."""
     file = parse(text, label, StudyFile, study_faults)
     digest = hashlib.sha256(text.encode())
-    try:
-        scenario = read_scenario(folder / file.entry.scenario) if file.entry else None
-        compare = read_design(folder / file.compare.design) if file.compare else None
-    except CompassError as error:
-        raise DesignError([f"{label}: {line}" for line in str(error).splitlines()]) from error
+    faults: list[str] = []
+    scenario = compare = None
+    if file.entry:
+        scenario = _named(read_scenario, folder / file.entry.scenario, "entry.scenario", faults)
+    if file.compare:
+        compare = _named(read_design, folder / file.compare.design, "compare.design", faults)
+    if faults:
+        raise DesignError([f"{label}: {line}" for line in faults])
     for named in (scenario, compare):
         if named is not None:
             digest.update(named.digest.encode())
+    if scenario is not None and scenario.model.atmosphere.table_radius:
+        air = scenario.model.atmosphere
+        digest.update(repr((air.table_radius, air.table_density)).encode())
     entry = None
     if file.entry and scenario is not None:
         entry = EntryStage(
@@ -221,6 +232,17 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         digest=digest.hexdigest(),
         label=label,
     )
+
+
+def _named(
+    read: Callable[[Path], FileKind], path: Path, field: str, faults: list[str]
+) -> FileKind | None:
+    """Read a file that a field of the study names; its faults are added to `faults`."""
+    try:
+        return read(path)
+    except CompassError as error:
+        faults += [f"{field}: {line}" for line in str(error).splitlines()]
+        return None
 
 
 def _space(table: SpaceTable) -> Space:

@@ -1,6 +1,7 @@
 """Faults between fields of a study, found on the raw tables, whatever is in them."""
 
 import difflib
+from math import inf
 from typing import Any
 
 from compass.frames import FIGURES
@@ -20,13 +21,14 @@ def study_faults(raw: dict[str, Any]) -> list[str]:
     method = _table(raw, "sampling").get("method", "grid")
     if isinstance(space, dict):
         figure = FIGURES.get(str(raw.get("figure", "iau-sphere")), FIGURES["iau-sphere"])
-        faults += _range_faults(space, "satellites", 1, 10_000)
-        faults += _range_faults(space, "planes", 1, 10_000)
-        faults += _range_faults(space, "phasing", 0, 10_000)
+        faults += _range_faults(space, "satellites", 1, 10_000, kind=int)
+        faults += _range_faults(space, "planes", 1, 10_000, kind=int)
+        faults += _range_faults(space, "phasing", 0, 10_000, kind=int)
         faults += _range_faults(space, "inclination_deg", 0, 180)
         faults += _range_faults(space, "mask_deg", 0, 89.999)
         surface = figure.equatorial_radius / 1e3
-        faults += _range_faults(space, "radius_km", surface + 1e-3, 1e7)
+        allowed = f"allowed from 1 m above the surface ({surface:g} km) to 1e7 km"
+        faults += _range_faults(space, "radius_km", surface + 1e-3, 1e7, allowed=allowed)
         if ("orbits" in space) == ("radius_km" in space):
             found = "both" if "orbits" in space else "neither"
             faults.append(f"study: needs either orbits or radius_km; found {found}")
@@ -70,13 +72,23 @@ def _tables(raw: dict[str, Any], key: str) -> list[dict[str, Any]]:
     return [t for t in found if isinstance(t, dict)] if isinstance(found, list) else []
 
 
-def _number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+def _number(value: object, kind: Any = int | float) -> bool:
+    """Whether a value is a number that can be compared (the model reports the others)."""
+    return isinstance(value, kind) and not isinstance(value, bool) and -inf < value < inf
 
 
-def _range_faults(space: dict[str, Any], key: str, low: float, high: float) -> list[str]:
+def _range_faults(
+    space: dict[str, Any],
+    key: str,
+    low: float,
+    high: float,
+    *,
+    kind: Any = int | float,
+    allowed: str = "",
+) -> list[str]:
+    """Faults of values, or of a range, of one kind of number between two limits."""
     given, path = space.get(key), f"study.{key}"
-    allowed = f"allowed {low:g} to {high:g}"
+    allowed = allowed or f"allowed {low:g} to {high:g}"
     if _number(given):
         given = [given]
     if isinstance(given, list):
@@ -91,19 +103,20 @@ def _range_faults(space: dict[str, Any], key: str, low: float, high: float) -> l
         ]
         values = given["values"] if isinstance(given["values"], list) else []
         return faults + [
-            fault(path, v, allowed) for v in values if _number(v) and not low <= v <= high
+            fault(path, v, allowed) for v in values if _number(v, kind) and not low <= v <= high
         ]
     missing = [word for word in ("least", "most") if word not in given]
     if missing:
         return [f"{path}.{word}: missing; a range needs least and most" for word in missing]
-    first, last, step = given["least"], given["most"], given.get("step", 1)
-    if not (_number(first) and _number(last) and _number(step)):
-        return []
-    if not low <= first <= high or not low <= last <= high:
-        return [fault(path, [first, last], allowed)]
+    ends = {word: given[word] for word in ("least", "most") if _number(given[word], kind)}
+    outside = [word for word, end in ends.items() if not low <= end <= high]
+    if outside or len(ends) < 2:
+        return [fault(f"{path}.{word}", ends[word], allowed) for word in outside]
+    first, last = ends["least"], ends["most"]
+    step: Any = given.get("step")
     if first > last:
         return [fault(path, [first, last], "least is above most; exchange them")]
-    if "step" in given and step > 0 and (last - first) / step > MOST_VALUES:
+    if _number(step) and step > 0 and (last - first) / step > MOST_VALUES:
         return [fault(f"{path}.step", step, f"more than {MOST_VALUES} values; take a larger step")]
     return []
 

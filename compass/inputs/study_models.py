@@ -1,14 +1,21 @@
 """What a study file may say: one model a table, each field with unit, range and meaning."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
+from compass.entry.arrivals import MOST_SAMPLES
 from compass.inputs.models import SatelliteCount, Table
 
 
 class _Values(Table):
-    """Values in a list, or from `least` to `most` by `step`; one value alone will do too."""
+    """Values in a list, or from `least` to `most` by `step`; one value alone will do too.
+
+    Which values are allowed is said by `study_faults`, which knows what they are of.
+    """
+
+    #: The key that a list or a value alone need not name.
+    IMPLIED: ClassVar[str] = "values"
 
     @model_validator(mode="before")
     @classmethod
@@ -17,21 +24,17 @@ class _Values(Table):
             return {"values": given}
         if isinstance(given, int | float) and not isinstance(given, bool):
             return {"values": [given]}
+        if not isinstance(given, dict):
+            raise ValueError("must be a number, a list of them or a range { least, most, step }")
         return given
 
 
 class Counts(_Values):
     """Whole numbers."""
 
-    values: list[Annotated[int, Field(ge=0, le=10_000)]] | None = Field(
-        None, min_length=1, description="a list of whole numbers"
-    )
-    least: Annotated[int, Field(ge=0, le=10_000)] | None = Field(
-        None, description="first of a range of whole numbers"
-    )
-    most: Annotated[int, Field(ge=0, le=10_000)] | None = Field(
-        None, description="last of a range of whole numbers"
-    )
+    values: list[int] | None = Field(None, min_length=1, description="a list of whole numbers")
+    least: int | None = Field(None, description="first of a range of whole numbers")
+    most: int | None = Field(None, description="last of a range of whole numbers")
     step: Annotated[int, Field(ge=1)] = Field(1, description="step of the range, from 1")
 
 
@@ -116,7 +119,7 @@ class EntryStageTable(Table):
     """How landing navigation is judged, for candidates that pass every other stage."""
 
     scenario: str = Field(min_length=1, description="scenario file, from the study's folder")
-    samples: int = Field(32, ge=1, le=100_000, description="entries a candidate")
+    samples: int = Field(32, ge=1, le=MOST_SAMPLES, description="entries a candidate")
     density_sigma: float = Field(
         0.0, ge=0, le=10, description="unknown part of the air's density, relative; 0: it is known"
     )
@@ -128,7 +131,10 @@ class EntryStageTable(Table):
         100, ge=1, le=1_000_000, description="how many candidates are judged, best fronts first"
     )
     finalist_samples: int = Field(
-        1024, ge=1, le=100_000, description="entries on which the report judges its finalists"
+        1024,
+        ge=1,
+        le=MOST_SAMPLES,
+        description="entries on which the report judges its finalists",
     )
     filter_runs: int = Field(
         512, ge=0, le=100_000, description="runs of the filter on each of these; 0 for none"

@@ -210,9 +210,12 @@ def rank_finalists(
         return None
     designs = [e.design for e in chosen]
     if study.compare is not None:
-        mask = float(np.radians(compared_mask_deg(study)))
+        mask = Mask.constant(float(np.radians(compared_mask_deg(study))))
+        label = study.compare.label
+        if label in {design.label for design in designs}:
+            label = f"./{label}"  # a finalist handed over before, compared with those of now
         designs.append(
-            replace(study.compare, figure=study.figure, fold=study.fold, mask=Mask.constant(mask))
+            replace(study.compare, figure=study.figure, fold=study.fold, mask=mask, label=label)
         )
 
     def told(items: Iterable[Any], total: int, desc: str) -> Iterator[Any]:

@@ -164,8 +164,8 @@ def _hover(study: Study, columns: dict[str, list[Any]], axes: Sequence[str]) -> 
 def _tick(columns: Sequence[list[float | None]]) -> int | None:
     """1 for a few whole numbers, which need no ticks between; None leaves the ticks alone."""
     values = [value for column in columns for value in column if value is not None]
-    few = max(values) - min(values) <= MOST_TICKS
-    return 1 if few and all(float(value).is_integer() for value in values) else None
+    few = max(values, default=0.0) - min(values, default=0.0) <= MOST_TICKS
+    return 1 if values and few and all(float(value).is_integer() for value in values) else None
 
 
 def _menu(

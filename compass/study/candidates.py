@@ -34,6 +34,10 @@ ROW = np.dtype(
 )
 
 
+#: Candidates of a grid that a run can come to the end of.
+MOST_CANDIDATES = 10**9
+
+
 def identities(rows: NDArray) -> list[str]:
     """Return 16 hexadecimal digits for each candidate."""
     data, size = np.ascontiguousarray(rows, ROW).tobytes(), ROW.itemsize
@@ -118,6 +122,13 @@ class Grid:
     """
 
     def __init__(self, study: Study) -> None:
+        """Number them.
+
+        Raises
+        ------
+        DesignError
+            There is none, or there are more than `MOST_CANDIDATES`.
+        """
         space = study.space
         self.blocks = blocks(study)
         values = (space.inclination_deg, space.radius_km, space.mask_deg)
@@ -126,6 +137,12 @@ class Grid:
         )
         self.each = self.inclinations.size * self.radii.size * self.masks.size
         sizes = np.array([len(block.phasings) for block in self.blocks])
+        if (count := int(sizes.sum()) * self.each) > MOST_CANDIDATES:
+            raise DesignError(
+                f"{study.label}: study: {count} candidates on the grid, more than "
+                f"{MOST_CANDIDATES:g}; take larger steps, or draw from it: sampling.method "
+                "(latin-hypercube, sobol, nsga2)"
+            )
         self.ends = np.cumsum(sizes) * self.each
         self.starts = self.ends - sizes * self.each
         self._numbers = np.array([(b.pattern, b.satellites, b.planes) for b in self.blocks])
@@ -219,6 +236,20 @@ def candidates(study: Study) -> Grid | Listed:
     choices = blocks(study)
     sampler = qmc.LatinHypercube if method == "latin-hypercube" else qmc.Sobol
     return Listed(pick(study, choices, sampler(7, seed=study.seed).random(samples)))
+
+
+def check_space(study: Study) -> None:
+    """Refuse a study that has no candidate, or too many, before anything is made for it.
+
+    Raises
+    ------
+    DesignError
+        As `blocks` and `Grid`.
+    """
+    if study.sampling.method == "grid":
+        Grid(study)
+    else:
+        blocks(study)
 
 
 def batches(found: Grid | Listed, size: int) -> Iterator[NDArray]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from compass.core.judging import bounds, count_in_view, information
 from compass.entry.arrivals import draw_arrivals
-from compass.entry.campaign import Campaign, fly_campaign
+from compass.entry.campaign import Campaign, check_sigmas, fly_campaign
 from compass.entry.fisher import noise_variances
 from compass.entry.model import EntryModel
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
@@ -49,17 +49,22 @@ class _Request:
 @lru_cache(maxsize=4)
 def _flown(request: _Request) -> Campaign:
     scenario = request.scenario
-    return fly_campaign(
-        scenario.model,
-        scenario.state,
-        scenario.settings.covariance0,
-        scenario.times,
-        draw_arrivals(request.samples, request.seed),
-        trigger=deployment_trigger(scenario),
-        electrons=request.electrons,
-        density_sigma=request.density_sigma,
-        lift_sigma=request.lift_sigma,
-    )
+    arrivals = draw_arrivals(request.samples, request.seed)
+    check_sigmas(request.density_sigma, request.lift_sigma)
+    try:
+        return fly_campaign(
+            scenario.model,
+            scenario.state,
+            scenario.settings.covariance0,
+            scenario.times,
+            arrivals,
+            trigger=deployment_trigger(scenario),
+            electrons=request.electrons,
+            density_sigma=request.density_sigma,
+            lift_sigma=request.lift_sigma,
+        )
+    except ArgumentError as error:  # what is left is the lander's fault
+        raise ArgumentError(f"{scenario.label}: {error}") from error
 
 
 def campaign_of(
@@ -214,6 +219,20 @@ def judge_entries(
 def due(scenario: Scenario, times: Array) -> NDArray[np.bool_]:
     """Whether measurements are taken at `times` (s), if anything is in view."""
     return scenario.measurements.taken(np.ones((times.size, 1), dtype=bool), times)[:, 0]
+
+
+def check_lander(scenario: Scenario, samples: int, seed: int = 0) -> None:
+    """Refuse a lander that cannot be judged, before work is spent on constellations for it.
+
+    The first of its entries are flown: one that never deploys does so nowhere.
+
+    Raises
+    ------
+    ArgumentError
+        As `check_measurements` and `compass.entry.campaign.fly_campaign`.
+    """
+    check_measurements(scenario)
+    campaign_of(scenario, min(samples, BLOCK), seed)
 
 
 def check_measurements(scenario: Scenario) -> None:

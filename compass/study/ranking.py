@@ -11,6 +11,9 @@ from compass.study.judge_filter import NOT_RUN, judge_filter
 from compass.study.judge_surface import judge_surface
 from compass.study.judge_worst import worst_entry
 
+#: Most runs of the filter on one design.
+MOST_RUNS = 100_000
+
 
 def rank_designs(
     designs: Sequence[Design],
@@ -57,12 +60,7 @@ def rank_designs(
     """
     if not designs:
         raise ArgumentError("designs: none given; name at least one design file")
-    if not 0 < goal < float("inf"):
-        raise ArgumentError(f"goal_m = {goal:g}: must be positive")
-    if finalists < 0 or runs < 1:
-        raise ArgumentError(
-            f"finalists = {finalists}, runs = {runs}: allowed 0 or more finalists, 1 or more runs"
-        )
+    check_ranking(goal, finalists, runs)
     campaign = campaign_of(
         scenario, samples, seed, density_sigma=density_sigma, lift_sigma=lift_sigma
     )
@@ -113,6 +111,24 @@ def rank_designs(
         "lift_sigma": lift_sigma,
         "designs": [{"rank": rank + 1, **rows[k]} for rank, k in enumerate(order)],
     }
+
+
+def check_ranking(goal: float, finalists: int, runs: int) -> None:
+    """Refuse options of a ranking that are out of range.
+
+    Raises
+    ------
+    ArgumentError
+        One is.
+    """
+    if not 0 < goal < float("inf"):
+        raise ArgumentError(f"goal_m = {goal:g}: must be positive and finite")
+    if finalists < 0:
+        raise ArgumentError(f"finalists = {finalists}: must be 0 or more")
+    if not 1 <= runs <= MOST_RUNS:
+        raise ArgumentError(
+            f"runs = {runs}: allowed 1 to {MOST_RUNS}; give 0 finalists to run no filter"
+        )
 
 
 def answer(figures: dict[str, Any], goal: float) -> str:

@@ -28,8 +28,9 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
     xarray.Dataset
         Over ``candidate`` (sorted): its identity, variables (``pattern`` ... ``mask_deg``),
         figures (nan where a stage was not reached), ``stage`` (the last reached), ``error``
-        (its text, or empty), ``feasible`` (whether it meets every constraint), ``front`` (of
-        the feasible with a value for every objective; -1 elsewhere).
+        (its text, or empty), ``feasible`` (whether it is known to meet every constraint; of one
+        on entries only those that were judged), ``front`` (of the feasible with a value for every
+        objective; -1 elsewhere).
 
     Raises
     ------
@@ -71,11 +72,7 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
                     error[where[int(k)]] = text
     feasible = error == ""
     for c in study.constraints:
-        if MERITS[c.figure].stage == "entry":
-            judged = stage == STAGES.index("entry")
-            feasible &= ~judged | [c.holds(float(v)) for v in figures[c.figure]]
-        else:
-            feasible &= [c.holds(float(v)) for v in figures[c.figure]]
+        feasible &= c.holds(figures[c.figure])
     feasible &= stage >= STAGES.index("map")
     data: dict[str, Any] = {"identity": ("candidate", np.array(keys, dtype=object))}
     for column in ROW.names or ():

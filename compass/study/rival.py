@@ -53,9 +53,10 @@ def best_rival(
     Raises
     ------
     ArgumentError
-        No radius is given and the design's orbits are not circles of one, or no pattern keeps its
-        satellites apart.
+        No radius is given and the design's orbits are not circles of one, its mask depends on
+        azimuth, which a rival's file cannot say, or no pattern keeps its satellites apart.
     """
+    _check_mask(design)
     c = design.constellation
     if radius is None:
         if not (c.is_circular and np.unique(c.semi_major_axis).size == 1):
@@ -92,6 +93,11 @@ def best_rival(
     return min(close, key=lambda found: found[:3])[3]
 
 
+def _check_mask(design: Design) -> None:
+    if not design.mask.is_constant:
+        raise ArgumentError(f"{design.name}: a mask by azimuth cannot be carried over")
+
+
 def rival_toml(rival: Constellation, design: Design, origin: str) -> str:
     """Design file of a rival, with the figure, mask and fold of the design it is to beat.
 
@@ -104,8 +110,7 @@ def rival_toml(rival: Constellation, design: Design, origin: str) -> str:
     """
     pattern = rival.pattern
     assert pattern is not None
-    if not design.mask.is_constant:
-        raise ArgumentError(f"{design.name}: a mask by azimuth cannot be carried over")
+    _check_mask(design)
     radius_km = float(rival.semi_major_axis[0]) / 1e3
     name = f"Best for landers at {radius_km:.6g} km, {pattern.notation}"
     source = (

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from compass.report import trade_pictures
+from compass.study import stages
 
 STUDY = """
 name = "Tiny <study>"
@@ -89,6 +90,26 @@ def test_nothing_meets_the_constraints(study, run, coarse):
     assert status == 0 and json.loads(out)["finalists"] == []
 
 
+def test_an_objective_that_no_candidate_has(study, run):
+    text = STUDY.replace('figure = "fold_proven"\nat_least = 1', 'figure = "planes"\nat_least = 1')
+    path = study(text.replace("mask_margin_deg", "cap_radius_min_deg"), fold=9)
+    status, out, err = run("trade", path, "--workers", 1, "--json")
+    assert status == 1 and json.loads(out)["feasible"] == 208 and json.loads(out)["front"] == []
+    assert "meets every constraint has a value of cap_radius_min_deg; choose another" in err
+
+
+def test_candidates_that_raise_say_why(study, run, monkeypatch):
+    def broken(study, rows):
+        raise ZeroDivisionError("by nothing")
+
+    monkeypatch.setitem(stages.FINDERS, "map", broken)
+    status, out, err = run("trade", study(), "--workers", 1, "--json")
+    assert status == 1 and json.loads(out)["feasible"] == 0
+    count = json.loads(out)["failed"]["map"]
+    assert f"{count} candidate(s) raised an error" in err
+    assert "the first: ZeroDivisionError: by nothing" in err
+
+
 def test_a_large_pool_is_offered_by_default(study, run, monkeypatch):
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     status, out, _ = run("trade", study(), "-o", "elsewhere", "--json")
@@ -145,6 +166,16 @@ def test_a_damaged_store_is_said(study, run, tmp_path):
     status, _, err = run("trade", path, "--workers", 1)
     assert status == 0 and "1 damaged line(s) ignored" in err
     assert len(store.read_bytes()) == pytest.approx(len(whole), abs=20)
+
+
+def test_a_lander_that_never_deploys_is_refused_at_once(study, run, tmp_path, designs):
+    text = (designs / "landing.toml").read_text().replace("duration_s = 320", "duration_s = 5")
+    text = text.replace("compass-15-5-1.toml", str(designs / "compass-15-5-1.toml"))
+    (tmp_path / "lander.toml").write_text(text)
+    status, out, err = run("trade", study(STUDY + '[entry]\nscenario = "lander.toml"\n'))
+    assert status == 2 and out == ""
+    assert "lander.toml: entry at latitude" in err and "has not come by 5 s to deployment" in err
+    assert not (tmp_path / "trades").exists()
 
 
 def test_a_lander_that_cannot_be_judged_is_refused_at_once(study, run, tmp_path, designs):

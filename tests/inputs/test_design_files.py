@@ -13,6 +13,8 @@ from compass.inputs import read_design_text
 from compass.inputs.design import cross_faults
 from compass.inputs.models import DesignFile
 from compass.inputs.reading import MAX_BYTES, parse
+from compass.inputs.scenario import read_scenario
+from compass.inputs.study import read_study
 
 GOOD = """
 name = "Test"
@@ -247,10 +249,11 @@ def test_all_faults_come_together():
         ("folder", "is a directory"),
         (b"", "empty"),
         (b" \n\t", "empty"),
-        (b"\x00\x01\xff\xfe", "not text in UTF-8"),
+        (b"\x00\x01\xff\xfe", "line 1 is not text in UTF-8.*saved as UTF-8"),
+        ("name = 'a'\nsource = 'é'".encode("latin-1"), "line 2 is not text in UTF-8"),
         (b"a = = 3", "not valid TOML"),
         (b"a = " + b"[" * 5000, "nested too deeply|not valid TOML"),
-        (b"a = " + b"9" * 5000, "not valid TOML"),
+        (b"a = " + b"9" * 5000, "not valid TOML: a value that cannot be: Exceeds .* digits$"),
         (b"#" * (MAX_BYTES + 1), "at most 1 MB"),
     ],
 )
@@ -263,6 +266,26 @@ def test_files_that_are_no_design(tmp_path, content, message):
     with pytest.raises(DesignError, match=message) as caught:
         compass.read_design(path)
     assert str(caught.value).startswith(str(path))
+
+
+def test_a_name_too_long_for_a_file(tmp_path):
+    with pytest.raises(DesignError, match="cannot be read: File name too long"):
+        compass.read_design(tmp_path / ("x" * 300))
+
+
+def test_a_file_of_another_kind_is_said_once(designs):
+    readers = {
+        "compass-15-5-1.toml": (compass.read_design, "a design"),
+        "landing.toml": (read_scenario, "a scenario of landing"),
+        "study-small.toml": (read_study, "a study"),
+    }
+    for name, (own, kind) in readers.items():
+        assert own(designs / name).name
+        for reader, wanted in readers.values():
+            if reader is not own:
+                with pytest.raises(DesignError, match=f"is {kind}, not {wanted}") as caught:
+                    reader(designs / name)
+                assert len(caught.value.faults) == 1
 
 
 def test_huge_files_are_refused_unread(tmp_path):

@@ -161,6 +161,11 @@ def test_triggers_of_every_kind():
             "measurements: needs range_sigma_m, range_rate_sigma_m_s or both",
         ),
         ("range_sigma_m = 100", "range_sigma_m = 0", "range_sigma_m = 0.*above 0"),
+        (
+            "range_sigma_m = 100",
+            "range_sigma_m = 100\nstart_s = 9\nstop_s = 5",
+            "measurements.start_s = 9: is after stop_s = 5; exchange them",
+        ),
         ("radius_sigma_m = 1000", "", r"filter\.radius_sigma_m: missing"),
         (
             "radius_sigma_m = 1000",

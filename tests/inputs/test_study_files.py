@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from compass.entry.arrivals import MOST_SAMPLES
 from compass.errors import DesignError
 from compass.inputs.merit import MERITS, STAGES, merits_of
 from compass.inputs.study import Free, read_study, read_study_text
@@ -72,6 +73,19 @@ def test_the_digest_covers_the_files_it_names(tmp_path, designs):
         read_study(path)
 
 
+def test_the_digest_covers_the_table_of_the_air(tmp_path, designs):
+    lander = (designs / "landing.toml").read_text().replace("[beacons]\ndesign", "[beacons]\n#")
+    lander = lander.replace("scale_height_km = 7.5", 'scale_height_km = 7.5\ntable = "air.txt"')
+    (tmp_path / "lander.toml").write_text(lander)
+    path = tmp_path / "s.toml"
+    path.write_text(GOOD + '[entry]\nscenario = "lander.toml"\n')
+    found = set()
+    for density in (2e-2, 2e-2, 1e-2):
+        (tmp_path / "air.txt").write_text(f"0, {density}\n50, 1e-4\n130, 1e-9\n")
+        found.add(read_study(path).digest)
+    assert len(found) == 2
+
+
 def test_entry_takes_a_scenario(designs):
     text = GOOD.replace(
         '[[objective]]\nfigure = "satellites"', '[[objective]]\nfigure = "crlb_position_m.p95"'
@@ -86,8 +100,12 @@ def test_entry_takes_a_scenario(designs):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("satellites = 5", "satellites = []", r"values = \[\]: must have at least 1 value; a list"),
-        ("satellites = 5", "satellites = true", r"study.satellites = true: must be a table"),
+        (
+            "satellites = 5",
+            "satellites = []",
+            r"satellites = \[\]: must have at least 1 value; a list",
+        ),
+        ("satellites = 5", "satellites = true", r"satellites = true: must be a number, a list"),
         ("satellites = 5", "satellites = [0]", r"study.satellites = 0: allowed 1 to 10000"),
         ("satellites = 5", "satellites = {least = 9}", r"study.satellites.most: missing"),
         ("satellites = 5", "satellites = {least = 9, most = 3}", "least is above most"),
@@ -98,7 +116,11 @@ def test_entry_takes_a_scenario(designs):
         (", step = 5", "", "a range without step is free"),
         ("most = 50", "most = 200", "allowed 0 to 180"),
         ("most = 50", 'most = "x"', "must be a number"),
-        ('orbits = ["areosynchronous", "half", "third"]', "radius_km = 3000", "allowed 3396"),
+        (
+            'orbits = ["areosynchronous", "half", "third"]',
+            "radius_km = 3000",
+            "above the surface .3396",
+        ),
         ('orbits = ["areosynchronous", "half", "third"]', "", "found neither"),
         ("[[constraint]]", "[sampling]\nmethod = 3\n[[constraint]]", "sampling.method = 3"),
         ("[[constraint]]", "[sampling]\nsamples = 9\n[[constraint]]", 'not for method = "grid"'),
@@ -123,6 +145,50 @@ def test_faults(old, new, message):
     assert old in GOOD
     with pytest.raises(DesignError, match=message):
         read_study_text(GOOD.replace(old, new, 1))
+
+
+@pytest.mark.parametrize(
+    ("given", "field", "message"),
+    [
+        ("satellites = nan", "satellites[1]", "must be a whole number"),
+        ("satellites = -1", "satellites", "allowed 1 to 10000"),
+        (f"satellites = {10**400}", "satellites", "allowed 1 to 10000"),
+        ("satellites = [5, 1.5]", "satellites[2]", "must be a whole number"),
+        ("satellites = {least = 1.5, most = 5}", "satellites.least", "must be a whole number"),
+        ("satellites = {least = 1, most = 20000}", "satellites.most", "allowed 1 to 10000"),
+        ('satellites = "x"', "satellites", "must be a number, a list of them or a range"),
+        ("satellites = 5\nphasing = [0, -1]", "phasing", "allowed 0 to 10000"),
+        ("satellites = 5\nmask_deg = nan", "mask_deg[1]", "must be a finite number"),
+        ("satellites = 5\nmask_deg = [inf]", "mask_deg[1]", "must be a finite number"),
+        (
+            "satellites = 5\nmask_deg = {least = 0, most = nan, step = 1}",
+            "mask_deg.most",
+            "must be a finite number",
+        ),
+    ],
+)
+def test_one_mistake_is_said_once_and_where_it_was_made(given, field, message):
+    with pytest.raises(DesignError) as caught:
+        read_study_text(GOOD.replace("satellites = 5", given))
+    (fault,) = caught.value.faults
+    assert fault.startswith(f"study: study.{field} = ") and message in fault
+
+
+def test_entries_are_no_more_than_can_be_drawn(designs):
+    text = GOOD + '[entry]\nscenario = "landing.toml"\n'
+    for key in ("samples", "finalist_samples"):
+        read_study_text(f"{text}{key} = {MOST_SAMPLES}\n", folder=designs)
+        with pytest.raises(DesignError, match=f"entry.{key} = 8193: must be at most 8192"):
+            read_study_text(f"{text}{key} = 8193\n", folder=designs)
+
+
+def test_faults_of_both_files_that_it_names(designs):
+    text = GOOD + '[entry]\nscenario = "compass-15-5-1.toml"\n[compare]\ndesign = "no.toml"\n'
+    with pytest.raises(DesignError) as caught:
+        read_study_text(text, folder=designs)
+    scenario, design = caught.value.faults
+    assert scenario.startswith("study: entry.scenario: ") and "is a design" in scenario
+    assert design.startswith("study: compare.design: ") and "no such file" in design
 
 
 def test_all_faults_at_once():

@@ -1,6 +1,7 @@
 """Candidates: the grid against plain loops, samples inside the space, identities that stay."""
 
 import struct
+from dataclasses import replace
 from fractions import Fraction
 from hashlib import blake2b
 from itertools import product
@@ -18,6 +19,7 @@ from compass.study.candidates import (
     Listed,
     batches,
     candidates,
+    check_space,
     identities,
     make_constellation,
 )
@@ -68,6 +70,21 @@ def test_no_candidate():
         candidates(study(more="planes = [5]"))
     with pytest.raises(DesignError, match=r"no candidate.*1, 2, 3, 4, 5 \.\.\."):
         candidates(study(satellites="{least = 1, most = 6}", more="planes = [7]"))
+
+
+def test_more_candidates_than_a_run_comes_to_the_end_of():
+    """Two patterns of 1 to 1000 satellites: 25 million times more than a grid may have."""
+    many = study(
+        satellites="{least = 1, most = 1000}",
+        inclination="{least = 0, most = 90, step = 0.001}",
+        radius="{least = 4000, most = 90000, step = 1}",
+    )
+    with pytest.raises(
+        DesignError, match=r"s\.toml: study: 25\d{15} candidates.*take larger steps"
+    ):
+        check_space(many)
+    sampled = replace(many, sampling=many.sampling.model_copy(update={"method": "sobol"}))
+    check_space(sampled)
 
 
 def test_rosettes_are_the_patterns_of_their_multipliers():

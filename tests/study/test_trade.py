@@ -66,6 +66,15 @@ def test_finalists_are_the_best_fronts(tiny, tmp_path):
     assert len(keys) == 3 and (keys <= front or front <= keys)
 
 
+def test_a_constraint_on_entries_is_met_by_none_that_was_not_judged(tiny, tmp_path):
+    study = tiny('[[constraint]]\nfigure = "crlb_position_m.p95"\nabove = 0', entry=True)
+    run(study, tmp_path)
+    results = read_results(study, tmp_path)
+    assert int(results.feasible.sum()) == 3
+    assert set(results.stage.values[results.feasible]) == {"entry"}
+    assert not (results.front.values[results.stage.values != "entry"] >= 0).any()
+
+
 def test_two_processes_find_the_same(tiny, tmp_path, monkeypatch):
     monkeypatch.setitem(trade.BATCH, "screen", 5)
     study = tiny()
