@@ -2,10 +2,12 @@
 
 import contextlib
 import os
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from compass.inputs.study import Objective
 from compass.study import stages, trade, workers
 from compass.study.candidates import candidates, identities
 from compass.study.choice import finalists_of
@@ -62,6 +64,20 @@ def test_finalists_are_the_best_fronts(tiny, tmp_path):
         assert len(passed(study, store, "map")) == int(results.feasible.sum())
     front = set(results.identity.values[results.front.values == 0])
     assert len(keys) == 3 and (keys <= front or front <= keys)
+
+
+def test_geometry_stands_in_for_what_only_entries_tell(tiny, monkeypatch):
+    study = replace(tiny(entry=True), objectives=(Objective("crlb_position_m.p95", 1),))
+    rows = candidates(study).rows(0, 52)
+    gdop = np.random.default_rng(0).permutation(52).astype(float)
+    monkeypatch.setattr(trade, "passed", lambda *_: rows)
+    monkeypatch.setattr(trade, "gather", lambda _store, _keys, names: dict.fromkeys(names, gdop))
+    assert set(identities(finalists(study, None))) == set(identities(rows[gdop < 3]))
+    both = replace(study, objectives=(*study.objectives, Objective("satellites", 1)))
+    few = np.where(rows["satellites"] == 5, 1.0, 2.0)
+    values = {"satellites": few, "gdop_p50": np.where(gdop == 7, 0.0, 1.0)}
+    monkeypatch.setattr(trade, "gather", lambda *_: values)
+    assert identities(rows[gdop == 7])[0] in identities(finalists(both, None))
 
 
 def test_two_processes_find_the_same(tiny, tmp_path, monkeypatch):
