@@ -7,7 +7,7 @@ from compass.entry.campaign import Campaign
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
 from compass.inputs import read_design_text
-from compass.orbits import walker_delta
+from compass.orbits import orbital_period, positions_mci, walker_delta
 from compass.sites import Mask
 from compass.study import judge_worst, ranking, rival
 from compass.study.judge import campaign_of, judge_entries
@@ -217,8 +217,8 @@ def test_surface_quality_is_that_of_the_coverage_functions(monkeypatch):
     from compass.coverage.gdop import Estimate
     from compass.study import judge_surface as module
 
-    monkeypatch.setattr(module, "gdop_percentile", lambda _c, q, **_: Estimate(q, 0.0))
-    monkeypatch.setattr(module, "gdop_availability", lambda *_, **__: Estimate(0.5, 0))
+    monkeypatch.setattr(module, "gdop_percentile", lambda _c, q, **_: Estimate(q, q / 100))
+    monkeypatch.setattr(module, "gdop_availability", lambda *_, **__: Estimate(0.5, 0.1))
     pair = walker_delta(2, 1, 0, inclination=0.0, radius=20428e3)
     found = judge_surface(pair, fold=1, figure=FIGURE, mask=Mask())
     assert found["fold"] == {"wanted": 1, "outcome": "refuted"}
@@ -226,6 +226,7 @@ def test_surface_quality_is_that_of_the_coverage_functions(monkeypatch):
     below = -np.degrees(np.arcsin(FIGURE.equatorial_radius / 20428e3))
     assert found["mask_margin_deg"] == pytest.approx(below, abs=0.2)
     assert found["gdop"] == {"p50": 50, "p95": 95} and found["availability"] == 0.5
+    assert found["gdop_error"] == {"p50": 0.5, "p95": 0.95} and found["availability_error"] == 0.1
     none = judge_surface(pair, fold=3, figure=FIGURE, mask=Mask())
     assert none["mask_margin_deg"] is None
 
@@ -239,6 +240,35 @@ def test_surface_quality_of_compass(seed_design):
     assert found["mask_margin_deg"] == pytest.approx(6.24, abs=0.005)
     assert 1 < found["gdop"]["p50"] < found["gdop"]["p95"] < 6
     assert 0.95 < found["availability"] < 1  # p95 is below the limit of 6
+    # so says a grid of equal areas too, over a revolution and by inverting matrices, itself good
+    # to 0.5 % and 0.002: on one of half the steps its figures change by less
+    gdop, errors = plain_gdop(d.constellation, d.figure.equatorial_radius), found["gdop_error"]
+    for name, percent in (("p50", 50), ("p95", 95)):
+        wanted = np.percentile(gdop, percent, method="inverted_cdf")
+        assert found["gdop"][name] == pytest.approx(wanted, abs=5 * errors[name] + 0.005 * wanted)
+    wanted = np.mean(gdop <= 6)
+    assert found["availability"] == pytest.approx(
+        wanted, abs=5 * found["availability_error"] + 0.002
+    )
+
+
+def plain_gdop(c, sphere, rows=36, epochs=61):
+    """GDOP on a grid of equal areas at moments of a revolution: root of the trace of an inverse."""
+    sines = (np.arange(rows) + 0.5) * 2 / rows - 1
+    lon = np.arange(2 * rows) * np.pi / rows
+    ring = np.sqrt(1 - sines**2)[:, None]
+    place = np.stack([ring * np.cos(lon), ring * np.sin(lon), sines[:, None] + 0 * lon], axis=-1)
+    place, found = place.reshape(-1, 3), []
+    for r in positions_mci(
+        c, np.arange(epochs) / epochs * orbital_period(c.semi_major_axis[0])
+    ).transpose(1, 0, 2):
+        line = r / sphere - place[:, None]
+        line /= np.linalg.norm(line, axis=-1, keepdims=True)
+        seen = np.einsum("qni,qi->qn", line, place) >= 0
+        rows_of = np.concatenate([line, np.ones((*seen.shape, 1))], axis=-1) * seen[..., None]
+        normal = np.einsum("qni,qnj->qij", rows_of, rows_of)
+        found.append(np.sqrt(np.trace(np.linalg.inv(normal), axis1=1, axis2=2)))
+    return np.array(found)
 
 
 def test_answers():
