@@ -65,9 +65,13 @@ def test_more_satellites_rank_first_and_get_the_filter(scenario, quick):
     assert rows[0]["ekf_position_m"]["p95"] > 0 and rows[0]["nees"] > 0
     assert all(row["nees"] is None for row in rows[1:])
     assert all(row["answer"].startswith("yes; the worst") for row in rows)
-    assert "still in all entries judged" in rows[0]["answer"]
+    assert ". After the loss of P" in rows[0]["answer"]
     for row in rows:
         assert row["worst_found"]["value"] >= row["crlb_position_m"]["worst"]
+        lost = row["after_loss"]
+        assert lost["worst_found"]["value"] >= lost["crlb_position_m"]["worst"]
+        # what is worst with all satellites was looked at without one as well
+        assert lost["worst_found"]["value"] >= row["worst_found"]["value"]
 
 
 def test_ties_go_to_fewer_satellites(scenario, quick, monkeypatch):
@@ -80,7 +84,7 @@ def test_ties_go_to_fewer_satellites(scenario, quick, monkeypatch):
     assert [row["design"] for row in result["designs"]] == ["two", "three"]
     answer = result["designs"][0]["answer"]
     assert answer.startswith("no: not in 100 % of entries; worst 17")
-    assert "not in 100 % of them" in answer
+    assert "After the loss of P1S1: no: not in 100 % of entries; worst 17" in answer
 
 
 @pytest.mark.parametrize(
@@ -115,13 +119,18 @@ def test_worst_entry_is_confirmed_by_flying_it(scenario):
     found = judge_worst.worst_entry(c, scenario, campaign, start=start, **place)
     assert found == judge_worst.worst_entry(c, scenario, campaign, **place)
     assert found["value"] > start.position_sigma.max()
-    phase = found["epoch_s"] / repeat_period(c).duration
+    both = judge_worst.worst_entry(c, scenario, campaign, start=start, lost=2, **place)
+    assert both["value"] >= found["value"]
     # deployment is 40 s of flight at 6 km/s from entry: look for the entry that deploys there
-    around = campaign.again(
-        Arrivals(*(np.array([x]) for x in (*_entry_of(found, campaign), phase)))
-    )
-    again = judge_entries(c, around, scenario, **place)
-    assert again.position_sigma[0] == pytest.approx(found["value"], rel=1e-6)
+    for named, column in ((found, 0), (both, 0), (both["after_loss"], 3)):
+        phase = named["epoch_s"] / repeat_period(c).duration
+        around = campaign.again(
+            Arrivals(*(np.array([x]) for x in (*_entry_of(named, campaign), phase)))
+        )
+        again = judge_entries(c, around, scenario, **place)
+        assert again.sigma[0, column, 0] == pytest.approx(named["value"], rel=1e-6)
+        count = np.delete(again.seen[0, :], [2] if column else [], axis=1).sum(axis=1)
+        assert count.min() == named["in_view"]
 
 
 def _entry_of(found, campaign: Campaign):
@@ -283,6 +292,10 @@ def test_answers():
         return {"worst_found": {"value": worst, **place}, "share_within_goal": share}
 
     where = "m at latitude 1.0, longitude 2.0 deg, azimuth 3 deg, entry 1.00 h after the epoch"
+    yes = ranking.answer(figures(9.0, 1.0), 10.0)
+    no = ranking.answer(figures(11.0, 0.9), 10.0)
+    lost = figures(9.0, 1.0) | {"after_loss": {"satellite": "P1S2", **figures(11.0, 0.9)}}
+    assert ranking.answer(lost, 10.0) == f"{yes}. After the loss of P1S2: {no}"
     for worst, share, said in (
         (9.0, 1.0, f"yes; the worst that a search finds is 9.00 {where}, 4 in view at least"),
         (11.0, 1.0, f"not quite: in all entries judged, but a search finds 11.00 {where}"),
