@@ -219,7 +219,7 @@ class Measurements:
     interval
         Seconds between measurements, a multiple of the time step.
     start, stop
-        Seconds between which measurements are taken.
+        Seconds between which measurements are taken; the first at the first epoch from `start` on.
     in_turn
         Whether the lander hears one beacon at a time, in turn, rather than all at once.
     """
@@ -246,8 +246,9 @@ class Measurements:
 
         In turn, the k-th measurement time goes to the next beacon in view after the last heard.
         """
-        due = np.abs(np.mod(times / self.interval + 0.5, 1.0) - 0.5) * self.interval < 1e-6
-        due &= (times >= self.start - 1e-9) & (times <= self.stop + 1e-9)
+        due = (times >= self.start - 1e-9) & (times <= self.stop + 1e-9)
+        since = times - times[due].min() if due.any() else times
+        due &= np.abs(np.mod(since / self.interval + 0.5, 1.0) - 0.5) * self.interval < 1e-6
         taken = seen & due[:, None]
         if self.in_turn and seen.shape[1]:
             heard = -1

@@ -82,19 +82,20 @@ def finalists_of(study: Study, results: "xr.Dataset") -> list[Finalist]:
     """Pick from the first front: the balanced one, then the best in each objective.
 
     Balanced is the least of the largest shortfalls, each objective's shortfall from the front's
-    best being measured in ranges of the front (Chebyshev distance from the ideal point). Ties in
-    one objective fall to the more balanced. If the study compares with a design, the most
-    balanced feasible candidate of that design's size is added. Whoever wins twice has both roles.
+    best being measured in ranges of the front (Chebyshev distance from the ideal point); of equals
+    the next largest decides. Ties in one objective fall to the more balanced. If the study compares
+    with a design, the most balanced feasible candidate of that design's size is added. Whoever
+    wins twice has both roles.
     """
     front = results.isel(candidate=np.flatnonzero(results.front.values == 0))
     if not front.sizes["candidate"]:
         return []
     low, width = _scale(study, front)
-    shortfall = _shortfall(study, front, low, width)
-    wins = [("balanced", front, int(np.argmin(shortfall)))]
+    place = _by_balance(study, front, low, width)
+    wins = [("balanced", front, int(np.argmin(place)))]
     for objective in study.objectives:
         values = objective.sign * front[objective.figure].values
-        winner = int(np.lexsort((shortfall, values))[0])
+        winner = int(np.lexsort((place, values))[0])
         wins.append((f"{objective.goal} {MERITS[objective.figure].title}", front, winner))
     if study.compare is not None:
         size = study.compare.constellation.size
@@ -104,11 +105,11 @@ def finalists_of(study: Study, results: "xr.Dataset") -> list[Finalist]:
             )
         )
         if alike.sizes["candidate"]:
-            best = int(np.argmin(_shortfall(study, alike, low, width)))
+            best = int(np.argmin(_by_balance(study, alike, low, width)))
             wins.append((f"best of {size} satellites", alike, best))
     found: dict[str, Finalist] = {}
-    for role, where, place in wins:
-        one = where.isel(candidate=slice(place, place + 1))
+    for role, where, at in wins:
+        one = where.isel(candidate=slice(at, at + 1))
         key = str(one.identity.values[0])
         if key in found:
             old = found[key]
@@ -120,17 +121,22 @@ def finalists_of(study: Study, results: "xr.Dataset") -> list[Finalist]:
 
 
 def _scale(study: Study, front: "xr.Dataset") -> tuple[NDArray[Any], NDArray[Any]]:
-    """Best value and range of each objective over a front, of its finite values."""
+    """Best value of each objective over a front, and the range of its finite values."""
     columns = [o.sign * front[o.figure].values for o in study.objectives]
     finite = [column[np.isfinite(column)] for column in columns]
-    low = np.array([some.min() if some.size else 0.0 for some in finite])
+    low = np.array([column.min() for column in columns])
     width = np.array([np.ptp(some) if some.size else 0.0 for some in finite])
     return low, np.where(width > 0, width, 1.0)
 
 
-def _shortfall(
+def _by_balance(
     study: Study, some: "xr.Dataset", low: NDArray[Any], width: NDArray[Any]
-) -> NDArray[np.float64]:
+) -> NDArray[np.int64]:
+    """Place of each candidate, the most balanced first."""
     values = np.column_stack([o.sign * some[o.figure].values for o in study.objectives])
-    worst = ((values - low) / width).max(axis=1)
-    return np.asarray(worst, dtype=np.float64)
+    with np.errstate(invalid="ignore"):  # where even the best is infinite, all are alike
+        shortfall = np.where(values == low, 0.0, (values - low) / width)
+    largest_first = -np.sort(-shortfall, axis=1)
+    place = np.empty(len(values), dtype=np.int64)
+    place[np.lexsort(largest_first.T[::-1])] = np.arange(len(values))
+    return place

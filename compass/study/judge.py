@@ -145,6 +145,10 @@ def judge_entries(
     A range that arrives with probability lambda is worth ``lambda h^T h / sigma^2`` in
     expectation. The entries begin at their phases of the ground tracks' repeat period.
 
+    Noise is white, the satellites' places are known and no clock is estimated: ranges are two-way,
+    or of clocks that agree. Light time is known, so it changes nothing. What of this does not hold
+    makes errors larger than the bound.
+
     Parameters
     ----------
     constellation

@@ -44,7 +44,8 @@ def judge_surface(
         ``fold``: wanted, and whether it is proven for all time (`prove_fold`);
         ``mask_margin_deg``: the highest mask with that fold, None if no mask has it; ``gdop``:
         p50 and p95 over area and time; ``availability``: share of them with GDOP at most
-        `gdop_max`.
+        `gdop_max`; ``gdop_error``, ``availability_error``: their standard errors, for they are
+        sampled.
     """
     sphere, high = figure.equatorial_radius, mask.highest
     span = shortest_span(constellation)
@@ -53,7 +54,7 @@ def judge_surface(
     dop = {
         f"p{percent}": gdop_percentile(
             constellation, percent, sphere_radius=sphere, mask=high, span=span, seed=seed
-        ).value
+        )
         for percent in (50, 95)
     }
     available = gdop_availability(
@@ -62,6 +63,8 @@ def judge_surface(
     return {
         "fold": {"wanted": fold, "outcome": certificate.outcome},
         "mask_margin_deg": None if margin is None else float(np.degrees(margin)),
-        "gdop": dop,
-        "availability": float(available.value),
+        "gdop": {name: estimate.value for name, estimate in dop.items()},
+        "gdop_error": {name: estimate.error for name, estimate in dop.items()},
+        "availability": available.value,
+        "availability_error": available.error,
     }

@@ -36,6 +36,7 @@ def worst_entry(
     rounds: int = 12,
     seed: int = 0,
     start: Judgement | None = None,
+    lost: int | None = None,
 ) -> dict[str, Any]:
     """Worst bound of position at deployment that a search finds, and where and when.
 
@@ -54,30 +55,45 @@ def worst_entry(
         How often to draw anew, and from which seed.
     start
         Judgement of the campaign, if it is there already.
+    lost
+        A satellite whose loss is looked at too: what is worst without it comes as
+        ``after_loss``, of all entries that either search has tried.
     """
     place: dict[str, Any] = {"figure": figure, "mask": mask}
     found = start or judge_entries(constellation, campaign, scenario, **place)
     generator = np.random.default_rng(seed)
-    best = _worst(found, np.empty((0, 9)))
+    cases = (None,) if lost is None else (None, lost)
+    best = {case: _worst(found, np.empty((0, 9)), case) for case in cases}
     for _ in range(MOMENTS):
         moved = replace(campaign.arrivals, phase=generator.random(campaign.size))
-        later = replace(campaign, arrivals=moved)
-        best = _worst(judge_entries(constellation, later, scenario, **place), best)
-    for k in range(rounds):
-        centres = np.repeat(best[:, :4], -(-BATCH // len(best)), axis=0)[:BATCH]
-        tried = centres + SHRINK**k * REACH * generator.uniform(-1, 1, centres.shape)
-        limit = np.pi / 2 - 1e-3
-        try:
-            flown = campaign.again(
-                Arrivals(
-                    np.clip(tried[:, 0], -limit, limit), tried[:, 1], tried[:, 2], tried[:, 3] % 1
-                )
-            )
-        except ArgumentError:  # all of them over a pole
-            break
-        found = judge_entries(constellation, flown, scenario, **place)
-        best = _worst(found, best)
-    row = best[0]
+        later = judge_entries(constellation, replace(campaign, arrivals=moved), scenario, **place)
+        best = {case: _worst(later, rows, case) for case, rows in best.items()}
+    for case in cases:
+        for k in range(rounds):
+            tried = _around(best[case], SHRINK**k * REACH, generator)
+            try:
+                flown = campaign.again(tried)
+            except ArgumentError:  # all of them over a pole
+                break
+            found = judge_entries(constellation, flown, scenario, **place)
+            best = {one: _worst(found, rows, one) for one, rows in best.items()}
+    result = _as_plain(best[None][0])
+    if lost is not None:
+        result["after_loss"] = _as_plain(best[lost][0])
+    return result
+
+
+def _around(best: np.ndarray, reach: np.ndarray, generator: np.random.Generator) -> Arrivals:
+    """`BATCH` arrivals around the worst so far."""
+    centres = np.repeat(best[:, :4], -(-BATCH // len(best)), axis=0)[:BATCH]
+    tried = centres + reach * generator.uniform(-1, 1, centres.shape)
+    limit = np.pi / 2 - 1e-3
+    latitude = np.clip(tried[:, 0], -limit, limit)
+    return Arrivals(latitude, tried[:, 1], tried[:, 2], tried[:, 3] % 1)
+
+
+def _as_plain(row: np.ndarray) -> dict[str, Any]:
+    """What a row of `_worst` says."""
     return {
         "value": float(row[4]),
         "latitude_deg": float(np.degrees(row[5])),
@@ -88,15 +104,18 @@ def worst_entry(
     }
 
 
-def _worst(found: Judgement, others: np.ndarray) -> np.ndarray:
+def _worst(found: Judgement, others: np.ndarray, lost: int | None) -> np.ndarray:
     """Worst first, of a judgement and other rows: arrival (4), sigma, place (2), epoch, fold."""
     a = found.campaign.arrivals
     latitude, longitude = found.campaign.deployment_place
     flying = np.arange(found.campaign.times.size) <= found.campaign.stops[:, None]
-    fold = np.where(flying, found.seen.sum(axis=2), found.constellation.size).min(axis=1)
+    kept = np.arange(found.constellation.size) != lost
+    count = found.seen[:, :, kept].sum(axis=2)
+    fold = np.where(flying, count, found.constellation.size).min(axis=1)
+    sigma = found.sigma[:, 0 if lost is None else 1 + lost, 0]
     rows = np.stack(
         [
-            a.latitude, a.longitude, a.azimuth, a.phase, found.position_sigma, latitude, longitude,
+            a.latitude, a.longitude, a.azimuth, a.phase, sigma, latitude, longitude,
             found.epochs, fold,
         ],
         axis=1,

@@ -41,7 +41,7 @@ def _dominated(point: NDArray[np.float64], others: NDArray[np.float64]) -> bool:
 def crowding(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """How far apart each point's neighbours are, summed over objectives; infinite at the ends.
 
-    An infinite value counts as the largest finite one.
+    An infinite value counts as the finite one next to it.
 
     References
     ----------
@@ -50,8 +50,10 @@ def crowding(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """
     distance = np.zeros(len(values))
     for objective in values.T:
-        finite = np.isfinite(objective)
-        column = np.where(finite, objective, objective[finite].max(initial=0.0))
+        finite = objective[np.isfinite(objective)]
+        column = (
+            np.clip(objective, finite.min(), finite.max()) if finite.size else np.zeros(len(values))
+        )
         order = np.argsort(column, kind="stable")
         width = column[order[-1]] - column[order[0]]
         distance[order[[0, -1]]] = np.inf

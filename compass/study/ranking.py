@@ -70,7 +70,12 @@ def rank_designs(
         c = design.constellation
         found = judge_entries(c, campaign, scenario, threads=threads, **place)
         judged = found.figures(goal)
-        judged["worst_found"] = worst_entry(c, scenario, campaign, seed=seed, start=found, **place)
+        worst = worst_entry(
+            c, scenario, campaign, seed=seed, start=found, lost=found.worst_loss, **place
+        )
+        if "after_loss" in worst:
+            judged["after_loss"]["worst_found"] = worst.pop("after_loss")
+        judged["worst_found"] = worst
         rows.append(
             {
                 "design": design.name,
@@ -133,6 +138,14 @@ def check_ranking(goal: float, finalists: int, runs: int) -> None:
 
 def answer(figures: dict[str, Any], goal: float) -> str:
     """Say whether the bound stays within the goal in every entry, and if not, where not."""
+    text = _answer(figures, goal)
+    lost = figures.get("after_loss", {})
+    if "worst_found" in lost:
+        text += f". After the loss of {lost['satellite']}: {_answer(lost, goal)}"
+    return text
+
+
+def _answer(figures: dict[str, Any], goal: float) -> str:
     worst = figures["worst_found"]
     where = (
         f"{worst['value']:.2f} m at latitude {worst['latitude_deg']:.1f}, longitude "
@@ -141,17 +154,7 @@ def answer(figures: dict[str, Any], goal: float) -> str:
     )
     missed = 100 * (1 - figures["share_within_goal"])
     if worst["value"] <= goal:
-        text = f"yes; the worst that a search finds is {where}"
-    elif missed > 0:
-        text = f"no: not in {missed:.3g} % of entries; worst {where}"
-    else:
-        text = f"not quite: in all entries judged, but a search finds {where}"
-    if "after_loss" in figures:
-        lost = figures["after_loss"]
-        share = 100 * (1 - lost["share_within_goal"])
-        outcome = "still in all entries judged" if share == 0 else f"not in {share:.3g} % of them"
-        text += (
-            f"; after the loss of {lost['satellite']} {outcome}, "
-            f"worst {lost['crlb_position_m']['worst']:.2f} m"
-        )
-    return text
+        return f"yes; the worst that a search finds is {where}"
+    if missed > 0:
+        return f"no: not in {missed:.3g} % of entries; worst {where}"
+    return f"not quite: in all entries judged, but a search finds {where}"

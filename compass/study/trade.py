@@ -23,6 +23,11 @@ from compass.study.workers import Workers
 #: Candidates a task: some 80 ms of work, to dwarf its handling, and little enough to lose.
 BATCH = {"screen": 500, "map": 128, "entry": 96}
 
+#: Figure of the map that tells most about a lander's bound before it is judged: over the patterns
+#: of designs/study-fourfold.toml from 14 satellites on, rank correlation 0.8 with its median and
+#: with its 95th percentile.
+STAND_IN = "gdop_p50"
+
 
 class Bar(Protocol):
     """What a progress bar can do, as tqdm's."""
@@ -159,15 +164,19 @@ def passed(study: Study, store: Store, stage: str) -> NDArray:
 
 
 def finalists(study: Study, store: Store) -> NDArray:
-    """Candidates whose entries are judged: the best fronts of what is known before."""
+    """Candidates whose entries are judged: the best fronts of what is known before.
+
+    `STAND_IN` takes the place of objectives that only entries tell.
+    """
     assert study.entry is not None
     rows = passed(study, store, "map")
-    known = [o for o in study.objectives if MERITS[o.figure].stage != "entry"]
-    if rows.size <= study.entry.finalists or not known:
-        return rows[: study.entry.finalists]
-    wanted = {o.figure for o in known}
-    values = gather(store, identities(rows), wanted)
-    columns = np.column_stack([o.sign * values[o.figure] for o in known])
+    if rows.size <= study.entry.finalists:
+        return rows
+    signs = {o.figure: o.sign for o in study.objectives if MERITS[o.figure].stage != "entry"}
+    if len(signs) < len({o.figure for o in study.objectives}):
+        signs.setdefault(STAND_IN, 1)
+    values = gather(store, identities(rows), set(signs))
+    columns = np.column_stack([sign * values[name] for name, sign in signs.items()])
     columns[np.isnan(columns)] = np.inf
     return rows[best(columns, study.entry.finalists)]
 

@@ -133,10 +133,12 @@ def _by_itself(study: Study, c: Constellation, mask_deg: float) -> dict[str, flo
     span = shortest_span(c)
     outcome = prove_fold(c, study.fold, sphere_radius=sphere, mask=mask, span=span).outcome
     margin = highest_mask(c, study.fold, sphere_radius=sphere, span=span)
-    orbits = np.unique(np.round(np.stack([c.inclination, c.raan], axis=1), 9), axis=0)
+    si, ci = np.sin(c.inclination), np.cos(c.inclination)
+    poles = np.stack([si * np.sin(c.raan), -si * np.cos(c.raan), ci], axis=1)
     figures = {
         "satellites": float(c.size),
-        "planes": float(len(orbits)),
+        # told apart by their poles: a node of the equator is any, and 0 is 360 degrees
+        "planes": float(len(np.unique(np.round(poles, 9) + 0.0, axis=0))),
         "fold_proven": {"proven": 1.0, "refuted": 0.0}.get(outcome, float("nan")),
         "mask_margin_deg": float("nan") if margin is None else float(np.degrees(margin)),
     }

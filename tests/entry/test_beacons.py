@@ -115,6 +115,11 @@ def test_schedule():
     all_at_once = Measurements(50.0, interval=2.0, start=2.0, stop=8.0).taken(seen, times)
     assert all_at_once.any(axis=1).nonzero()[0].tolist() == [2, 4, 6, 8]
     assert all_at_once[2].tolist() == [True, False, True]
+    # counted from the first, not from entry; without an epoch at the start, from the next
+    for start in (1.0, 0.5):
+        odd = Measurements(50.0, interval=3.0, start=start).taken(seen, times)
+        assert odd.any(axis=1).nonzero()[0].tolist() == [1, 4, 7, 10]
+    assert not Measurements(50.0, start=11.0).taken(seen, times).any()
     in_turn = Measurements(50.0, in_turn=True).taken(seen, times)
     assert (in_turn.sum(axis=1) == 1).all()
     assert in_turn[:7].argmax(axis=1).tolist() == [0, 2, 0, 2, 0, 1, 2]

@@ -43,6 +43,14 @@ def test_crowding():
     values[2, 0] = np.inf  # as good as 2, the largest finite
     assert crowding(values)[1] == (2 - 0) / 2 + 3 / 4
     assert crowding(np.ones((3, 1))).tolist() == [np.inf, 0.0, np.inf]
+    assert crowding(np.full((3, 1), np.inf)).tolist() == [np.inf, 0.0, np.inf]
+
+
+def test_crowding_next_to_an_infinite_value_of_either_sign():
+    column = np.array([-9.0, -7.0, -6.0, -5.0])
+    for infinite, finite in ((np.inf, -5.0), (-np.inf, -9.0)):
+        with_one, with_other = (np.append(column, x)[:, np.newaxis] for x in (infinite, finite))
+        assert crowding(with_one).tolist() == crowding(with_other).tolist()
 
 
 def test_best_takes_whole_fronts_then_the_least_crowded():

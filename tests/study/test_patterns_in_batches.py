@@ -105,6 +105,49 @@ def test_map_against_plain_linear_algebra(step):
         assert [values[k] for values in found.values()] == pytest.approx(wanted, rel=limit)
 
 
+@pytest.mark.parametrize(
+    ("row", "moments"),
+    [
+        # of a revolution, that stand for 2 of the part that decides: 4 times 2 for each part that
+        # is itself turned about the pole or seen in the centre
+        ((1, 15, 3, 2, 80.0, 20427.7, 0.0), 40),  # a star of an odd number in a plane
+        ((1, 18, 6, 3, 72.5, 12000.0, 3.0), 24),
+        ((0, 16, 4, 2, 110.0, 20427.7, 5.0), 32),
+        ((0, 9, 3, 1, 40.0, 20427.7, 0.0), 72),
+    ],
+)
+def test_the_part_that_is_mapped_stands_for_a_revolution(row, moments):
+    """Zones of north and of south each for itself, at all longitudes of the grid."""
+    kind, t, p, f, inclination, radius, mask = row
+    found = map_figures(study(), np.array([row], ROW))
+    plane, slot = np.divmod(np.arange(t), t // p)
+    raan = plane * (np.pi if kind else 2 * np.pi) / p
+    first = -np.pi * f * (p - 1) / t if kind else 0.0
+    grids = [make_grid(name, 30) for name in ("equal-area", "equal-angle")]
+    places = [direction(grid.latitude[:, None], grid.longitude) for grid in grids]
+    seen = []
+    for phase in first + 2 * np.pi * (np.arange(moments) + 0.5) / moments:
+        u = 2 * np.pi * (slot * p + f * plane) / t + phase
+        ci, si = np.cos(np.radians(inclination)), np.sin(np.radians(inclination))
+        x = np.cos(raan) * np.cos(u) - np.sin(raan) * ci * np.sin(u)
+        y = np.sin(raan) * np.cos(u) + np.cos(raan) * ci * np.sin(u)
+        r = radius * 1e3 * np.stack([x, y, si * np.sin(u)], axis=1)
+        seen.append(
+            [
+                [[plain_dilutions(r, place, np.radians(mask)) for place in zone] for zone in grid]
+                for grid in places
+            ]
+        )
+    (count, gdop, pdop), (_, zones, _) = np.moveaxis(np.array(seen), (1, 4), (0, 1))
+    wanted = [
+        rank(gdop, 50), rank(gdop, 95), max(rank(zones[:, i], 95) for i in range(zones.shape[1])),
+        rank(pdop, 95), (pdop <= 6).mean(), count.mean(),
+    ]  # fmt: skip
+    finite = [w for w in wanted[:4] if np.isfinite(w)]
+    limit = 1e-15 * t * max(finite, default=1) ** 2
+    assert [values[0] for values in found.values()] == pytest.approx(wanted, rel=limit)
+
+
 @pytest.mark.parametrize("size", [1, 2, 19, 20, 21, 400])
 @pytest.mark.parametrize("percent", [1, 50, 95, 100])
 def test_nearest_rank_is_the_smallest_that_suffices(size, percent):

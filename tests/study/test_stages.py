@@ -106,6 +106,34 @@ def test_brackets_hold_the_covering_radius_of_the_whole_period(pattern, fold):
     assert most - least <= 2e-3 + 1e-12
 
 
+@settings(max_examples=20)
+@given(patterns(), st.floats(0, np.pi), st.integers(1, 6))
+def test_brackets_against_points_and_moments(pattern, inclination, fold):
+    """Any inclination, backwards too, at 3000 places and 90 moments of a whole revolution."""
+    star, t, p, f, _ = pattern
+    least, most = bracket((*pattern[:4], inclination), fold, -1.0, False)
+    if t < fold:
+        return
+    number = np.arange(3000) + 0.5
+    z, turn = 1 - number / 1500, np.pi * (1 + 5**0.5) * number
+    places = np.stack([(1 - z * z) ** 0.5 * np.cos(turn), (1 - z * z) ** 0.5 * np.sin(turn), z])
+    plane, slot = np.divmod(np.arange(t), t // p)
+    raan = plane * (np.pi if star else 2 * np.pi) / p
+    node = np.stack([np.cos(raan), np.sin(raan), 0 * raan], axis=1)
+    ahead = np.stack([-np.sin(raan), np.cos(raan), 0 * raan], axis=1) * np.cos(inclination)
+    ahead[:, 2] = np.sin(inclination)
+    worst, step = 0.0, 2 * np.pi / 90
+    for phase in step * np.arange(90):
+        u = (2 * np.pi * (slot * p + f * plane) / t + phase)[:, None]
+        cosines = (node * np.cos(u) + ahead * np.sin(u)) @ places
+        distance = np.arccos(np.clip(np.partition(cosines, t - fold, axis=0)[t - fold], -1, 1))
+        worst = max(worst, distance.max())
+    # no place is farther from one of the spiral than 1.37 radii of 3000 discs that share the sphere
+    # (its Voronoi corners), no moment than half a step, in which no satellite goes farther
+    gap = 1.37 * np.arccos(1 - 2 / 3000) + step / 2
+    assert worst - 1e-9 <= most and least <= worst + gap
+
+
 def test_close_calls_are_decided_and_rejects_end_early():
     pattern = (False, 5, 5, 1, np.radians(43.66))
     exact = covering_radius(make(*pattern[:4], inclination=pattern[4]), 1, tolerance=1e-7).radius

@@ -2,12 +2,14 @@
 
 import contextlib
 import os
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from compass.errors import CompassError
 from compass.inputs.merit import MERITS
+from compass.inputs.study import Objective
 from compass.study import evolve, stages, trade, workers
 from compass.study.candidates import candidates, identities
 from compass.study.choice import finalists_of
@@ -73,6 +75,20 @@ def test_a_constraint_on_entries_is_met_by_none_that_was_not_judged(tiny, tmp_pa
     assert int(results.feasible.sum()) == 3
     assert set(results.stage.values[results.feasible]) == {"entry"}
     assert not (results.front.values[results.stage.values != "entry"] >= 0).any()
+
+
+def test_geometry_stands_in_for_what_only_entries_tell(tiny, monkeypatch):
+    study = replace(tiny(entry=True), objectives=(Objective("crlb_position_m.p95", 1),))
+    rows = candidates(study).rows(0, 52)
+    gdop = np.random.default_rng(0).permutation(52).astype(float)
+    monkeypatch.setattr(trade, "passed", lambda *_: rows)
+    monkeypatch.setattr(trade, "gather", lambda _store, _keys, names: dict.fromkeys(names, gdop))
+    assert set(identities(finalists(study, None))) == set(identities(rows[gdop < 3]))
+    both = replace(study, objectives=(*study.objectives, Objective("satellites", 1)))
+    few = np.where(rows["satellites"] == 5, 1.0, 2.0)
+    values = {"satellites": few, "gdop_p50": np.where(gdop == 7, 0.0, 1.0)}
+    monkeypatch.setattr(trade, "gather", lambda *_: values)
+    assert identities(rows[gdop == 7])[0] in identities(finalists(both, None))
 
 
 def test_two_processes_find_the_same(tiny, tmp_path, monkeypatch):

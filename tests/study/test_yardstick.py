@@ -7,6 +7,7 @@ import pytest
 
 from compass.inputs import read_design
 from compass.inputs.merit import merits_of
+from compass.orbits import from_elements
 from compass.study.yardstick import yardstick
 
 
@@ -39,6 +40,16 @@ def test_by_elements_as_by_pattern(tiny):
     for name in ("count_mean", "availability"):
         assert found.figures[name] == pytest.approx(known.figures[name], rel=0.1), name
     assert np.isnan(found.figures["delta_v_total_m_s"])
+
+
+def test_planes_are_told_apart_by_their_poles(tiny):
+    study = tiny(entry=True)
+    tilt = np.radians([0, 0, 0, 30, 30, 150, 180])
+    node = np.radians([0, 90, 200, 0, 360, 0, 77])  # one, one and the same twice, two backwards
+    some = from_elements(20e6, 0.0, tilt, node, 0.0, np.arange(7.0))
+    design = replace(study.compare, constellation=some)
+    study = replace(study, entry=None, compare=design)
+    assert yardstick(study).figures["planes"] == 4
 
 
 @pytest.mark.slow
