@@ -28,7 +28,12 @@ from compass.cli.shared import (
     type=click.Choice(["equal-angle", "equal-area"]),
     help="Kind of cells.",
 )
-@click.option("--epochs", default=96, show_default=True, help="Epochs in the period, from 1.")
+@click.option(
+    "--epochs",
+    default=109,
+    show_default=True,
+    help="Epochs in the period, from 1; a prime number meets moments of symmetry least.",
+)
 @click.option("--mask-deg", type=float, help="Elevation mask instead of the design's, degrees.")
 @click.option("--fold", type=int, help="Satellites wanted instead of the design's.")
 @click.option(

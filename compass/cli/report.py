@@ -26,7 +26,12 @@ if TYPE_CHECKING:
     help="Folder for the page and its pictures; by default reports/NAME-OF-THE-FILE.",
 )
 @click.option("--step-deg", default=1.0, show_default=True, help="Cell size, 0.05 to 90 degrees.")
-@click.option("--epochs", default=96, show_default=True, help="Epochs in the period, from 1.")
+@click.option(
+    "--epochs",
+    default=109,
+    show_default=True,
+    help="Epochs in the period, from 1; a prime number meets moments of symmetry least.",
+)
 @click.option(
     "--store",
     type=click.Path(path_type=Path),

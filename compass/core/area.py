@@ -6,6 +6,9 @@ centres u is the sum of what the great circle from a fixed pole N to a point swe
 ``A = sum [T(N, P, Q) - T(u, P, Q) + psi (1 - c)]``, with T the signed area of a spherical
 triangle, psi the azimuth gone through about u and c the cosine of the circle. T is
 ``2 atan2(a.(b x c), 1 + a.b + b.c + c.a)``, right modulo 4 pi, and so is the sum.
+
+Caps that coincide share one rim, which bounds one fold more for each: every cap is taken to lie
+inside its doubles that come before it.
 """
 
 import math
@@ -16,6 +19,10 @@ from compass.core.fold import arc_events, azimuth_of, circle_point
 from compass.core.jit import kernel
 
 FULL = 4.0 * math.pi
+
+#: Caps whose axes and cosines differ by less are one: far above the slack of `arc_events`, which
+#: leaves it open where such rims cross, and far below any area of interest.
+SAME = 1e-11
 
 
 @kernel
@@ -48,6 +55,22 @@ def _arc(u, cosine, start, stop):
 
 
 @kernel
+def _united(caps, cosines):
+    """Caps with doubles made equal, and how many doubles come before each."""
+    caps, cosines = caps.copy(), cosines.copy()
+    doubles = np.zeros(cosines.size, dtype=np.int64)
+    for i in range(cosines.size):
+        for j in range(i):
+            apart = abs(cosines[i] - cosines[j])
+            for k in range(3):
+                apart = max(apart, abs(caps[i, k] - caps[j, k]))
+            if apart < SAME:
+                caps[i], cosines[i] = caps[j], cosines[j]
+                doubles[i] += 1
+    return caps, cosines, doubles
+
+
+@kernel
 def areas_by_fold(caps, cosines, least, greatest):
     """Area, steradians, where the fold is k or more, for k = 0 ... n.
 
@@ -67,12 +90,14 @@ def areas_by_fold(caps, cosines, least, greatest):
     nothing, floors = np.empty((0, 3)), np.empty(0)
     place, step = np.empty(2 * n), np.empty(2 * n, dtype=np.int64)
     areas = np.zeros(n + 1)
+    caps, cosines, doubles = _united(caps, cosines)
     for i in range(n):
         if cosines[i] >= 1.0 or cosines[i] <= -1.0:
             continue
         depth, events = arc_events(
             caps[i], cosines[i], i, caps, cosines, nothing, floors, True, True, place, step
         )
+        depth += doubles[i]
         if events == 0:
             areas[depth + 1] += _arc(caps[i], cosines[i], -math.pi, math.pi)
             continue

@@ -33,7 +33,10 @@ class MapOptions:
     step_deg, grid
         Cell size in degrees and kind of cells (``equal-angle`` or ``equal-area``).
     epochs
-        Equally spaced epochs in the period.
+        Equally spaced epochs from time 0 on in the period. The default is prime: a number that
+        shares a factor with a pattern's symmetry meets its moments of singular geometry again
+        and again, and percentiles of the dilution suffer. Of the primes about a hundred it is
+        one whose 104th value, the 95th percentile by nearest rank, has 95 % around it.
     mask_deg, fold
         Elevation mask and satellites wanted, instead of the design's.
     pdop_max
@@ -46,7 +49,7 @@ class MapOptions:
 
     step_deg: float = 1.0
     grid: str = "equal-angle"
-    epochs: int = 96
+    epochs: int = 109
     mask_deg: float | None = None
     fold: int | None = None
     pdop_max: float = 6.0

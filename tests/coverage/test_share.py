@@ -53,6 +53,18 @@ def test_known_areas():
     assert fold_shares([[0, 0, 1.0], [1.0, 0, 0]], [4.0, 0.0]) == pytest.approx([0, 1.0, 0])
 
 
+@pytest.mark.parametrize("apart", [0.0, 1e-16, 1e-13, 1e-12])
+def test_caps_that_coincide_count_each(apart):
+    # three satellites in one place and one elsewhere, whose rims cross
+    u = np.array([[0, 0, 1.0], [apart, 0, 1.0], [0.8, 0, 0.6], [0, -apart, 1.0]])
+    one = fold_shares(u[[0, 2]], 0.7)
+    both = 1 - np.cos(0.7) - one[1:].sum()  # inclusion and exclusion: two caps less their union
+    assert one[2] == pytest.approx(both, abs=1e-12)
+    single = (1 - np.cos(0.7)) / 2 - both
+    expected = [one[0], single, 0, single, both]
+    assert fold_shares(u, 0.7) == pytest.approx(expected, abs=1e-10)
+
+
 def test_a_sliver_that_rounds_below_zero_is_none():
     # greatest fold claimed one too high: the area asked for is that of nothing
     areas = areas_by_fold(np.array([[0, 0, 1.0], [0, 0, -1.0]]), np.cos([0.5, 0.5]), 0, 2)
