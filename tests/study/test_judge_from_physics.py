@@ -1,17 +1,23 @@
-"""One entry from the physics alone: Cartesian flight, its derivatives, sight, plasma, the bound.
+"""Entries from the physics alone: Cartesian flight, its derivatives, sight, plasma, the bound.
 
-Nothing here is the package's but the rotation angle of Mars, the drawn entries and the constants.
+Nothing of the first is the package's but Mars's rotation angle, the drawn entries, the constants.
 """
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from compass.bodies import MARS_GM, MARS_ROTATION_RATE
+from compass.core.entry_geometry import cartesian_of
+from compass.entry.navigation import run_filter
+from compass.entry.state import state_from_cartesian
 from compass.frames import FIGURES, prime_meridian_angle
 from compass.orbits import from_elements
 from compass.sites import Mask
 from compass.study.judge import campaign_of, judge_entries
+from compass.study.judge_filter import entry_beacons
 
 GM, OMEGA = MARS_GM.value, np.array([0.0, 0.0, MARS_ROTATION_RATE.value])
 # designs/landing.toml
@@ -137,3 +143,40 @@ def test_an_entry_from_the_physics(short):
         assert miss < 0.1  # Runge-Kutta steps of two seconds
         # air, whose density goes with exp(-r/H), is then another by 0.1/H at most
         assert found.sigma[m, 0] == pytest.approx(sigma, rel=0.1 / H)
+
+
+def test_the_filter_ends_where_least_squares_do(short):
+    """All ranges of an entry at once, with the prior, by Gauss and Newton: the same estimate."""
+    scenario = short()
+    campaign, figure = campaign_of(scenario, 1, electrons=None), FIGURES["iau-sphere"]
+    found = judge_entries(
+        from_elements(*ORBITS.T), campaign, scenario, figure=figure, mask=Mask.constant(MASK)
+    )
+    beacons, seen = entry_beacons(found, 0), found.seen[0]
+    times, rng = beacons.times, np.random.default_rng(0)
+    flight = fly(campaign.paths[0, 0], times)
+    ranges = np.linalg.norm(flight[:, None, :3] - beacons.r, axis=2)
+    ranges += RANGE * rng.standard_normal(ranges.shape)
+    sigma = np.array([1000.0] * 3 + [0.5] * 3)
+    first = flight[0] + sigma * rng.standard_normal(6)
+    x = first
+    for _ in range(3):
+        phi = derivatives(x, times)[..., :6]
+        line = fly(x, times)[:, None, :3] - beacons.r
+        distance = np.linalg.norm(line, axis=2)
+        h = np.einsum("tni,tij->tnj", line / distance[..., None], phi[:, :3])[seen]
+        information = np.diag(sigma**-2.0) + h.T @ h / RANGE**2
+        gradient = (first - x) / sigma**2 + h.T @ (ranges - distance)[seen] / RANGE**2
+        x = x + np.linalg.solve(information, gradient)
+    spread = campaign.spreads[0, :6]
+    states, _ = run_filter(
+        scenario.model, state_from_cartesian(first[:3], first[3:]), beacons, seen,
+        scenario.measurements, replace(scenario.settings, covariance0=spread @ spread.T),
+        np.stack([ranges, 0 * ranges], axis=2),
+    )  # fmt: skip
+    error = cartesian_of(states[-1]) - fly(x, times)[-1]
+    covariance = phi[-1] @ np.linalg.inv(information) @ phi[-1].T
+    # one pass leaves out curvature: of a first error of sqrt(3) km its square over twice 1e4 km,
+    # 0.15 m, in every range alike
+    limit = seen.sum() * (0.15 / RANGE) ** 2
+    assert error @ np.linalg.solve(covariance, error) < limit
