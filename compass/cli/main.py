@@ -60,6 +60,12 @@ def main() -> None:
         # The reader of a pipe (head, say) has seen enough; silence the flush at exit too.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         status = DONE
+    except OSError as error:
+        if error.filename is None:
+            raise
+        # the system's word on a file that the user named, where no command has a better one
+        click.echo(f"{error.filename}: {error.strerror}; give another name", err=True)
+        status = BAD_INPUT
     except (KeyboardInterrupt, click.exceptions.Abort):
         click.echo("interrupted; nothing half-written was left behind", err=True)
         status = INTERRUPTED

@@ -1,7 +1,7 @@
 """``compass report``: one self-contained HTML page about a design or a study."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -25,12 +25,16 @@ if TYPE_CHECKING:
     type=click.Path(path_type=Path),
     help="Folder for the page and its pictures; by default reports/NAME-OF-THE-FILE.",
 )
-@click.option("--step-deg", default=1.0, show_default=True, help="Cell size, 0.05 to 90 degrees.")
+@click.option(
+    "--step-deg",
+    type=float,
+    help="Cell size of a design's maps, 0.05 to 90 degrees.  [default: 1.0]",
+)
 @click.option(
     "--epochs",
-    default=109,
-    show_default=True,
-    help="Epochs in the period, from 1; a prime number meets moments of symmetry least.",
+    type=int,
+    help="Epochs in the period of a design's maps, from 1; a prime number meets moments of "
+    "symmetry least.  [default: 109]",
 )
 @click.option(
     "--store",
@@ -41,8 +45,8 @@ if TYPE_CHECKING:
 def command(
     design: Path,
     output: Path | None,
-    step_deg: float,
-    epochs: int,
+    step_deg: float | None,
+    epochs: int | None,
     store: Path | None,
     as_json: bool,
 ) -> None:
@@ -59,6 +63,14 @@ def command(
     tables = _tables(read_text(design))
     folder = output or Path("reports") / design.stem
     check_page_folder(folder)
+    finer = {"step_deg": step_deg, "epochs": epochs}
+    options = {name: value for name, value in finer.items() if value is not None}
+    if options and tables & {"study", "vehicle"}:
+        option = "--" + next(iter(options)).replace("_", "-")
+        raise ArgumentError(
+            f"{option}: {design} is not a design, and says itself how finely it is looked at; "
+            "leave it out"
+        )
     if "study" in tables:
         _trade(design, folder, store or Path("trades") / design.stem, as_json)
         return
@@ -67,7 +79,7 @@ def command(
     if "vehicle" in tables:
         _scenario(design, folder, as_json)
     else:
-        _design(design, folder, step_deg, epochs, as_json)
+        _design(design, folder, options, as_json)
 
 
 def _tables(text: str) -> set[str]:
@@ -80,7 +92,7 @@ def _tables(text: str) -> set[str]:
         return set()
 
 
-def _design(path: Path, folder: Path, step_deg: float, epochs: int, as_json: bool) -> None:
+def _design(path: Path, folder: Path, given: dict[str, Any], as_json: bool) -> None:
     """Make the report of a design."""
     from tqdm import tqdm
 
@@ -95,7 +107,7 @@ def _design(path: Path, folder: Path, step_deg: float, epochs: int, as_json: boo
             bar.set_postfix_str(name)
             bar.update()
 
-        options = MapOptions(step_deg=step_deg, epochs=epochs)
+        options = MapOptions(**given)
         page, sections = design_report(chosen, command_line(), options, progress=step)
     _write(folder, page, sections, as_json)
 

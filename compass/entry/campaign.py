@@ -230,9 +230,7 @@ def check_sigmas(density_sigma: float, lift_sigma: float) -> None:
     """
     for name, sigma in (("density_sigma", density_sigma), ("lift_sigma", lift_sigma)):
         if not 0 <= sigma <= MOST_SIGMA:
-            raise ArgumentError(
-                f"{name} = {sigma:g}: must be 0 or more, and at most {MOST_SIGMA:g}"
-            )
+            raise ArgumentError(f"{name} = {sigma:g}: allowed 0 to {MOST_SIGMA:g}")
 
 
 def _polar(latitude: Array) -> NDArray[np.bool_]:

@@ -34,6 +34,17 @@ def test_help_lists_the_commands_and_imports_nothing_heavy():
     assert not HEAVY & set(eval(done.stderr))
 
 
+def test_a_name_that_no_file_can_have(run, seed, tmp_path):
+    name = tmp_path / ("x" * 300)
+    for arguments in (
+        ["export", seed, "--format", "toml"], ["export", seed, "--format", "oem"],
+        ["report", seed],
+    ):  # fmt: skip
+        code, out, err = run(*arguments, "-o", name)
+        assert (code, out) == (2, "")
+        assert err.startswith(f"{name}: File name too long; give another") and "\n" not in err[:-1]
+
+
 def test_show_json_has_the_agreed_keys(run, seed):
     code, out, _ = run("show", seed, "--json")
     assert code == 0

@@ -157,6 +157,14 @@ def test_a_design_has_no_store(run, designs):
     assert status == 2 and "is not a study" in err
 
 
+@pytest.mark.parametrize("option", ["--step-deg", "--epochs"])
+def test_only_a_design_s_maps_are_as_fine_as_an_option_says(study, run, designs, option):
+    for path in (study(), designs / "landing.toml"):
+        status, out, err = run("report", path, option, 3)
+        assert status == 2 and out == ""
+        assert f"{option}: {path} is not a design" in err and "leave it out" in err
+
+
 def test_a_damaged_store_is_said(study, run, tmp_path):
     path = study()
     assert run("trade", path, "--workers", 1)[0] == 0
