@@ -108,6 +108,7 @@ def command(
                 "computed": summary.computed,
                 "failed": summary.failed,
                 "unfinished": summary.unfinished,
+                "lethal": summary.lethal,
                 "seconds": summary.seconds,
                 "feasible": feasible,
                 "front": rows,
@@ -139,6 +140,10 @@ def command(
                 list(rows[0]),
             )
     if summary.unfinished:
-        say(f"{summary.unfinished} candidate(s) left out: their workers died; run again")
+        more = ["..."] if summary.unfinished > len(summary.lethal) else []
+        say(
+            f"{summary.unfinished} candidate(s) left out, whose workers died; the same command "
+            "tries them again:\n  " + "\n  ".join(summary.lethal + more)
+        )
     if not feasible or summary.unfinished:
         raise click.exceptions.Exit(CLAIM_FAILS)
