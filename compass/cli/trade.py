@@ -109,6 +109,7 @@ def command(
                 "computed": summary.computed,
                 "failed": summary.failed,
                 "unfinished": summary.unfinished,
+                "lethal": summary.lethal,
                 "seconds": summary.seconds,
                 "feasible": feasible,
                 "front": rows,
@@ -140,7 +141,11 @@ def command(
                 list(rows[0]),
             )
     if summary.unfinished:
-        say(f"{summary.unfinished} candidate(s) left out: their workers died; run again")
+        more = ["..."] if summary.unfinished > len(summary.lethal) else []
+        say(
+            f"{summary.unfinished} candidate(s) left out, whose workers died; the same command "
+            "tries them again:\n  " + "\n  ".join(summary.lethal + more)
+        )
     errors = [text for text in results.error.values if text]
     if errors:
         say(f"{len(errors)} candidate(s) raised an error and go no further; the first: {errors[0]}")

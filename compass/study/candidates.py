@@ -58,6 +58,15 @@ def make_constellation(row: np.void) -> Constellation:
     return make(t, p, f, inclination=inclination, radius=radius)
 
 
+def described(row: np.void) -> str:
+    """Say what a candidate is, on one line."""
+    return (
+        f"{PATTERNS[row['pattern']]} {row['satellites']}/{row['planes']}/{row['phasing']} at "
+        f"{row['inclination_deg']:g} deg, radius {row['radius_km']:.10g} km, "
+        f"mask {row['mask_deg']:g} deg"
+    )
+
+
 def pattern_columns(rows: NDArray) -> tuple[NDArray, ...]:
     """Candidates as kernels take patterns: star or not, t, p, f, inclination (rad), (n,) each."""
     counts = (rows[name].astype(np.int64) for name in ("satellites", "planes", "phasing"))

@@ -1,5 +1,7 @@
 """Pareto fronts: which candidates no other beats in every objective."""
 
+from bisect import bisect_left
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,7 +11,8 @@ def fronts(values: NDArray[np.float64]) -> NDArray[np.int64]:
 
     A point dominates another if it is nowhere larger and somewhere smaller. Sorted first, a
     point can be dominated only by those before it, and it belongs to the first front of which
-    no member dominates it (efficient non-dominated sort).
+    no member dominates it, found by bisection: a point that a front dominates, those before it
+    dominate too (efficient non-dominated sort).
 
     Parameters
     ----------
@@ -25,8 +28,7 @@ def fronts(values: NDArray[np.float64]) -> NDArray[np.int64]:
     members: list[NDArray[np.float64]] = []
     for k in np.lexsort(values.T[::-1]):
         point = values[k]
-        free = (f for f, others in enumerate(members) if not _dominated(point, others))
-        front = next(free, len(members))
+        front = bisect_left(members, True, key=lambda others: not _dominated(point, others))
         if front == len(members):
             members.append(np.empty((0, point.size)))
         members[front] = np.vstack([members[front], point])

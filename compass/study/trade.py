@@ -14,11 +14,14 @@ from numpy.typing import NDArray
 
 from compass.inputs.merit import MERITS, STAGES
 from compass.inputs.study import Study
-from compass.study.candidates import ROW, batches, candidates, identities
+from compass.study.candidates import ROW, batches, candidates, described, identities
 from compass.study.pareto import best
 from compass.study.stages import passing
 from compass.study.store import Store, figures_in, rows_of
 from compass.study.workers import Workers
+
+#: Candidates left out that are named.
+NAMED = 5
 
 #: Candidates a task: some 80 ms of work, to dwarf its handling, and little enough to lose.
 BATCH = {"screen": 500, "map": 128, "entry": 96}
@@ -52,6 +55,8 @@ class Summary:
         By stage: candidates that came to it; of these computed in this run; raised an error.
     unfinished
         Candidates left out because their workers died; the same command tries them again.
+    lethal
+        What the first few of these are.
     seconds
         Work of this run, by stage, summed over the workers.
     """
@@ -61,6 +66,7 @@ class Summary:
     computed: dict[str, int] = field(default_factory=dict)
     failed: dict[str, int] = field(default_factory=dict)
     unfinished: int = 0
+    lethal: list[str] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
 
 
@@ -118,6 +124,7 @@ def _stage(
         for batch, found in workers.run(stage, missing):
             if found is None:
                 summary.unfinished += batch.size
+                summary.lethal = [*summary.lethal, *map(described, batch)][:NAMED]
                 continue
             store.add(stage, batch, found)
             computed += batch.size

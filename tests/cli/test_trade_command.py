@@ -1,11 +1,13 @@
 """``compass trade`` and ``compass report STUDY`` as a user runs them."""
 
 import json
+import re
 
 import pytest
 
 from compass.report import trade_pictures
 from compass.study import stages
+from compass.study.workers import Here
 
 STUDY = """
 name = "Tiny <study>"
@@ -198,3 +200,22 @@ def test_a_lander_that_cannot_be_judged_is_refused_at_once(study, run, tmp_path,
     assert status == 2 and out == ""
     assert "lander.toml: measurements.in_turn = true" in err and "set it to false" in err
     assert not (tmp_path / "trades").exists()
+
+
+def test_candidates_whose_workers_died_are_named(study, run, monkeypatch):
+    honest = Here.run
+
+    def lose_the_first(self, stage, batches):
+        for k, (rows, found) in enumerate(honest(self, stage, batches)):
+            yield rows, None if stage == "map" and k == 0 else found
+
+    monkeypatch.setattr(Here, "run", lose_the_first)
+    status, out, err = run("trade", study(), "--workers", 1, "--json")
+    result = json.loads(out)
+    assert status == 1 and result["unfinished"] > len(result["lethal"]) == 5
+    assert f"{result['unfinished']} candidate(s) left out, whose workers died" in err
+    assert re.search(r"\n  walker-\w+ \d/\d/\d at \d+ deg, radius [\d.]+ km, mask 5 deg\n", err)
+    assert err.endswith("\n  ...\n")
+    monkeypatch.setattr(Here, "run", honest)
+    status, _, err = run("trade", study(), "--workers", 1)
+    assert status == 0 and "left out" not in err

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from compass.study import pareto
 from compass.study.pareto import best, crowding, fronts
 
 pointsets = st.integers(1, 3).flatmap(
@@ -35,6 +36,14 @@ def test_fronts_agree_with_pymoo():
     for k, members in enumerate(sorting.NonDominatedSorting().do(values)):
         theirs[members] = k
     assert np.array_equal(fronts(values), theirs)
+
+
+def test_fronts_of_a_long_chain_are_found_by_bisection(monkeypatch):
+    asked, honest = [], pareto._dominated
+    monkeypatch.setattr(pareto, "_dominated", lambda *a: asked.append(1) or honest(*a))
+    values = np.random.default_rng(3).permutation(512)[:, np.newaxis].astype(float)
+    assert np.array_equal(fronts(values), values[:, 0])
+    assert len(asked) <= 512 * 10
 
 
 def test_crowding():
