@@ -133,7 +133,9 @@ def fly(
     seconds = np.atleast_1d(np.asarray(times, dtype=float))
     given = np.asarray(state, dtype=float)
     x0 = given.copy() if given.size == STATES else model.full_state(given)
-    _check_start(model, x0, seconds)
+    if seconds.size < 1 or not np.isfinite(seconds).all() or np.any(np.diff(seconds) <= 0):
+        raise ArgumentError("times: must be finite numbers of seconds that increase strictly")
+    check_start(model, x0)
     switches = [t for t in model.vehicle.bank_times if seconds[0] < t < seconds[-1]]
     grid = np.union1d(seconds, switches)
     banks, p = model.vehicle.bank(grid), model.parameters()
@@ -180,9 +182,8 @@ def fly(
     return Trajectory(model, grid[:count][kept], states[:count][kept], tuple(happened), ending)
 
 
-def _check_start(model: EntryModel, x: NDArray[np.float64], times: NDArray[np.float64]) -> None:
-    if times.size < 1 or not np.isfinite(times).all() or np.any(np.diff(times) <= 0):
-        raise ArgumentError("times: must be finite numbers of seconds that increase strictly")
+def check_start(model: EntryModel, x: NDArray[np.float64]) -> None:
+    """Raise `ArgumentError` unless a flight can start from state `x`, as said of `fly`."""
     if not np.isfinite(x).all():
         raise ArgumentError("entry state: every component must be a finite number")
     if x[0] <= model.planet_radius:
