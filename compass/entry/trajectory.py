@@ -18,6 +18,7 @@ from compass.core.dop853 import (
 )
 from compass.core.entry_dynamics import STATES
 from compass.entry.model import EntryModel
+from compass.entry.state import longitude_degrees
 from compass.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -221,7 +222,7 @@ def _watch_list(
 
 
 def _ending(reason: str, time: float, state: NDArray[np.float64]) -> str:
-    lat, lon = np.degrees(state[2]), np.degrees(state[1])
+    lat, lon = np.degrees(state[2]), longitude_degrees(state[1])
     return (
         f"the flight {reason} at {time:.3f} s, latitude {lat:.4f} deg, longitude {lon:.4f} deg, "
         f"speed {state[3]:.1f} m/s"
