@@ -37,6 +37,11 @@ def azimuth_from_heading(heading: ArrayLike, heading_from: HeadingFrom) -> NDArr
 heading_from_azimuth = azimuth_from_heading
 
 
+def longitude_degrees(longitude: ArrayLike) -> NDArray[np.float64]:
+    """East longitude to show, degrees in [-180, 180), of one in radians that flights count on."""
+    return np.mod(np.degrees(longitude) + 180.0, 360.0) - 180.0
+
+
 def state_from_cartesian(r: ArrayLike, v: ArrayLike) -> NDArray[np.float64]:
     """State ``[r, lon, lat, V, gamma, psi]``, shape (6,), SI, psi clockwise from north.
 

@@ -18,6 +18,7 @@ from compass.core.dop853 import (
 )
 from compass.core.entry_dynamics import STATES
 from compass.entry.model import EntryModel
+from compass.entry.state import longitude_degrees
 from compass.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -133,7 +134,9 @@ def fly(
     seconds = np.atleast_1d(np.asarray(times, dtype=float))
     given = np.asarray(state, dtype=float)
     x0 = given.copy() if given.size == STATES else model.full_state(given)
-    _check_start(model, x0, seconds)
+    if seconds.size < 1 or not np.isfinite(seconds).all() or np.any(np.diff(seconds) <= 0):
+        raise ArgumentError("times: must be finite numbers of seconds that increase strictly")
+    check_start(model, x0)
     switches = [t for t in model.vehicle.bank_times if seconds[0] < t < seconds[-1]]
     grid = np.union1d(seconds, switches)
     banks, p = model.vehicle.bank(grid), model.parameters()
@@ -180,9 +183,8 @@ def fly(
     return Trajectory(model, grid[:count][kept], states[:count][kept], tuple(happened), ending)
 
 
-def _check_start(model: EntryModel, x: NDArray[np.float64], times: NDArray[np.float64]) -> None:
-    if times.size < 1 or not np.isfinite(times).all() or np.any(np.diff(times) <= 0):
-        raise ArgumentError("times: must be finite numbers of seconds that increase strictly")
+def check_start(model: EntryModel, x: NDArray[np.float64]) -> None:
+    """Raise `ArgumentError` unless a flight can start from state `x`, as said of `fly`."""
     if not np.isfinite(x).all():
         raise ArgumentError("entry state: every component must be a finite number")
     if x[0] <= model.planet_radius:
@@ -220,7 +222,7 @@ def _watch_list(
 
 
 def _ending(reason: str, time: float, state: NDArray[np.float64]) -> str:
-    lat, lon = np.degrees(state[2]), np.degrees(state[1])
+    lat, lon = np.degrees(state[2]), longitude_degrees(state[1])
     return (
         f"the flight {reason} at {time:.3f} s, latitude {lat:.4f} deg, longitude {lon:.4f} deg, "
         f"speed {state[3]:.1f} m/s"

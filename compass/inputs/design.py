@@ -273,6 +273,9 @@ def _pattern_faults(table: dict[str, Any]) -> list[str]:
         if isinstance(multiplier, bool) or not isinstance(multiplier, str | int | float):
             return []
         try:
+            # of an exponent, "1e999999999", Fraction would write out every digit
+            if isinstance(multiplier, str) and ("e" in multiplier.lower() or len(multiplier) > 40):
+                raise ValueError
             walker_phasing(satellites, planes, Fraction(multiplier))
         except ArgumentError as error:
             return [f"constellation.{error}"]

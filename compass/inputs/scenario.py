@@ -16,7 +16,7 @@ from compass.entry.fisher import initial_covariance
 from compass.entry.model import EntryModel
 from compass.entry.navigation import Filter
 from compass.entry.state import azimuth_from_heading, state_from_cartesian
-from compass.entry.trajectory import Trigger
+from compass.entry.trajectory import Trigger, check_start
 from compass.entry.vehicle import Vehicle
 from compass.errors import ArgumentError, CompassError, DesignError
 from compass.frames import prime_meridian_angle
@@ -175,6 +175,7 @@ def read_scenario_text(text: str, label: str = "scenario", folder: Path = Path()
 def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenario:
     model = _model(file, folder)
     state = _state(file.entry, model)
+    check_start(model, state)
     entry, seen = file.entry, file.measurements
     count = int(np.floor(entry.duration_s / entry.step_s + 1e-9))
     if not 1 <= count <= 100_000:

@@ -1,5 +1,6 @@
 """Faults between fields of a scenario, found on the raw tables, whatever is in them."""
 
+import math
 from itertools import pairwise
 from typing import Any
 
@@ -55,11 +56,7 @@ def scenario_faults(raw: dict[str, Any]) -> list[str]:
         keys = ("range_sigma_m", "range_rate_sigma_m_s")
         if not any(key in measured for key in keys):
             faults.append(f"measurements: needs {keys[0]}, {keys[1]} or both")
-        start, stop = measured.get("start_s", 0.0), measured.get("stop_s")
-        if isinstance(start, int | float) and isinstance(stop, int | float) and start > stop:
-            faults.append(
-                fault("measurements.start_s", start, f"is after stop_s = {stop}; exchange them")
-            )
+        faults += _schedule_faults(measured, entry)
     optimize = raw.get("optimize")
     if (
         isinstance(optimize, dict)
@@ -109,6 +106,36 @@ def _entry_faults(entry: dict[str, Any]) -> list[str]:
             if key in entry
         ]
     return faults
+
+
+def _schedule_faults(measured: dict[str, Any], entry: object) -> list[str]:
+    """Faults of a schedule in which no measurement has a place."""
+    times = measured.get("start_s", 0), measured.get("stop_s", math.inf)
+    duration = entry.get("duration_s", math.inf) if isinstance(entry, dict) else math.inf
+    if not all(isinstance(t, int | float) for t in (*times, duration)):
+        return []  # the model says what is wrong with them
+    start, stop = times
+    faults = []
+    if stop < start:
+        problem = f"is before start_s = {start}; nothing would be measured, put it after"
+        faults.append(fault("measurements.stop_s", stop, problem))
+    if start > duration:
+        problem = f"is after entry.duration_s = {duration}; nothing would be measured, begin sooner"
+        faults.append(fault("measurements.start_s", start, problem))
+    return faults + _interval_faults(measured, entry)
+
+
+def _interval_faults(measured: dict[str, Any], entry: object) -> list[str]:
+    """A given interval that is no whole number of the steps at which anything can be measured."""
+    step = entry.get("step_s", 1.0) if isinstance(entry, dict) else 1.0
+    interval = measured.get("interval_s", step)
+    if not all(isinstance(t, int | float) and 0 < t < math.inf for t in (step, interval)):
+        return []  # the model says what is wrong with them
+    steps = max(1, round(interval / step))
+    if abs(interval - steps * step) <= 1e-6:
+        return []
+    problem = f"must be a whole number of entry.step_s = {step:g}; the nearest is {steps * step:g}"
+    return [fault("measurements.interval_s", interval, problem)]
 
 
 def _bank_faults(bank: object) -> list[str]:

@@ -8,6 +8,8 @@ from compass.inputs.fusion_models import FusionTable
 from compass.inputs.models import Inclination, Kilometres, Pair, Table
 
 Positive = Annotated[float, Field(gt=0, le=1e15)]
+#: Past Mars's sphere of influence, and short of an entry's radius in metres.
+Distance = Annotated[float, Field(gt=0, le=1e6)]
 Triple = Annotated[list[float], Field(min_length=3, max_length=3)]
 Latitude = Annotated[float, Field(ge=-90, le=90)]
 Longitude = Annotated[float, Field(ge=-180, le=360)]
@@ -72,10 +74,8 @@ class TruthTable(Table):
 class EntryTable(Table):
     """The state at time 0 and how long to fly: spherical or Cartesian."""
 
-    altitude_km: Kilometres | None = Field(
-        None, description="altitude over the planet's sphere, km"
-    )
-    radius_km: Kilometres | None = Field(None, description="distance from Mars's centre, km")
+    altitude_km: Distance | None = Field(None, description="altitude over the planet's sphere, km")
+    radius_km: Distance | None = Field(None, description="distance from Mars's centre, km")
     longitude_deg: Longitude | None = Field(None, description="east longitude, degrees")
     latitude_deg: Latitude | None = Field(None, description="planetocentric latitude, degrees")
     speed_m_s: Positive | None = Field(None, description="speed relative to the planet, m/s")

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from compass.entry.assess import Assessment, assess
+from compass.entry.state import longitude_degrees
 from compass.entry.trajectory import Trajectory, fly, trajectory_dataset
 from compass.errors import ArgumentError
 from compass.inputs.scenario import Scenario
@@ -109,7 +110,7 @@ def event_table(flight: Trajectory) -> Table:
             (event.state[0] - flight.model.planet_radius) / KM,
             float(event.state[3]),
             float(np.degrees(event.state[2])),
-            float(np.degrees(event.state[1])),
+            float(longitude_degrees(event.state[1])),
         )
         for event in flight.events
     ]
@@ -198,7 +199,7 @@ def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
                 "altitude_km": (event.state[0] - flight.model.planet_radius) / KM,
                 "speed_m_s": event.state[3],
                 "latitude_deg": np.degrees(event.state[2]),
-                "longitude_deg": np.degrees(event.state[1]),
+                "longitude_deg": longitude_degrees(event.state[1]),
             }
             for event in flight.events
         ],
@@ -207,7 +208,7 @@ def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
             "altitude_km": flight.altitude[-1] / KM,
             "speed_m_s": flight.states[-1, 3],
             "latitude_deg": np.degrees(flight.states[-1, 2]),
-            "longitude_deg": np.degrees(flight.states[-1, 1]),
+            "longitude_deg": longitude_degrees(flight.states[-1, 1]),
             "flight_path_deg": np.degrees(flight.states[-1, 4]),
         },
         "beacons": list(found.beacons.names),

@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 from compass.core.entry_geometry import cartesian_of
 from compass.entry.model import EntryModel
-from compass.entry.state import azimuth_from_heading, state_from_cartesian
+from compass.entry.state import azimuth_from_heading, longitude_degrees, state_from_cartesian
 from compass.entry.trajectory import Trigger, fly, trajectory_dataset
 from compass.errors import ArgumentError
 
@@ -239,6 +239,11 @@ def test_impossible_starts_are_refused(world, table2, change, message):
 def test_times_must_increase(world, table2):
     with pytest.raises(ArgumentError, match="increase strictly"):
         fly(world(), table2, [0.0, 10.0, 10.0])
+
+
+def test_longitudes_are_shown_within_a_turn():
+    shown = longitude_degrees(np.radians([-180.0, 0.0, 179.0, 190.0, 359.0, 372.0, -190.0]))
+    np.testing.assert_allclose(shown, [-180, 0, 179, -170, -1, 12, 170], atol=1e-12)
 
 
 def test_headings_convert_both_ways():

@@ -209,6 +209,7 @@ def test_satellites_need_names_of_their_own():
         ('"1/2"', "allowed are whole multiples"),
         ('"one"', "must be a finite number or a fraction"),
         ('"1/0"', "must be a finite number or a fraction"),
+        ('"1e999999999"', "must be a finite number or a fraction"),
         ("nan", "finite"),
         ("[1]", "multiplier"),
         ("true", "multiplier"),

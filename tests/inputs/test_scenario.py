@@ -127,6 +127,19 @@ def test_triggers_of_every_kind():
             "radius_km = 3518.2\naltitude_km = 1",
             "radius_km; found altitude_km and",
         ),
+        ("radius_km = 3518.2", "radius_km = 121", "entry radius = 121 km: not above the ground"),
+        ("radius_km = 3518.2", "radius_km = 3518200", r"entry\.radius_km = 3518200: .* at most"),
+        ("latitude_deg = -28.02", "latitude_deg = 90", "latitude = 90 deg: at a pole"),
+        (
+            "range_sigma_m = 100",
+            "range_sigma_m = 100\nstart_s = 241",
+            r"measurements\.start_s = 241: is after entry\.duration_s = 240; nothing would",
+        ),
+        (
+            "range_sigma_m = 100",
+            "range_sigma_m = 100\nstart_s = 100\nstop_s = 99",
+            r"measurements\.stop_s = 99: is before start_s = 100; nothing would",
+        ),
         ("latitude_deg = -28.02\n", "", r"entry\.latitude_deg: missing; needed beside the others"),
         ("speed_m_s = 5515", "speed_m_s = 0", r"entry\.speed_m_s = 0.*must be above 0"),
         (
@@ -164,7 +177,18 @@ def test_triggers_of_every_kind():
         (
             "range_sigma_m = 100",
             "range_sigma_m = 100\nstart_s = 9\nstop_s = 5",
-            "measurements.start_s = 9: is after stop_s = 5; exchange them",
+            "measurements.stop_s = 5: is before start_s = 9; nothing would be measured, put it after",
+        ),
+        (
+            "interval_s = 1",
+            "interval_s = 1.5",
+            r"measurements\.interval_s = 1\.5: must be a whole number of entry\.step_s = 1; the "
+            "nearest is 2",
+        ),
+        (
+            "interval_s = 1",
+            "interval_s = 0.5",
+            r"measurements\.interval_s = 0\.5: .*the nearest is 1",
         ),
         ("radius_sigma_m = 1000", "", r"filter\.radius_sigma_m: missing"),
         (

@@ -45,6 +45,16 @@ def test_entry_section_and_facts(coarse):
     )
 
 
+def test_longitudes_stay_within_a_turn():
+    text = (DESIGNS / "entry-ground-beacons.toml").read_text().replace("step_s = 1", "step_s = 24")
+    east = read_scenario_text(text.replace("longitude_deg = -89.872", "longitude_deg = 359.9"))
+    found = assess_scenario(east, 2)
+    facts = entry_facts(east, found)
+    (event,) = facts["events"]  # some 10 degrees on, past 360
+    assert 0 < event["longitude_deg"] < facts["end"]["longitude_deg"] < 20
+    assert entry_section(east, found).tables[0].rows[0][-1] == event["longitude_deg"]
+
+
 def test_diverged_runs_are_mentioned(coarse):
     found = assess_scenario(coarse, 4)
     lost = replace(found.monte_carlo, diverged=np.array([True, False, False, False]))
