@@ -74,7 +74,12 @@ def test_trade_then_report(study, run, tmp_path, designs, coarse):
     folder = tmp_path / "reports/tiny"
     page = (folder / "index.html").read_text()
     assert "Tiny &lt;study&gt;" in page and "Recommendation" in page
-    for title in ("Pareto fronts", "The best by objective", "Sensitivity", "Against COMPASS"):
+    for title in (
+        "Pareto fronts",
+        "The best by objective",
+        "Sensitivity",
+        "the change from COMPASS",
+    ):
         assert title in page
     assert json.loads((folder / "summary.json").read_text()) | {"page": summary["page"]} == summary
     pictures = {p.stem for p in folder.glob("*.png")}
