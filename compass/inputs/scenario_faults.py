@@ -127,8 +127,8 @@ def _schedule_faults(measured: dict[str, Any], entry: object) -> list[str]:
 
 def _interval_faults(measured: dict[str, Any], entry: object) -> list[str]:
     """A given interval that is no whole number of the steps at which anything can be measured."""
-    step = entry.get("step_s", 1.0) if isinstance(entry, dict) else 1.0
-    interval = measured.get("interval_s", step)
+    step: Any = entry.get("step_s", 1.0) if isinstance(entry, dict) else 1.0
+    interval: Any = measured.get("interval_s", step)
     if not all(isinstance(t, int | float) and 0 < t < math.inf for t in (step, interval)):
         return []  # the model says what is wrong with them
     steps = max(1, round(interval / step))

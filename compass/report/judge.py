@@ -95,8 +95,7 @@ def judge_section(
     campaign = campaign_of(
         scenario, samples, seed, density_sigma=density_sigma, lift_sigma=lift_sigma
     )
-    by_file = {design.label: design for design in designs}
-    ranked = [by_file[row["file"]] for row in ranking["designs"]]
+    ranked = [designs[row["given"] - 1] for row in ranking["designs"]]
 
     def judged(design: Design, on: Campaign) -> Judgement:
         return judge_entries(

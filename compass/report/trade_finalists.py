@@ -83,13 +83,16 @@ def recommendation(
         Of `rank_finalists`, if there is one.
     """
     if not chosen:
-        return Section("Recommendation", ("No candidate meets every constraint; see below why.",))
+        text = (
+            "No candidate meets every constraint and has a value of every objective; see below why."
+        )
+        return Section("Recommendation", (text,))
     first = chosen[0].finalist
     of_each = "; ".join(
         f"{MERITS[o.figure].title}: {worth(o.figure, first.figures[o.figure])}"
         for o in study.objectives
     )
-    text = [
+    paragraphs = [
         f"Build {first.row['satellites']} satellites in {first.row['planes']} plane"
         f"{'s' if first.row['planes'] > 1 else ''}: {first.notation} ({chosen[0].design.label}).",
         f"By objective: {of_each}. It is the balanced choice of the Pareto front: the largest of "
@@ -99,15 +102,15 @@ def recommendation(
         "side (two-body motion).",
     ]
     if measure is not None:
-        text.append(f"Beside {measure.role} it is {against(study, first, measure)}.")
+        paragraphs.append(f"Beside {measure.role} it is {against(study, first, measure)}.")
     if ranking is not None:
-        row = next(row for row in ranking["designs"] if row["file"] == chosen[0].design.label)
-        text.append(
+        row = next(row for row in ranking["designs"] if row["given"] == 1)
+        paragraphs.append(
             f"Does a lander anywhere and at any time know its position to {ranking['goal_m']:g} m "
             f"at {ranking['deployment']}? {row['answer'][0].upper()}{row['answer'][1:]}."
         )
     tables = (_objective_table(study, chosen, measure), _figure_table(study, chosen, measure))
-    return Section("Recommendation", tuple(text), (), tables)
+    return Section("Recommendation", tuple(paragraphs), (), tables)
 
 
 def worth(name: str, value: float) -> str:

@@ -203,33 +203,45 @@ def pick(study: Study, choices: list[Block], share: NDArray[np.float64]) -> NDAr
     share
         In [0, 1): of kinds, sizes, planes, phasings, inclinations, radii and masks; shape (n, 7).
     """
-    tree: dict[int, dict[int, list[Block]]] = {}
-    for block in choices:
-        tree.setdefault(block.pattern, {}).setdefault(block.satellites, []).append(block)
+    pattern = np.array([b.pattern for b in choices])
+    satellites = np.array([b.satellites for b in choices])
+    # blocks come kind by kind, and in each size by size: runs of equal neighbours
+    size_starts = _run_starts(pattern, satellites)
+    kind_starts = _run_starts(pattern[size_starts])
+    kind = _choose(np.array([kind_starts.size]), share[:, 0])
+    size = kind_starts[kind] + _choose(_lengths(kind_starts, size_starts.size)[kind], share[:, 1])
+    block = size_starts[size] + _choose(_lengths(size_starts, pattern.size)[size], share[:, 2])
+    counts = np.array([len(b.phasings) for b in choices])
+    phasing = (np.cumsum(counts) - counts)[block] + _choose(counts[block], share[:, 3])
     found = np.empty(len(share), ROW)
-    for k, u in enumerate(share):
-        sizes = _choose(list(tree.values()), u[0])
-        block = _choose(_choose(list(sizes.values()), u[1]), u[2])
-        found[k] = (
-            block.pattern,
-            block.satellites,
-            block.planes,
-            _choose(block.phasings, u[3]),
-            _draw(study.space.inclination_deg, u[4]),
-            _draw(study.space.radius_km, u[5]),
-            _draw(study.space.mask_deg, u[6]),
-        )
+    found["pattern"], found["satellites"] = pattern[block], satellites[block]
+    found["planes"] = np.array([b.planes for b in choices])[block]
+    found["phasing"] = np.concatenate([np.array(b.phasings) for b in choices])[phasing]
+    found["inclination_deg"] = _draw(study.space.inclination_deg, share[:, 4])
+    found["radius_km"] = _draw(study.space.radius_km, share[:, 5])
+    found["mask_deg"] = _draw(study.space.mask_deg, share[:, 6])
     return found
 
 
-def _choose(values, share: float):  # type: ignore[no-untyped-def]
-    return values[min(int(share * len(values)), len(values) - 1)]
+def _run_starts(*columns: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Where runs of equal neighbours begin."""
+    new = np.any([column[1:] != column[:-1] for column in columns], axis=0)
+    return np.concatenate([[0], np.flatnonzero(new) + 1])
 
 
-def _draw(values: tuple[float, ...] | Free, share: float) -> float:
+def _lengths(starts: NDArray[np.int64], total: int) -> NDArray[np.int64]:
+    return np.diff(starts, append=total)
+
+
+def _choose(counts: NDArray[np.int64], share: NDArray[np.float64]) -> NDArray[np.int64]:
+    """One of so many, each as likely."""
+    return np.minimum((share * counts).astype(np.int64), counts - 1)
+
+
+def _draw(values: tuple[float, ...] | Free, share: NDArray[np.float64]) -> NDArray[np.float64]:
     if isinstance(values, Free):
-        return round(values.least + float(share) * (values.most - values.least), 6)
-    return float(_choose(values, share))
+        return np.round(values.least + share * (values.most - values.least), 6)
+    return np.array(values)[_choose(np.array([len(values)]), share)]
 
 
 def candidates(study: Study) -> Grid | Listed:

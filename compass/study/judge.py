@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.core.entry_geometry import cartesian_of
 from compass.core.judging import bounds, count_in_view, information
 from compass.entry.arrivals import draw_arrivals
 from compass.entry.campaign import Campaign, check_sigmas, fly_campaign
 from compass.entry.fisher import noise_variances
 from compass.entry.model import EntryModel
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
-from compass.entry.trajectory import Trigger
+from compass.entry.trajectory import Trigger, fly
 from compass.errors import ArgumentError
 from compass.frames import Figure, prime_meridian_angle
 from compass.inputs.scenario import Scenario
@@ -31,6 +32,10 @@ NODE_STEP = 30.0
 #: Entries handed to a thread at once.
 BLOCK = 64
 
+#: Metres by which a flight in the scenario's steps may be off at its end: a tenth of what landers
+#: commonly know on arrival.
+STEP_ERROR = 100.0
+
 
 @dataclass(frozen=True)
 class _Request:
@@ -38,6 +43,7 @@ class _Request:
 
     scenario: Scenario = field(compare=False)
     digest: str
+    numbers: bytes  # which may have been replaced since the text was read
     model: EntryModel
     electrons: ElectronModel | ElectronTable | None
     samples: int
@@ -93,6 +99,10 @@ def campaign_of(
         _Request(
             scenario,
             scenario.digest,
+            b"".join(
+                np.asarray(part, dtype=float).tobytes()
+                for part in (scenario.state, scenario.settings.covariance0, scenario.times)
+            ),
             scenario.model,
             electrons,
             samples,
@@ -228,15 +238,27 @@ def due(scenario: Scenario, times: Array) -> NDArray[np.bool_]:
 def check_lander(scenario: Scenario, samples: int, seed: int = 0) -> None:
     """Refuse a lander that cannot be judged, before work is spent on constellations for it.
 
-    The first of its entries are flown: one that never deploys does so nowhere.
+    The first of its entries are flown: one that never deploys does so nowhere. One is flown by
+    an integrator with error control as well: it shows what the scenario's steps are worth.
 
     Raises
     ------
     ArgumentError
-        As `check_measurements` and `compass.entry.campaign.fly_campaign`.
+        As `check_measurements` and `compass.entry.campaign.fly_campaign`; or steps that are off
+        by more than `STEP_ERROR` at deployment.
     """
     check_measurements(scenario)
-    campaign_of(scenario, min(samples, BLOCK), seed)
+    campaign = campaign_of(scenario, min(samples, BLOCK), seed)
+    own = campaign.states[0, : campaign.stops[0] + 1]
+    exact = fly(campaign.model, own[0], campaign.times[: len(own)])
+    off = np.inf
+    if exact.times.size == len(own):
+        off = float(np.linalg.norm((cartesian_of(own[-1]) - cartesian_of(exact.states[-1]))[:3]))
+    if off > STEP_ERROR:
+        raise ArgumentError(
+            f"{scenario.label}: entry.step_s = {campaign.times[1]:g}: steps of the filter are off "
+            f"by {off:.3g} m at the end of an entry, allowed {STEP_ERROR:g} m; take a smaller step"
+        )
 
 
 def check_measurements(scenario: Scenario) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 from compass.errors import ArgumentError
 from compass.inputs import Design
 from compass.inputs.scenario import Scenario
-from compass.study.judge import campaign_of, judge_entries
+from compass.study.judge import campaign_of, check_lander, judge_entries
 from compass.study.judge_filter import NOT_RUN, judge_filter
 from compass.study.judge_surface import judge_surface
 from compass.study.judge_worst import worst_entry
@@ -61,10 +61,11 @@ def rank_designs(
     if not designs:
         raise ArgumentError("designs: none given; name at least one design file")
     check_ranking(goal, finalists, runs)
+    check_lander(scenario, samples, seed)
     campaign = campaign_of(
         scenario, samples, seed, density_sigma=density_sigma, lift_sigma=lift_sigma
     )
-    rows = []
+    rows: list[dict[str, Any]] = []
     for design in progress(designs, total=len(designs), desc="designs"):
         place: dict[str, Any] = {"figure": design.figure, "mask": design.mask}
         c = design.constellation
@@ -80,6 +81,7 @@ def rank_designs(
             {
                 "design": design.name,
                 "file": design.label,
+                "given": len(rows) + 1,
                 "satellites": design.constellation.size,
                 **judged,
                 "answer": answer(judged, goal),

@@ -122,7 +122,7 @@ def check_header(found: dict[str, Any] | None, study: Study, path: Path) -> None
     ArgumentError
         It is; or the file is no store at all.
     """
-    remedy = "give another folder with -o, or move this one away"
+    remedy = "give another folder (trade -o, report --store), or move this one away"
     if found is None or "format" not in found:
         raise ArgumentError(
             f"{path}: not a store of candidates, or its first line is damaged; {remedy}"
@@ -167,7 +167,9 @@ class Store:
             # appending: whatever is there, nothing of it is overwritten
             self._file = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
         except OSError as error:
-            raise OutputError(f"{self.path}: cannot be used: {error.strerror}") from error
+            raise OutputError(
+                f"{self.path}: cannot be used: {error.strerror}; give another folder with -o"
+            ) from error
         try:
             self._claim()
             self._open(study)

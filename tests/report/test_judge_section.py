@@ -51,7 +51,7 @@ def ranking_of(designs, scenario, samples):
         }  # fmt: skip
         rows.append(
             {
-                "rank": rank + 1, "design": design.name, "file": design.label,
+                "rank": rank + 1, "design": design.name, "file": design.label, "given": designs.index(design) + 1,
                 "satellites": design.constellation.size, **found.figures(),
                 "worst_found": {"value": found.position_sigma.max()}, "answer": "no",
                 **(NOT_RUN if rank else filtered),

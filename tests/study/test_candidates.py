@@ -18,10 +18,12 @@ from compass.study.candidates import (
     Grid,
     Listed,
     batches,
+    blocks,
     candidates,
     check_space,
     identities,
     make_constellation,
+    pick,
 )
 
 TEXT = """
@@ -138,3 +140,25 @@ def test_identities_are_of_the_candidate_alone():
     assert len(set(keys)) == len(keys)
     assert identities(rows[::-1].copy()) == keys[::-1]
     assert identities(rows[::2]) == keys[::2]
+
+
+def test_points_of_the_cube_one_by_one(tiny):
+    """Against choosing kind, size, planes and phasing in turn, from lists."""
+    study = tiny()
+    space = replace(study.space, patterns=("walker-delta", "rosette"), satellites=(4, 6, 9))
+    study = replace(study, space=space)
+    choices = blocks(study)
+    share = np.random.default_rng(3).random((200, 7))
+    share[0], share[1] = 0.0, 1 - 1e-16
+
+    def one(values, u):
+        return values[min(int(u * len(values)), len(values) - 1)]
+
+    for row, u in zip(pick(study, choices, share), share, strict=True):
+        kind = one([0, 2], u[0])
+        size = one([4, 6, 9], u[1])
+        block = one([b for b in choices if (b.pattern, b.satellites) == (kind, size)], u[2])
+        assert tuple(row) == (
+            kind, size, block.planes, one(block.phasings, u[3]),
+            one(space.inclination_deg, u[4]), one(space.radius_km, u[5]), one(space.mask_deg, u[6]),
+        )  # fmt: skip

@@ -300,3 +300,22 @@ def test_deployment_is_the_trigger_named_so(short, designs):
     assert (trigger.quantity, trigger.level) == ("mach", 2.0)
     other = short(("[measurements]", '[[trigger]]\nname = "slow"\nmach = 3\n\n[measurements]'))
     assert deployment_trigger(other) is None
+
+
+def test_steps_that_are_too_long_are_refused(designs):
+    from compass.inputs.scenario import read_scenario_text
+    from compass.study.judge import check_lander
+
+    text = (designs / "landing.toml").read_text()
+    text = text.replace('[beacons]\ndesign = "compass-15-5-1.toml"\n', "")
+    text = text.replace("duration_s = 320", "duration_s = 330\nstep_s = 30")
+    with pytest.raises(ArgumentError, match=r"step_s = 30: steps of the filter are off by .* m at"):
+        check_lander(read_scenario_text(text), 4)
+    check_lander(read_scenario_text(text.replace("step_s = 30", "step_s = 5")), 4)
+
+
+def test_a_lander_that_was_changed_is_flown_anew(short):
+    scenario = short()
+    faster = replace(scenario, state=scenario.state * [1, 1, 1, 1.1, 1, 1])
+    first, second = (campaign_of(s, 2).states[0, 0, 3] for s in (scenario, faster))
+    assert second == pytest.approx(1.1 * first, rel=1e-12)
