@@ -172,6 +172,8 @@ def _write_report(
 
 def _print(r: dict[str, Any]) -> None:
     """Print the tables and one sentence a design."""
+    from compass.report.judge import estimate
+
     rows = r["designs"]
     unknown = [
         f"{name} unknown by {100 * sigma:g} %"
@@ -187,10 +189,11 @@ def _print(r: dict[str, Any]) -> None:
                 d["design"],
                 d["satellites"],
                 f"{d['in_view']['min']} / {d['in_view']['median']:g}",
-                *(f"{d['crlb_position_m'][key]:.2f}" for key in ("p50", "p95", "worst")),
+                *(f"{d['crlb_position_m'][key]:.2f}" for key in ("p50", "p95")),
+                f"{d['worst_found']['value']:.2f}",
                 f"{d['crlb_velocity_m_s']['p95']:.4f}",
                 f"{d['after_loss']['crlb_position_m']['p95']:.2f}" if "after_loss" in d else "",
-                f"{d['after_loss']['crlb_position_m']['worst']:.2f}" if "after_loss" in d else "",
+                f"{d['after_loss']['worst_found']['value']:.2f}" if "after_loss" in d else "",
                 f"{100 * d['unobservable_share']:.3g}",
                 "" if d["nees"] is None else f"{d['ekf_position_m']['p95']:.2f}",
                 "" if d["nees"] is None else f"{d['rms_over_bound']:.3f}",
@@ -206,8 +209,8 @@ def _print(r: dict[str, Any]) -> None:
         ],
     )  # fmt: skip
     click.echo(
-        "\np50, p95 and worst: Cramer-Rao sigma of the position in space over the entries. in "
-        "view:\nfewest and median. lost: after the loss of the one satellite that matters most. "
+        "\np50, p95: Cramer-Rao sigma of the position in space over the entries; worst: that a "
+        "search\nfinds. in view: fewest and median. lost: after the loss of the one satellite that matters most. "
         "blind: entries\nwhose measurements alone do not determine the state. EKF p95: of the "
         "filter's errors, which\nscatter about their sigma; rms/bound: their root mean square over "
         "that of the bound. NEES: 6 if\nthe filter is consistent (which in 95 of 100 cases puts it "
@@ -222,8 +225,13 @@ def _print(r: dict[str, Any]) -> None:
                 "none"
                 if d["surface"]["mask_margin_deg"] is None
                 else f"{d['surface']['mask_margin_deg']:.3f}",
-                *(f"{d['surface']['gdop'][key]:.3f}" for key in ("p50", "p95")),
-                f"{100 * d['surface']['availability']:.2f}",
+                *(
+                    estimate(d["surface"]["gdop"][key], d["surface"]["gdop_error"][key])
+                    for key in ("p50", "p95")
+                ),
+                estimate(
+                    100 * d["surface"]["availability"], 100 * d["surface"]["availability_error"]
+                ),
             ]
             for d in rows
         ],

@@ -122,9 +122,9 @@ def judge_section(
     paragraphs = (
         f'{campaign.size} entries of the lander of "{scenario.name}" to {campaign.deployment}, '
         "spread evenly over the globe, all azimuths and the repeat period. For each, the "
-        "posterior Cramer-Rao bound of position and velocity there from ranges of one sigma "
-        f"{scenario.measurements.range_sigma} m to every satellite in view, each weighted with the "
-        f"probability that it gets through the plasma{'; ' + unknown if unknown else ''}.",
+        f"posterior Cramer-Rao bound of position and velocity there from {_measured(scenario)} to "
+        "every satellite in view, each weighted with the probability that it gets through the "
+        f"plasma{'; ' + unknown if unknown else ''}.",
         *(f"{row['design']}: within {goal:g} m? {row['answer']}." for row in ranking["designs"]),
     )
     names = [design.name for design in ranked]
@@ -139,6 +139,15 @@ def judge_section(
     return Section("Landing navigation", paragraphs, pictures, tuple(tables))
 
 
+def _measured(scenario: Scenario) -> str:
+    """Say what is measured, and how well."""
+    m = scenario.measurements
+    kinds = (("ranges", m.range_sigma, "m"), ("range rates", m.rate_sigma, "m/s"))
+    return " and ".join(
+        f"{name} of one sigma {sigma:g} {unit}" for name, sigma, unit in kinds if sigma is not None
+    )
+
+
 def surface_section(ranking: dict[str, Any]) -> Section:
     """Show what the ranked designs are worth to users on the surface."""
     rows = tuple(
@@ -148,8 +157,13 @@ def surface_section(ranking: dict[str, Any]) -> Section:
             "no mask has it"
             if row["surface"]["mask_margin_deg"] is None
             else row["surface"]["mask_margin_deg"],
-            *(_digits(row["surface"]["gdop"][key]) for key in ("p50", "p95")),
-            _digits(100 * row["surface"]["availability"]),
+            *(
+                estimate(row["surface"]["gdop"][key], row["surface"]["gdop_error"][key])
+                for key in ("p50", "p95")
+            ),
+            estimate(
+                100 * row["surface"]["availability"], 100 * row["surface"]["availability_error"]
+            ),
         )
         for row in ranking["designs"]
     )
@@ -158,7 +172,8 @@ def surface_section(ranking: dict[str, Any]) -> Section:
     )  # fmt: skip
     text = (
         "Coverage at the design's mask is proven or refuted for all time; the highest mask is the "
-        "one up to which that fold holds. GDOP is sampled over area and time."
+        "one up to which that fold holds. GDOP is sampled over area and time, and given with its "
+        "standard error."
     )
     return Section("Users on the surface", (text,), (), (Table("Side by side", header, rows),))
 
@@ -168,7 +183,8 @@ def _table(rows: Sequence[dict[str, Any]]) -> Table:
         "Designs ranked by the 95th percentile of the position bound",
         (
             "rank", "design", "satellites", "in view, fewest", "position p50, m", "p95, m",
-            "worst found, m", "velocity p95, m/s", "p95 after worst loss, m", "blind, %",
+            "worst found, m", "velocity p95, m/s", "p95 after worst loss, m", "worst found, m",
+            "blind, %",
         ),
         tuple(
             (
@@ -180,7 +196,15 @@ def _table(rows: Sequence[dict[str, Any]]) -> Table:
                 _digits(row["crlb_position_m"]["p95"]),
                 _digits(row["worst_found"]["value"]),
                 _digits(row["crlb_velocity_m_s"]["p95"]),
-                _digits(row["after_loss"]["crlb_position_m"]["p95"]) if "after_loss" in row else "",
+                *(
+                    _digits(value)
+                    for value in (
+                        row["after_loss"]["crlb_position_m"]["p95"],
+                        row["after_loss"]["worst_found"]["value"],
+                    )
+                )
+                if "after_loss" in row
+                else ("", ""),
                 _digits(100 * row["unobservable_share"]),
             )
             for row in rows
@@ -210,6 +234,14 @@ def _filter_table(rows: Sequence[dict[str, Any]]) -> Table:
             for row in rows
         ),
     )  # fmt: skip
+
+
+def estimate(value: float, error: float) -> str:
+    """A sampled value and its standard error, to two digits of the error."""
+    if not (np.isfinite(value) and 0 < error < np.inf):
+        return f"{value:.4g}"
+    digits = max(0, 1 - int(np.floor(np.log10(error))))
+    return f"{value:.{digits}f} ± {error:.{digits}f}"
 
 
 def _digits(value: float) -> float:
