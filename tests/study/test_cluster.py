@@ -49,7 +49,7 @@ def local():
                     processes=False,
                     protocol="tcp",
                     host="127.0.0.1",
-                    dashboard_address=None,
+                    dashboard_address="127.0.0.1:0",  # or two tests at once collide
                 )
             )
 
