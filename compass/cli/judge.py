@@ -210,11 +210,12 @@ def _print(r: dict[str, Any]) -> None:
     )  # fmt: skip
     click.echo(
         "\np50, p95: Cramer-Rao sigma of the position in space over the entries; worst: that a "
-        "search\nfinds. in view: fewest and median. lost: after the loss of the one satellite that matters most. "
-        "blind: entries\nwhose measurements alone do not determine the state. EKF p95: of the "
-        "filter's errors, which\nscatter about their sigma; rms/bound: their root mean square over "
-        "that of the bound. NEES: 6 if\nthe filter is consistent (which in 95 of 100 cases puts it "
-        "in the interval)." + (" The filter takes density and L/D as known." if unknown else "")
+        "search\nfinds. in view: fewest and median. lost: after the loss of the one satellite that "
+        "matters most.\nblind: entries whose measurements alone do not determine the state. EKF "
+        "p95: of the filter's\nerrors, which scatter about their sigma; rms/bound: their root mean "
+        "square over that of the bound.\nNEES: 6 if the filter is consistent (which in 95 of 100 "
+        "cases puts it in the interval)."
+        + (" The filter takes density and L/D as known." if unknown else "")
     )
     print_table(
         "Users on the surface",

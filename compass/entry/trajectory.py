@@ -189,19 +189,20 @@ def check_start(model: EntryModel, x: NDArray[np.float64]) -> None:
         raise ArgumentError("entry state: every component must be a finite number")
     if x[0] <= model.planet_radius:
         raise ArgumentError(
-            f"entry radius = {x[0] / 1e3:g} km: not above the ground; must be more than "
+            f"entry.radius_km = {x[0] / 1e3:g}: not above the ground; must be more than "
             f"{model.planet_radius / 1e3:g} km"
         )
     if x[3] <= 0:
-        raise ArgumentError(f"entry speed = {x[3]:g} m/s: must be above 0")
+        raise ArgumentError(f"entry.speed_m_s = {x[3]:g}: must be above 0")
     if abs(np.cos(x[4])) < 1e-6:
         raise ArgumentError(
-            f"flight-path angle = {np.degrees(x[4]):g} deg: vertical, the heading is undefined; "
+            f"entry.flight_path_deg = {np.degrees(x[4]):g}: vertical, the heading is undefined; "
             "must be strictly between -90 and 90"
         )
     if abs(np.cos(x[2])) < 1e-9:
         raise ArgumentError(
-            f"latitude = {np.degrees(x[2]):g} deg: at a pole the longitude is undefined; move away"
+            f"entry.latitude_deg = {np.degrees(x[2]):g}: at a pole the longitude is undefined; "
+            "move away"
         )
 
 

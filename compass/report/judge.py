@@ -196,20 +196,20 @@ def _table(rows: Sequence[dict[str, Any]]) -> Table:
                 _digits(row["crlb_position_m"]["p95"]),
                 _digits(row["worst_found"]["value"]),
                 _digits(row["crlb_velocity_m_s"]["p95"]),
-                *(
-                    _digits(value)
-                    for value in (
-                        row["after_loss"]["crlb_position_m"]["p95"],
-                        row["after_loss"]["worst_found"]["value"],
-                    )
-                )
-                if "after_loss" in row
-                else ("", ""),
+                *_loss_columns(row),
                 _digits(100 * row["unobservable_share"]),
             )
             for row in rows
         ),
     )  # fmt: skip
+
+
+def _loss_columns(row: dict[str, Any]) -> tuple[object, object]:
+    """95th percentile and worst found after the worst loss; nothing where there is nobody."""
+    if "after_loss" not in row:
+        return "", ""
+    lost = row["after_loss"]
+    return _digits(lost["crlb_position_m"]["p95"]), _digits(lost["worst_found"]["value"])
 
 
 def _filter_table(rows: Sequence[dict[str, Any]]) -> Table:

@@ -95,11 +95,17 @@ class _Process:
 
     def __init__(self, study: Study) -> None:
         context = get_context("spawn")
-        self.end, its = context.Pipe()
         self.held: deque[tuple[NDArray, int]] = deque()
-        self._process = context.Process(target=_serve, args=(its, study), daemon=True)
-        with _interrupts_held_back():
-            self._process.start()
+        try:
+            self.end, its = context.Pipe()
+            self._process = context.Process(target=_serve, args=(its, study), daemon=True)
+            with _interrupts_held_back():
+                self._process.start()
+        except OSError as error:  # too many open files or processes
+            raise CompassError(
+                f"a worker process cannot be started: {error.strerror}; give fewer with --workers; "
+                "every finished candidate is stored"
+            ) from error
         its.close()  # so that its death is the end of the connection
 
     def give(self, stage: str, rows: NDArray, deaths: int) -> None:

@@ -223,7 +223,7 @@ def test_dataset_has_units_loads_and_heating(world, table2):
     ("change", "message"),
     [
         ((0, 3397.2e3), "not above the ground"),
-        ((3, 0.0), "entry speed = 0 m/s: must be above 0"),
+        ((3, 0.0), "entry.speed_m_s = 0: must be above 0"),
         ((4, -np.pi / 2), "vertical, the heading is undefined"),
         ((2, np.pi / 2), "at a pole the longitude is undefined"),
         ((1, np.nan), "every component must be a finite number"),

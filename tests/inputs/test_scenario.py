@@ -127,9 +127,9 @@ def test_triggers_of_every_kind():
             "radius_km = 3518.2\naltitude_km = 1",
             "radius_km; found altitude_km and",
         ),
-        ("radius_km = 3518.2", "radius_km = 121", "entry radius = 121 km: not above the ground"),
+        ("radius_km = 3518.2", "radius_km = 121", "entry.radius_km = 121: not above the ground"),
         ("radius_km = 3518.2", "radius_km = 3518200", r"entry\.radius_km = 3518200: .* at most"),
-        ("latitude_deg = -28.02", "latitude_deg = 90", "latitude = 90 deg: at a pole"),
+        ("latitude_deg = -28.02", "latitude_deg = 90", "latitude_deg = 90: at a pole"),
         (
             "range_sigma_m = 100",
             "range_sigma_m = 100\nstart_s = 241",

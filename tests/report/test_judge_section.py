@@ -38,6 +38,14 @@ def designs_of(*sizes):
     ]
 
 
+def with_worst(found):
+    """Give figures with the worst of the entries in place of the worst that a search finds."""
+    figures = found.figures()
+    for part in (figures, *([figures["after_loss"]] if "after_loss" in figures else [])):
+        part["worst_found"] = {"value": part["crlb_position_m"]["worst"]}
+    return figures
+
+
 def ranking_of(designs, scenario, samples):
     """Give a ranking without the search for the worst, the surface and the filter's runs."""
     rows = []
@@ -53,8 +61,8 @@ def ranking_of(designs, scenario, samples):
         rows.append(
             {
                 "rank": rank + 1, "design": design.name, "file": design.label, "given": designs.index(design) + 1,
-                "satellites": design.constellation.size, **found.figures(),
-                "worst_found": {"value": found.position_sigma.max()}, "answer": "no",
+                "satellites": design.constellation.size, **with_worst(found),
+                "answer": "no",
                 **(NOT_RUN if rank else filtered),
             }
         )  # fmt: skip

@@ -175,7 +175,7 @@ def landing(tmp_path, designs, monkeypatch):
         "value": 9.0, "latitude_deg": 0.0, "longitude_deg": 0.0, "azimuth_deg": 0.0,
         "epoch_s": 0.0, "in_view": 1,
     }  # fmt: skip
-    monkeypatch.setattr(ranking, "worst_entry", lambda *_, **__: worst)
+    monkeypatch.setattr(ranking, "worst_entry", lambda *_, **__: worst | {"after_loss": worst})
     study = TEXT.replace("samples = 60", "samples = 8").replace(
         "fold = 1", "fold = 1\nmask_deg = [0, 5]"
     )

@@ -73,6 +73,7 @@ def test_a_cluster_finds_the_same(tiny, tmp_path, monkeypatch, local):
 @pytest.mark.slow
 def test_only_the_candidate_that_kills_its_workers_is_left_out(tiny, tmp_path, monkeypatch):
     monkeypatch.setitem(trade.BATCH, "screen", 26)
+    monkeypatch.setattr(cluster, "PATIENCE", 60.0)  # a nanny and its worker begin one by one
     rows = candidates(tiny()).rows(0, 52)
     (key,) = identities(rows[5:6])
     environment = Trade(None, tmp_path / "store").environment | {

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import resource
 from dataclasses import replace
 
 import numpy as np
@@ -168,6 +169,22 @@ def test_workers_that_only_die_end_the_run(tiny, lethal):
         with pytest.raises(CompassError, match=r"die before they find anything \(exit status 9\)"):
             list(team.run("screen", [bad, bad]))
     finally:
+        team.close()
+
+
+def test_too_many_processes_are_refused(tiny):
+    study = tiny()
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    team = Processes(study, 500)
+    rows = candidates(study).rows(0, 52)
+    try:
+        resource.setrlimit(
+            resource.RLIMIT_NOFILE, (len(os.listdir("/proc/self/fd")) + 4, before[1])
+        )
+        with pytest.raises(CompassError, match="cannot be started: Too many open files; give few"):
+            list(team.run("screen", [rows[k : k + 1] for k in range(52)]))
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, before)
         team.close()
 
 
