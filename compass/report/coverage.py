@@ -204,7 +204,10 @@ def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
             title="Satellites in view by latitude",
         )
         axes.grid(True)
-        axes.legend(title="in view", loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+        if drawn:  # none if no cell of the map ever sees a satellite
+            axes.legend(
+                title="in view", loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False
+            )
         by_latitude = picture(
             figure,
             "fold-latitude",
