@@ -1,17 +1,18 @@
 """Writing results so that a killed run leaves the old file or the new one, never half of one."""
 
+import io
 import os
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from compass.errors import OutputError
 
 if TYPE_CHECKING:
+    import h5netcdf
     import xarray as xr
 
 
@@ -88,22 +89,86 @@ def write_files(folder: Path, files: Mapping[str, str]) -> None:
                 old.unlink()
 
 
+class _Patient(io.RawIOBase):
+    """A file that HDF5 never finds full: what has no place is dropped, and the error kept.
+
+    HDF5 itself crashes the program on a disk that is full.
+    """
+
+    def __init__(self, file: io.FileIO) -> None:
+        self._file = file
+        self.error: OSError | None = None
+
+    def write(self, data: Any) -> int:
+        """Write all of it, unless something was dropped before."""
+        written = 0
+        try:
+            while self.error is None and written < len(data):
+                written += self._file.write(data[written:])
+        except OSError as error:
+            self.error = error
+        return len(data)
+
+    def readinto(self, data: Any) -> int:
+        """Read, and zeros where the file has ended."""
+        count = self._file.readinto(data) or 0
+        data[count:] = bytes(len(data) - count)
+        return len(data)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Cut or extend."""
+        try:
+            return self._file.truncate(size)
+        except OSError as error:
+            self.error = self.error or error
+            return size or 0
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        """Go there."""
+        return self._file.seek(offset, whence)
+
+    def tell(self) -> int:
+        """Where it is."""
+        return self._file.tell()
+
+
+@contextmanager
+def netcdf_file(path: Path) -> Iterator["h5netcdf.File"]:
+    """Yield an empty netCDF-4 file that comes to `path` once it is whole.
+
+    Raises
+    ------
+    OutputError
+        It cannot be written: no room, no permission.
+    """
+    import h5netcdf
+
+    with replacing(path) as temporary, temporary.open("r+b", buffering=0) as raw:
+        patient = _Patient(raw)
+        try:
+            with h5netcdf.File(patient, "w") as file:
+                yield file
+        finally:  # whatever HDF5 says of data that were dropped, this is why
+            if patient.error is not None:
+                raise patient.error
+
+
+def put_dataset(
+    file: "h5netcdf.File", dataset: "xr.Dataset", group: str | None = None, **options: Any
+) -> None:
+    """Put a dataset into a netCDF-4 file, with options as of `xarray.Dataset.to_netcdf`."""
+    from xarray.backends import H5NetCDFStore
+
+    dataset.dump_to_store(H5NetCDFStore(file, group=group, mode="a"), **options)
+
+
 def save_netcdf(
     path: Path, dataset: "xr.Dataset", groups: Iterable[tuple[str, "xr.Dataset"]] = ()
 ) -> None:
-    """Write a dataset, and others as its groups, as one netCDF-4 file.
-
-    The file is made in memory first: HDF5 crashes the program when a disk is full.
-    """
-    import h5netcdf
-    from xarray.backends import H5NetCDFStore
-
-    with replacing(path) as temporary:
-        memory = BytesIO()
-        with h5netcdf.File(memory, "w") as file:
-            for group, part in [(None, dataset), *groups]:
-                part.dump_to_store(H5NetCDFStore(file, group=group, mode="a"))
-        temporary.write_bytes(memory.getbuffer())
+    """Write a dataset, and others as its groups, as one netCDF-4 file; errors as `netcdf_file`."""
+    with netcdf_file(path) as file:
+        for group, part in [(None, dataset), *groups]:
+            put_dataset(file, part, group)
 
 
 def check_new_folder(path: Path) -> None:

@@ -11,9 +11,10 @@ from compass.coverage.grid import Grid
 from compass.coverage.maps import DOPS, LONG_NAMES
 from compass.coverage.view import View
 from compass.frames import Figure, mars_crs
-from compass.saving import replacing
+from compass.saving import netcdf_file, put_dataset
 
 if TYPE_CHECKING:
+    import h5netcdf
     import xarray as xr
 
 CONVENTIONS = "CF-1.11"
@@ -52,10 +53,10 @@ def write_map(
     compression = {
         name: {"zlib": True, "complevel": 1} for name, v in mapped.data_vars.items() if v.ndim >= 2
     }
-    with replacing(path) as temporary:
-        mapped.to_netcdf(temporary, engine="h5netcdf", encoding=compression)
+    with netcdf_file(path) as file:
+        put_dataset(file, mapped, encoding=compression)
         if series is not None:
-            _append_series(temporary, *series, progress)
+            _append_series(file, *series, progress)
 
 
 def with_grid_mapping(dataset: "xr.Dataset", figure: Figure) -> "xr.Dataset":
@@ -72,41 +73,40 @@ def with_grid_mapping(dataset: "xr.Dataset", figure: Figure) -> "xr.Dataset":
     return mapped
 
 
-def _append_series(path: Path, view: View, grid: Grid, progress: Callable[[int], None]) -> None:
+def _append_series(
+    file: "h5netcdf.File", view: View, grid: Grid, progress: Callable[[int], None]
+) -> None:
     """Add counts and DOPs of every epoch, a row at a time."""
-    import h5netcdf
-
     latitude, longitude = grid.latitude, grid.longitude
     cos_lon, sin_lon = np.cos(longitude), np.sin(longitude)
     epochs, m = view.times.size, grid.columns
     counts, row = np.empty((epochs, 1, m), np.int16), np.empty((epochs, 1, len(DOPS), m))
-    with h5netcdf.File(path, "a") as file:
-        dims = ("time", "lat", "lon")
-        chunks = (epochs, 1, m)
-        options = {"chunks": chunks, "compression": "gzip", "compression_opts": 1}
-        variables = [file.create_variable("count_series", dims, np.int16, **options)]
-        variables[0].attrs["long_name"] = "satellite count"
-        for name in DOPS:
-            variables.append(file.create_variable(f"{name}_series", dims, np.float32, **options))
-            variables[-1].attrs["long_name"] = LONG_NAMES[name]
-        for variable in variables:
-            variable.attrs["units"] = "1"
-            variable.attrs["grid_mapping"] = "mars"
-        for i in range(grid.rows):
-            dop_rows(
-                view.r,
-                view.cos_cap,
-                view.azimuths,
-                view.elevations,
-                np.sin(latitude[i : i + 1]),
-                np.cos(latitude[i : i + 1]),
-                cos_lon,
-                sin_lon,
-                longitude[0],
-                counts,
-                row,
-            )
-            variables[0][:, i, :] = counts[:, 0]
-            for k, variable in enumerate(variables[1:]):
-                variable[:, i, :] = row[:, 0, k]
-            progress(1)
+    dims = ("time", "lat", "lon")
+    chunks = (epochs, 1, m)
+    options = {"chunks": chunks, "compression": "gzip", "compression_opts": 1}
+    variables = [file.create_variable("count_series", dims, np.int16, **options)]
+    variables[0].attrs["long_name"] = "satellite count"
+    for name in DOPS:
+        variables.append(file.create_variable(f"{name}_series", dims, np.float32, **options))
+        variables[-1].attrs["long_name"] = LONG_NAMES[name]
+    for variable in variables:
+        variable.attrs["units"] = "1"
+        variable.attrs["grid_mapping"] = "mars"
+    for i in range(grid.rows):
+        dop_rows(
+            view.r,
+            view.cos_cap,
+            view.azimuths,
+            view.elevations,
+            np.sin(latitude[i : i + 1]),
+            np.cos(latitude[i : i + 1]),
+            cos_lon,
+            sin_lon,
+            longitude[0],
+            counts,
+            row,
+        )
+        variables[0][:, i, :] = counts[:, 0]
+        for k, variable in enumerate(variables[1:]):
+            variable[:, i, :] = row[:, 0, k]
+        progress(1)
