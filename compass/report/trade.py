@@ -188,7 +188,7 @@ def _candidate_table(title: str, study: Study, some: "xr.Dataset") -> Table:
         names, labels = ["mask_deg", *names], ["mask, deg", *labels]
     rows = [
         (
-            notation(make_constellation(row)),
+            notation(make_constellation(row)).replace(" ", "\N{NO-BREAK SPACE}"),
             *(number(float(some[name].values[k])) for name in names),
         )
         for k, row in enumerate(rows_in(some))
