@@ -1,4 +1,5 @@
 import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,9 @@ from compass.cli import main as program
 # The first example compiles kernels, so none has a deadline; a machine's run must be repeatable.
 settings.register_profile("compass", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("compass")
+
+# Programs started in the background inherit that ^C is ignored; some tests send it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 

@@ -46,7 +46,8 @@ def test_entry_section_and_facts(coarse):
 
 
 def test_longitudes_stay_within_a_turn():
-    text = (DESIGNS / "entry-ground-beacons.toml").read_text().replace("step_s = 1", "step_s = 24")
+    text = (DESIGNS / "entry-ground-beacons.toml").read_text()
+    text = text.replace("step_s = 1", "step_s = 24").replace("interval_s = 1", "interval_s = 24")
     east = read_scenario_text(text.replace("longitude_deg = -89.872", "longitude_deg = 359.9"))
     found = assess_scenario(east, 2)
     facts = entry_facts(east, found)
