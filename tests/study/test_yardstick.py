@@ -42,6 +42,7 @@ def test_by_elements_as_by_pattern(tiny):
     assert np.isnan(found.figures["delta_v_total_m_s"])
 
 
+@pytest.mark.slow
 def test_planes_are_told_apart_by_their_poles(tiny):
     study = tiny(entry=True)
     tilt = np.radians([0, 0, 0, 30, 30, 150, 180])
