@@ -22,6 +22,7 @@ def gdop(**options):
     return made.dataset.global_dop.sel(dop="gdop", global_percentile=95).item(), made.dataset
 
 
+@pytest.mark.slow
 def test_default_epochs_do_not_dwell_on_moments_of_symmetry():
     # 96 epochs meet the singular geometry of 12/3/1 so often that they find thousands
     found, dataset = gdop()
