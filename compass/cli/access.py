@@ -16,7 +16,7 @@ from compass.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from compass.access.survey import Survey
+    from compass.contacts.survey import Survey
     from compass.inputs.design import Design
     from compass.sites import Site
 
@@ -89,9 +89,9 @@ def command(
     modelled. Times are seconds after the design's epoch.
     """
     announce_compilation()
-    from compass.access.record import survey_record
-    from compass.access.survey import Wanted, survey
     from compass.bodies import SOLAR_DAY
+    from compass.contacts.record import survey_record
+    from compass.contacts.survey import Wanted, survey
     from compass.inputs import read_design
     from compass.saving import check_writable
 
@@ -183,8 +183,8 @@ def _write(output: Path, found: "Survey", record: dict[str, Any], design: "Desig
     import json
 
     import compass
-    from compass.access.dataset import windows_dataset
     from compass.cli.shared import plain
+    from compass.contacts.dataset import windows_dataset
     from compass.saving import replacing, save_netcdf
 
     if output.suffix == ".nc":
@@ -220,7 +220,7 @@ def _write_csv(path: Path, record: dict[str, Any]) -> None:
 
 def _print(record: dict[str, Any], pairs: bool) -> None:
     """Print the record as tables."""
-    from compass.report.access_tables import access_tables
+    from compass.pages.access_tables import access_tables
 
     for table in access_tables(record, pairs=pairs):
         print_table(table.title, table.rows, table.header)

@@ -86,7 +86,7 @@ def command(
     from compass.errors import ArgumentError, DesignError
     from compass.inputs import read_design
     from compass.inputs.scenario import read_scenario
-    from compass.report.page import check_page_folder
+    from compass.pages.page import check_page_folder
     from compass.saving import check_writable, replacing
     from compass.study.judge import campaign_of
     from compass.study.ranking import check_ranking, rank_designs
@@ -163,8 +163,8 @@ def _write_report(
     threads: int,
 ) -> None:
     """Make the page of a ranking."""
-    from compass.report.judge import judge_report
-    from compass.report.page import write_page
+    from compass.pages.judge import judge_report
+    from compass.pages.page import write_page
 
     page, sections = judge_report(ranking, designs, scenario, command_line(), threads=threads)
     say(f"report: {write_page(folder, page, sections)}")
@@ -172,7 +172,7 @@ def _write_report(
 
 def _print(r: dict[str, Any]) -> None:
     """Print the tables and one sentence a design."""
-    from compass.report.judge import estimate
+    from compass.pages.judge import estimate
 
     rows = r["designs"]
     unknown = [

@@ -80,7 +80,7 @@ def command(
     from compass.coverage.files import write_map
     from compass.errors import ArgumentError
     from compass.inputs import read_design
-    from compass.report.statistics import statistics, statistics_tables
+    from compass.pages.statistics import statistics, statistics_tables
     from compass.saving import check_writable, replacing
     from compass.study.mapping import MapOptions, make_map
 
@@ -109,7 +109,7 @@ def command(
             series = (made.view, made.grid) if time_series else None
             write_map(made.dataset, output, chosen.figure, series=series, progress=bar.update)
     if picture:
-        from compass.report.coverage import map_figure
+        from compass.pages.coverage import map_figure
 
         title = f"{chosen.name}: GDOP, 95th percentile over time"
         figure = map_figure(

@@ -26,12 +26,12 @@ def command(scenario: Path, figures: Path | None, as_json: bool) -> None:
     from tqdm import tqdm
 
     from compass.inputs.scenario import provenance, read_scenario
-    from compass.report.best_beacons import (
+    from compass.pages.best_beacons import (
         best_beacons_facts,
         best_beacons_section,
         search_scenario,
     )
-    from compass.report.pictures import check_folder, write_pictures
+    from compass.pages.pictures import check_folder, write_pictures
 
     chosen = read_scenario(scenario)
     if figures:

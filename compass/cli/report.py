@@ -14,7 +14,7 @@ from compass.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from compass.report.section import Section
+    from compass.pages.section import Section
 
 
 @click.command("report")
@@ -58,7 +58,7 @@ def command(
     announce_compilation()
     from compass.errors import ArgumentError
     from compass.inputs.reading import read_text
-    from compass.report.page import check_page_folder
+    from compass.pages.page import check_page_folder
 
     tables = _tables(read_text(design))
     folder = output or Path("reports") / design.stem
@@ -97,7 +97,7 @@ def _design(path: Path, folder: Path, given: dict[str, Any], as_json: bool) -> N
     from tqdm import tqdm
 
     from compass.inputs import read_design
-    from compass.report.design_report import design_report
+    from compass.pages.design_report import design_report
     from compass.study.mapping import MapOptions
 
     chosen = read_design(path)
@@ -115,14 +115,14 @@ def _design(path: Path, folder: Path, given: dict[str, Any], as_json: bool) -> N
 def _scenario(path: Path, folder: Path, as_json: bool) -> None:
     """Make the report of a scenario."""
     from compass.inputs.scenario import read_scenario
-    from compass.report.scenario_report import scenario_report
+    from compass.pages.scenario_report import scenario_report
 
     page, sections = scenario_report(read_scenario(path), command_line())
     _write(folder, page, sections, as_json)
 
 
 def _write(folder: Path, page: str, sections: "list[Section]", as_json: bool) -> None:
-    from compass.report.page import write_page
+    from compass.pages.page import write_page
 
     path = write_page(folder, page, sections)
     if as_json:
@@ -140,8 +140,8 @@ def _trade(study: Path, folder: Path, store: Path, as_json: bool) -> None:
 
     from compass.cli.shared import plain
     from compass.inputs.study import read_study
-    from compass.report.page import write_page
-    from compass.report.trade import trade_report
+    from compass.pages.page import write_page
+    from compass.pages.trade import trade_report
     from compass.saving import write_files
 
     chosen = read_study(study)

@@ -19,7 +19,7 @@ def command(ctx: click.Context, paper: str, as_json: bool) -> None:
     announce_compilation()
     from importlib import import_module
 
-    module = import_module(f"compass.reproduce.{paper}")
+    module = import_module(f"compass.papers.{paper}")
     rows = module.rows()
     failed = [row for row in rows if not row.holds]
     if as_json:

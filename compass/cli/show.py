@@ -17,7 +17,7 @@ def command(design: Path, as_json: bool) -> None:
 
     from compass.coverage.geometry import pattern_geometry
     from compass.inputs import read_design
-    from compass.report.tables import constellation_facts, geometry_facts, satellite_table
+    from compass.pages.tables import constellation_facts, geometry_facts, satellite_table
 
     chosen = read_design(design)
     radius = chosen.figure.equatorial_radius
@@ -25,7 +25,7 @@ def command(design: Path, as_json: bool) -> None:
     facts = constellation_facts(chosen)
     rows = []
     if chosen.paper and geometry:
-        rows = import_module(f"compass.reproduce.{chosen.paper}").geometry_rows(geometry)
+        rows = import_module(f"compass.papers.{chosen.paper}").geometry_rows(geometry)
     if as_json:
         result: dict[str, Any] = {"constellation": facts}
         result |= geometry_facts(geometry) if geometry else {"cap": None, "gap": None}

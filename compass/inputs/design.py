@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from compass.access.radio import Radio
-from compass.access.survey import Wanted
 from compass.bodies import SOLAR_DAY
+from compass.contacts.radio import Radio
+from compass.contacts.survey import Wanted
 from compass.errors import ArgumentError
 from compass.frames import FIGURES, Figure, planetocentric_latitude, seconds_past_j2000
 from compass.inputs.faults import fault

@@ -4,9 +4,9 @@ import time
 
 import numpy as np
 
-from compass.access.nodes import satellite_nodes, station_node
-from compass.access.windows import windows
 from compass.bodies import SOLAR_DAY
+from compass.contacts.nodes import satellite_nodes, station_node
+from compass.contacts.windows import windows
 from compass.frames import mcmf_from_mci, prime_meridian_angle
 from compass.orbits import walker_delta
 from compass.sites import Mask, Site

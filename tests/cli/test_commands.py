@@ -180,8 +180,8 @@ def test_reproduce_prints_every_row_and_its_json(run):
 
 
 def test_reproduce_exits_1_if_a_number_differs(run, monkeypatch):
-    from compass.reproduce import kelly2018
-    from compass.reproduce.verdict import compare
+    from compass.papers import kelly2018
+    from compass.papers.verdict import compare
 
     monkeypatch.setattr(kelly2018, "rows", lambda: [compare("x", "Table 9", "1.0", 2.0)])
     code, out, _ = run("reproduce", "kelly2018")
@@ -243,7 +243,7 @@ def test_unwritable_output_is_refused_before_any_work(run, seed, tmp_path, monke
 def test_compilation_is_announced_once_and_only_while_the_command_runs(run, monkeypatch):
     from numba.core import event
 
-    from compass.reproduce import kelly2018
+    from compass.papers import kelly2018
 
     def compile_two():
         for _ in range(2):

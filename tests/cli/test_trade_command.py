@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from compass.report import trade_pictures
+from compass.pages import trade_pictures
 from compass.study import stages
 from compass.study.workers import Here
 

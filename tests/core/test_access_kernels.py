@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compass.access.nodes import earth_node, moon_node, satellite_nodes, station_node, sun_node
-from compass.access.radio import node_states
 from compass.bodies import SUN_RADIUS
+from compass.contacts.nodes import earth_node, moon_node, satellite_nodes, station_node, sun_node
+from compass.contacts.radio import node_states
 from compass.core.events import curvature, sight
 from compass.core.horizon import horizon_clear, horizon_state, profile_elevation
 from compass.core.motion import mover_bounds, mover_state

@@ -25,7 +25,7 @@ from compass.core.filters.information import (
 )
 from compass.core.fusion import DETERMINANT, EQUAL, FAST, TRACE
 from compass.entry.filters import SCALE, FilterSettings
-from compass.reproduce import lou2019_case as paper
+from compass.papers import lou2019_case as paper
 
 RULES = {"equal": EQUAL, "fast": FAST, "determinant": DETERMINANT, "trace": TRACE}
 

@@ -5,7 +5,7 @@ import pytest
 
 from compass.core.entry_dynamics import DRAG, rk4_step
 from compass.core.entry_measurement import predict_measurements, surface_density
-from compass.reproduce import lou2019_case as paper
+from compass.papers import lou2019_case as paper
 
 X = np.array([3450e3, 0.1, 0.2, 5000.0, -0.2, 0.3, np.log(2e-4), 0.156, 0.01, -0.02, 0.03])
 P = np.array([4.282829e13, 3437.2e3, 7500.0, 0.016, 0.3, 0.0, 0.0])

@@ -11,8 +11,8 @@ from compass.entry.faults import Fault
 from compass.entry.filters import DivergenceError, FilterSettings, run_filter
 from compass.entry.montecarlo import BLOCK, monte_carlo
 from compass.errors import ArgumentError
-from compass.reproduce import lou2017_case
-from compass.reproduce import lou2019_case as paper
+from compass.papers import lou2017_case
+from compass.papers import lou2019_case as paper
 
 
 def shortened(case, epochs):

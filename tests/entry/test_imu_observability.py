@@ -10,7 +10,7 @@ from compass.entry.imu_observability import (
     rotation_about_beacon,
     singular_values,
 )
-from compass.reproduce import lou2019_case as paper
+from compass.papers import lou2019_case as paper
 
 CASE = paper.case()
 STILL = np.zeros((4, 3))

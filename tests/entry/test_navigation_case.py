@@ -12,7 +12,7 @@ from compass.entry.faults import Fault, fault_tables
 from compass.entry.imu import Imu
 from compass.entry.radio import STAGNATION, WAKE, ElectronTable, critical_density, crossing_times
 from compass.errors import ArgumentError
-from compass.reproduce import lou2017_case, lou2019_case
+from compass.papers import lou2017_case, lou2019_case
 
 TIMES = np.arange(11.0)
 NAMES = ("a", "b")

@@ -12,8 +12,8 @@ from compass.cli.main import program
 from compass.errors import DesignError
 from compass.inputs.fusion import fusion_plan
 from compass.inputs.scenario import read_scenario, read_scenario_text
-from compass.report.fusion import fusion_facts, fusion_section
-from compass.reproduce import lou2017_case, lou2019_case
+from compass.pages.fusion import fusion_facts, fusion_section
+from compass.papers import lou2017_case, lou2019_case
 from compass.study.fusion import run_fusion
 
 DESIGNS = Path(__file__).parents[2] / "designs"
@@ -208,7 +208,7 @@ def test_the_command_says_what_is_hidden_before_it_starts(tmp_path):
     place.write_text(text)
     out = tmp_path / "hidden.nc"
     result = CliRunner().invoke(
-        program, ["entry", str(place), "--runs", "1", "--json", "-o", str(out)]
+        program, ["land", str(place), "--runs", "1", "--json", "-o", str(out)]
     )
     assert result.exit_code == 0, result.output
     assert "no beacon is ever in line of sight" in result.stderr

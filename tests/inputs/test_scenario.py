@@ -29,7 +29,7 @@ def test_every_scenario_reads(path):
     beacons = scenario.beacons()
     assert beacons.size >= 1
     assert beacons.r.shape == (scenario.times.size, beacons.size, 3)
-    assert scenario.digest in provenance(scenario, "compass entry")["scenario_sha256"]
+    assert scenario.digest in provenance(scenario, "compass land")["scenario_sha256"]
 
 
 def test_the_ground_case_becomes_the_chapters_numbers():

@@ -1,0 +1,44 @@
+"""Windows as a dataset: a contiguous ragged array, one row a window, as CF lays it out."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from compass.contacts.windows import Windows
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def windows_dataset(found: Sequence[Windows], **attributes: object) -> "xr.Dataset":
+    """Windows of all pairs over (pair) and (window); `count` says how many rows a pair has."""
+    import xarray as xr
+
+    seconds = {"units": "s"}
+    columns = {
+        "start": ("time after the epoch at which the window opens", seconds),
+        "end": ("time after the epoch at which the window closes", seconds),
+        "culmination": ("time after the epoch of the highest elevation", seconds),
+        "max_elevation": ("highest elevation over the station", {"units": "degree"}),
+    }
+    values = {name: np.concatenate([getattr(w, name) for w in found]) for name in columns}
+    values["max_elevation"] = np.degrees(values["max_elevation"])
+    return xr.Dataset(
+        {
+            **{
+                name: ("window", values[name], {"long_name": title, **unit})
+                for name, (title, unit) in columns.items()
+            },
+            "count": (
+                "pair",
+                [w.count for w in found],
+                {"long_name": "windows of the pair", "sample_dimension": "window"},
+            ),
+        },
+        coords={
+            "first": ("pair", [w.first for w in found], {"long_name": "one end of the link"}),
+            "second": ("pair", [w.second for w in found], {"long_name": "other end of the link"}),
+        },
+        attrs={"Conventions": "CF-1.11", "duration_s": found[0].duration, **attributes},
+    )

@@ -1,0 +1,170 @@
+"""All access questions about a constellation at once: who links with whom, and what it comes to."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations, product
+
+from compass.bodies import SOLAR_DAY
+from compass.contacts.moons import MoonModel
+from compass.contacts.nodes import (
+    DriftModel,
+    Node,
+    check_duration,
+    earth_node,
+    moon_node,
+    satellite_nodes,
+    station_node,
+)
+from compass.contacts.spans import Spans, any_of
+from compass.contacts.windows import Windows, windows
+from compass.errors import ArgumentError
+from compass.frames import FIGURES, Figure
+from compass.orbits.constellation import Constellation
+from compass.sites import Site
+
+#: Pairs at most: beyond it memory, not time, would run out.
+MAX_PAIRS = 100_000
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What to link.
+
+    Attributes
+    ----------
+    moons
+        Names of the moons.
+    earth
+        Whether to link with the Earth.
+    crosslinks
+        Whether to link satellites with each other.
+    atmosphere_height
+        How far above the figure a ray between two nodes off the surface must pass, metres.
+    """
+
+    moons: tuple[str, ...] = ()
+    earth: bool = False
+    crosslinks: bool = False
+    atmosphere_height: float = 0.0
+
+
+@dataclass(frozen=True)
+class Survey:
+    """Windows of all pairs of a network.
+
+    Attributes
+    ----------
+    nodes
+        The network's nodes.
+    windows
+        One a pair, in the order stations, moons, Earth, crosslinks.
+    duration
+        Seconds.
+    """
+
+    nodes: tuple[Node, ...]
+    windows: tuple[Windows, ...]
+    duration: float
+
+    @property
+    def sols(self) -> float:
+        """Length of the span in mean solar days of Mars."""
+        return self.duration / SOLAR_DAY.value
+
+    def names(self, kind: str) -> list[str]:
+        """Names of the nodes of a kind."""
+        return [node.name for node in self.nodes if node.kind == kind]
+
+    def of(self, name: str, kind: str = "satellite") -> list[Windows]:
+        """Windows of a node with all nodes of a kind."""
+        others = set(self.names(kind))
+        return [
+            w
+            for w in self.windows
+            if (w.first == name and w.second in others) or (w.second == name and w.first in others)
+        ]
+
+    def any_satellite(self, name: str) -> Spans:
+        """When a node sees any satellite."""
+        return any_of([w.spans for w in self.of(name)])
+
+    def without(self, kind: str) -> list[Windows]:
+        """Windows of all pairs but those with nodes of a kind."""
+        out = set(self.names(kind))
+        return [w for w in self.windows if w.first not in out and w.second not in out]
+
+
+def survey(
+    constellation: Constellation,
+    sites: Sequence[Site],
+    duration: float,
+    wanted: Wanted = Wanted(),
+    *,
+    figure: Figure = FIGURES["iau-ellipsoid"],
+    model: DriftModel = "two-body",
+    moon_model: MoonModel = "precessing",
+    workers: int | None = None,
+) -> Survey:
+    """Find the windows of all pairs asked for.
+
+    Stations link with satellites, moons and the Earth; moons and the Earth with satellites and
+    with each other; satellites with each other if `wanted` says so.
+
+    Parameters
+    ----------
+    constellation
+        Its epoch is time 0.
+    sites
+        Stations.
+    duration
+        Seconds.
+    wanted
+        What else to link.
+    figure
+        Mars's figure for the limb.
+    model, moon_model
+        How satellites and moons move.
+    workers
+        Threads.
+
+    Raises
+    ------
+    ArgumentError
+        There is nothing or too much to link, two nodes have one name, or as in `windows`.
+    """
+    check_duration(duration)
+    epoch = constellation.epoch
+    satellites = satellite_nodes(constellation, model)
+    stations = [station_node(site, epoch, duration) for site in sites]
+    moons = [moon_node(name, epoch, duration, moon_model) for name in wanted.moons]
+    earth = [earth_node(epoch, duration)] if wanted.earth else []
+    nodes = [*stations, *moons, *earth, *satellites]
+    names = [node.name for node in nodes]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ArgumentError(f"access: two nodes named {', '.join(twice)}; give each its own name")
+    pairs = [
+        *product(stations, [*satellites, *moons, *earth]),
+        *product(moons, [*satellites, *earth]),
+        *combinations(moons, 2),
+        *product(earth, satellites),
+        *(combinations(satellites, 2) if wanted.crosslinks else ()),
+    ]
+    if not pairs:
+        raise ArgumentError(
+            "access: nothing to link; add a [[station]] or use --station, --moon, --earth or "
+            "--crosslinks"
+        )
+    if len(pairs) > MAX_PAIRS:
+        raise ArgumentError(
+            f"access: {len(pairs)} pairs; at most {MAX_PAIRS} at once; leave out crosslinks or "
+            "some stations"
+        )
+    found = windows(
+        pairs,
+        duration,
+        figure=figure,
+        atmosphere_height=wanted.atmosphere_height,
+        workers=workers,
+    )
+    return Survey(tuple(nodes), tuple(found), duration)

@@ -1,0 +1,234 @@
+"""The report of one design: geometry, coverage, stations, comparison with its source."""
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from compass.coverage.geometry import pattern_geometry
+from compass.coverage.site import site_coverage
+from compass.inputs import Design
+from compass.pages.access import access_section
+from compass.pages.coverage import fold_pictures, map_figure, map_pictures
+from compass.pages.fold import fold_section
+from compass.pages.orbits import cap_picture, gap_shapes, orbit_picture, track_picture
+from compass.pages.page import render
+from compass.pages.section import Picture, Section, Table, picture
+from compass.pages.statistics import NAMES, statistics_tables
+from compass.pages.tables import constellation_facts, geometry_facts, satellite_table
+from compass.study.mapping import DesignMap, MapOptions, make_map, provenance
+
+
+def design_report(
+    design: Design,
+    command: str = "",
+    options: MapOptions | None = None,
+    *,
+    progress: Callable[[str], None] = lambda step: None,
+) -> tuple[str, list[Section]]:
+    """Make the page (HTML text) and the sections of a design's report.
+
+    Parameters
+    ----------
+    design
+        The design.
+    command
+        The command line, for provenance.
+    options
+        How to map.
+    progress
+        Told the name of each part before it is made.
+    """
+    progress("coverage map")
+    mapped = make_map(design, options, command)
+    sections = []
+    for name, part in (
+        ("constellation", lambda: _constellation(design)),
+        ("geometry", lambda: _geometry(design)),
+        ("coverage pictures", lambda: _coverage(design, mapped)),
+        ("continuous fold", lambda: fold_section(design)),
+        ("stations", lambda: _stations(design, mapped)),
+        ("access", lambda: access_section(design)),
+        ("comparison", lambda: _comparison(design)),
+    ):
+        progress(name)
+        section = part()
+        if section is not None:
+            sections.append(section)
+    page = render(
+        design.name,
+        " ".join(design.source.split()) or "No source given.",
+        sections,
+        provenance_rows(design, command, mapped),
+        design.text,
+    )
+    return page, sections
+
+
+def provenance_rows(design: Design, command: str, mapped: DesignMap) -> list[tuple[str, str]]:
+    """What the report was made from, for its last section."""
+    attrs = provenance(design, command)
+    d = mapped.dataset.attrs
+    return [
+        ("command", attrs["command_line"] or "made from Python"),
+        ("made", attrs["history"].split(" ")[0]),
+        ("version", attrs["source"]),
+        ("design file", attrs["design_file"]),
+        ("SHA-256 of the design", attrs["design_sha256"]),
+        ("grid", d["grid"]),
+        ("epochs", f"{d['epochs']} in {d['period_s'] / 3600:.4f} h, {d['motion_model']} motion"),
+        ("reference figure", design.figure.title),
+    ]
+
+
+def _constellation(design: Design) -> Section:
+    facts = constellation_facts(design)
+    rows = tuple((key.replace("_", " "), value) for key, value in facts.items())
+    tables = [Table("The constellation", ("quantity", "value"), rows)]
+    if design.constellation.pattern is None:
+        radius = design.figure.equatorial_radius
+        tables.append(satellite_table(design.constellation, radius))
+    return Section(
+        "Constellation",
+        pictures=(orbit_picture(design), track_picture(design)),
+        tables=tuple(tables),
+    )
+
+
+def _geometry(design: Design) -> Section:
+    geometry = pattern_geometry(
+        design.constellation, design.figure.equatorial_radius, design.mask.lowest
+    )
+    pictures: tuple[Picture, ...] = (cap_picture(design),)
+    if geometry is None:
+        text = "Explicit elements: every satellite has a cap of its own, and no plane has gaps."
+        return Section("Caps and gaps", (text,), pictures)
+    facts = geometry_facts(geometry)
+    tables = []
+    for name, values in facts.items():
+        if not values:
+            continue
+        rows: list[tuple[object, ...]] = []
+        for key, value in values.items():
+            label = key.replace("_", " ")
+            if isinstance(value, dict):
+                rows += [(f"{label}, {kind}", inner) for kind, inner in value.items()]
+            else:
+                rows.append((label, value))
+        tables.append(Table(name.capitalize(), ("quantity", "value"), tuple(rows)))
+    text = (
+        "Published means the source paper's printed formula, kept for comparison; exact means "
+        "the geometry of the sphere."
+    )
+    return Section("Caps and gaps", (text,), pictures, tuple(tables))
+
+
+def _coverage(design: Design, mapped: DesignMap) -> Section:
+    data, grid, name = mapped.dataset, mapped.grid, design.figure.name
+    shapes = gap_shapes(design)
+    first = mapped.view.r[0]
+    latitude = np.degrees(np.arctan2(first[:, 2], np.hypot(first[:, 0], first[:, 1])))
+    longitude = np.degrees(np.arctan2(first[:, 1], first[:, 0]))
+    snapshot = picture(
+        map_figure(
+            _counts_at_epoch(mapped),
+            grid,
+            "Satellites in view at the epoch" + (", with the gap polygons" if shapes else ""),
+            "satellites",
+            figure_name=name,
+            counts=True,
+            shapes=shapes,
+            satellites=(longitude, latitude),
+        ),
+        "count-epoch",
+        "Satellites in view at the epoch",
+        "Stars: satellites at the zenith. White: where no satellite of one plane is in view."
+        if shapes
+        else "Stars: satellites at the zenith.",
+    )
+    d = data.attrs
+    text = (
+        f"{d['epochs']} epochs over {d['period_s'] / 3600:.4f} h on {d['grid']}; numbers are "
+        "weighted by area and time. With fewer than four satellites or singular geometry a "
+        "dilution of precision is infinite, and counts as such in every percentile."
+    )
+    return Section(
+        "Coverage",
+        (text,),
+        (snapshot, *map_pictures(data, grid, name), *fold_pictures(data)),
+        statistics_tables(data),
+    )
+
+
+def _counts_at_epoch(mapped: DesignMap) -> Any:
+    """Counts of the first epoch: a map of that epoch alone has its count as the smallest."""
+    from dataclasses import replace
+
+    from compass.coverage.maps import coverage_map
+
+    view = mapped.view
+    first = replace(view, times=view.times[:1], r=view.r[:1], cos_cap=view.cos_cap[:1])
+    period = mapped.dataset.attrs["period_s"]
+    return coverage_map(first, mapped.grid, period=period).count_min.values
+
+
+def _stations(design: Design, mapped: DesignMap) -> Section | None:
+    if not design.stations:
+        return None
+    rows: list[tuple[object, ...]] = []
+    for site in design.stations:
+        seen = site_coverage(design.constellation, site, mapped.view.times)
+        count = seen["count"]
+        rows.append(
+            (
+                site.name,
+                float(np.degrees(site.latitude)),
+                float(np.degrees(site.longitude)),
+                site.height / 1e3,
+                float(np.degrees(site.mask.lowest)),
+                int(count.min()),
+                float(count.mean()),
+                int(count.max()),
+                *(_nearest_rank(seen[name].values, 95) for name in ("gdop", "pdop", "hdop")),
+                float((seen.pdop <= mapped.dataset.attrs["pdop_threshold"]).mean()),
+            )
+        )
+    header = (
+        "station",
+        "latitude deg",
+        "longitude deg",
+        "height km",
+        "mask deg",
+        "fewest",
+        "mean",
+        "most",
+        *(f"{NAMES[name]} p95" for name in ("gdop", "pdop", "hdop")),
+        "availability",
+    )
+    text = "Each station on its reference figure, at its height and over its own horizon."
+    table = Table("Satellites and geometry at the stations", header, tuple(rows))
+    return Section("Stations", (text,), (), (table,))
+
+
+def _nearest_rank(values: Any, q: int) -> float:
+    """Return the smallest value that at least q percent of the values do not exceed."""
+    return float(np.sort(values)[max(-(-q * values.size // 100), 1) - 1])
+
+
+def _comparison(design: Design) -> Section | None:
+    if design.paper is None:
+        return None
+    module = import_module(f"compass.papers.{design.paper}")
+    rows = tuple(
+        (r.where, r.item, r.published or "–", r.computed, r.unit, r.verdict)
+        for r in module.coverage_rows()
+    )
+    header = ("where", "item", "published", "computed", "unit", "verdict")
+    text = (
+        "The paper's numbers on geometry and coverage beside the computed ones. Reproduced: equal "
+        "to the printed digits. Erratum: the paper's number is wrong, and why. Population and "
+        f"stations' access: compass reproduce {design.paper}."
+    )
+    table = Table(module.TITLE, header, rows)
+    return Section("Published against computed", (text,), (), (table,))

@@ -1,0 +1,204 @@
+"""Pictures of an entry: map, flight, view, observability, navigation errors."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from compass.entry.assess import Assessment
+from compass.entry.beacons import Beacons
+from compass.entry.trajectory import Trajectory, trajectory_dataset
+from compass.entry.visible_area import VisibleArea, horizon
+from compass.errors import ArgumentError
+from compass.frames import latitude_longitude
+from compass.pages.section import Picture, picture
+from compass.pages.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure
+
+KM = 1e3
+
+
+def entry_pictures(found: Assessment) -> tuple[Picture, ...]:
+    """All pictures of an assessment."""
+    return (
+        _map_picture(found.flight, found.beacons),
+        _flight_picture(found.flight),
+        _view_picture(found),
+        _observability_picture(found),
+        _navigation_picture(found),
+    )
+
+
+def _map_picture(flight: Trajectory, beacons: Beacons) -> Picture:
+    with look():
+        figure = new_figure(7.5, 5.2)
+        draw_map(figure.add_subplot(), flight, beacons)
+        figure.legend(fontsize=8, frameon=False, loc="outside right upper")
+    return picture(
+        figure,
+        "entry-map",
+        "Ground track, visible area and beacons",
+        "Ground track, the rims of what sees the lander at the start and at the end (dashed), and "
+        "the area that sees it all the way (shaded, if there is one).",
+    )
+
+
+def draw_map(axes: Axes, flight: Trajectory, beacons: Beacons) -> None:
+    """Draw ground track, visible area and the beacons that stand near it into plain axes."""
+    lon0 = np.degrees(flight.states[:, 1].mean())
+
+    def degrees(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        lat, lon = latitude_longitude(points)
+        return lon0 + (np.degrees(lon) - lon0 + 180) % 360 - 180, np.degrees(lat)
+
+    for epoch, label in ((0, "sees the start"), (-1, "sees the end")):
+        lon, lat = degrees(horizon(flight, epoch))
+        colour = FAINT if epoch == 0 else INK
+        axes.plot(lon, lat, "--", color=colour, lw=1, label=label)
+    try:
+        lon, lat = degrees(VisibleArea(flight).outline())
+        axes.fill(lon, lat, color=SKY, alpha=0.18, lw=0, label="sees all of it")
+    except ArgumentError:
+        pass  # no such area: nothing to shade
+    lon, lat = np.degrees(flight.states[:, 1]), np.degrees(flight.states[:, 2])
+    axes.plot(lon, lat, color=MARS, lw=2, label="ground track")
+    axes.plot(lon[0], lat[0], "o", color=MARS, ms=5)
+    axes.plot(lon[-1], lat[-1], ">", color=MARS, ms=7)
+    near = ~beacons.moving
+    if near.any():
+        lon, lat = degrees(beacons.r[0, near])
+        axes.plot(lon, lat, "^", color=INK, ms=7, label="ground beacons")
+        for x, y, k in zip(lon, lat, np.flatnonzero(near), strict=True):
+            place = (5, 4) if k % 2 == 0 else (5, -11)  # neighbours on different sides
+            axes.annotate(beacons.names[k], (x, y), place, textcoords="offset points", fontsize=8)
+    axes.set_xlabel("east longitude, degrees")
+    axes.set_ylabel("latitude, degrees")
+    axes.set_aspect(1 / np.cos(flight.states[:, 2].mean()), adjustable="datalim")
+    axes.grid(True)
+    axes.set_title("Where the lander flies and who sees it")
+
+
+def _flight_picture(flight: Trajectory) -> Picture:
+    data = trajectory_dataset(flight)
+    with look():
+        figure = new_figure(8.0, 5.0)
+        axes = figure.subplots(2, 2, sharex=True).ravel()
+        for ax, values, label, colour in (
+            (axes[0], data.altitude / KM, "altitude, km", CYCLE[0]),
+            (axes[1], data.speed / KM, "speed, km/s", CYCLE[1]),
+            (axes[2], data.g_load, "deceleration, g", CYCLE[2]),
+            (axes[3], data.heat_flux / 1e4, "heat flux, W/cm²", CYCLE[3]),
+        ):
+            ax.plot(flight.times, values, color=colour, lw=1.8)
+            ax.set_ylabel(label)
+            ax.grid(True)
+            for event in flight.events:
+                ax.axvline(event.time, color=FAINT, lw=0.8, ls=":")
+        for event in flight.events:
+            axes[0].annotate(
+                event.name, (event.time, 1.0), (2, -9), xycoords=("data", "axes fraction"),
+                textcoords="offset points", fontsize=7.5, color=INK,
+            )  # fmt: skip
+        for ax in axes[2:]:
+            ax.set_xlabel("time after entry, s")
+        figure.suptitle("The flight", fontsize=11, fontweight="bold")
+    return picture(
+        figure,
+        "entry-flight",
+        "Altitude, speed, deceleration and heat flux",
+        "The true trajectory; the heat flux is convective at the stagnation point (Sutton and "
+        "Graves 1971). Dotted: events.",
+    )
+
+
+def _view_picture(found: Assessment) -> Picture:
+    names, times = found.beacons.names, found.flight.times
+    with look():
+        figure = new_figure(8.0, 1.4 + 0.24 * max(3, len(names)))
+        axes = figure.add_subplot()
+        step = times[1] - times[0]
+        for k in range(len(names)):
+            runs = np.flatnonzero(np.diff(np.concatenate([[0], found.seen[:, k], [0]])))
+            bars = [
+                (times[a], max(times[b - 1] - times[a], step))
+                for a, b in zip(runs[::2], runs[1::2], strict=True)
+            ]
+            axes.broken_barh(bars, (k - 0.35, 0.7), color=SKY)
+        axes.set_yticks(range(len(names)), names, fontsize=8)
+        axes.set_ylim(len(names) - 0.4, -0.6)
+        axes.set_xlim(times[0], times[-1])
+        axes.set_xlabel("time after entry, s")
+        axes.grid(True, axis="x")
+        axes.set_title("Beacons in view")
+    return picture(
+        figure, "entry-view", "Beacons in view over time", "Line of sight past the planet's sphere."
+    )
+
+
+def _observability_picture(found: Assessment) -> Picture:
+    times = found.flight.times
+    with look():
+        figure = new_figure(8.0, 5.0)
+        upper, lower = figure.subplots(2, 1, sharex=True)
+        for result, label, colour in (
+            (found.observability, "metres, seconds, radians", CYCLE[0]),
+            (found.observability_scaled, "lengths in 3400 km, times in 100 s", CYCLE[1]),
+        ):
+            # beyond full rank only rounding is left to show
+            degree = np.where(result.rank == 6, result.degree, np.nan)
+            upper.plot(times, degree, color=colour, lw=1.8, label=label)
+        _logarithmic(upper)
+        upper.set_ylabel("degree δ")
+        upper.legend(fontsize=8, frameon=False)
+        upper.set_title("How well the state is observable")
+        lower.plot(times, found.observability.index, color=CYCLE[2], lw=1.8)
+        lower.set_ylabel("geometric index I")
+        lower.set_ylim(bottom=0)
+        lower.grid(True)
+        lower.set_xlabel("time after entry, s")
+    return picture(
+        figure,
+        "entry-observability",
+        "Observability degree and geometric index over time",
+        "Above: smallest over largest singular value of the exact observability matrix of the "
+        "beacons in view, in two systems of units (gaps: rank below 6). Below: sum over triples "
+        "of beacons of [n_i . (n_j x n_k)]^2.",
+    )
+
+
+def _navigation_picture(found: Assessment) -> Picture:
+    times, mc, bound = found.flight.times, found.monte_carlo, found.bound
+    with look():
+        figure = new_figure(8.0, 5.4)
+        both = figure.subplots(2, 1, sharex=True)
+        for k, (rms, sigma, label) in enumerate(
+            (
+                (mc.position_rms, bound.position_sigma, "position error, m"),
+                (mc.velocity_rms, bound.velocity_sigma, "velocity error, m/s"),
+            )
+        ):
+            ax, part = both[k], slice(3 * k, 3 * k + 3)
+            errors = np.linalg.norm(mc.errors[~mc.diverged, :, part], axis=2)
+            if len(errors):
+                low, high = np.percentile(errors, [5, 95], axis=0)
+                ax.fill_between(
+                    times, low, high, color=CYCLE[0], alpha=0.15, lw=0, label="5 to 95 % of runs"
+                )
+            ax.plot(times, rms, color=CYCLE[0], lw=1.6, label="rms error")
+            ax.plot(times, sigma, color=CYCLE[1], lw=1.4, ls="--", label="Cramér-Rao bound")
+            _logarithmic(ax)
+            ax.set_ylabel(label)
+        figure.axes[0].legend(fontsize=8, frameon=False, ncols=3)
+        figure.axes[0].set_title(f"Navigation errors of {len(mc.errors)} runs")
+        figure.axes[1].set_xlabel("time after entry, s")
+    return picture(
+        figure,
+        "entry-navigation",
+        "Navigation errors and their bound",
+        "Three-dimensional errors of the filter over the Monte Carlo runs, and the posterior "
+        "Cramér-Rao bound (root of the trace).",
+    )
+
+
+def _logarithmic(axes: Axes) -> None:
+    axes.set_yscale("log")
+    axes.grid(True, which="major")
+    axes.grid(True, which="minor", alpha=0.35)

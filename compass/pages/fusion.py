@@ -1,0 +1,193 @@
+"""The report of fused entry navigation: errors, claims, weights, faults, plasma."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from compass.entry.consistency import error_ellipse
+from compass.entry.faults import Fault
+from compass.pages.fusion_pictures import SETTLING, TITLES, fusion_pictures
+from compass.pages.section import Section, Table
+from compass.study.fusion import FusionRuns
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def fusion_section(found: FusionRuns) -> Section:
+    """Text, pictures and tables of one plan."""
+    return Section(
+        f"Fusion: {found.plan.case.name}",
+        fusion_words(found),
+        fusion_pictures(found),
+        fusion_tables(found),
+    )
+
+
+def fusion_words(found: FusionRuns) -> tuple[str, ...]:
+    """Say what is to be known before the numbers, and what went wrong on the way."""
+    case = found.plan.case
+    words = list(case.visibility_report())
+    if words and found.plan.see_through:
+        words.append("as in the source, ranges are let through the planet all the same")
+    said = [". ".join(word[0].upper() + word[1:] for word in words) + "."] if words else []
+    if case.arrival is not None:
+        beta = case.arrival[:, 0]
+        partial = (beta < 1) & (beta > 1.0001 * beta.min())
+        dark = beta <= 1.0001 * beta.min()
+        said.append(
+            f"The plasma dims the ranges for {case.step * partial.sum():g} s (about "
+            f"{beta[partial].sum():.1f} of them get through) and stops them for "
+            f"{case.step * dark.sum():g} s."
+        )
+    if found.faulty:
+        said.append("The fault: " + "; ".join(_fault_words(f) for f in found.plan.faults) + ".")
+    for how, sets in (("", found.clear), (" with the fault", found.faulty)):
+        for name, data in sets.items():
+            if data.attrs["diverged"]:
+                said.append(
+                    f"{data.attrs['diverged']} of {data.attrs['runs']} runs of {name}{how} "
+                    "diverged and are left out of its statistics; the first: "
+                    f"{data.attrs['divergences'][0]}."
+                )
+    return tuple(said)
+
+
+def _fault_words(fault: Fault) -> str:
+    """Say a fault."""
+    what = fault.kind.replace("-", " ") + (f" of {fault.beacon}" if fault.beacon else "")
+    size = f" by {fault.size:g} m" if fault.size else ""
+    if fault.kind == "spike":
+        return f"{what}{size} at {fault.start:g} s"
+    end = f"to {fault.end:g} s" if np.isfinite(fault.end) else "on"
+    return f"{what}{size} from {fault.start:g} s {end}"
+
+
+def _settled(data: "xr.Dataset", name: str) -> float:
+    return float(data[name][data.sizes["time"] // SETTLING :].mean())
+
+
+def fusion_tables(found: FusionRuns) -> tuple[Table, ...]:
+    """Errors and consistency of every filter, without and with faults."""
+    tables = []
+    for key, runs in (("clear", found.clear), ("faulty", found.faulty)):
+        rows = []
+        for name, data in runs.items():
+            low, high = data.attrs["nees_low"], data.attrs["nees_high"]
+            nees = _settled(data, "nees")
+            verdict = "consistent" if low <= nees <= high else "cautious"
+            if not nees <= high:
+                verdict = "overconfident" if np.isfinite(nees) else "lost"
+            rows.append(
+                (
+                    name,
+                    _settled(data, "position_rmse"),
+                    float(data.position_rmse[-1]),
+                    100 * float(data.capture[1:].mean("time").min()),
+                    nees,
+                    f"{low:.2f} to {high:.2f}",
+                    verdict,
+                    int(data.attrs["diverged"]),
+                )
+            )
+        if rows:
+            count = next(iter(runs.values())).attrs["runs"]
+            tables.append(
+                Table(
+                    f"Filters {TITLES[key]}, {count} runs"
+                    if found.faulty
+                    else f"Filters, {count} runs",
+                    (
+                        "filter",
+                        "position RMSE, m",
+                        "at the end, m",
+                        "worst state within 3 sigma, %",
+                        "NEES",
+                        "95 % bounds",
+                        "verdict",
+                        "diverged",
+                    ),
+                    tuple(rows),
+                )
+            )
+    tables.append(_miss_table(found))
+    if any(np.isfinite(settings.gate_sigma) for settings in found.plan.filters):
+        tables.append(_refused_table(found))
+    return tuple(tables)
+
+
+def _miss_table(found: FusionRuns) -> Table:
+    rows = []
+    for name, data in found.clear.items():
+        if not np.isfinite(data.miss).all():
+            continue
+        ellipse = error_ellipse(data.miss.values[:2], data.miss_covariance.values[:2, :2])
+        claim = error_ellipse(np.zeros(2), data.claimed_covariance.values[:2, :2])
+        rows.append(
+            (
+                name,
+                ellipse.semi_major,
+                ellipse.semi_minor,
+                float(np.degrees(ellipse.azimuth)),
+                claim.semi_major,
+                claim.semi_minor,
+            )
+        )
+    return Table(
+        "95 % error ellipse where the entry ends",
+        (
+            "filter",
+            "semi-major, m",
+            "semi-minor, m",
+            "azimuth, deg",
+            "claimed semi-major, m",
+            "claimed semi-minor, m",
+        ),
+        tuple(rows),
+    )
+
+
+def _refused_table(found: FusionRuns) -> Table:
+    """Say what the gate refused, as a share of all epochs: the filters' own fault report."""
+    runs = found.faulty or found.clear
+    first = next(iter(runs.values()))
+    return Table(
+        "Measurements refused by the gate, % of epochs",
+        ("filter", *first.sensor.values.tolist()),
+        tuple(
+            (name, *(100 * float(share) for share in data.refused[1:].mean("time")))
+            for name, data in runs.items()
+        ),
+    )
+
+
+def fusion_facts(found: FusionRuns) -> dict[str, Any]:
+    """Results as plain values for JSON."""
+    case = found.plan.case
+
+    def facts(data: "xr.Dataset") -> dict[str, Any]:
+        return {
+            "position_rmse_m": _settled(data, "position_rmse"),
+            "final_position_rmse_m": float(data.position_rmse[-1]),
+            "nees": _settled(data, "nees"),
+            "nees_95": [data.attrs["nees_low"], data.attrs["nees_high"]],
+            "within_3_sigma": dict(
+                zip(data.state.values.tolist(), data.capture[1:].mean("time").values, strict=True)
+            ),
+            "refused_share": dict(
+                zip(data.sensor.values.tolist(), data.refused[1:].mean("time").values, strict=True)
+            ),
+            "runs": data.attrs["runs"],
+            "diverged": data.attrs["diverged"],
+            "divergences": list(data.attrs["divergences"]),
+        }
+
+    return {
+        "visible_epochs": dict(
+            zip(case.beacons.names, case.visible.sum(axis=0).tolist(), strict=True)
+        ),
+        "epochs": case.times.size,
+        "warnings": list(case.visibility_report()),
+        "filters": {name: facts(data) for name, data in found.clear.items()},
+        "filters_with_faults": {name: facts(data) for name, data in found.faulty.items()},
+    }

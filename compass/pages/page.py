@@ -1,0 +1,102 @@
+"""One self-contained HTML page, its pictures inside it and also as PNG files beside it."""
+
+import base64
+import os
+import shutil
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from compass.errors import OutputError
+from compass.pages.section import Section
+
+PAGE = "index.html"
+
+
+def render(
+    title: str,
+    subtitle: str,
+    sections: Sequence[Section],
+    provenance: Sequence[tuple[str, str]],
+    source_text: str,
+) -> str:
+    """Return the page; everything that comes from a user is escaped."""
+    import jinja2
+
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("compass.pages"),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    environment.filters["base64"] = lambda data: base64.b64encode(data).decode("ascii")
+    environment.filters["cell"] = cell
+    return environment.get_template("report.html").render(
+        title=title,
+        subtitle=subtitle,
+        sections=sections,
+        scripts=list(dict.fromkeys(i.script for s in sections for i in s.interactive)),
+        provenance=provenance,
+        source_text=source_text,
+    )
+
+
+def cell(value: object) -> str:
+    """One value as a reader wants it: seven digits, infinity in words."""
+    if isinstance(value, float):
+        if value == float("inf"):
+            return "∞"
+        return f"{value:,.0f}" if 1e6 <= abs(value) < 1e15 else f"{value:.7g}"
+    return str(value)
+
+
+def check_page_folder(folder: Path) -> None:
+    """Refuse a folder for a report before any work is spent on it; it need not be there yet.
+
+    Raises
+    ------
+    OutputError
+        It, or a folder that it is to be made in, is a file or cannot be written into.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise OutputError(f"{folder}: is a file; give a folder for the report")
+    place = next(p for p in (folder, *folder.absolute().parents) if p.exists())
+    if not place.is_dir():
+        raise OutputError(f"{folder}: {place} is a file; give another folder for the report")
+    if not os.access(place, os.W_OK):
+        raise OutputError(f"{folder}: {place} is not writable; give another folder for the report")
+
+
+def write_page(folder: Path, page: str, sections: Sequence[Section]) -> Path:
+    """Write the page and its pictures into `folder`; a killed run leaves the old page.
+
+    Everything is written beside its place first; the page, renamed last, never refers to files
+    that are not there, because it carries its pictures inside.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    OutputError
+        As `check_page_folder`, or the disk is full.
+    """
+    check_page_folder(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        scratch = Path(tempfile.mkdtemp(prefix=".report-", dir=folder))
+        try:
+            for picture in (p for section in sections for p in section.pictures):
+                (scratch / f"{picture.stem}.png").write_bytes(picture.png)
+            (scratch / PAGE).write_text(page, encoding="utf-8")
+            for made in sorted(scratch.iterdir(), key=lambda path: path.name == PAGE):
+                made.replace(folder / made.name)
+        finally:
+            shutil.rmtree(scratch, ignore_errors=True)
+    except OSError as error:
+        reason = error.strerror or error
+        raise OutputError(f"{folder}: the report cannot be written: {reason}") from error
+    return folder / PAGE

@@ -1,0 +1,38 @@
+"""Pictures as files of their own, for commands that make no page."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from compass.errors import OutputError
+from compass.pages.section import Picture
+from compass.saving import check_writable, replacing
+
+
+def check_folder(folder: Path) -> None:
+    """Refuse a folder for pictures before any work is spent on it.
+
+    Raises
+    ------
+    OutputError
+        The path is a file, or cannot be written into or made.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise OutputError(f"{folder}: is a file; give a folder for the pictures")
+    check_writable(folder / "picture.png" if folder.is_dir() else folder)
+
+
+def write_pictures(pictures: Sequence[Picture], folder: Path) -> None:
+    """Write each picture as ``STEM.png`` into `folder`, which is made if its parent exists.
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be made or written into.
+    """
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be made: {error.strerror or error}") from error
+    for image in pictures:
+        with replacing(folder / f"{image.stem}.png") as temporary:
+            temporary.write_bytes(image.png)

@@ -1,0 +1,255 @@
+"""The design trade report of a study: fronts, the best, sensitivity, maps, recommendation."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import compass
+from compass.inputs.merit import MERITS, STAGES
+from compass.inputs.study import Free, Study
+from compass.pages.page import render
+from compass.pages.section import Section, Table
+from compass.pages.trade_finalists import (
+    Entrant,
+    entrants,
+    handover_files,
+    handover_section,
+    landing_sections,
+    number,
+    rank_finalists,
+    recommendation,
+)
+from compass.pages.trade_interactive import interactive_front
+from compass.pages.trade_pictures import (
+    front_pictures,
+    map_comparison,
+    sensitivity_pictures,
+    share_picture,
+)
+from compass.study.candidates import make_constellation
+from compass.study.choice import Finalist, finalists_of, notation, rows_in
+from compass.study.results import read_results
+from compass.study.yardstick import Yardstick, yardstick
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Rows of a table of the best.
+BEST = 10
+
+
+@dataclass(frozen=True)
+class TradeReport:
+    """A study's report.
+
+    Attributes
+    ----------
+    page, sections
+        HTML text, and what it was made of.
+    summary
+        The numbers, as plain values.
+    files
+        Texts of the files handed over, by name, which may name a folder.
+    """
+
+    page: str
+    sections: list[Section]
+    summary: dict[str, Any]
+    files: dict[str, str]
+
+
+def trade_report(
+    study: Study,
+    folder: Path,
+    command: str = "",
+    *,
+    progress: Callable[[str], None] = lambda step: None,
+) -> TradeReport:
+    """Make the report of a study.
+
+    Parameters
+    ----------
+    study
+        The study.
+    folder
+        Its store.
+    command
+        The command line, for provenance.
+    progress
+        Told the name of each part before it is made.
+
+    Raises
+    ------
+    ArgumentError
+        There is no store, or it is of another study or version.
+    """
+    progress("results")
+    results = read_results(study, folder)
+    progress("finalists")
+    chosen, measure = entrants(study, finalists_of(study, results)), yardstick(study)
+    ranked = rank_finalists(study, chosen, progress)
+    ranking = None if ranked is None else ranked[0]
+    sections = [recommendation(study, chosen, measure, ranking), _looked_at(study, results)]
+    if chosen:
+        finalists = [e.finalist for e in chosen]
+        progress("fronts")
+        sections.append(_fronts(study, results, finalists, measure))
+        sections.append(_best(study, results))
+        progress("sensitivity")
+        sections.append(_sensitivity(study, results))
+        progress("maps")
+        sections.append(_maps(study, finalists, measure))
+        if ranked is not None:
+            sections += landing_sections(study, *ranked, progress)
+        sections.append(handover_section(chosen))
+    page = render(
+        study.name,
+        " ".join(study.source.split()) or "No source given.",
+        sections,
+        [
+            ("command", command or "made from Python"),
+            ("version", f"compass {compass.__version__}"),
+            ("study file", study.label),
+            ("SHA-256 of the study", study.digest),
+            ("reference figure", study.figure.title),
+        ],
+        study.text,
+    )
+    summary = _summary(study, results, chosen, measure, ranking)
+    return TradeReport(page, sections, summary, handover_files(chosen))
+
+
+def _looked_at(study: Study, results: "xr.Dataset") -> Section:
+    stage = np.array([STAGES.index(s) for s in results.stage.values])
+    total = results.sizes["candidate"]
+    rows: list[tuple[object, ...]] = [("looked at", total)]
+    rows += [
+        (f"reached stage {name}", int((stage >= k).sum())) for k, name in enumerate(STAGES) if k > 1
+    ]
+    rows += [
+        ("raised an error", int((results.error.values != "").sum())),
+        ("meet every constraint", int(results.feasible.sum())),
+        ("on the first Pareto front", int((results.front.values == 0).sum())),
+    ]
+    fails = []
+    for c in study.constraints:
+        values = results[c.figure].values
+        known = values[~np.isnan(values)]
+        held = sum(c.holds(float(v)) for v in known)
+        fails.append((str(c), int(known.size), int(held), int(known.size - held)))
+    tables = [Table("Candidates", ("", "number"), tuple(rows))]
+    if fails:
+        header = ("constraint", "candidates it was tried on", "met it", "failed it")
+        tables.append(Table("Constraints", header, tuple(fails)))
+    failed = results.isel(candidate=np.flatnonzero(results.error.values != ""))
+    if failed.sizes["candidate"]:
+        lines = tuple(
+            (str(i), str(e))
+            for i, e in zip(failed.identity.values[:20], failed.error.values[:20], strict=True)
+        )
+        tables.append(Table("Errors, first 20", ("candidate", "error"), lines))
+    text = (
+        "Every candidate went through the exact screen (costs, fold, margin); those that met its "
+        "constraints were mapped over area and time; the best fronts of these were judged as "
+        "beacons of a lander, where the study asks for it."
+    )
+    return Section("What was looked at", (text,), (), tuple(tables))
+
+
+def _fronts(
+    study: Study, results: "xr.Dataset", chosen: Sequence[Finalist], measure: Yardstick | None
+) -> Section:
+    front = results.isel(candidate=np.flatnonzero(results.front.values == 0))
+    order = np.lexsort([o.sign * front[o.figure].values for o in study.objectives[::-1]])
+    table = _candidate_table(
+        "The first Pareto front, first 40", study, front.isel(candidate=order[:40])
+    )
+    text = (
+        "None is better than one of the first front in an objective and as good in all others; "
+        "one of the front need not be the best in any two of them alone."
+    )
+    interactive = interactive_front(study, results, chosen, measure)
+    return Section(
+        "Pareto fronts",
+        (text,),
+        front_pictures(study, results, chosen, measure),
+        (table,),
+        () if interactive is None else (interactive,),
+    )
+
+
+def _candidate_table(title: str, study: Study, some: "xr.Dataset") -> Table:
+    names = [*dict.fromkeys([*(o.figure for o in study.objectives), "mask_margin_deg"])]
+    labels = [MERITS[name].heading for name in names]
+    if isinstance(study.space.mask_deg, Free) or len(study.space.mask_deg) > 1:
+        names, labels = ["mask_deg", *names], ["mask, deg", *labels]
+    rows = [
+        (
+            notation(make_constellation(row)).replace(" ", "\N{NO-BREAK SPACE}"),
+            *(number(float(some[name].values[k])) for name in names),
+        )
+        for k, row in enumerate(rows_in(some))
+    ]
+    return Table(title, ("constellation", *labels), tuple(rows))
+
+
+def _best(study: Study, results: "xr.Dataset") -> Section:
+    good = results.isel(candidate=np.flatnonzero(results.front.values >= 0))
+    tables = []
+    for objective in study.objectives:
+        rest = [o for o in study.objectives if o is not objective]
+        keys = [o.sign * good[o.figure].values for o in [*rest[::-1], objective]]
+        some = good.isel(candidate=np.lexsort(keys)[:BEST])
+        title = f"{objective.goal.capitalize()} {MERITS[objective.figure].title}"
+        tables.append(_candidate_table(title, study, some))
+    return Section(
+        "The best by objective", ("Ties by the other objectives in order.",), (), tuple(tables)
+    )
+
+
+def _sensitivity(study: Study, results: "xr.Dataset") -> Section:
+    text = (
+        "How the constraints and the objectives depend on each variable alone, over all "
+        "candidates with that value, whatever the others are."
+    )
+    pictures = (share_picture(results), *sensitivity_pictures(study, results))
+    return Section("Sensitivity", (text,), pictures)
+
+
+def _maps(study: Study, chosen: Sequence[Finalist], measure: Yardstick | None) -> Section:
+    shown: list[Finalist | Yardstick] = [*chosen[:5], *([measure] if measure else [])]
+    return Section("The finalists' maps", (), (map_comparison(study, shown),))
+
+
+def _summary(
+    study: Study,
+    results: "xr.Dataset",
+    chosen: Sequence[Entrant],
+    measure: Yardstick | None,
+    ranking: dict[str, Any] | None,
+) -> dict[str, Any]:
+    """Return the numbers of the report as plain values."""
+
+    def facts(f: Finalist | Yardstick) -> dict[str, Any]:
+        return {"role": f.role, "constellation": f.notation, **f.variables, "figures": f.figures}
+
+    stage = [STAGES.index(s) for s in results.stage.values]
+    return {
+        "study": study.name,
+        "study_sha256": study.digest,
+        "version": compass.__version__,
+        "candidates": results.sizes["candidate"],
+        "feasible": int(results.feasible.sum()),
+        "judged": stage.count(STAGES.index("entry")),
+        "errors": int((results.error.values != "").sum()),
+        "first_front": int((results.front.values == 0).sum()),
+        "finalists": [
+            facts(e.finalist) | {"certificate": e.certificate, "design": e.design.label}
+            for e in chosen
+        ],
+        "compared_with": None if measure is None else facts(measure),
+        "landing": ranking,
+    }

@@ -1,0 +1,286 @@
+"""The part of a trade report on the finalists: recommendation, comparison, landing, hand-over."""
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from compass.coverage.certificate import prove_fold
+from compass.handover.czml import czml
+from compass.handover.geojson import geojson
+from compass.handover.instants import sample_times
+from compass.handover.oem import oem
+from compass.handover.toml import constellation_toml
+from compass.inputs import Design, read_design_text
+from compass.inputs.merit import MERITS
+from compass.inputs.study import Study
+from compass.pages.judge import judge_section, surface_section
+from compass.pages.section import Section, Table
+from compass.sites import Mask
+from compass.study.choice import Finalist
+from compass.study.ranking import rank_designs
+from compass.study.results import known_figures
+from compass.study.yardstick import Yardstick, compared_mask_deg
+
+
+@dataclass(frozen=True)
+class Entrant:
+    """A finalist as a design.
+
+    Attributes
+    ----------
+    finalist
+        The candidate and its figures.
+    design
+        Read from the design file that the report hands over, whose name is its label.
+    certificate
+        Outcome of the certificate of its fold, whose rounding is on the safe side.
+    """
+
+    finalist: Finalist
+    design: Design
+    certificate: str
+
+
+def entrants(study: Study, chosen: Sequence[Finalist]) -> list[Entrant]:
+    """Write each finalist down as a design file, and prove its fold."""
+    found = []
+    for k, finalist in enumerate(chosen, start=1):
+        c = replace(finalist.constellation, name=finalist.notation)
+        mask = float(np.radians(finalist.mask_deg))
+        source = f'"{finalist.role}" of the trade study "{study.name}" ({study.label})'
+        text = constellation_toml(
+            c, study.figure, mask=Mask.constant(mask), fold=study.fold, source=source
+        )
+        certificate = prove_fold(
+            c, study.fold, sphere_radius=study.figure.equatorial_radius, mask=mask
+        )
+        found.append(
+            Entrant(finalist, read_design_text(text, f"finalist-{k}.toml"), certificate.outcome)
+        )
+    return found
+
+
+def recommendation(
+    study: Study,
+    chosen: Sequence[Entrant],
+    measure: Yardstick | None,
+    ranking: dict[str, Any] | None,
+) -> Section:
+    """Say what to build and why, and show each finalist beside the others and the yardstick.
+
+    Parameters
+    ----------
+    study
+        The study.
+    chosen
+        Its finalists, the recommended one first.
+    measure
+        The design to compare with, put through the same stages, if there is one.
+    ranking
+        Of `rank_finalists`, if there is one.
+    """
+    if not chosen:
+        text = (
+            "No candidate meets every constraint and has a value of every objective; see below why."
+        )
+        return Section("Recommendation", (text,))
+    first = chosen[0].finalist
+    of_each = "; ".join(
+        f"{MERITS[o.figure].title}: {worth(o.figure, first.figures[o.figure])}"
+        for o in study.objectives
+    )
+    paragraphs = [
+        f"Build {first.row['satellites']} satellites in {first.row['planes']} plane"
+        f"{'s' if first.row['planes'] > 1 else ''}: {first.notation} ({chosen[0].design.label}).",
+        f"By objective: {of_each}. It is the balanced choice of the Pareto front: the largest of "
+        "its shortfalls from the front's best, each in ranges of the front, is the smallest.",
+        f"Its {study.fold}-fold coverage above {first.mask_deg:g} deg is "
+        f"{chosen[0].certificate} for all time by a certificate whose rounding is on the safe "
+        "side (two-body motion).",
+    ]
+    if measure is not None:
+        paragraphs.append(f"Beside {measure.role} it is {against(study, first, measure)}.")
+    if ranking is not None:
+        row = next(row for row in ranking["designs"] if row["given"] == 1)
+        paragraphs.append(
+            f"Does a lander anywhere and at any time know its position to {ranking['goal_m']:g} m "
+            f"at {ranking['deployment']}? {row['answer'][0].upper()}{row['answer'][1:]}."
+        )
+    tables = (_objective_table(study, chosen, measure), _figure_table(study, chosen, measure))
+    return Section("Recommendation", tuple(paragraphs), (), tables)
+
+
+def worth(name: str, value: float) -> str:
+    """Value of a figure of merit with its unit, for a sentence."""
+    unit = MERITS[name].unit
+    return f"{value:.5g}" + ("" if unit == "1" else f" {unit}")
+
+
+def change(a: float, b: float) -> str:
+    """How far a is from b in percent, in brackets; nothing where that says nothing."""
+    if not (np.isfinite(a) and np.isfinite(b) and b) or a == b:
+        return ""
+    percent = 100 * (a - b) / abs(b)
+    return f" ({percent:+.{0 if abs(percent) >= 1 else 1}f} %)"
+
+
+def against(study: Study, one: Finalist, other: Finalist | Yardstick) -> str:
+    """How one compares with another, objective by objective, in words."""
+    words = ("better in", "worse in", "equal in", "not comparable in")
+    groups: dict[str, list[str]] = {word: [] for word in words}
+    for o in study.objectives:
+        a, b = one.figures[o.figure], other.figures[o.figure]
+        title = MERITS[o.figure].title
+        if np.isnan(a) or np.isnan(b):
+            groups["not comparable in"].append(title)
+        elif a == b:
+            groups["equal in"].append(title)
+        else:
+            word = "better in" if o.sign * a < o.sign * b else "worse in"
+            values = f"{worth(o.figure, a)} against {worth(o.figure, b)}{change(a, b)}"
+            groups[word].append(f"{title}: {values}")
+    return "; ".join(f"{word} {', '.join(some)}" for word, some in groups.items() if some)
+
+
+def verdict(study: Study, one: Finalist, other: Finalist | Yardstick) -> str:
+    """Whether one beats another in all objectives, loses in all, or is a trade."""
+    pairs = [
+        (o.sign * one.figures[o.figure], o.sign * other.figures[o.figure]) for o in study.objectives
+    ]
+    if any(np.isnan(a) or np.isnan(b) for a, b in pairs):
+        return "not comparable"
+    if all(a <= b for a, b in pairs) and any(a < b for a, b in pairs):
+        return "beats it in all"
+    if all(a >= b for a, b in pairs) and any(a > b for a, b in pairs):
+        return "loses in all"
+    if all(a == b for a, b in pairs):
+        return "equal"
+    return "a trade"
+
+
+def _objective_table(study: Study, chosen: Sequence[Entrant], measure: Yardstick | None) -> Table:
+    """Finalists by objective, beside the yardstick if there is one."""
+    names = [o.figure for o in study.objectives]
+    rows = []
+    for e in chosen:
+        one = e.finalist
+        other = measure or one
+        values = [f"{one.figures[n]:.5g}{change(one.figures[n], other.figures[n])}" for n in names]
+        beside = (verdict(study, one, measure),) if measure else ()
+        rows.append((e.design.label, one.role, one.notation, *values, *beside))
+    title = "The finalists by objective"
+    header = ["design", "best at", "constellation", *(MERITS[n].heading for n in names)]
+    if measure is not None:
+        own = (f"{measure.figures[n]:.5g}" for n in names)
+        rows.append((measure.role, "to compare with", measure.notation, *own, ""))
+        title += f", and the change from {measure.role}"
+        header.append(f"beside {measure.role}")
+    return Table(title, tuple(header), tuple(rows))
+
+
+def _figure_table(study: Study, chosen: Sequence[Entrant], measure: Yardstick | None) -> Table:
+    """Every figure of merit of the finalists and the yardstick."""
+    columns: list[Finalist | Yardstick] = [e.finalist for e in chosen]
+    columns += [measure] if measure else []
+    rows: list[tuple[object, ...]] = [("constellation", *(f.notation for f in columns))]
+    rows += [
+        (MERITS[name].heading, *(number(f.figures[name]) for f in columns))
+        for name in known_figures(study)
+    ]
+    rest = ("",) if measure else ()
+    rows.append(("certificate of the fold", *(e.certificate for e in chosen), *rest))
+    names = [*(e.design.label for e in chosen), *([measure.role] if measure else [])]
+    return Table("Every figure of the finalists", ("figure of merit", *names), tuple(rows))
+
+
+def number(value: float) -> object:
+    """Five digits of a number for a table, a dash for none."""
+    return "–" if np.isnan(value) else float(f"{value:.5g}")
+
+
+def rank_finalists(
+    study: Study, chosen: Sequence[Entrant], progress: Callable[[str], None]
+) -> tuple[dict[str, Any], list[Design]] | None:
+    """Judge the finalists and the yardstick again, closely, with the filter; None without entry.
+
+    Where the study draws few entries a candidate, to sort thousands, here are many, other ones
+    in part, with the search for the worst, every loss of a satellite, and the filter itself.
+    """
+    if study.entry is None or not chosen:
+        return None
+    designs = [e.design for e in chosen]
+    if study.compare is not None:
+        mask = Mask.constant(float(np.radians(compared_mask_deg(study))))
+        label = study.compare.label
+        if label in {design.label for design in designs}:
+            label = f"./{label}"  # a finalist handed over before, compared with those of now
+        designs.append(
+            replace(study.compare, figure=study.figure, fold=study.fold, mask=mask, label=label)
+        )
+
+    def told(items: Iterable[Any], total: int, desc: str) -> Iterator[Any]:
+        for k, item in enumerate(items, start=1):
+            progress(f"{desc}: {k} of {total}")
+            yield item
+
+    runs = study.entry.filter_runs
+    ranking = rank_designs(
+        designs,
+        study.entry.scenario,
+        samples=study.entry.finalist_samples,
+        seed=study.seed,
+        goal=study.entry.goal,
+        density_sigma=study.entry.density_sigma,
+        lift_sigma=study.entry.lift_sigma,
+        finalists=len(designs) if runs else 0,
+        runs=max(runs, 1),
+        threads=os.cpu_count() or 1,
+        progress=told,
+    )
+    return ranking, designs
+
+
+def landing_sections(
+    study: Study,
+    ranking: dict[str, Any],
+    designs: Sequence[Design],
+    progress: Callable[[str], None],
+) -> list[Section]:
+    """Sections on the finalists' landers and on users on the surface."""
+    assert study.entry is not None
+    landing = judge_section(
+        ranking, designs, study.entry.scenario, threads=os.cpu_count() or 1, progress=progress
+    )
+    return [landing, surface_section(ranking)]
+
+
+def handover_files(chosen: Sequence[Entrant]) -> dict[str, str]:
+    """Texts of the files handed over, by name: every finalist, the first for other programs too."""
+    files = {e.design.label: e.design.text for e in chosen}
+    if chosen:
+        first = chosen[0].design
+        stem = first.label.removesuffix(".toml")
+        times = sample_times(first.constellation)
+        files[f"{stem}.czml"] = czml(first, times)
+        files[f"{stem}.geojson"] = geojson(first, times)
+        files |= {f"{stem}-oem/{name}": text for name, text in oem(first, times).items()}
+    return files
+
+
+def handover_section(chosen: Sequence[Entrant]) -> Section:
+    """Say which file is which finalist, and how the others go to other programs."""
+    rows = tuple((e.design.label, e.finalist.role, e.finalist.notation) for e in chosen)
+    first = chosen[0].design.label
+    out = first.removesuffix(".toml")
+    text = (
+        "Beside this page each finalist lies as a design file, which every command reads. The one "
+        f"recommended is there for other programs too: {out}-oem (CCSDS OEM, a message a "
+        f"satellite), {out}.czml (on the Mars ellipsoid), {out}.geojson (footprints and gaps in "
+        "the Mars CRS). For another finalist, or another span: "
+        f"compass export {first} --format oem -o FOLDER."
+    )
+    table = Table("Design files", ("file", "finalist", "constellation"), rows)
+    return Section("Hand-over", (text,), (), (table,))

@@ -1,0 +1,263 @@
+"""Pictures of a trade: fronts, sensitivity to each variable, maps side by side."""
+
+from collections.abc import Sequence
+from itertools import combinations
+from textwrap import fill
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import LogNorm
+from matplotlib.ticker import MaxNLocator, ScalarFormatter
+
+from compass.coverage.grid import equal_angle_grid
+from compass.coverage.maps import coverage_map
+from compass.coverage.view import view
+from compass.inputs.merit import MERITS
+from compass.inputs.study import Study
+from compass.orbits import repeat_period
+from compass.pages.mars_map import MarsMap
+from compass.pages.section import Picture, picture
+from compass.pages.style import CYCLE, FAINT, INK, MARS, look, new_figure
+from compass.sites import Mask
+from compass.study.choice import Finalist
+from compass.study.yardstick import Yardstick
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Variables whose influence is shown, with their axis labels.
+VARIABLES = {
+    "satellites": "satellites",
+    "planes": "planes",
+    "phasing": "phasing F",
+    "inclination_deg": "inclination, deg",
+    "radius_km": "orbit radius, km",
+    "mask_deg": "mask, deg",
+    "pattern": "pattern",
+}
+
+#: Epochs and cells, degrees, of the finalists' maps.
+EPOCHS, CELL_DEG = 127, 5.0
+
+#: A free variable is shown in so many classes.
+CLASSES = 12
+
+
+def _label(name: str, width: int = 44) -> str:
+    """Title of a figure of merit with its unit, in lines of `width` letters."""
+    return fill(MERITS[name].heading, width)
+
+
+def front_pictures(
+    study: Study, results: "xr.Dataset", chosen: Sequence[Finalist], measure: Yardstick | None
+) -> tuple[Picture, ...]:
+    """One picture a pair of objectives: all with values, the first front, the finalists."""
+    good = results.front.values >= 0
+    front = results.front.values == 0
+    made = []
+    for a, b in combinations([o.figure for o in study.objectives], 2):
+        x, y = results[a].values, results[b].values
+        figure = new_figure(7.2, 4.8)
+        with look():
+            axes = figure.add_subplot()
+            axes.plot(x[good], y[good], ".", ms=3, color=FAINT, alpha=0.5, label="feasible")
+            axes.plot(x[front], y[front], "o", ms=4, color=CYCLE[0], label="first Pareto front")
+            for k, one in enumerate(chosen):
+                axes.plot(
+                    one.figures[a], one.figures[b], "D", ms=8, mfc=CYCLE[(k + 1) % len(CYCLE)],
+                    mec=INK, label=f"{one.notation}",
+                )  # fmt: skip
+            if measure is not None:
+                axes.plot(
+                    measure.figures[a],
+                    measure.figures[b],
+                    "*",
+                    ms=14,
+                    mfc=MARS,
+                    mec=INK,
+                    label=measure.role,
+                )
+            if np.nanmax(y[good]) > 5 * np.nanmin(y[good]) > 0:
+                axes.set_yscale("log")
+                axes.yaxis.set_major_formatter(ScalarFormatter())
+                axes.yaxis.set_minor_formatter(ScalarFormatter())
+            axes.set(xlabel=_label(a, 60), ylabel=_label(b))
+            axes.grid(True)
+            axes.legend(frameon=False, fontsize=7.5, loc="center left", bbox_to_anchor=(1.01, 0.5))
+        made.append(
+            picture(
+                figure,
+                f"front-{a}-{b}".replace(".", "-").replace("_", "-"),
+                f"{MERITS[b].title} against {MERITS[a].title}",
+                f"{MERITS[b].title} against {MERITS[a].title}.",
+            )
+        )
+    return tuple(made)
+
+
+def _classes(results: "xr.Dataset", name: str) -> tuple[np.ndarray, list[Any]]:
+    """Class of each candidate by a variable, and what each class is called."""
+    values = results[name].values
+    distinct, index = np.unique(values, return_inverse=True)
+    if distinct.size <= 40 or distinct.dtype == object:
+        return index, list(distinct)
+    edges = np.linspace(values.min(), values.max(), CLASSES + 1)
+    return np.clip(np.searchsorted(edges, values, "right") - 1, 0, CLASSES - 1), list(
+        (edges[1:] + edges[:-1]) / 2
+    )
+
+
+def _varied(results: "xr.Dataset") -> list[str]:
+    return [name for name in VARIABLES if np.unique(results[name].values).size > 1]
+
+
+def _panels(count: int, height: float) -> tuple[Any, list[Any]]:
+    columns = min(3, count)
+    rows = -(-count // columns)
+    figure = new_figure(3.9 * columns, height * rows)
+    return figure, list(np.atleast_1d(figure.subplots(rows, columns, squeeze=False)).ravel())
+
+
+def _axis(axes: Any, name: str, names: list[Any]) -> np.ndarray:
+    """Where on the axis each class goes."""
+    axes.set_xlabel(VARIABLES[name])
+    axes.grid(True)
+    if isinstance(names[0], str):
+        axes.set_xticks(range(len(names)), [str(n).removeprefix("walker-") for n in names])
+        axes.set_xlim(-0.6, len(names) - 0.4)
+        return np.arange(len(names), dtype=float)
+    if name in ("satellites", "planes", "phasing"):
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    return np.array(names, dtype=float)
+
+
+def share_picture(results: "xr.Dataset") -> Picture:
+    """Share of the candidates that meet every constraint, by each variable."""
+    names = _varied(results)
+    feasible = results.feasible.values
+    with look():
+        figure, panels = _panels(max(len(names), 1), 2.7)
+        for axes in panels[len(names) :]:
+            axes.set_axis_off()
+        for axes, name in zip(panels, names, strict=False):
+            index, labels = _classes(results, name)
+            total = np.bincount(index, minlength=len(labels))
+            share = np.bincount(index, feasible, len(labels)) / np.maximum(total, 1)
+            axes.plot(_axis(axes, name, labels), 100 * share, "o-", ms=4, color=CYCLE[0])
+            axes.set_ylabel("meet all, %")
+            axes.set_ylim(bottom=0)
+        figure.suptitle("Share of the candidates that meet every constraint", weight="bold")
+    return picture(
+        figure,
+        "sensitivity-share",
+        "Share of candidates that meet every constraint, by variable",
+        "Over all candidates looked at.",
+    )
+
+
+def sensitivity_pictures(study: Study, results: "xr.Dataset") -> list[Picture]:
+    """Best and median of each objective against each variable, over the feasible."""
+    good = results.isel(candidate=np.flatnonzero(results.front.values >= 0))
+    names = _varied(good)
+    made = []
+    for objective in study.objectives if names else ():
+        shown = [name for name in names if name != objective.figure]
+        if not shown:
+            continue
+        with look():
+            figure, panels = _panels(len(shown), 2.7)
+            for axes in panels[len(shown) :]:
+                axes.set_axis_off()
+            for axes, name in zip(panels, shown, strict=False):
+                index, labels = _classes(good, name)
+                values = good[objective.figure].values
+                groups = [values[index == k] for k in range(len(labels))]
+                at = _axis(axes, name, labels)
+                full = np.array([g.size > 0 for g in groups])
+                pick = np.min if objective.sign > 0 else np.max
+                axes.plot(
+                    at[full],
+                    [pick(g) for g in groups if g.size],
+                    "o-",
+                    ms=4,
+                    color=MARS,
+                    label="best",
+                )
+                axes.plot(
+                    at[full],
+                    [np.median(g) for g in groups if g.size],
+                    "s--",
+                    ms=3,
+                    color=CYCLE[0],
+                    label="median",
+                )
+                axes.set_ylabel(_label(objective.figure, 30), fontsize=8)
+            panels[0].legend(frameon=False, fontsize=8)
+            title = MERITS[objective.figure].title
+            figure.suptitle(f"{title[0].upper()}{title[1:]}, by variable", weight="bold")
+        made.append(
+            picture(
+                figure,
+                f"sensitivity-{objective.figure}".replace(".", "-").replace("_", "-"),
+                f"{title}, by variable",
+                "Best and median of the candidates that meet every constraint and were judged in "
+                "every objective.",
+            )
+        )
+    return made
+
+
+def map_comparison(study: Study, shown: Sequence[Finalist | Yardstick]) -> Picture:
+    """GDOP maps of finalists side by side, on one scale of colours."""
+    grid = equal_angle_grid(float(np.radians(CELL_DEG)))
+    fields = []
+    for one in shown:
+        c = one.constellation
+        duration = repeat_period(c).duration
+        mask = Mask.constant(float(np.radians(one.mask_deg)))
+        # a prime number of epochs, between the moments of symmetry, meets none too often
+        times = (np.arange(EPOCHS) + 0.5) * duration / EPOCHS
+        seen = view(c, times, study.figure.equatorial_radius, mask)
+        data = coverage_map(seen, grid, period=duration, fold=study.fold)
+        fields.append(data.gdop.sel(percentile=95).values)
+    everything = np.concatenate([f[np.isfinite(f)].ravel() for f in fields])
+    low, high = (
+        (everything.min(), max(np.quantile(everything, 0.98), 1.05 * everything.min()))
+        if everything.size
+        else (1.0, 10.0)
+    )
+    columns = 2 if len(shown) > 1 else 1
+    rows = -(-len(shown) // columns)
+    with look():
+        figure = new_figure(5.2 * columns, 2.9 * rows + 0.7)
+        panels = figure.subplots(rows, columns, squeeze=False).ravel()
+        colours = colormaps["magma_r"].with_extremes(bad="#8a8f98")
+        for axes in panels[len(shown) :]:
+            axes.set_axis_off()
+        for axes, one, field in zip(panels, shown, fields, strict=False):
+            chart = MarsMap(axes, study.figure.name)
+            mesh = chart.field(
+                np.degrees(grid.longitude_edges),
+                np.degrees(grid.latitude_edges),
+                np.ma.masked_invalid(field),
+                cmap=colours,
+                norm=LogNorm(low, high),
+            )
+            chart.graticule(60)
+            axes.set_title(f"{one.notation}\n{one.role}", fontsize=8)
+        bar = figure.colorbar(
+            mesh, ax=list(panels), orientation="horizontal", shrink=0.6, aspect=40, extend="max"
+        )
+        ticks = np.geomspace(low, high, 6)
+        bar.set_ticks(ticks.tolist(), labels=[f"{tick:.3g}" for tick in ticks])
+        bar.ax.minorticks_off()
+        bar.set_label("GDOP, 95th percentile over the ground tracks' repeat period")
+    return picture(
+        figure,
+        "finalist-maps",
+        "GDOP maps of the finalists",
+        f"Below this GDOP 95 % of the time, all on one scale; grey: not for so long. {CELL_DEG:g}-"
+        f"degree cells, {EPOCHS} epochs in the period after which the ground tracks repeat.",
+        wide=True,
+    )

@@ -1,0 +1,60 @@
+"""The access section of a report."""
+
+from dataclasses import replace
+
+import pytest
+
+from compass.bodies import SOLAR_DAY
+from compass.contacts.radio import Radio
+from compass.contacts.survey import Wanted
+from compass.inputs import read_design
+from compass.orbits import from_elements
+from compass.pages.access import MAX_ROWS, access_section
+
+
+@pytest.fixture(scope="module")
+def design():
+    return replace(
+        read_design("designs/compass-15-5-1.toml"),
+        access=Wanted(("phobos",), True, False),
+        access_duration=1.5 * SOLAR_DAY.value,
+    )
+
+
+def test_every_node_has_its_timeline(design):
+    radios = (Radio(("station", "satellite"), 4e8, 7.0, -15.0, 45.0),)
+    section = access_section(replace(design, radios=radios))
+    stems = [p.stem for p in section.pictures]
+    assert stems == [
+        "access-north-pole",
+        "access-equator-0-e",
+        "access-equator-180-e",
+        "access-phobos",
+        "access-earth",
+        "access-link-station-satellite-400",
+    ]
+    assert all(p.png.startswith(b"\x89PNG") for p in section.pictures)
+    assert [t.title for t in section.tables] == [
+        "Satellites in sight",
+        "Reaching the Earth",
+        "Store and forward between stations",
+        "In Mars's shadow",
+        "Radio links along their windows",
+    ]
+    for table in section.tables:
+        assert all(len(row) == len(table.header) for row in table.rows)
+    assert "North pole sees 15 of 15 satellites" in section.paragraphs[0]
+
+
+def test_a_large_constellation_is_cut_and_said_so(design):
+    many = from_elements(1e7, 0.0, 0.5, [0.1 * k for k in range(MAX_ROWS + 3)], 0.0, 0.0)
+    crowd = replace(
+        design, constellation=many, stations=design.stations[:1], access=Wanted(),
+        access_duration=0.1 * SOLAR_DAY.value,
+    )  # fmt: skip
+    section = access_section(crowd)
+    assert f"The first {MAX_ROWS} of {MAX_ROWS + 3} satellites" in section.pictures[0].caption
+
+
+def test_a_design_that_links_nothing_has_no_section(design):
+    assert access_section(replace(design, stations=(), access=Wanted())) is None

@@ -1,0 +1,166 @@
+import re
+from html.parser import HTMLParser
+
+import pytest
+
+import compass
+from compass.errors import OutputError
+from compass.inputs import read_design_text
+from compass.pages.design_report import design_report
+from compass.pages.page import cell, write_page
+from compass.pages.section import Picture, Section
+from compass.study.mapping import MapOptions
+
+SMALL = MapOptions(step_deg=15, epochs=4)
+
+
+class Links(HTMLParser):
+    """Everything a browser would load."""
+
+    def __init__(self):
+        super().__init__()
+        self.sources = []
+        self.images = 0
+
+    def handle_starttag(self, tag, attrs):
+        values = dict(attrs)
+        self.images += tag == "img"
+        self.sources += [values[k] for k in ("src", "href") if k in values]
+
+
+@pytest.fixture(scope="module")
+def page(seed_design):
+    return design_report(seed_design, "compass report x", SMALL)
+
+
+@pytest.fixture
+def brief(monkeypatch):
+    """Leave out the parts whose kernels are slow when interpreted; they have tests of their own."""
+    home = "compass.pages.design_report"
+    monkeypatch.setattr(f"{home}.fold_section", lambda design: Section("Continuous fold"))
+    monkeypatch.setattr(f"{home}.access_section", lambda design: None)
+    monkeypatch.setattr("compass.papers.kelly2018._fold_rows", list)
+
+
+def test_brief_page_tells_where_its_numbers_come_from(brief, seed_design):
+    text, _ = design_report(seed_design, "compass report x", SMALL)
+    for part in ("60,422,2", "erratum", seed_design.digest, "compass report x", "North pole"):
+        assert part in text
+
+
+@pytest.mark.slow
+def test_page_is_self_contained(page):
+    text, sections = page
+    links = Links()
+    links.feed(text)
+    assert links.images == sum(len(s.pictures) for s in sections) >= 12
+    assert all(link.startswith(("data:", "#")) for link in links.sources)
+    assert not re.search(r"<script|@import|url\(", text)
+
+
+@pytest.mark.slow
+def test_page_tells_everything(page, seed_design):
+    text, sections = page
+    titles = [section.title for section in sections]
+    assert titles[:3] == ["Constellation", "Caps and gaps", "Coverage"]
+    for part in ("60,422,2", "erratum", seed_design.digest, "compass report x", "North pole"):
+        assert part in text
+    assert len({p.stem for s in sections for p in s.pictures}) == sum(
+        len(s.pictures) for s in sections
+    )
+    for section in sections:
+        for picture in section.pictures:
+            assert picture.png.startswith(b"\x89PNG")
+            assert picture.caption
+
+
+def test_text_of_a_design_is_escaped(designs, brief):
+    evil = '<script>alert("x")</script>'
+    text = (designs / "areostationary-trio.toml").read_text()
+    text = text.replace("Three areostationary relays", evil.replace('"', '\\"'))
+    text = text.replace('name = "Phoenix"', "name = '<img src=x onerror=alert(1)>'")
+    page, _ = design_report(read_design_text(text), "", SMALL)
+    assert "<script>" not in page
+    assert "<img src=x" not in page
+    assert "&lt;script&gt;" in page
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name", ["relay-orbiters", "walker-star-iridium", "draim-four", "rosette-12-3-quarter"]
+)
+def test_every_kind_of_design_makes_a_page(designs, name):
+    steps = []
+    design = compass.read_design(designs / f"{name}.toml")
+    page, sections = design_report(design, "", SMALL, progress=steps.append)
+    assert design.name.replace("'", "&#39;") in page
+    assert len(steps) == 8
+    assert len(sections) >= 3
+
+
+def test_report_command_writes_the_page_and_the_pictures(run, designs, tmp_path, brief):
+    import json
+
+    folder = tmp_path / "out"
+    arguments = ["report", designs / "draim-four.toml", "-o", folder, "--step-deg", 30]
+    code, out, _ = run(*arguments, "--epochs", 3, "--json")
+    assert code == 0
+    made = json.loads(out)
+    assert sorted(p.name for p in folder.iterdir()) == sorted(
+        ["index.html", *(name.rsplit("/", 1)[1] for name in made["pictures"])]
+    )
+    code, out, _ = run(*arguments, "--epochs", 3)
+    assert out == f"report: {folder / 'index.html'}\n"
+
+
+@pytest.mark.slow
+def test_report_of_a_scenario(run, designs, tmp_path):
+    text = (designs / "lou2019-recommended.toml").read_text()
+    path = tmp_path / "landing.toml"
+    path.write_text(re.sub(r"(?m)^runs = \d+", "runs = 4", text))
+    code, out, _ = run("report", path, "-o", tmp_path / "page")
+    assert code == 0
+    page = (tmp_path / "page" / "index.html").read_text()
+    links = Links()
+    links.feed(page)
+    assert links.images >= 8
+    assert out == f"report: {tmp_path / 'page' / 'index.html'}\n"
+
+
+def test_report_into_a_file_is_refused(run, designs, tmp_path, brief):
+    path = tmp_path / "taken"
+    path.write_text("x")
+    code, _, err = run(
+        "report", designs / "draim-four.toml", "-o", path, "--step-deg", 30, "--epochs", 2
+    )
+    assert code == 2
+    assert "is a file; give a folder" in err
+    assert path.read_text() == "x"
+
+
+def test_failed_write_leaves_the_old_page(tmp_path, monkeypatch):
+    old = write_page(tmp_path, "old", [])
+    section = Section("t", pictures=(Picture("p", "t", "c", b"png"),))
+
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pathlib.Path.write_bytes", full)
+    with pytest.raises(OutputError, match="No space left"):
+        write_page(tmp_path, "new", [section])
+    assert old.read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["index.html"]
+
+
+def test_cells():
+    assert cell(float("inf")) == "∞"
+    assert cell(60422240.1) == "60,422,240"
+    assert cell(0.1234567891) == "0.1234568"
+    assert cell("x") == "x"
+    assert cell(3) == "3"
+
+
+@pytest.mark.browser
+def test_page_in_a_real_browser(page, tmp_path, opened):
+    text, sections = page
+    opened(write_page(tmp_path, text, sections), sum(len(s.pictures) for s in sections))

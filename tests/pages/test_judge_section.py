@@ -1,0 +1,110 @@
+"""The report's section on landing navigation."""
+
+import numpy as np
+import pytest
+
+from compass.entry.arrivals import draw_arrivals
+from compass.inputs import read_design_text
+from compass.inputs.scenario import read_scenario_text
+from compass.pages import judge as module
+from compass.pages.judge import estimate
+from compass.study.judge import campaign_of, judge_entries
+from compass.study.judge_filter import NOT_RUN
+
+DESIGN = """
+name = "{name}"
+[constellation]
+pattern = "walker-delta"
+satellites = {satellites}
+planes = 1
+phasing = 0
+inclination_deg = 50
+radius_km = 20428
+"""
+
+
+@pytest.fixture(scope="module")
+def scenario(designs):
+    text = (designs / "landing.toml").read_text()
+    text = text.replace("duration_s = 320", "duration_s = 10\nstep_s = 2")
+    text = text.replace('[[trigger]]\nname = "parachute deployment"\nmach = 2\n', "")
+    return read_scenario_text(text.replace('[beacons]\ndesign = "compass-15-5-1.toml"\n', ""))
+
+
+def designs_of(*sizes):
+    return [
+        read_design_text(DESIGN.format(name=f"{n} satellites", satellites=n), f"{n}.toml")
+        for n in sizes
+    ]
+
+
+def with_worst(found):
+    """Give figures with the worst of the entries in place of the worst that a search finds."""
+    figures = found.figures()
+    for part in (figures, *([figures["after_loss"]] if "after_loss" in figures else [])):
+        part["worst_found"] = {"value": part["crlb_position_m"]["worst"]}
+    return figures
+
+
+def ranking_of(designs, scenario, samples):
+    """Give a ranking without the search for the worst, the surface and the filter's runs."""
+    rows = []
+    for rank, design in enumerate(designs):
+        found = judge_entries(
+            design.constellation, campaign_of(scenario, samples), scenario,
+            figure=design.figure, mask=design.mask,
+        )  # fmt: skip
+        filtered = {
+            "runs": 4, "diverged": 0, "consistent": True, "ekf_position_m": {"p50": 8.0, "p95": 12.0}, "rms_over_bound": 1.1, "nees": 6.1,
+            "nees_interval": {"low": 5, "high": 7},
+        }  # fmt: skip
+        rows.append(
+            {
+                "rank": rank + 1, "design": design.name, "file": design.label, "given": designs.index(design) + 1,
+                "satellites": design.constellation.size, **with_worst(found),
+                "answer": "no",
+                **(NOT_RUN if rank else filtered),
+            }
+        )  # fmt: skip
+    return {
+        "designs": rows, "drawn": samples, "seed": 0, "goal_m": 10.0, "density_sigma": 0.0,
+        "lift_sigma": 0.0,
+    }  # fmt: skip
+
+
+def test_section_has_maps_distributions_and_a_table(scenario):
+    two, three = designs_of(2, 3)
+    ranking = ranking_of([three, two], scenario, 4)
+    section = module.judge_section(ranking, [two, three], scenario)
+    assert [picture.stem for picture in section.pictures] == ["judge-map", "judge-distributions"]
+    assert all(picture.png.startswith(b"\x89PNG") for picture in section.pictures)
+    table, run = section.tables
+    assert len(table.rows) == 2 and len(table.rows[0]) == len(table.header)
+    assert table.rows[0][1] == "3 satellites"
+    (row,) = run.rows
+    assert row == ("3 satellites", 4, 0, 8.0, 12.0, 1.1, 6.1, "5.00 and 7.00", "yes")
+    assert "3 satellites: within 10 m? no." in section.paragraphs
+
+
+def test_cells_keep_their_largest_bound(scenario):
+    (two,) = designs_of(2)
+    campaign = campaign_of(scenario, 4)
+    found = [
+        judge_entries(two.constellation, on, scenario, figure=two.figure, mask=two.mask)
+        for on in (campaign, campaign.again(draw_arrivals(4, 9)))
+    ]
+    cells = module.largest_by_cell(found)
+    sigma = np.concatenate([one.position_sigma for one in found])
+    assert np.nanmax(cells) == sigma.max()
+    assert 1 <= np.isfinite(cells).sum() <= sigma.size
+    latitude, longitude = found[0].campaign.deployment_place
+    row = int((np.sin(latitude[0]) + 1) / 2 * module.ROWS)
+    column = int((longitude[0] + np.pi) / (2 * np.pi) * module.COLUMNS)
+    assert cells[row, column] >= found[0].position_sigma[0]
+
+
+def test_a_sampled_value_has_the_digits_of_its_error():
+    assert estimate(23.2054, 1.254) == "23.2 ± 1.3"
+    assert estimate(2.05512, 0.0087) == "2.0551 ± 0.0087"
+    assert estimate(1234.0, 123.0) == "1234 ± 123"
+    assert estimate(float("inf"), float("nan")) == "inf" and estimate(100.0, 0.0) == "100"

@@ -1,0 +1,228 @@
+"""Verdicts and free variables of the trade report."""
+
+import contextlib
+import json
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compass.inputs import read_design_text
+from compass.inputs.study import read_study_text
+from compass.pages import trade_pictures
+from compass.pages.page import write_page
+from compass.pages.trade import trade_report
+from compass.pages.trade_finalists import against, verdict
+from compass.study import ranking
+from compass.study.candidates import ROW
+from compass.study.choice import Finalist
+from compass.study.results import read_results
+from compass.study.store import Store
+from compass.study.trade import run_trade
+from compass.study.workers import Here
+
+TEXT = """
+name = "sampled"
+[study]
+patterns = ["walker-delta"]
+satellites = { least = 6, most = 9 }
+inclination_deg = { least = 30, most = 70 }
+radius_km = { least = 9000, most = 21000 }
+fold = 1
+[sampling]
+method = "latin-hypercube"
+samples = 60
+[map]
+step_deg = 45
+epochs = 2
+[[constraint]]
+figure = "availability"
+at_least = 0
+[[objective]]
+figure = "satellites"
+[[objective]]
+figure = "gdop_p50"
+"""
+
+
+@pytest.fixture
+def coarse(monkeypatch):
+    """Coarse maps: what they look like is not tested here."""
+    monkeypatch.setattr(trade_pictures, "EPOCHS", 3)
+    monkeypatch.setattr(trade_pictures, "CELL_DEG", 30.0)
+
+
+def finalist(satellites, gdop):
+    row = np.array([(0, satellites, 1, 0, 50.0, 20000.0, 0.0)], ROW)[0]
+    return Finalist("x", row, {"satellites": float(satellites), "gdop_p50": gdop})
+
+
+@pytest.mark.parametrize(
+    ("other", "word"),
+    [
+        ((10, 4.0), "loses in all"),
+        ((12, 5.0), "beats it in all"),
+        ((10, 6.0), "a trade"),
+        ((11, 4.5), "equal"),
+        ((11, np.nan), "not comparable"),
+    ],
+)
+def test_verdicts(other, word):
+    study = read_study_text(TEXT)
+    assert verdict(study, finalist(11, 4.5), finalist(*other)) == word
+
+
+def test_words():
+    study = read_study_text(TEXT)
+    text = against(study, finalist(10, 4.5), finalist(10, 3.0))
+    gdop = "GDOP, median over area and time"
+    assert text == f"worse in {gdop}: 4.5 against 3 (+50 %); equal in number of satellites"
+    assert against(study, finalist(9, np.inf), finalist(10, 3.0)) == (
+        f"better in number of satellites: 9 against 10 (-10 %); worse in {gdop}: inf against 3"
+    )
+    assert against(study, finalist(9, np.nan), finalist(9, 3.0)) == (
+        f"equal in number of satellites; not comparable in {gdop}"
+    )
+
+
+def test_recommendation_names_file_and_units(landing, tmp_path, coarse):
+    made = traded(landing, tmp_path / "store")
+    section = made.sections[0]
+    assert "(finalist-1.toml)" in section.paragraphs[0]
+    answer = made.summary["landing"]["designs"]
+    own = next(row["answer"] for row in answer if row["file"] == "finalist-1.toml")
+    assert any(own[1:] in text for text in section.paragraphs)
+    assert "Beside Three areostationary relays it is " in section.paragraphs[3]
+    # two masks, so that the tables say which
+    tables = {t.title: t for s in made.sections for t in s.tables}
+    assert "mask, deg" in tables["The first Pareto front, first 40"].header
+    title = "The finalists by objective, and the change from Three areostationary relays"
+    assert tables[title].rows[-1][:2] == ("Three areostationary relays", "to compare with")
+
+
+class Bars:
+    def __call__(self, *_):
+        return contextlib.nullcontext(self)
+
+    def update(self, n):
+        pass
+
+
+def traded(study, folder):
+    with Store(folder, study) as store:
+        run_trade(study, store, Here(study), Bars())
+    return trade_report(study, folder)
+
+
+def test_free_variables_are_shown_in_classes(tmp_path, coarse):
+    made = traded(read_study_text(TEXT), tmp_path)
+    assert made.summary["feasible"] == made.summary["candidates"] == 60
+    stems = {p.stem for s in made.sections for p in s.pictures}
+    assert "sensitivity-gdop-p50" in stems
+    assert "inclination" in made.page
+
+
+@pytest.mark.browser
+def test_candidates_on_any_two_axes(tmp_path, coarse, opened):
+    study = read_study_text(TEXT)
+    made = traded(study, tmp_path / "store")
+    path = write_page(tmp_path / "report", made.page, made.sections)
+    browser = opened(path, sum(len(s.pictures) for s in made.sections))
+
+    def title(axis):
+        return browser.find_element("css selector", f".{axis}title").text
+
+    assert (title("x"), title("y")) == (
+        "number of satellites", "GDOP, median over area and time"
+    )  # fmt: skip
+    points = browser.find_elements("css selector", "#front-interactive path.point")
+    # the finalists once more, in colours of their own; nobody where GDOP is infinite
+    values = [*read_results(study, tmp_path / "store").gdop_p50.values]
+    values += [f["figures"]["gdop_p50"] for f in made.summary["finalists"]]
+    assert len(points) == np.isfinite(values).sum() > 5
+    browser.execute_script(
+        "const plot = document.getElementById('front-interactive');"
+        "const menu = plot.layout.updatemenus[0];"
+        "const wanted = menu.buttons.find(b => b.label.includes('inclination'));"
+        "return Plotly.update(plot, ...wanted.args)"
+    )
+    assert title("x") == "inclination, deg"
+    assert browser.get_log("browser") == []
+
+
+def test_page_without_the_extra_has_no_script(tmp_path, coarse, monkeypatch):
+    monkeypatch.setitem(sys.modules, "plotly.graph_objects", None)
+    made = traded(read_study_text(TEXT), tmp_path)
+    assert "<script" not in made.page and "front-satellites-gdop-p50" in made.page
+
+
+@pytest.fixture
+def landing(tmp_path, designs, monkeypatch):
+    """A study with entries and two masks, cheap enough for interpreted kernels."""
+    text = (designs / "landing.toml").read_text().replace("duration_s = 320", "duration_s = 10")
+    text = text.replace("duration_s = 10", "duration_s = 10\nstep_s = 2")
+    text = text.replace('[[trigger]]\nname = "parachute deployment"\nmach = 2\n', "")
+    text = text.replace('[beacons]\ndesign = "compass-15-5-1.toml"\n', "")
+    (tmp_path / "lander.toml").write_text(text)
+    surface = {
+        "fold": {"wanted": 1, "outcome": "proven"}, "mask_margin_deg": 3.0,
+        "gdop": {"p50": 2.0, "p95": 3.0}, "gdop_error": {"p50": 0.1, "p95": 0.2},
+        "availability": 0.9, "availability_error": 0.01,
+    }  # fmt: skip
+    monkeypatch.setattr(ranking, "judge_surface", lambda *_, **__: surface)
+    worst = {
+        "value": 9.0, "latitude_deg": 0.0, "longitude_deg": 0.0, "azimuth_deg": 0.0,
+        "epoch_s": 0.0, "in_view": 1,
+    }  # fmt: skip
+    monkeypatch.setattr(ranking, "worst_entry", lambda *_, **__: worst | {"after_loss": worst})
+    study = TEXT.replace("samples = 60", "samples = 8").replace(
+        "fold = 1", "fold = 1\nmask_deg = [0, 5]"
+    )
+    compare = designs / "areostationary-trio.toml"
+    study += f"""
+[entry]
+scenario = "lander.toml"
+samples = 2
+finalists = 4
+finalist_samples = 2
+filter_runs = 2
+[compare]
+design = "{compare}"
+"""
+    return read_study_text(study, "landing.toml", tmp_path)
+
+
+def test_finalists_are_judged_again_and_handed_over(landing, tmp_path, coarse):
+    made = traded(landing, tmp_path / "store")
+    finalists, ranked = made.summary["finalists"], made.summary["landing"]["designs"]
+    assert {row["file"] for row in ranked} == {f["design"] for f in finalists} | {
+        landing.compare.label
+    }
+    assert all(row["nees"] > 0 and row["ekf_position_m"]["p95"] > 0 for row in ranked)
+    assert all(row["answer"] in made.page for row in ranked)
+    assert "Users on the surface" in made.page and "Hand-over" in made.page
+    first = read_design_text(made.files["finalist-1.toml"]).constellation
+    messages = [name for name in made.files if name.startswith("finalist-1-oem/")]
+    assert len(messages) == first.size
+    assert all(made.files[name].startswith("CCSDS_OEM_VERS = 2.0") for name in messages)
+    assert json.loads(made.files["finalist-1.czml"])[0]["id"] == "document"
+    assert "IAU:2015:49900" in made.files["finalist-1.geojson"]
+    for facts in finalists:
+        design = read_design_text(made.files[facts["design"]], facts["design"])
+        pattern = design.constellation.pattern
+        assert (pattern.satellites, pattern.planes, pattern.phasing) == (
+            facts["satellites"], facts["planes"], facts["phasing"]
+        )  # fmt: skip
+        assert np.degrees(pattern.inclination) == pytest.approx(facts["inclination_deg"], abs=1e-12)
+        assert design.constellation.semi_major_axis[0] == pytest.approx(
+            1e3 * facts["radius_km"], rel=1e-15
+        )
+        assert np.degrees(design.mask.lowest) == pytest.approx(facts["mask_deg"], abs=1e-12)
+        assert design.fold == 1 and facts["role"] in design.source
+
+
+def test_filter_is_left_out_if_the_study_says_so(landing, tmp_path, coarse):
+    without = replace(landing, entry=replace(landing.entry, filter_runs=0))
+    made = traded(without, tmp_path / "store")
+    assert all(row["nees"] is None for row in made.summary["landing"]["designs"])

@@ -1,0 +1,36 @@
+"""The paper's minimum of 15 satellites does not hold."""
+
+import numpy as np
+import pytest
+
+from compass.coverage.margin import CoveringRadius
+from compass.orbits import walker_delta
+from compass.papers import kelly2018_smallest as paper
+from compass.papers.kelly2018_smallest import rows
+from compass.study.search import Candidate
+
+
+@pytest.mark.slow
+def test_fifteen_is_not_the_minimum():
+    covered, margin, fewest = rows()
+    assert covered.verdict == "reproduced"
+    assert "fold 4 to 9" in covered.computed
+    assert margin.computed == pytest.approx(6.24, abs=0.01)
+    assert fewest.verdict.startswith("erratum")
+    assert fewest.computed.startswith("13:")
+    assert fewest.holds
+
+
+@pytest.mark.parametrize(("size", "verdict"), [(13, "erratum"), (15, "reproduced")])
+def test_the_verdict_follows_the_search(monkeypatch, size, verdict):
+    best = walker_delta(size, size, 2, inclination=0.8, radius=paper.RADIUS)
+    found = [Candidate(best, 1.34, 0.05, 0.5, proven=True)]
+    monkeypatch.setattr(paper, "search", lambda *_args, **_options: found)
+    monkeypatch.setattr(paper, "fold_range", lambda *_args, **_options: ((4, 4), (9, 9)))
+    monkeypatch.setattr(paper, "highest_mask", lambda *_args, **_options: 0.1)
+    monkeypatch.setattr(
+        paper, "covering_radius", lambda *_: CoveringRadius(1.3, 1.3, 0.0, np.zeros(3))
+    )
+    covered, _, fewest = rows()
+    assert covered.verdict == "reproduced"  # the certificate itself takes one interval
+    assert fewest.verdict.startswith(verdict)
