@@ -9,6 +9,8 @@ from typing import Any
 
 import click
 
+from compass.saving import readable
+
 design_argument = click.argument("design", type=click.Path(path_type=Path))
 
 json_option = click.option(
@@ -61,7 +63,7 @@ def command_line() -> str:
     """Return the command as typed, for provenance."""
     import shlex
 
-    return shlex.join(["compass", *sys.argv[1:]])
+    return readable(shlex.join(["compass", *sys.argv[1:]]))
 
 
 def announce_compilation() -> None:
@@ -71,13 +73,18 @@ def announce_compilation() -> None:
     """
     from numba.core import event
 
+    from compass.core import kernel_cache
+
     class Announcer(event.Listener):
         said = False
 
         def on_start(self, event: object) -> None:
             if not self.said:
                 self.said = True
-                say("first run: compiling kernels, up to a minute; later runs start at once")
+                if kernel_cache.is_lasting():
+                    say("first run: compiling kernels, up to a minute; later runs start at once")
+                else:
+                    say(f"compiling kernels, up to a minute: {kernel_cache.REMEDY}")
 
         def on_end(self, event: object) -> None:
             """Nothing is said when it is done."""
