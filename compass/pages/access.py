@@ -14,7 +14,7 @@ from compass.contacts.windows import Windows
 from compass.inputs.design import Design
 from compass.pages.access_tables import access_tables
 from compass.pages.section import Picture, Section, picture
-from compass.pages.style import CYCLE, FAINT, INK, look, new_figure
+from compass.pictures.style import CYCLE, FAINT, INK, look, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

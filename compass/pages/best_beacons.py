@@ -17,7 +17,7 @@ from compass.errors import ArgumentError
 from compass.inputs.scenario import Scenario
 from compass.pages.entry_pictures import draw_map
 from compass.pages.section import Picture, Section, Table, picture
-from compass.pages.style import CYCLE, look, new_figure
+from compass.pictures.style import CYCLE, look, new_figure
 
 KM = 1e3
 

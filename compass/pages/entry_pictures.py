@@ -11,7 +11,7 @@ from compass.entry.visible_area import VisibleArea, horizon
 from compass.errors import ArgumentError
 from compass.frames import latitude_longitude
 from compass.pages.section import Picture, picture
-from compass.pages.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure
+from compass.pictures.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure
 
 KM = 1e3
 

@@ -17,7 +17,7 @@ from compass.inputs import Design
 from compass.orbits import Constellation, orbital_period, positions_mcmf, walker_delta, walker_star
 from compass.orbits.constellation import Pattern
 from compass.pages.section import Picture, Section, Table, picture
-from compass.pages.style import CYCLE, FAINT, INK, MARS, look, new_figure, steps_of
+from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, steps_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from compass.entry.radio import BROWNOUT_DENSITY, PER_CM3, attenuation, critical_density
 from compass.pages.section import Picture, picture
-from compass.pages.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure
+from compass.pictures.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure
 from compass.study.fusion import FusionRuns
 
 if TYPE_CHECKING:

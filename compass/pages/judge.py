@@ -11,10 +11,10 @@ from compass.entry.arrivals import draw_arrivals
 from compass.entry.campaign import Campaign
 from compass.inputs import Design
 from compass.inputs.scenario import Scenario, provenance
-from compass.pages.mars_map import MarsMap, colour_bar
 from compass.pages.page import render
 from compass.pages.section import Picture, Section, Table, picture
-from compass.pages.style import CYCLE, FAINT, MARS, SEQUENTIAL, look, new_figure
+from compass.pictures.mars_map import MarsMap, colour_bar
+from compass.pictures.style import CYCLE, FAINT, MARS, SEQUENTIAL, look, new_figure
 from compass.study.judge import campaign_of, judge_entries
 from compass.study.judgement import Judgement
 

@@ -3,6 +3,7 @@
 from typing import Any
 
 from matplotlib import colormaps, rc_context
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap
 from matplotlib.figure import Figure
@@ -48,3 +49,11 @@ def look() -> Any:
 def steps_of(name: str, count: int) -> Colormap:
     """Return a colour map cut into `count` steps, for whole numbers."""
     return colormaps[name].resampled(count)
+
+
+def axes_or_new(axes: Axes | None, width: float = 8.0, height: float = 4.5) -> Axes:
+    """Return the axes given, or the only ones of a new figure that a notebook shows by itself."""
+    if axes is not None:
+        return axes
+    with look():
+        return new_figure(width, height).add_subplot()
