@@ -136,14 +136,14 @@ def test_a_mask_by_azimuth_takes_the_safe_side(tmp_path):
 
 
 def test_an_undecided_claim_names_what_is_left(design, monkeypatch):
-    from compass.coverage import certificate
+    from compass.coverage import continuous
 
-    plain = certificate.prove_fold
+    plain = continuous.prove_fold
 
     def impatient(*arguments, **options):
         return plain(*arguments, **options, max_intervals=1)
 
-    monkeypatch.setattr(certificate, "prove_fold", impatient)
+    monkeypatch.setattr(continuous, "prove_fold", impatient)
     margin = json.loads(run(design, "--json").stdout)["mask_margin_deg"]
     result = run(design, "--mask-deg", margin - 1e-4)
     assert result.exit_code == 1
@@ -155,12 +155,12 @@ def test_an_undecided_claim_names_what_is_left(design, monkeypatch):
     ("arguments", "message"),
     [
         (["--fold", "0"], "fold = 0"),
-        (["--mask-deg", "95"], "mask_deg = 95"),
-        (["--mask-deg", "nan"], "mask_deg = nan"),
+        (["--mask-deg", "95"], "--mask-deg = 95"),
+        (["--mask-deg", "nan"], "--mask-deg = nan"),
         (["--losses", "-1"], "losses = -1"),
         (["--losses", "7"], "losses = 7"),
         (["--region", "moon"], "region = moon"),
-        (["--duration-h", "0"], "duration = 0"),
+        (["--duration-h", "0"], "--duration-h = 0"),
     ],
 )
 def test_bad_options(design, arguments, message):
