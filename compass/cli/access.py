@@ -183,8 +183,8 @@ def _write(output: Path, found: "Survey", record: dict[str, Any], design: "Desig
     import json
 
     import compass
-    from compass.cli.shared import plain
     from compass.contacts.dataset import windows_dataset
+    from compass.document.plain import plain
     from compass.saving import replacing, save_netcdf
 
     if output.suffix == ".nc":

@@ -14,7 +14,7 @@ from compass.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from compass.pages.section import Section
+    from compass.document.blocks import Section
 
 
 @click.command("report")
@@ -138,7 +138,7 @@ def _trade(study: Path, folder: Path, store: Path, as_json: bool) -> None:
 
     from tqdm import tqdm
 
-    from compass.cli.shared import plain
+    from compass.document.plain import plain
     from compass.inputs.study import read_study
     from compass.pages.page import write_page
     from compass.pages.trade import trade_report

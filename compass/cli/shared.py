@@ -1,13 +1,17 @@
 """What every command shares: the design argument, ``--json``, tables and messages."""
 
 import json
-import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
+
+from compass.cli.main import CLAIM_FAILS
+
+if TYPE_CHECKING:
+    from compass.api.results import Result
 
 design_argument = click.argument("design", type=click.Path(path_type=Path))
 
@@ -18,20 +22,19 @@ json_option = click.option(
 
 def emit_json(result: dict[str, Any]) -> None:
     """Print one strict JSON object: numpy values become plain, nan and inf become null."""
+    from compass.document.plain import plain
+
     click.echo(json.dumps(plain(result), indent=2, allow_nan=False, ensure_ascii=False))
 
 
-def plain(value: Any) -> Any:
-    """Plain JSON values of dicts, sequences, numpy scalars and arrays; non-finite is None."""
-    if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
-    if hasattr(value, "tolist"):
-        return plain(value.tolist())
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+def show(result: "Result", as_json: bool) -> None:
+    """Print a result as text or JSON; exit status 1 where its claim does not hold."""
+    if as_json:
+        emit_json(result.to_dict())
+    else:
+        click.echo(str(result))
+    if not result.holds:
+        raise click.exceptions.Exit(CLAIM_FAILS)
 
 
 def say(message: str) -> None:

@@ -1,7 +1,7 @@
 """Proof, not sample, of continuous coverage: every moment of a span and every point of a region."""
 
 from dataclasses import dataclass
-from typing import Literal
+from enum import StrEnum
 
 import numpy as np
 
@@ -16,7 +16,26 @@ from compass.errors import ArgumentError
 from compass.frames import mcmf_from_mci, prime_meridian_angle
 from compass.orbits import Constellation
 
-Outcome = Literal["proven", "refuted", "undecided"]
+
+class Outcome(StrEnum):
+    """What came of a claim, each with a sentence that says what it means."""
+
+    PROVEN = "proven"
+    REFUTED = "refuted"
+    UNDECIDED = "undecided"
+
+    @property
+    def sentence(self) -> str:
+        """What it means."""
+        return _SENTENCES[self]
+
+
+_SENTENCES = {
+    Outcome.PROVEN: "It holds at every place and moment looked at; nothing was sampled.",
+    Outcome.REFUTED: "It fails at the place and moment of the witness, confirmed without caps.",
+    Outcome.UNDECIDED: "Neither could be shown: it holds or fails by less than is resolved.",
+}
+
 
 #: Intervals in which no cap moves more than this, radians, are not split further.
 TOLERANCE = 1e-9
@@ -100,17 +119,17 @@ def prove_fold(
         constellation, sphere_radius, mask, region, span, True, fold, tolerance, max_intervals
     )
     if outcome == PROVEN:
-        return Certificate("proven", fold, span, region, nodes, tolerance)
+        return Certificate(Outcome.PROVEN, fold, span, region, nodes, tolerance)
     witness = None
     if outcome == REFUTED:
         if region.mars_fixed:
             point = mcmf_from_mci(point, -prime_meridian_angle(constellation.epoch, time))
         witness = find_witness(constellation, sphere_radius, mask, fold, time, point, region)
         if witness:
-            return Certificate("refuted", fold, span, region, nodes, tolerance, witness)
+            return Certificate(Outcome.REFUTED, fold, span, region, nodes, tolerance, witness)
         unsettled, parts = np.array([[time, time]]), 1
     kept = tuple((float(a), float(b)) for a, b in unsettled[:parts])
-    return Certificate("undecided", fold, span, region, nodes, tolerance, None, kept)
+    return Certificate(Outcome.UNDECIDED, fold, span, region, nodes, tolerance, None, kept)
 
 
 def fold_range(

@@ -8,10 +8,10 @@ from matplotlib import colormaps
 from matplotlib.colors import BoundaryNorm, LogNorm
 from numpy.typing import NDArray
 
-from compass.pages.mars_map import MarsMap, colour_bar
-from compass.pages.section import Picture, picture
+from compass.document.blocks import Picture
 from compass.pages.statistics import NAMES
-from compass.pages.style import CYCLE, FAINT, INK, MARS, look, new_figure, steps_of
+from compass.pictures.mars_map import MarsMap, colour_bar
+from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture, steps_of
 
 if TYPE_CHECKING:
     import xarray as xr

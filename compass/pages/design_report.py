@@ -8,15 +8,16 @@ import numpy as np
 
 from compass.coverage.geometry import pattern_geometry
 from compass.coverage.site import site_coverage
+from compass.document.blocks import Picture, Section, Table, arranged
 from compass.inputs import Design
 from compass.pages.access import access_section
 from compass.pages.coverage import fold_pictures, map_figure, map_pictures
 from compass.pages.fold import fold_section
 from compass.pages.orbits import cap_picture, gap_shapes, orbit_picture, track_picture
 from compass.pages.page import render
-from compass.pages.section import Picture, Section, Table, picture
 from compass.pages.statistics import NAMES, statistics_tables
 from compass.pages.tables import constellation_facts, geometry_facts, satellite_table
+from compass.pictures.style import picture
 from compass.study.mapping import DesignMap, MapOptions, make_map, provenance
 
 
@@ -89,7 +90,7 @@ def _constellation(design: Design) -> Section:
     if design.constellation.pattern is None:
         radius = design.figure.equatorial_radius
         tables.append(satellite_table(design.constellation, radius))
-    return Section(
+    return arranged(
         "Constellation",
         pictures=(orbit_picture(design), track_picture(design)),
         tables=tuple(tables),
@@ -103,7 +104,7 @@ def _geometry(design: Design) -> Section:
     pictures: tuple[Picture, ...] = (cap_picture(design),)
     if geometry is None:
         text = "Explicit elements: every satellite has a cap of its own, and no plane has gaps."
-        return Section("Caps and gaps", (text,), pictures)
+        return arranged("Caps and gaps", (text,), pictures)
     facts = geometry_facts(geometry)
     tables = []
     for name, values in facts.items():
@@ -121,7 +122,7 @@ def _geometry(design: Design) -> Section:
         "Published means the source paper's printed formula, kept for comparison; exact means "
         "the geometry of the sphere."
     )
-    return Section("Caps and gaps", (text,), pictures, tuple(tables))
+    return arranged("Caps and gaps", (text,), pictures, tuple(tables))
 
 
 def _coverage(design: Design, mapped: DesignMap) -> Section:
@@ -153,7 +154,7 @@ def _coverage(design: Design, mapped: DesignMap) -> Section:
         "weighted by area and time. With fewer than four satellites or singular geometry a "
         "dilution of precision is infinite, and counts as such in every percentile."
     )
-    return Section(
+    return arranged(
         "Coverage",
         (text,),
         (snapshot, *map_pictures(data, grid, name), *fold_pictures(data)),
@@ -208,7 +209,7 @@ def _stations(design: Design, mapped: DesignMap) -> Section | None:
     )
     text = "Each station on its reference figure, at its height and over its own horizon."
     table = Table("Satellites and geometry at the stations", header, tuple(rows))
-    return Section("Stations", (text,), (), (table,))
+    return arranged("Stations", (text,), (), (table,))
 
 
 def _nearest_rank(values: Any, q: int) -> float:
@@ -231,4 +232,4 @@ def _comparison(design: Design) -> Section | None:
         f"stations' access: compass reproduce {design.paper}."
     )
     table = Table(module.TITLE, header, rows)
-    return Section("Published against computed", (text,), (), (table,))
+    return arranged("Published against computed", (text,), (), (table,))

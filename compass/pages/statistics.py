@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from compass.pages.section import Table
+from compass.document.blocks import Table
 
 if TYPE_CHECKING:
     import xarray as xr

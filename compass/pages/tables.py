@@ -6,10 +6,10 @@ import numpy as np
 
 from compass.coverage.cap import cap, published_cap_area
 from compass.coverage.geometry import Geometry
+from compass.document.blocks import Table
 from compass.frames import J2000
 from compass.inputs import Design
 from compass.orbits import Constellation, orbital_period, repeat_period
-from compass.pages.section import Table
 
 KM, KM2 = 1e3, 1e6
 

@@ -65,7 +65,7 @@ def test_exact_fold_against_the_count_kernel_at_one_epoch(grid):
 
 
 def test_cost_grows_no_faster_than_the_cube(tmp_path_factory):
-    from compass.pages.style import INK, MARS, look, new_figure
+    from compass.pictures.style import INK, MARS, look, new_figure
 
     seconds = np.array([best(exact(size), 10) for size in SIZES])
     order = np.polyfit(np.log(SIZES), np.log(seconds), 1)[0]

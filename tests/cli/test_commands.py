@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from compass.cli.shared import plain
+from compass.document.plain import plain
 
 SMALL = ["--step-deg", 15, "--epochs", 6]
 HEAVY = {"numba", "scipy", "xarray", "matplotlib", "pydantic", "numpy", "shapely", "pyproj"}

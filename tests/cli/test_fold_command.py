@@ -136,14 +136,14 @@ def test_a_mask_by_azimuth_takes_the_safe_side(tmp_path):
 
 
 def test_an_undecided_claim_names_what_is_left(design, monkeypatch):
-    from compass.coverage import certificate
+    from compass.coverage import continuous
 
-    plain = certificate.prove_fold
+    plain = continuous.prove_fold
 
     def impatient(*arguments, **options):
         return plain(*arguments, **options, max_intervals=1)
 
-    monkeypatch.setattr(certificate, "prove_fold", impatient)
+    monkeypatch.setattr(continuous, "prove_fold", impatient)
     margin = json.loads(run(design, "--json").stdout)["mask_margin_deg"]
     result = run(design, "--mask-deg", margin - 1e-4)
     assert result.exit_code == 1

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from pyproj import Transformer
 
 from compass.frames import map_crs, mars_crs
-from compass.pages.places import PLACES
-from compass.pages.style import FAINT, INK
+from compass.pictures.places import PLACES
+from compass.pictures.style import FAINT, INK
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon

@@ -1,0 +1,5 @@
+"""``python -m compass``: the program."""
+
+from compass.cli.main import main
+
+main()

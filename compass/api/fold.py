@@ -1,0 +1,329 @@
+"""Continuous k-fold coverage: proven, or refuted with a witness, and how far from failing."""
+
+from dataclasses import dataclass, field
+from math import degrees, isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tqdm import tqdm
+
+from compass.api.given import given_design, given_mask
+from compass.api.results import Result
+from compass.coverage.certificate import Outcome
+from compass.coverage.continuous import ContinuousCoverage, continuous_coverage
+from compass.coverage.region import GLOBE, read_region
+from compass.document import Bracket, Page, Proven, Sampled, Sentence, Table, Value, Verdict
+from compass.document.blocks import Block, facts
+from compass.document.plain import plain
+from compass.frames import latitude_longitude, mcmf_from_mci, prime_meridian_angle
+from compass.inputs import Design
+from compass.quantities import quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+#: Kinds of losses that the text lists.
+LISTED = 20
+
+
+@dataclass(frozen=True, repr=False)
+class FoldResult(Result):
+    """Whether a design has continuous k-fold coverage, and its margins.
+
+    Attributes
+    ----------
+    design
+        What was asked about.
+    fold, mask_deg, region
+        The claim: so many satellites above so many degrees, where; of a mask by azimuth its
+        highest.
+    coverage
+        What was found, in SI units and radians.
+    """
+
+    design: Design = field(repr=False)
+    fold: int
+    mask_deg: float
+    region: str
+    coverage: ContinuousCoverage
+
+    @property
+    def outcome(self) -> Outcome:
+        """Proven, refuted or undecided."""
+        return self.coverage.outcome
+
+    @property
+    def holds(self) -> bool:
+        """Whether the claim is proven."""
+        return self.outcome is Outcome.PROVEN
+
+    @property
+    def mask_margin_deg(self) -> float | None:
+        """Highest mask with the fold wanted, degrees, on the safe side; None if there is none."""
+        margin = self.coverage.highest_mask
+        return None if margin is None else degrees(margin)
+
+    @property
+    def cap_radius_min_deg(self) -> float | None:
+        """Smallest common cap radius that will do, degrees; None where caps differ."""
+        worst = self.coverage.worst
+        if worst is None or not self.coverage.caps_alike or not isfinite(worst.radius):
+            return None
+        return degrees(worst.radius)
+
+    @property
+    def lowest_altitude_km(self) -> float | None:
+        """Lowest altitude at which the pattern keeps the fold at this mask, km."""
+        altitude = self.coverage.lowest_altitude
+        return None if altitude is None else altitude / 1e3
+
+    @property
+    def scope(self) -> str:
+        """For which motion and how long it was settled."""
+        span = self.coverage.span
+        when = "for all time" if span.for_all_time else f"over {span.stop / 3600:.6g} h"
+        return f"{when}, two-body motion"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        found, certificate, span = self.coverage, self.coverage.certificate, self.coverage.span
+        witness = certificate.witness if self.outcome is Outcome.REFUTED else None
+        shares = found.shares
+        return plain(
+            {
+                "design": self.design.name,
+                "outcome": self.outcome,
+                "fold": self.fold,
+                "mask_deg": self.mask_deg,
+                "min_fold": _settled(found.least),
+                "max_fold": _settled(found.greatest),
+                "cap_radius_min_deg": self.cap_radius_min_deg,
+                "mask_margin_deg": self.mask_margin_deg,
+                "lowest_altitude_km": self.lowest_altitude_km,
+                "witness": witness.as_dict() if witness else None,
+                "worst": self._worst(),
+                "intervals": certificate.intervals,
+                "unsettled_s": certificate.unsettled if self.outcome is Outcome.UNDECIDED else (),
+                "region": self.region,
+                "start_s": span.start,
+                "stop_s": span.stop,
+                "for_all_time": span.for_all_time,
+                "reason": span.reason,
+                "tolerance_rad": certificate.tolerance,
+                "motion": "two-body",
+                "fold_share": None if shares is None else shares.share,
+                "fold_share_error": None if shares is None else shares.error,
+                "min_fold_bounds": found.least,
+                "max_fold_bounds": found.greatest,
+                "after_losses": [self._after(k, sets) for k, sets in enumerate(found.losses, 1)],
+            }
+        )
+
+    def _worst(self) -> dict[str, float] | None:
+        """Where and when the fold-th nearest satellite is farthest, Mars-fixed."""
+        worst = self.coverage.worst
+        if worst is None or not isfinite(worst.radius):
+            return None
+        angle = prime_meridian_angle(self.design.constellation.epoch, worst.time)
+        latitude, longitude = latitude_longitude(mcmf_from_mci(worst.place, angle))
+        return {
+            "time_s": worst.time,
+            "latitude_deg": degrees(latitude),
+            "longitude_deg": degrees(longitude),
+        }
+
+    @staticmethod
+    def _after(number: int, sets: Any) -> dict[str, Any]:
+        """What is left after so many losses."""
+        least = sets[0].least
+        return {
+            "losses": number,
+            "min_fold": _settled(least),
+            "worst": [list(kind.satellites) for kind in sets if kind.least == least],
+            "sets": [kind.as_dict() for kind in sets],
+        }
+
+    def document(self) -> Page:
+        """The verdict, its witness, the margins, shares of area and time, losses."""
+        certificate, span = self.coverage.certificate, self.coverage.span
+        when = (
+            "for all time" if span.for_all_time else f"over {span.stop / 3600:.6g} h from the epoch"
+        )
+        claim = f"{self.fold} or more satellites above {self.mask_deg:g} deg, {self.region}, {when}"
+        holds = {Outcome.PROVEN: True, Outcome.REFUTED: False}.get(self.outcome)
+        how = (
+            f"looked at {span.start / 3600:.6g} to {span.stop / 3600:.6g} h: {span.reason}; "
+            f"{certificate.intervals} interval(s), split until no cap strays more than "
+            f"{certificate.tolerance:g} rad; rounding on the safe side"
+        )
+        blocks: list[Block] = [
+            Verdict(self.outcome, f"{claim} (two-body motion)", holds),
+            *([] if holds else [Sentence(self.outcome.sentence)]),
+            *self._counterexample(),
+            self._margins(),
+            *self._shares(),
+            *(self._losses(number, sets) for number, sets in enumerate(self.coverage.losses, 1)),
+            Sentence(how),
+        ]
+        return Page(self.design.name, tuple(blocks))
+
+    def _counterexample(self) -> list[Block]:
+        """What stands against the claim: a witness, or the time that is not settled."""
+        certificate, mask = self.coverage.certificate, self.design.mask
+        if self.outcome is Outcome.REFUTED and (w := certificate.witness):
+            names = ", ".join(w.satellites) or "none"
+            return [
+                Sentence(
+                    f"witness: {w.fold} in view ({names}) at t = {w.time:.6f} s, latitude "
+                    f"{degrees(w.latitude):.6f}, longitude {degrees(w.longitude):.6f} deg; the "
+                    f"next satellite is {degrees(w.shortfall):.3g} deg below the mask"
+                )
+            ]
+        if self.outcome is Outcome.PROVEN:
+            return []
+        unsettled = "; ".join(f"{a:.9g} to {b:.9g} s" for a, b in certificate.unsettled[:5])
+        if certificate.outcome is Outcome.REFUTED or not unsettled:
+            return [
+                Sentence(
+                    f"the mask runs from {degrees(mask.lowest):g} to {degrees(mask.highest):g} deg "
+                    "by azimuth: not proven with the highest all around, not refuted with the "
+                    "lowest"
+                )
+            ]
+        return [Sentence(f"unsettled: {unsettled}")]
+
+    def _margins(self) -> Table:
+        found, proven = self.coverage, Proven(self.scope)
+
+        def extreme(name: str, bounds: tuple[int, int]) -> Value:
+            settled = bounds[0] == bounds[1]
+            evidence = proven if settled else Bracket(*bounds, self.scope)
+            return Value(quantity(name), bounds[0], evidence)
+
+        return facts(
+            "Fold and margins",
+            [
+                extreme("min_fold", found.least),
+                extreme("max_fold", found.greatest),
+                Value(quantity("cap_radius_min_deg"), self.cap_radius_min_deg, proven),
+                Value(quantity("mask_margin_deg"), self.mask_margin_deg, proven),
+                Value(quantity("lowest_altitude_km"), self.lowest_altitude_km, proven),
+            ],
+        )
+
+    def _shares(self) -> list[Block]:
+        shares = self.coverage.shares
+        if shares is None:
+            return []
+        share, evidence = quantity("fold_share"), Sampled(shares.error)
+        rows = tuple(
+            (f"exactly {k} in view", Value(share, float(part)), share.shown_unit)
+            for k, part in enumerate(shares.share)
+            if part > 0
+        )
+        return [
+            Table("Share of area and time by fold", ("", share.title, "unit"), rows),
+            Sentence(
+                f"areas exact, integrated over time to {evidence.error:.1g}; with 4 in view there "
+                "are curves on which GDOP is infinite"
+            ),
+        ]
+
+    def _losses(self, number: int, sets: Any) -> Table:
+        cap, least = quantity("cap_radius_min_deg"), quantity("min_fold")
+        rows = tuple(
+            (
+                " ".join(kind.satellites),
+                Value(quantity("alike"), kind.alike),
+                Value(least, kind.least[0], Bracket(*kind.least)),
+                Value(cap, None if kind.radius is None else degrees(kind.radius)),
+            )
+            for kind in sets
+        )
+        header = ("satellites lost", quantity("alike").title, least.title, cap.heading)
+        return Table(f"After {number} loss(es), worst first", header, rows, LISTED)
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the share of area and time by fold as bars.
+
+        Parameters
+        ----------
+        axes
+            Where to; new ones without.
+        """
+        from compass.pictures.style import CYCLE, MARS, axes_or_new
+
+        drawn = axes_or_new(axes)
+        shares = self.coverage.shares
+        for k, part in enumerate([] if shares is None else shares.share):
+            if part > 0:
+                drawn.bar(k, 100 * float(part), color=MARS if k < self.fold else CYCLE[0])
+        drawn.set(
+            xlabel="satellites in view",
+            ylabel=quantity("fold_share").heading,
+            title=f"{self.design.name}: {self.outcome}, {self.fold}-fold",
+        )
+        return drawn
+
+
+def fold(
+    design: Design | str | Path,
+    *,
+    fold: int | None = None,
+    mask_deg: float | None = None,
+    losses: int = 0,
+    region: str | None = None,
+    duration_h: float | None = None,
+    progress: bool = False,
+) -> FoldResult:
+    """Prove continuous k-fold coverage, or refute it with a witness; no grid, no time steps.
+
+    Parameters
+    ----------
+    design
+        A design, or the path of its file.
+    fold, mask_deg
+        Satellites in view at once and elevation mask, degrees; else the design's.
+    losses
+        Also what is left after so many failures.
+    region
+        ``lat:MIN:MAX`` or ``polygon:LAT,LON;LAT,LON;...``, degrees; else everywhere.
+    duration_h
+        Hours from the epoch to look at; else all time where symmetry allows it.
+    progress
+        Show bars on stderr.
+
+    Raises
+    ------
+    ArgumentError, DesignError
+        An option or the design is not allowed.
+
+    Examples
+    --------
+    >>> import compass
+    >>> found = compass.fold("designs/compass-15-5-1.toml")
+    >>> print(found.outcome)
+    proven
+    >>> f"{found.mask_margin_deg:.2f}"
+    '6.24'
+    """
+    read = given_design(design)
+    wanted = read.fold if fold is None else fold
+    mask = given_mask(mask_deg, read)
+    found = continuous_coverage(
+        read.constellation,
+        wanted,
+        sphere_radius=read.figure.equatorial_radius,
+        mask=mask,
+        region=GLOBE if region is None else read_region(region),
+        duration=None if duration_h is None else duration_h * 3600.0,
+        losses=losses,
+        progress=lambda sets: tqdm(sets, disable=None if progress else True, desc="losses"),
+    )
+    region_name = found.certificate.region.name
+    return FoldResult(read, wanted, degrees(found.mask), region_name, found)
+
+
+def _settled(bounds: tuple[int, int]) -> int | None:
+    """The extreme that both bounds agree on, or None."""
+    return bounds[0] if bounds[0] == bounds[1] else None

@@ -1,0 +1,42 @@
+"""What the functions are given: a thing, or the path of the file that describes it."""
+
+from math import radians
+from pathlib import Path
+
+from compass.errors import ArgumentError
+from compass.inputs import Design, read_design
+from compass.sites import Mask
+
+
+def given_design(design: Design | str | Path) -> Design:
+    """Return the design, read from its file if it is a path.
+
+    Raises
+    ------
+    DesignError
+        As `compass.read_design`.
+    ArgumentError
+        It is something else.
+    """
+    if isinstance(design, Design):
+        return design
+    if isinstance(design, str | Path):
+        return read_design(design)
+    raise ArgumentError(
+        f"design = {type(design).__name__}: must be a Design or the path of a design file"
+    )
+
+
+def given_mask(mask_deg: float | None, design: Design) -> Mask:
+    """Return a constant mask of degrees, or the design's where they are None.
+
+    Raises
+    ------
+    ArgumentError
+        Outside 0 up to below 90 degrees.
+    """
+    if mask_deg is None:
+        return design.mask
+    if not 0 <= mask_deg < 90:
+        raise ArgumentError(f"mask_deg = {mask_deg:g}: allowed 0 up to below 90 degrees")
+    return Mask.constant(radians(mask_deg))

@@ -1,0 +1,166 @@
+"""All that is asked about continuous coverage at once: the claim, its extremes, margins, losses."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from compass.coverage.certificate import Certificate, Outcome, fold_range, prove_fold
+from compass.coverage.margin import (
+    CoveringRadius,
+    Loss,
+    after_losses,
+    covering_radius,
+    highest_mask,
+    lowest_altitude,
+)
+from compass.coverage.region import GLOBE, Region
+from compass.coverage.share import FoldShares, mean_fold_shares
+from compass.coverage.symmetry import Span, one_circle, shortest_span, unlike_subsets
+from compass.errors import ArgumentError
+from compass.orbits import Constellation
+from compass.sites import Mask
+
+
+@dataclass(frozen=True)
+class ContinuousCoverage:
+    """What is known of "at least `fold` satellites above the mask, everywhere in a region".
+
+    Attributes
+    ----------
+    outcome
+        Of the claim with the mask as it is.
+    certificate
+        How it was settled; of a mask that depends on azimuth, with `mask` all around.
+    mask
+        Radians: what the numbers below are for, of a mask by azimuth its highest.
+    span
+        The time looked at.
+    least, greatest
+        Bounds (not below, not above) of the extreme folds.
+    worst
+        Where and when the fold-th nearest satellite is farthest; None for a region.
+    caps_alike
+        Whether all caps are alike for ever, so that the radius of `worst` means something.
+    highest_mask
+        Radians, or None if no mask will do.
+    lowest_altitude
+        Metres, or None.
+    shares
+        Shares of area and time by fold, or None.
+    losses
+        For 1, 2, ... lost satellites the sets of a kind, worst first.
+    """
+
+    outcome: Outcome
+    certificate: Certificate
+    mask: float
+    span: Span
+    least: tuple[int, int]
+    greatest: tuple[int, int]
+    worst: CoveringRadius | None
+    caps_alike: bool
+    highest_mask: float | None
+    lowest_altitude: float | None
+    shares: FoldShares | None
+    losses: tuple[tuple[Loss, ...], ...]
+
+
+def continuous_coverage(
+    constellation: Constellation,
+    fold: int,
+    *,
+    sphere_radius: float,
+    mask: Mask,
+    region: Region = GLOBE,
+    duration: float | None = None,
+    losses: int = 0,
+    progress: Callable[[Sequence[Any]], Any] = iter,
+) -> ContinuousCoverage:
+    """Settle continuous coverage, and how far it is from failing or from holding.
+
+    A mask that depends on azimuth is held between two that do not: proven with its highest all
+    around, it is proven; refuted with its lowest, it is refuted; else it is undecided.
+
+    Parameters
+    ----------
+    constellation, fold, sphere_radius, region
+        As in `prove_fold`.
+    mask
+        Of users on the surface.
+    duration
+        Seconds from the epoch to look at; None for all time where symmetry allows it.
+    losses
+        Look at every loss of 1 up to so many satellites.
+    progress
+        Wraps the list of sets of lost satellites, as tqdm does.
+
+    Raises
+    ------
+    ArgumentError
+        As `prove_fold`, `shortest_span` and `unlike_subsets`.
+    """
+    c, sphere = constellation, sphere_radius
+    if losses < 0:
+        raise ArgumentError(f"losses = {losses}: allowed 0 to {c.size}, the number of satellites")
+    span = shortest_span(c, region, duration)
+    if losses:
+        unlike_subsets(c, losses, region)  # refuse too many before any work
+    outcome, certificate = _settle(c, fold, sphere, mask, region, span)
+    high, globe, alike = mask.highest, region.is_globe, one_circle(c)
+    least, greatest = fold_range(c, sphere_radius=sphere, mask=high, region=region, span=span)
+    worst = covering_radius(c, fold, span=span) if globe else None
+    shares = (
+        mean_fold_shares(c, sphere_radius=sphere, mask=high, span=span) if globe and alike else None
+    )
+    altitude = None
+    if worst is not None and alike and np.isfinite(worst.radius):
+        altitude = lowest_altitude(worst.radius, sphere, high)
+    lost = tuple(
+        tuple(
+            after_losses(
+                c,
+                number,
+                fold,
+                sphere_radius=sphere,
+                mask=high,
+                region=region,
+                duration=duration,
+                progress=progress,
+            )
+        )
+        for number in range(1, losses + 1)
+    )
+    margin = highest_mask(c, fold, sphere_radius=sphere, region=region, span=span)
+    return ContinuousCoverage(
+        outcome=outcome,
+        certificate=certificate,
+        mask=high,
+        span=span,
+        least=least,
+        greatest=greatest,
+        worst=worst,
+        caps_alike=alike,
+        highest_mask=margin,
+        lowest_altitude=altitude,
+        shares=shares,
+        losses=lost,
+    )
+
+
+def _settle(
+    c: Constellation, fold: int, sphere: float, mask: Mask, region: Region, span: Span
+) -> tuple[Outcome, Certificate]:
+    """Outcome and certificate of the claim, between the highest and the lowest of the mask."""
+
+    def with_constant(elevation: float) -> Certificate:
+        return prove_fold(c, fold, sphere_radius=sphere, mask=elevation, region=region, span=span)
+
+    highest = with_constant(mask.highest)
+    if mask.is_constant or highest.outcome is Outcome.PROVEN:
+        return highest.outcome, highest
+    lowest = with_constant(mask.lowest)
+    if lowest.outcome is Outcome.REFUTED:
+        return lowest.outcome, lowest
+    return Outcome.UNDECIDED, highest

@@ -1,0 +1,47 @@
+"""How well a number is known: proven, between proven bounds, or sampled with an error."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Proven:
+    """Exact but for rounding on the safe side; `scope` says for which orbits and how long."""
+
+    scope: str = ""
+
+    def __str__(self) -> str:
+        return "proven" + (f", {self.scope}" if self.scope else "")
+
+
+@dataclass(frozen=True)
+class Bracket:
+    """Between two bounds that are proven; `scope` as of `Proven`."""
+
+    low: float
+    high: float
+    scope: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.low <= self.high:
+            raise ValueError(f"bracket from {self.low} to {self.high}: the bounds are not in order")
+
+    def __str__(self) -> str:
+        return "between proven bounds" + (f", {self.scope}" if self.scope else "")
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """From a sample or a quadrature: `error` is in the number's own unit, `how` says of what.
+
+    An error of None means that none is known, which is said too.
+    """
+
+    error: float | None = None
+    how: str = ""
+
+    def __str__(self) -> str:
+        error = "error not known" if self.error is None else ""
+        return ", ".join(part for part in ("sampled", self.how, error) if part)
+
+
+Evidence = Proven | Bracket | Sampled

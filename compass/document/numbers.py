@@ -1,0 +1,91 @@
+"""A value, what it is and how well it is known, as a reader wants it."""
+
+from dataclasses import dataclass
+from math import floor, isfinite, isnan, log10
+
+from compass.document.evidence import Bracket, Evidence, Sampled
+from compass.quantities import Quantity
+
+#: Numbers nearer to zero than this are written with a power of ten.
+SMALL = 1e-4
+
+
+@dataclass(frozen=True)
+class Value:
+    """A number with its quantity and its evidence; None means that there is none.
+
+    `whose` is said behind the quantity's title, for one of several: "exact", "published".
+    """
+
+    quantity: Quantity
+    value: float | int | str | bool | None
+    evidence: Evidence | None = None
+    whose: str = ""
+
+    @property
+    def title(self) -> str:
+        """What stands in the column of names."""
+        return self.quantity.title + (f", {self.whose}" if self.whose else "")
+
+    def __str__(self) -> str:
+        """The value in the quantity's digits, with bounds or an error, without the unit."""
+        q, evidence = self.quantity, self.evidence
+        if isinstance(evidence, Bracket) and evidence.low != evidence.high:
+            return f"{in_words(evidence.low, q)} to {in_words(evidence.high, q)}"
+        written = in_words(self.value, q)
+        if isinstance(evidence, Sampled) and evidence.error is not None:
+            scale = 100.0 if q.form == "share" else 1.0
+            return f"{written} ± {significant(scale * evidence.error, 2)}"
+        return written
+
+
+def in_words(value: float | int | str | bool | None, quantity: Quantity) -> str:
+    """One value of a quantity, without its unit."""
+    if value is None:
+        return "none"
+    if isinstance(value, str):
+        return value
+    if quantity.form == "yes-no":
+        return "yes" if value else "no"
+    if quantity.form == "count" and float(value).is_integer():
+        return f"{int(value):,}"
+    return significant(100.0 * value if quantity.form == "share" else value, quantity.digits)
+
+
+def significant(value: float, digits: int) -> str:
+    """Write a number to so many significant digits, never rounding before the decimal point.
+
+    Zeros at the end are left out; infinity is a sign, and a number that is none is "none".
+    """
+    if isnan(value):
+        return "none"
+    if not isfinite(value):
+        return "∞" if value > 0 else "-∞"
+    if value == 0.0:
+        return "0"
+    if abs(value) < SMALL or abs(value) >= 1e15:
+        mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+        if "." in mantissa:
+            mantissa = mantissa.rstrip("0").rstrip(".")
+        return f"{mantissa}e{int(exponent)}"
+    decimals = max(0, digits - 1 - floor(log10(abs(value))))
+    written = f"{value:,.{decimals}f}" if abs(value) >= 1e5 else f"{value:.{decimals}f}"
+    return written.rstrip("0").rstrip(".") if "." in written else written
+
+
+def cell(value: object) -> str:
+    """One cell of a table, whatever stands in it: a number without quantity to seven digits."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return significant(value, 7)
+    return str(value)
+
+
+def is_number(value: object) -> bool:
+    """Whether a cell is set as a number: on the right, on its decimal point."""
+    if isinstance(value, Value):
+        value = value.value
+    return isinstance(value, int | float) and not isinstance(value, bool)

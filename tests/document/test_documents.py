@@ -1,0 +1,73 @@
+from compass.document import (
+    Details,
+    Page,
+    Picture,
+    Section,
+    Sentence,
+    Table,
+    Value,
+    Verdict,
+    html,
+    text,
+)
+from compass.document.blocks import columns, facts, walk
+from compass.document.evidence import Proven
+from compass.quantities import quantity
+
+MASK, FOLD = quantity("mask_margin_deg"), quantity("min_fold")
+
+
+def page():
+    return Page(
+        "A <b>name</b>",
+        (
+            Verdict("proven", "4 <in view>", True),
+            facts("Margins", [Value(FOLD, 4, Proven("ever")), Value(MASK, 6.238541)]),
+            Details("More", (Sentence("a & b " * 40),)),
+            Section("Part", (Table("Empty", ("x",), ()), Picture("p", "t", "c", b"png"))),
+            Table("Long", ("name", "value"), tuple((f"n{k}", 10.0**k) for k in range(9)), 3),
+        ),
+    )
+
+
+def test_text_has_the_answer_first():
+    lines = text(page()).splitlines()
+    assert lines[0] == "A <b>name</b>: PROVEN: 4 <in view>"
+    assert max(map(len, lines)) <= 100
+    assert "... and 6 more; JSON has them all" in lines
+    assert "Empty" not in lines
+
+
+def test_decimal_points_stand_below_each_other():
+    lines = text(Page("x", (facts("T", [Value(MASK, 6.238), Value(FOLD, 14), Value(MASK, -0.5)]),)))
+    rows = lines.splitlines()[-3:]
+    places = [rows[0].index("6") + 1, rows[1].index("14") + 2, rows[2].index(".5")]
+    assert len(set(places)) == 1
+
+
+def test_html_escapes_what_a_user_wrote_and_shows_the_same_numbers():
+    drawn = html(page())
+    assert "<b>name" not in drawn and "&lt;b&gt;name" in drawn
+    assert '<p class="verdict met"><strong>proven</strong>: 4 &lt;in view&gt;' in drawn
+    assert "6.24" in drawn and "6.24" in text(page())
+    assert "<details><summary>More</summary>" in drawn
+    assert 'alt="t"' in drawn and drawn.count('<div class="pictures">') == 1
+    assert "http" not in drawn  # nothing is fetched
+
+
+def test_one_block_alone_and_an_open_verdict():
+    assert 'class="verdict open"' in html(Verdict("", "who knows"))
+    assert text(Page("x", (Sentence("a"), Verdict("", "b")))).endswith("b")
+
+
+def test_columns_take_their_headings_from_the_quantities():
+    table = columns("T", [[Value(FOLD, 4), Value(MASK, 1.0, whose="exact")]])
+    assert table.header == ("least fold", "highest mask with the fold, exact, deg")
+    assert columns("T", []).header == ()
+
+
+def test_walking_finds_blocks_inside_blocks():
+    kinds = [type(block).__name__ for block in walk(page().blocks)]
+    assert kinds == [
+        "Verdict", "Table", "Details", "Sentence", "Section", "Table", "Picture", "Table",
+    ]  # fmt: skip

@@ -1,0 +1,83 @@
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compass.document import Bracket, Proven, Sampled, Value
+from compass.document.numbers import cell, significant
+from compass.errors import ArgumentError
+from compass.quantities import QUANTITIES, quantity
+
+
+@given(st.floats(-1e14, 1e14), st.integers(2, 9))
+def test_a_number_is_written_to_its_digits_and_reads_back(value, digits):
+    written = significant(value, digits)
+    read = float(written.replace(",", ""))
+    # half a unit of the last digit; before the decimal point nothing is rounded to tens
+    unit = 10.0 ** math.floor(math.log10(abs(value))) if value else 1.0
+    # and the nearest double of what was written may lie a rounding away
+    half = min(max(0.5 * unit * 10 ** (1 - digits), 0.0), 0.5)
+    assert abs(read - value) <= half * (1 + 1e-9) + 4e-16 * abs(value)
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "written"),
+    [
+        (6.238541, 3, "6.24"),
+        (45.0, 4, "45"),
+        (20427.0, 3, "20427"),
+        (60422241.3, 5, "60,422,241"),
+        (1e-9, 3, "1e-9"),
+        (0.0, 3, "0"),
+        (math.inf, 3, "∞"),
+        (-math.inf, 3, "-∞"),
+        (math.nan, 3, "none"),
+    ],
+)
+def test_what_a_reader_sees(value, digits, written):
+    assert significant(value, digits) == written
+
+
+def test_a_value_is_written_by_what_it_means():
+    assert str(Value(quantity("fold_proven"), True)) == "yes"
+    assert str(Value(quantity("fold_proven"), 0)) == "no"
+    assert str(Value(quantity("min_fold"), 4)) == "4"
+    assert str(Value(quantity("min_fold"), 3, Bracket(3, 4))) == "3 to 4"
+    assert str(Value(quantity("min_fold"), 3, Bracket(3, 3))) == "3"
+    assert str(Value(quantity("fold_share"), 0.41687)) == "41.687"
+    assert str(Value(quantity("fold_share"), 0.5, Sampled(0.001))) == "50 ± 0.1"
+    assert str(Value(quantity("mask_margin_deg"), None)) == "none"
+    assert str(Value(quantity("mask_margin_deg"), "open")) == "open"
+    assert str(Value(quantity("mask_deg"), 5.0, whose="exact")) == "5"
+    assert Value(quantity("mask_deg"), 5.0, whose="exact").title == "elevation mask, exact"
+    assert [cell(x) for x in (None, True, 2, 2.5, "a")] == ["", "yes", "2", "2.5", "a"]
+
+
+def test_evidence_says_how_well():
+    assert str(Proven("for all time")) == "proven, for all time"
+    assert str(Bracket(1, 2)) == "between proven bounds"
+    assert str(Sampled(None, "109 epochs")) == "sampled, 109 epochs, error not known"
+    with pytest.raises(ValueError, match="not in order"):
+        Bracket(2, 1)
+
+
+def test_every_quantity_says_what_it_is():
+    for name, record in QUANTITIES.items():
+        assert record.name == name
+        assert record.title and record.meaning.endswith("."), name
+        assert record.digits >= 1
+        assert record.shown_unit == (
+            "%" if record.form == "share" else record.unit.strip("1") or ""
+        )
+        assert record.attributes()["long_name"] == record.title
+        # the name carries the unit
+        if record.form == "real" and record.unit in ("deg", "km", "m", "s", "h", "km2", "rad"):
+            assert name.endswith(f"_{record.unit}"), name
+
+
+def test_a_wrong_name_is_answered_with_the_near_ones():
+    with pytest.raises(ArgumentError, match="did you mean mask_margin_deg"):
+        quantity("mask_margin")
+    with pytest.raises(ArgumentError, match="known: "):
+        quantity("zzzz")
