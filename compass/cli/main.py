@@ -12,6 +12,7 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from copy import copy
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
@@ -53,8 +54,10 @@ class Commands(click.Group):
 
 @functools.cache
 def _loaded(name: str) -> click.Command:
-    loaded = import_module(f"compass.cli.{name}").command
+    """Return a file's command, as the program has it."""
+    loaded = copy(import_module(f"compass.cli.{name}").command)
     assert isinstance(loaded, click.Command)
+    loaded.params = [copy(parameter) for parameter in loaded.params]
     for parameter in loaded.params:
         if parameter.type is click.INT:
             parameter.type = INT64

@@ -155,12 +155,12 @@ def test_an_undecided_claim_names_what_is_left(design, monkeypatch):
     ("arguments", "message"),
     [
         (["--fold", "0"], "fold = 0"),
-        (["--mask-deg", "95"], "--mask-deg = 95"),
-        (["--mask-deg", "nan"], "--mask-deg = nan"),
+        (["--mask-deg", "95"], "mask_deg = 95"),
+        (["--mask-deg", "nan"], "mask_deg = nan"),
         (["--losses", "-1"], "losses = -1"),
         (["--losses", "7"], "losses = 7"),
         (["--region", "moon"], "region = moon"),
-        (["--duration-h", "0"], "--duration-h = 0"),
+        (["--duration-h", "0"], "duration = 0"),
     ],
 )
 def test_bad_options(design, arguments, message):
