@@ -4,6 +4,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from compass.api.given import given_design
 from compass.api.progress import bar
 from compass.api.results import Result
