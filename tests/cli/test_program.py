@@ -149,3 +149,19 @@ def test_a_file_name_that_is_not_utf8_goes_all_the_way(seed, tmp_path, locale):
     assert found.returncode == 0 and b"15/5/1" in found.stdout
     missing = subprocess.run([*arguments[:-1], design + b"x"], capture_output=True, env=where)
     assert missing.returncode == 2 and b"no such file" in missing.stderr
+
+
+def test_a_key_cannot_command_the_terminal(run, tmp_path):
+    path = tmp_path / "x.toml"
+    path.write_text('name = "x"\n"\\u001b[31m" = 1\n')
+    code, out, err = run("show", path)
+    assert (code, out) == (2, "") and "\\x1b[31m = 1: unknown key" in err
+    assert all(letter.isprintable() or letter == "\n" for letter in err)
+
+
+def test_a_backend_that_is_not_installed_is_none_of_ours(seed, tmp_path):
+    where = dict(os.environ, MPLBACKEND="module://nowhere.to.be.found")
+    arguments = [*PROGRAM, "map", str(seed), "--step-deg", "45", "--epochs", "1"]
+    picture = tmp_path / "m.png"
+    done = subprocess.run([*arguments, "--figure", str(picture)], env=where, capture_output=True)
+    assert done.returncode == 0 and picture.read_bytes().startswith(b"\x89PNG")
