@@ -71,7 +71,7 @@ def test_what_an_interruption_turns_into_is_one_still(run, seed, monkeypatch):
         except KeyboardInterrupt:
             raise SystemError("kernel returned a result with an exception set") from None
 
-    monkeypatch.setattr("compass.inputs.read_design", compiled)
+    monkeypatch.setattr("compass.api.given.read_design", compiled)
     code, out, err = run("show", seed)
     assert (code, out) == (130, "") and err.endswith("nothing half-written was left behind\n")
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
@@ -92,7 +92,7 @@ def test_the_first_import_can_be_interrupted():
 
 
 def test_a_failure_of_the_program_is_no_verdict(run, seed, monkeypatch):
-    monkeypatch.setattr("compass.inputs.read_design", lambda _: 1 / 0)
+    monkeypatch.setattr("compass.api.given.read_design", lambda _: 1 / 0)
     code, out, err = run("show", seed)
     assert (code, out) == (3, "") and err.endswith("ZeroDivisionError: division by zero\n")
 
@@ -109,7 +109,7 @@ def test_what_the_system_refuses_is_one_line(run, seed, monkeypatch, error, said
     def refuse(_):
         raise error
 
-    monkeypatch.setattr("compass.inputs.read_design", refuse)
+    monkeypatch.setattr("compass.api.given.read_design", refuse)
     code, out, err = run("show", seed)
     assert (code, out) == (2, "") and err.startswith(said) and err.count("\n") == 1
 
