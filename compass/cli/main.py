@@ -54,9 +54,12 @@ class Commands(click.Group):
 
 @functools.cache
 def _loaded(name: str) -> click.Command:
-    """Return a file's command, as the program has it."""
-    loaded = copy(import_module(f"compass.cli.{name}").command)
-    assert isinstance(loaded, click.Command)
+    return prepared(import_module(f"compass.cli.{name}").command)
+
+
+def prepared(command: click.Command) -> click.Command:
+    """Return a file's command as the program has it: its numbers bounded, its refusals in words."""
+    loaded = copy(command)
     loaded.params = [copy(parameter) for parameter in loaded.params]
     for parameter in loaded.params:
         if parameter.type is click.INT:
