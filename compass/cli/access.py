@@ -201,21 +201,25 @@ def _write(output: Path, found: "Survey", record: dict[str, Any], design: "Desig
         return
     with replacing(output) as path:
         if output.suffix == ".json":
-            path.write_text(json.dumps(plain(record), indent=2, allow_nan=False) + "\n")
+            text = json.dumps(plain(record), indent=2, allow_nan=False) + "\n"
+            path.write_text(text, encoding="utf-8")
         else:
             _write_csv(path, record)
 
 
 def _write_csv(path: Path, record: dict[str, Any]) -> None:
-    import csv
+    from compass.saving import write_csv
 
     names = ["start_s", "end_s", "duration_s", "culmination_s", "max_elevation_deg"]
-    with path.open("w", newline="") as stream:
-        writer = csv.writer(stream)
-        writer.writerow(["first", "second", *names])
-        for pair in record["pairs"]:
-            for window in pair["windows"]:
-                writer.writerow([pair["first"], pair["second"], *(window[name] for name in names)])
+    write_csv(
+        path,
+        ["first", "second", *names],
+        (
+            [pair["first"], pair["second"], *(window[name] for name in names)]
+            for pair in record["pairs"]
+            for window in pair["windows"]
+        ),
+    )
 
 
 def _print(record: dict[str, Any], pairs: bool) -> None:
