@@ -3,8 +3,9 @@
 from math import radians
 from pathlib import Path
 
+from compass.design import Design
 from compass.errors import ArgumentError
-from compass.inputs import Design, read_design
+from compass.inputs import read_design
 from compass.sites import Mask
 
 

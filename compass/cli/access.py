@@ -17,7 +17,7 @@ from compass.cli.shared import (
 
 if TYPE_CHECKING:
     from compass.contacts.survey import Survey
-    from compass.inputs.design import Design
+    from compass.design import Design
     from compass.sites import Site
 
 SUFFIXES = (".nc", ".csv", ".json")
@@ -91,7 +91,8 @@ def command(
     announce_compilation()
     from compass.bodies import SOLAR_DAY
     from compass.contacts.record import survey_record
-    from compass.contacts.survey import Wanted, survey
+    from compass.contacts.survey import survey
+    from compass.design import Wanted
     from compass.inputs import read_design
     from compass.saving import check_writable
 

@@ -6,13 +6,13 @@ import numpy as np
 
 from compass.bodies import SOLAR_DAY
 from compass.contacts.nodes import find_node
-from compass.contacts.radio import Radio, carrier_to_noise
+from compass.contacts.radio import carrier_to_noise
 from compass.contacts.record import pair_track, survey_record
 from compass.contacts.spans import any_of
 from compass.contacts.survey import Survey, survey
 from compass.contacts.windows import Windows
+from compass.design import Design, Radio
 from compass.document.blocks import Picture, Section, arranged
-from compass.inputs.design import Design
 from compass.pages.access_tables import access_tables
 from compass.pictures.style import CYCLE, FAINT, INK, look, new_figure, picture
 
@@ -133,7 +133,9 @@ def _served(found: Survey, radio: Radio) -> list[Windows]:
         w
         for w in found.windows
         if w.count
-        and radio.serves(find_node(found.nodes, w.first), find_node(found.nodes, w.second))
+        and radio.serves(
+            find_node(found.nodes, w.first).kind, find_node(found.nodes, w.second).kind
+        )
     ]
 
 

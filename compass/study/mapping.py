@@ -11,8 +11,8 @@ import compass
 from compass.coverage.grid import Grid, make_grid
 from compass.coverage.maps import coverage_map
 from compass.coverage.view import View, view
+from compass.design import Design
 from compass.errors import ArgumentError
-from compass.inputs import Design
 from compass.orbits import RepeatPeriod, repeat_period
 from compass.orbits.motion import AnyMotion
 from compass.sites import Mask

@@ -5,10 +5,9 @@ from dataclasses import replace
 import pytest
 
 from compass.bodies import SOLAR_DAY
-from compass.contacts.radio import Radio
-from compass.contacts.survey import Wanted
+from compass.design import Radio, Wanted
 from compass.inputs import read_design
-from compass.orbits import from_elements
+from compass.orbits import keplerian
 from compass.pages.access import MAX_ROWS, access_section
 
 
@@ -47,7 +46,7 @@ def test_every_node_has_its_timeline(design):
 
 
 def test_a_large_constellation_is_cut_and_said_so(design):
-    many = from_elements(1e7, 0.0, 0.5, [0.1 * k for k in range(MAX_ROWS + 3)], 0.0, 0.0)
+    many = keplerian(1e7, 0.0, 0.5, [0.1 * k for k in range(MAX_ROWS + 3)], 0.0, 0.0)
     crowd = replace(
         design, constellation=many, stations=design.stations[:1], access=Wanted(),
         access_duration=0.1 * SOLAR_DAY.value,
