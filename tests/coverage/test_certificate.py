@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from compass.core.certificate import caps_at
 from compass.coverage import witness
 from compass.coverage.certificate import fold_range, prove_fold
-from compass.coverage.fold import caps_of, in_view
+from compass.coverage.fold import caps_of, clearances, in_view
 from compass.coverage.motion import motion_of
 from compass.coverage.region import GLOBE, read_region
 from compass.coverage.symmetry import Span, shortest_span
@@ -226,9 +226,9 @@ def test_a_witness_in_a_narrow_valley_is_found_soon(monkeypatch):
     def counted(*arguments):
         nonlocal calls
         calls += 1
-        return in_view(*arguments)
+        return clearances(*arguments)
 
-    monkeypatch.setattr(witness, "in_view", counted)
+    monkeypatch.setattr(witness, "clearances", counted)
     sixth = np.radians(30.0) * np.arange(6)
     c = keplerian(2e7, 0.8, np.radians(100.0), sixth, -np.pi / 2, 2 * sixth)
     assert prove_fold(c, 1, sphere_radius=R).outcome == "refuted"

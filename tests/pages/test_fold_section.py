@@ -19,7 +19,7 @@ fold = {fold}
 """
 
 ELEMENTS = """
-name = "two opposite circles"
+name = "two circles"
 [constellation]
 pattern = "elements"
 [[constellation.satellite]]
@@ -30,6 +30,7 @@ inclination_deg = 60
 name = "B"
 semi_major_axis_km = 12000
 inclination_deg = 60
+raan_deg = 20
 mean_anomaly_deg = 180
 [coverage]
 fold = {fold}

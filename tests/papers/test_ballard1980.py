@@ -67,7 +67,7 @@ def test_rows_compare_what_is_computed(monkeypatch):
     shift = 0.0
 
     def best(n, p, m, fold=1):
-        c = paper.rosette(n, p, m, inclination_deg=57.3, radius_km=ANY_RADIUS / 1e3)
+        c = rosette(n, p, m, inclination_deg=57.3, radius_km=ANY_RADIUS / 1e3)
         b, r = {3: ("58.56", "84.88"), 4: ("68.38", "85.31"), 2: ("61.81", "75.97")}.get(
             fold
         ) or printed[n, m]

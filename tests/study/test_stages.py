@@ -51,7 +51,9 @@ def study(satellites=6, fold=1, more=""):
 
 
 def make(star, *counts, inclination):
-    return (walker_star if star else walker_delta)(*counts, inclination=inclination, radius=ORBIT)
+    return (walker_star if star else walker_delta)(
+        *counts, inclination_deg=np.degrees(inclination), radius_km=ORBIT / 1e3
+    )
 
 
 @st.composite
