@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.stats import chi2
 
 from compass.entry.arrivals import Arrivals
 from compass.entry.beacons import in_view
@@ -281,8 +282,9 @@ def test_satellites_under_the_surface_are_refused(scenario):
 def test_filter_runs_report_errors_and_consistency(scenario, five):
     found = judge_filter(five, scenario, samples=2, runs=4, figure=FIGURE, mask=Mask(), threads=1)
     assert found["runs"] == 4 and found["diverged"] == 0
-    assert found["consistent"]
-    assert found["nees_interval"]["low"] <= found["nees"] <= found["nees_interval"]["high"]
+    low, high = chi2.ppf([0.025, 0.975], 6 * 4) / 4
+    assert found["nees_interval"] == {"low": pytest.approx(low), "high": pytest.approx(high)}
+    assert found["consistent"] == (low <= found["nees"] <= high)
     assert 0 < found["ekf_position_m"]["p50"] <= found["ekf_position_m"]["p95"]
     again = judge_filter(five, scenario, samples=2, runs=4, figure=FIGURE, mask=Mask(), threads=2)
     assert found == again
