@@ -9,6 +9,7 @@ import numpy as np
 from compass.bodies import SOLAR_DAY
 from compass.frames import DEFAULT_FIGURE, Figure
 from compass.orbits.constellation import Constellation
+from compass.orbits.motion import Motion
 from compass.sites import Mask, Site
 
 #: What can stand at an end of a link.
@@ -96,6 +97,8 @@ class Design:
         Sun-Earth-Mars angle below which links to the Earth are lost, radians.
     radios
         Radio links.
+    motion
+        How the satellites move.
     text
         Of the file it was read from, for provenance; empty without one.
     label
@@ -114,6 +117,7 @@ class Design:
     access_duration: float = 10 * SOLAR_DAY.value
     conjunction: float = float(np.radians(2.0))
     radios: tuple[Radio, ...] = ()
+    motion: Motion = field(default_factory=Motion)
     text: str = ""
     label: str = "design"
 
