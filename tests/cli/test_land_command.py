@@ -117,7 +117,7 @@ def test_optimize(coarse, tmp_path, what):
     )
     result = run("optimize", path, "--figures", tmp_path / "p")
     assert result.exit_code == 0, result.output
-    assert "Best beacons" in result.stdout
+    assert "Best beacons" in result.stdout and ": Best " in result.stdout
     assert (tmp_path / "p" / "best-convergence.png").exists()
     facts = json.loads(run("optimize", path, "--json").stdout)
     assert facts["what"] == what
