@@ -1,6 +1,5 @@
 """When stations, moons, the Earth and satellites see each other."""
 
-import csv
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -20,7 +19,7 @@ from compass.document.plain import plain
 from compass.errors import ArgumentError, OutputError
 from compass.inputs import Design
 from compass.quantities import quantity
-from compass.saving import replacing, save_netcdf
+from compass.saving import replacing, save_netcdf, write_csv
 from compass.sites import Mask, Site
 
 if TYPE_CHECKING:
@@ -314,9 +313,12 @@ def _cell(row: dict[str, Any], name: str) -> object:
 
 def _write_csv(path: Path, pairs: Sequence[dict[str, Any]]) -> None:
     names = ["start_s", "end_s", "duration_s", "culmination_s", "max_elevation_deg"]
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream)
-        writer.writerow(["first", "second", *names])
-        for pair in pairs:
-            for window in pair["windows"]:
-                writer.writerow([pair["first"], pair["second"], *(window[name] for name in names)])
+    write_csv(
+        path,
+        ["first", "second", *names],
+        (
+            [pair["first"], pair["second"], *(window[name] for name in names)]
+            for pair in pairs
+            for window in pair["windows"]
+        ),
+    )

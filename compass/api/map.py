@@ -16,7 +16,7 @@ from compass.document.blocks import facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.inputs import Design
-from compass.orbits.ephemeris import MotionModel
+from compass.orbits.motion import MotionModel
 from compass.quantities import QUANTITIES, quantity
 from compass.saving import replacing
 from compass.study.mapping import DesignMap, MapOptions, make_map

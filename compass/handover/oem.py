@@ -12,7 +12,7 @@ from compass.frames import mci_from_icrf
 from compass.handover.instants import iso, tdb
 from compass.inputs import Design
 from compass.orbits import states_mci
-from compass.orbits.ephemeris import MotionModel
+from compass.orbits.motion import AnyMotion
 
 #: Highest degree of the interpolation that readers are told to use.
 DEGREE = 7
@@ -24,7 +24,7 @@ _STATE = "%s %.6f %.6f %.6f %.9f %.9f %.9f"  # km to the millimetre, km/s to the
 def oem(
     design: Design,
     times: NDArray[np.float64],
-    motion: MotionModel = "two-body",
+    motion: AnyMotion = "two-body",
     created: np.datetime64 | None = None,
 ) -> dict[str, str]:
     """Ephemerides as OEM 2.0 in KVN, ICRF axes about Mars, TDB: file names and their text.

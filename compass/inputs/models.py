@@ -1,9 +1,10 @@
 """What a design file may say: one model a table, each field with unit, range and meaning."""
 
+import unicodedata
 from datetime import datetime
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
 SatelliteCount = Annotated[int, Field(ge=1, le=10_000)]
 Inclination = Annotated[float, Field(ge=0, le=180)]
@@ -12,9 +13,22 @@ Kilometres = Annotated[float, Field(gt=0, le=1e7)]
 
 
 class Table(BaseModel):
-    """A TOML table: no unknown keys, no silent conversion, no nan or inf."""
+    """A TOML table: no unknown keys, no silent conversion, no nan or inf, text that can be shown.
+
+    A text is one line, but for `source`. Anything else in it would be drawn, printed and written
+    as something else than what it is: a terminal obeys it, a file format ends a line there.
+    """
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+
+    @field_validator("*", mode="after")
+    @classmethod
+    def _shown(cls, given: Any, info: ValidationInfo) -> Any:
+        lines = "\n\t" if info.field_name == "source" else ""
+        for letter in given if isinstance(given, str) else "":
+            if unicodedata.category(letter) == "Cc" and letter not in lines:
+                raise ValueError(f"has the control character U+{ord(letter):04X}; leave it out")
+        return given
 
 
 class CircularOrbit(Table):

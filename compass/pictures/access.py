@@ -85,7 +85,7 @@ def link_budget(found: Survey, radio: Radio) -> Picture:
         axes.axhline(radio.required, color=INK, ls="--", lw=1, label="needed")
         axes.set_xlim(0.0, sols)
         axes.set_xlabel("time after the epoch [sols]")
-        axes.set_ylabel("C/N$_0$ [dB Hz]")
+        axes.set_ylabel("C/N₀ [dB Hz]")
         title = f"Link budget, {radio.between[0]} - {radio.between[1]}"
         axes.set_title(f"{title}, {radio.frequency / 1e6:g} MHz")
         axes.grid()

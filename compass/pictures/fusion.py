@@ -178,7 +178,7 @@ def _plasma_picture(found: FusionRuns) -> Picture:
         ):
             above.axhline(level / PER_CM3, color=colour, lw=1.0, ls="--", label=name)
         above.legend(loc="upper right", fontsize=8)
-        _finish(above, "electrons per cm$^3$", "")
+        _finish(above, "electrons per cm³", "")
         twin = above.twinx()
         twin.plot(case.times, attenuation(n), color=MARS, lw=0.8, alpha=0.6)
         twin.set_ylabel("attenuation, dB/m", color=MARS)

@@ -14,7 +14,7 @@ from compass.coverage.view import View, view
 from compass.errors import ArgumentError
 from compass.inputs import Design
 from compass.orbits import RepeatPeriod, repeat_period
-from compass.orbits.ephemeris import MotionModel
+from compass.orbits.motion import AnyMotion
 from compass.sites import Mask
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ class MapOptions:
     mask_deg: float | None = None
     fold: int | None = None
     pdop_max: float = 6.0
-    motion: MotionModel = "two-body"
+    motion: AnyMotion = "two-body"
     duration_h: float | None = None
 
 
