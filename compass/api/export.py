@@ -16,7 +16,7 @@ from compass.handover.instants import iso, sample_times, tdb
 from compass.handover.oem import oem
 from compass.handover.toml import design_toml
 from compass.inputs import Design
-from compass.orbits.ephemeris import MotionModel
+from compass.orbits.motion import MotionModel
 from compass.saving import making_folder, replacing
 
 FORMATS = ("oem", "czml", "geojson", "toml")

@@ -1,5 +1,6 @@
 """How well a lander navigates on radio beacons."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -115,6 +116,7 @@ def land(
     runs: int | None = None,
     command: str = "",
     progress: bool = False,
+    notice: Callable[[str], object] = lambda words: None,
 ) -> LandResult:
     """Fly a scenario and navigate it: trajectory, view, observability, bound and filter.
 
@@ -131,6 +133,8 @@ def land(
         What to write into the files' history.
     progress
         Show bars on stderr.
+    notice
+        Told what is to be known before the work begins, such as beacons that are never seen.
 
     Raises
     ------
@@ -148,6 +152,8 @@ def land(
     if runs is not None and not 1 <= runs <= MOST_RUNS:
         raise ArgumentError(f"runs = {runs}: allowed 1 to {MOST_RUNS}")
     plan = fusion_plan(read)
+    for words in plan.case.visibility_report() if plan else ():
+        notice(words)
     found = assess_scenario(read, runs)
     fused = run_fusion(plan, runs, progress=progress) if plan else None
     return LandResult(read, found, fused, command)

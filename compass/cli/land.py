@@ -38,7 +38,7 @@ def command(
         check_writable(output, [scenario])
     if figures:
         check_folder(figures)
-    found = compass.land(scenario, runs=runs, command=command_line(), progress=True)
+    found = compass.land(scenario, runs=runs, command=command_line(), progress=True, notice=say)
     if output:
         found.write(output)
         say(f"wrote {output}")
