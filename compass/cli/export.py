@@ -37,7 +37,7 @@ from compass.cli.shared import design_argument, emit_json, json_option, say
 @click.option(
     "--motion",
     type=click.Choice(["two-body", "j2", "numerical"]),
-    help="Model of the motion.  [default: two-body]",
+    help="How they move; else as the design says.",
 )
 @json_option
 def command(
@@ -69,7 +69,7 @@ def command(
         check_new_folder(output)
     else:
         check_writable(output, [design])
-    model = motion or "two-body"
+    model = chosen.motion.or_of(motion)
     files: dict[str, str] = {}
     result = {
         "design": chosen.name,
@@ -90,7 +90,7 @@ def command(
         times = sample_times(chosen.constellation, duration_h, step_s)
         start, stop = iso(tdb(chosen.constellation.epoch, times[[0, -1]]))
         result |= {
-            "motion": model,
+            "motion": model.model,
             "start_tdb": start,
             "stop_tdb": stop,
             "step_s": float(times[1] - times[0]),
