@@ -112,7 +112,7 @@ def export(
     step_s
         Seconds between states; else close enough for interpolation to a millimetre.
     motion
-        ``two-body``, ``j2`` or ``numerical``.
+        ``two-body``, ``j2`` or ``numerical``; else as the design says.
 
     Raises
     ------
@@ -155,9 +155,9 @@ def _written(
         return {"design.toml": design_toml(design)}, {}
     times = sample_times(design.constellation, duration_h, step_s)
     start, stop = iso(tdb(design.constellation.epoch, times[[0, -1]]))
-    model: MotionModel = motion or "two-body"
+    model = design.motion.or_of(motion)
     span = {
-        "motion": model,
+        "motion": model.model,
         "start_tdb": start,
         "stop_tdb": stop,
         "step_s": float(times[1] - times[0]),

@@ -36,7 +36,7 @@ from compass.cli.shared import design_argument, emit_json, json_option, say
 @click.option(
     "--motion",
     type=click.Choice(["two-body", "j2", "numerical"]),
-    help="Model of the motion.  [default: two-body]",
+    help="How they move; else as the design says.",
 )
 @json_option
 def command(design: Path, output: Path, as_json: bool, **options: Any) -> None:
