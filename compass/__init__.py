@@ -8,8 +8,19 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # the same names for editors and type checkers
+    from compass.api.access import access
+    from compass.api.export import export
     from compass.api.fold import fold
+    from compass.api.land import land
+    from compass.api.map import map
+    from compass.api.optimize import optimize
+    from compass.api.reproduce import reproduce
+    from compass.api.search import search
+    from compass.api.show import show
+    from compass.design import Design
     from compass.inputs import read_design
+    from compass.inputs.scenario import read_scenario
+    from compass.inputs.study import read_study
     from compass.orbits import (
         Constellation,
         areosynchronous_radius,
@@ -20,43 +31,54 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
         walker_star,
     )
     from compass.sites import Mask, Site
-    from compass.study.mapping import MapOptions, make_map
 
 __version__ = "0.1.0"
 
 __all__ = [
     "Constellation",
-    "MapOptions",
+    "Design",
     "Mask",
     "Site",
     "__version__",
+    "access",
     "areosynchronous_radius",
     "ephemeris",
+    "export",
     "fold",
     "from_elements",
-    "make_map",
+    "land",
+    "map",
+    "optimize",
     "read_design",
+    "read_scenario",
+    "read_study",
+    "reproduce",
     "rosette",
+    "search",
+    "show",
     "walker_delta",
     "walker_star",
 ]
 
-#: Where a public name lives: its command's file, or this.
+#: The commands, each in the file of `compass.api` that has its name.
+_COMMANDS = ("access", "export", "fold", "land", "map", "optimize", "reproduce", "search", "show")
+
+#: Where the other public names live.
 _HOMES = {
-    "fold": "compass.api.fold",
-    "read_design": "compass.inputs",
-    "MapOptions": "compass.study.mapping",
-    "make_map": "compass.study.mapping",
     "Constellation": "compass.orbits",
-    "walker_delta": "compass.orbits",
-    "walker_star": "compass.orbits",
-    "rosette": "compass.orbits",
-    "from_elements": "compass.orbits",
-    "ephemeris": "compass.orbits",
-    "areosynchronous_radius": "compass.orbits",
+    "Design": "compass.design",
     "Mask": "compass.sites",
     "Site": "compass.sites",
-}
+    "areosynchronous_radius": "compass.orbits",
+    "ephemeris": "compass.orbits",
+    "from_elements": "compass.orbits",
+    "read_design": "compass.inputs",
+    "read_scenario": "compass.inputs.scenario",
+    "read_study": "compass.inputs.study",
+    "rosette": "compass.orbits",
+    "walker_delta": "compass.orbits",
+    "walker_star": "compass.orbits",
+} | {name: f"compass.api.{name}" for name in _COMMANDS}
 
 
 def __getattr__(name: str) -> object:

@@ -28,7 +28,7 @@ def emit_json(result: dict[str, Any]) -> None:
     click.echo(json.dumps(plain(result), indent=2, allow_nan=False, ensure_ascii=False))
 
 
-def show(result: "Result", as_json: bool) -> None:
+def print_result(result: "Result", as_json: bool) -> None:
     """Print a result as text or JSON; exit status 1 where its claim does not hold."""
     if as_json:
         emit_json(result.to_dict())

@@ -1,9 +1,11 @@
 """The blocks a document is made of; they know nothing of how they are drawn."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from compass.document.numbers import Value
+from compass.quantities import QUANTITIES, quantity
 
 
 @dataclass(frozen=True)
@@ -140,6 +142,21 @@ def facts(title: str, values: Iterable[Value]) -> Table:
         for v in kept
     )
     return Table(title, header, tuple(rows))
+
+
+def values(group: str, known: Mapping[str, Any]) -> list[Value]:
+    """Values of plain numbers by their names, as in JSON, looked up as ``group.name`` or ``name``.
+
+    A value that is a mapping holds the same quantity from several: ``{"exact": ..., ...}``.
+    """
+    found = []
+    for name, value in known.items():
+        record = quantity(f"{group}.{name}" if f"{group}.{name}" in QUANTITIES else name)
+        if isinstance(value, Mapping):
+            found += [Value(record, each, None, whose) for whose, each in value.items()]
+        else:
+            found.append(Value(record, value))
+    return found
 
 
 def columns(title: str, rows: Sequence[Sequence[Value]], shown: int | None = None) -> Table:
