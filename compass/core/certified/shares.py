@@ -43,8 +43,10 @@ def area_below(b, e2):
 
 @kernel
 def measure(box, e2):
-    """Measure of a box, volume, and smallest and largest density in it; a box of no width in
-    latitude or longitude has none in that direction and counts as one."""
+    """Measure of a box, its volume, and the smallest and largest density in it.
+
+    A box of no width in a direction counts as one of width 1.
+    """
     b, hb, hl, ht = box[0], box[3], box[4], box[5]
     wide = (2.0 * hl if hl > 0.0 else 1.0) * (2.0 * ht if ht > 0.0 else 1.0)
     if hb == 0.0:
@@ -167,7 +169,7 @@ def split(box, speed, left, right):
 
 
 @kernel
-def refine(leaves, eps, most, speed, model, circles, normals, numbers, mask):
+def refine(leaves, eps, speed, model, circles, normals, numbers, mask):
     """Split boxes until none has more than `eps` open.
 
     Parameters
@@ -176,8 +178,6 @@ def refine(leaves, eps, most, speed, model, circles, normals, numbers, mask):
         Boxes to split, shape (m, BOX).
     eps
         Open measure that a box may keep.
-    most
-        Boxes to look at, at most; the rest stays as it is.
     speed
         How much of a length a unit of time is worth when the longest side is chosen.
     model, circles, normals, numbers, mask
@@ -202,14 +202,13 @@ def refine(leaves, eps, most, speed, model, circles, normals, numbers, mask):
         while depth > 0:
             depth -= 1
             box = stack[depth].copy()
-            if box[9] > eps and settled[3] < most and depth < 250:
-                if split(box, speed, stack[depth], stack[depth + 1]):
-                    for k in range(depth, depth + 2):
-                        look(stack[k], user, scratch, q, dq, rows, kinds, model, circles, normals,
-                             numbers, mask)  # fmt: skip
-                    settled[3] += 2
-                    depth += 2
-                    continue
+            if box[9] > eps and depth < 250 and split(box, speed, stack[depth], stack[depth + 1]):
+                for k in range(depth, depth + 2):
+                    look(stack[k], user, scratch, q, dq, rows, kinds, model, circles, normals,
+                         numbers, mask)  # fmt: skip
+                settled[3] += 2
+                depth += 2
+                continue
             if box[9] > 0.0:
                 if found == out.shape[0]:
                     more = np.empty((2 * found, BOX))

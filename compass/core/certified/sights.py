@@ -32,8 +32,6 @@ In sight where ``G = n.(q - p) - sin m |q - p| >= 0``; ``|G''|`` is at most
 
 import math
 
-import numpy as np
-
 from compass.core.jit import kernel
 from compass.core.kepler import eccentric_anomaly
 
@@ -99,8 +97,8 @@ def place(box, e2, user):
     then v, wn, wp, F v, bound of ``|M - n.p| hb^2``, largest ``|sin b|``, bound of the slope of
     n.p by b (``N e2 sin b cos b``).
     """
-    b, l, hb, hl = box[0], box[1], box[3], box[4]
-    cb, sb, cl, sl = math.cos(b), math.sin(b), math.cos(l), math.sin(l)
+    b, lon, hb, hl = box[0], box[1], box[3], box[4]
+    cb, sb, cl, sl = math.cos(b), math.sin(b), math.cos(lon), math.sin(lon)
     flat = 1.0 - e2 * sb * sb
     normal = 1.0 / math.sqrt(flat)
     meridian = (1.0 - e2) * normal / flat
