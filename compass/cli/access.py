@@ -184,6 +184,7 @@ def _write(output: Path, found: "Survey", record: dict[str, Any], design: "Desig
 
     import compass
     from compass.contacts.dataset import windows_dataset
+    from compass.conventions import epoch_text
     from compass.document.plain import plain
     from compass.saving import replacing, save_netcdf
 
@@ -193,7 +194,7 @@ def _write(output: Path, found: "Survey", record: dict[str, Any], design: "Desig
             title=f"Access windows of {design.name}",
             design=design.text,
             design_sha256=design.digest,
-            epoch_tdb_s_past_j2000=design.constellation.epoch,
+            epoch_tdb=epoch_text(design.constellation.epoch),
             history=command_line(),
             source=f"compass {compass.__version__}",
         )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import compass
+from compass.conventions import epoch_text
 from compass.coverage.gaps import coverage_gaps, shortest_pass
 from compass.coverage.grid import Grid, make_grid
 from compass.coverage.maps import coverage_map
@@ -207,6 +208,7 @@ def provenance(design: Design, command: str) -> dict[str, str]:
         "source": f"compass {compass.__version__}",
         "history": f"{now} {command}".strip(),
         "references": " ".join(design.source.split()),
+        "epoch_tdb": epoch_text(design.constellation.epoch),
         "design_file": design.label,
         "design_text": design.text,
         "design_sha256": design.digest,

@@ -140,7 +140,9 @@ def test_a_map_at_few_epochs_tells_gaps_as_at_many_and_warns(designs):
     told, step = made.to_dict(), made.dataset.attrs["gap_step_s"] + fine.step
     assert told["longest_gap_s"] == pytest.approx(float(fine.longest.max()), abs=step)
     assert told["longest_gap_s"] / 3600 == pytest.approx(6.23, abs=0.01)
-    assert told["mean_response_time_s"] / 3600 == pytest.approx(0.68, abs=0.02)  # a month says 0.680
+    assert told["mean_response_time_s"] / 3600 == pytest.approx(
+        0.68, abs=0.02
+    )  # a month says 0.680
     text = str(made)
     assert "WARNING: the epochs are" in text and "gaps are followed every" in text
     assert "WARNING" not in str(compass.map(designs / "compass-15-5-1.toml", step_deg=30))
