@@ -1,7 +1,7 @@
 """``compass access``: when stations, moons, the Earth and satellites see each other."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -9,18 +9,10 @@ from compass.cli.shared import (
     announce_compilation,
     command_line,
     design_argument,
-    emit_json,
     json_option,
-    print_table,
+    print_result,
     say,
 )
-
-if TYPE_CHECKING:
-    from compass.contacts.survey import Survey
-    from compass.inputs.design import Design
-    from compass.sites import Site
-
-SUFFIXES = (".nc", ".csv", ".json")
 
 
 @click.command("access")
@@ -69,65 +61,22 @@ SUFFIXES = (".nc", ".csv", ".json")
     help="Write all windows to a file: .nc, .csv or .json.",
 )
 @json_option
-def command(
-    design: Path,
-    duration_sols: float | None,
-    stations: tuple[str, ...],
-    moons: tuple[str, ...],
-    earth: bool,
-    crosslinks: bool,
-    eclipse: bool,
-    model: Any,
-    moon_model: Any,
-    pairs: bool,
-    output: Path | None,
-    as_json: bool,
-) -> None:
+def command(design: Path, output: Path | None, as_json: bool, **options: Any) -> None:
     """Find access windows: stations, Mars's moons, the Earth, and links between satellites.
 
     Rise, set and culmination are found by root isolation, not by sampling, to 1 ms of the motion
     modelled. Times are seconds after the design's epoch.
     """
     announce_compilation()
-    from compass.bodies import SOLAR_DAY
-    from compass.contacts.record import survey_record
-    from compass.contacts.survey import Wanted, survey
-    from compass.inputs import read_design
+    import compass
+    from compass.api.access import check_suffix
     from compass.saving import check_writable
 
     if output:
-        _check_suffix(output)
-        check_writable(output, [design])
-    read = read_design(design)
-    wanted = Wanted(
-        tuple(dict.fromkeys((*read.access.moons, *moons))),
-        read.access.earth or earth,
-        read.access.crosslinks or crosslinks,
-        read.access.atmosphere_height,
-    )
-    sites = (*read.stations, *(_station(text, read) for text in stations))
-    duration = read.access_duration
-    if duration_sols is not None:
-        duration = duration_sols * SOLAR_DAY.value
-    found = survey(
-        read.constellation,
-        sites,
-        duration,
-        wanted,
-        figure=read.figure,
-        model=model,
-        moon_model=moon_model,
-    )
-    record = survey_record(
-        found,
-        read.constellation.epoch,
-        radios=read.radios,
-        threshold=read.conjunction,
-        figure=read.figure,
-        eclipse=eclipse,
-    )
-    record = {"design": read.name, "epoch_tdb_s_past_j2000": read.constellation.epoch, **record}
+        check_writable(check_suffix(output), [design])
+    found = compass.access(design, **options)
     if output:
+<<<<<<< HEAD
         _write(output, found, record, read)
     if as_json:
         emit_json(record)
@@ -238,3 +187,8 @@ def _print(record: dict[str, Any], pairs: bool) -> None:
             f"\nSun-Earth-Mars angle {angle['least']:.2f} to {angle['largest']:.2f} deg; "
             f"{seasons} season(s) below {record['earth']['conjunction_deg']:g} deg"
         )
+=======
+        found.write(output, command=command_line())
+        say(f"wrote {output}")
+    print_result(found, as_json)
+>>>>>>> main

@@ -15,9 +15,10 @@ from compass.coverage.grid import Grid, make_grid
 from compass.coverage.maps import coverage_map
 from compass.coverage.view import View, view
 from compass.errors import ArgumentError
+from compass.frames import SECONDS_PER_DAY
 from compass.inputs import Design
 from compass.orbits import RepeatPeriod, repeat_period
-from compass.orbits.motion import AnyMotion, as_motion
+from compass.orbits.motion import Motion, MotionModel
 from compass.sites import Mask
 
 if TYPE_CHECKING:
@@ -48,7 +49,9 @@ class MapOptions:
     pdop_max
         Largest PDOP that counts as available.
     motion
-        ``two-body``, ``j2`` or ``numerical``.
+        ``two-body``, ``j2`` or ``numerical``, instead of the design's.
+    start_day
+        Days after the epoch at which the period begins.
     duration_h
         Period to map, hours, instead of the ground tracks' repeat period.
     """
@@ -59,7 +62,8 @@ class MapOptions:
     mask_deg: float | None = None
     fold: int | None = None
     pdop_max: float = 6.0
-    motion: AnyMotion = "two-body"
+    motion: MotionModel | None = None
+    start_day: float = 0.0
     duration_h: float | None = None
 
 
@@ -110,23 +114,26 @@ def make_map(
     mask = design.mask if chosen.mask_deg is None else option_mask(chosen.mask_deg)
     repeat = repeat_period(design.constellation)
     duration = repeat.duration if chosen.duration_h is None else chosen.duration_h * 3600
+    if not 0 <= chosen.start_day < np.inf:
+        raise ArgumentError(f"start_day = {chosen.start_day:g}: must be 0 or more days")
     times = np.arange(chosen.epochs) * (duration / chosen.epochs)
+    times += chosen.start_day * SECONDS_PER_DAY
+    motion = design.motion.or_of(chosen.motion)
     grid = make_grid(chosen.grid, chosen.step_deg)
     check_memory(design.constellation.size, chosen.epochs, grid, workers)
-    sphere, fold = (
-        design.figure.equatorial_radius,
-        design.fold if chosen.fold is None else chosen.fold,
-    )
-    seen = view(design.constellation, times, sphere, mask, chosen.motion)
+    sphere = design.figure.equatorial_radius
+    fold = design.fold if chosen.fold is None else chosen.fold
+    seen = view(design.constellation, times, sphere, mask, motion)
     gaps = coverage_gaps(
         design.constellation,
         grid,
         sphere_radius=sphere,
         span=duration,
-        ring=closes(chosen, repeat),
+        ring=chosen.duration_h is None and closes(motion, repeat),
         fold=fold,
         mask=mask,
-        model=chosen.motion,
+        model=motion,
+        start=float(times[0]),
         workers=workers,
     )
     dataset = coverage_map(
@@ -140,7 +147,8 @@ def make_map(
     )
     dataset.attrs |= provenance(design, command) | {
         "elevation_mask_deg": np.degrees(mask.elevation).tolist(),
-        "motion_model": chosen.motion,
+        "motion_model": motion.model,
+        "start_day": chosen.start_day,
         "period_s": duration,
         "shortest_pass_s": shortest_pass(design.constellation, sphere, mask.highest),
         "repeat_miss_deg": float(np.degrees(repeat.closure)),
@@ -174,17 +182,13 @@ def check_memory(satellites: int, epochs: int, grid: Grid, workers: int | None) 
         )
 
 
-def closes(options: MapOptions, repeat: RepeatPeriod) -> bool:
-    """Whether the time that is mapped repeats, so that its end goes on at its start.
+def closes(motion: Motion, repeat: RepeatPeriod) -> bool:
+    """Whether the repeat of the ground tracks is one, so that its end goes on at its start.
 
-    It does if it is the repeat of the ground tracks, in two-body motion, and these close to a
-    tenth of a degree: less than a satellite moves over Mars from one epoch to the next.
+    It is in two-body motion, if these close to a tenth of a degree: less than a satellite moves
+    over Mars from one epoch to the next.
     """
-    return (
-        options.duration_h is None
-        and as_motion(options.motion).model == "two-body"
-        and repeat.closure <= np.radians(0.1)
-    )
+    return motion.model == "two-body" and repeat.closure <= np.radians(0.1)
 
 
 def option_mask(mask_deg: float) -> Mask:

@@ -4,8 +4,8 @@ import pytest
 from compass import areosynchronous_radius, ephemeris, from_elements, walker_delta
 from compass.bodies import MARS_GM, MARS_J2, MARS_ROTATION_RATE, sidereal_day
 from compass.errors import ArgumentError
-from compass.inputs import read_design
 from compass.frames import latitude_longitude
+from compass.inputs import read_design
 from compass.orbits import orbital_period, positions_mcmf, repeat_period, states_mci
 from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import built_in_field
