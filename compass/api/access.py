@@ -11,6 +11,7 @@ import compass
 from compass.api.given import given_design
 from compass.api.results import Result
 from compass.bodies import SOLAR_DAY
+from compass.conventions import epoch_text
 from compass.contacts.dataset import windows_dataset
 from compass.contacts.record import survey_record
 from compass.contacts.survey import Survey, Wanted, survey
@@ -59,7 +60,7 @@ class AccessResult(Result):
             title=f"Access windows of {self.design.name}",
             design=self.design.text,
             design_sha256=self.design.digest,
-            epoch_tdb_s_past_j2000=self.design.constellation.epoch,
+            epoch_tdb=epoch_text(self.design.constellation.epoch),
             source=f"compass {compass.__version__}",
         )
 
