@@ -7,7 +7,7 @@ import pytest
 
 from compass.pages import trade_pictures
 from compass.study import stages
-from compass.study.workers import Here
+from compass.study.workers import Processes
 
 STUDY = """
 name = "Tiny <study>"
@@ -208,19 +208,19 @@ def test_a_lander_that_cannot_be_judged_is_refused_at_once(study, run, tmp_path,
 
 
 def test_candidates_whose_workers_died_are_named(study, run, monkeypatch):
-    honest = Here.run
+    honest = Processes.run
 
     def lose_the_first(self, stage, batches):
         for k, (rows, found) in enumerate(honest(self, stage, batches)):
             yield rows, None if stage == "map" and k == 0 else found
 
-    monkeypatch.setattr(Here, "run", lose_the_first)
+    monkeypatch.setattr(Processes, "run", lose_the_first)
     status, out, err = run("trade", study(), "--workers", 1, "--json")
     result = json.loads(out)
     assert status == 1 and result["unfinished"] > len(result["lethal"]) == 5
     assert f"{result['unfinished']} candidate(s) left out, whose workers died" in err
     assert re.search(r"\n  walker-\w+ \d/\d/\d at \d+ deg, radius [\d.]+ km, mask 5 deg\n", err)
     assert err.endswith("\n  ...\n")
-    monkeypatch.setattr(Here, "run", honest)
+    monkeypatch.setattr(Processes, "run", honest)
     status, _, err = run("trade", study(), "--workers", 1)
     assert status == 0 and "left out" not in err
