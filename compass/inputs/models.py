@@ -95,6 +95,42 @@ class ElementsTable(Table):
     )
 
 
+class EphemerisTable(Table):
+    """Other people's trajectories."""
+
+    pattern: Literal["ephemeris"] = Field(description="kind of pattern")
+    files: list[str] = Field(
+        min_length=1,
+        max_length=10_000,
+        description='CCSDS OEM files, one a satellite, or patterns such as "*.oem"',
+    )
+
+
+class MotionTable(Table):
+    """How the satellites move."""
+
+    model: Literal["two-body", "j2", "numerical"] = Field(
+        "two-body", description="two-body, j2 (mean elements drift), or numerical (forces)"
+    )
+    gravity_degree: int | None = Field(
+        None, ge=2, le=120, description="degree of the gravity field; 8 if left out"
+    )
+    gravity_file: str | None = Field(
+        None, min_length=1, description="SHADR (.tab) or ICGEM (.gfc) file, not the built-in GMM-3"
+    )
+    gravity_frame: Literal["iau-2000", "iau-1991"] | None = Field(
+        None, description="prime meridian of the gravity file's longitudes"
+    )
+    sun: bool = Field(True, description="whether the Sun attracts")
+    moons: bool = Field(True, description="whether Phobos and Deimos attract")
+    radiation_m2_kg: float = Field(
+        0.026, ge=0, lt=1000, description="reflectivity times area over mass, m^2/kg; 0: no light"
+    )
+    shadow: Literal["none", "cylinder", "cone"] = Field(
+        "cylinder", description="how Mars shades: not, as a cylinder, or with penumbra"
+    )
+
+
 class CoverageTable(Table):
     """What the user on the surface needs."""
 
@@ -179,8 +215,11 @@ class DesignFile(Table):
         None, description="epoch of the elements, TDB; J2000 if left out"
     )
     constellation: Annotated[
-        WalkerTable | RosetteTable | ElementsTable, Field(discriminator="pattern")
+        WalkerTable | RosetteTable | ElementsTable | EphemerisTable, Field(discriminator="pattern")
     ] = Field(description="the orbits: a table [constellation]")
+    motion: MotionTable = Field(
+        default_factory=lambda: MotionTable.model_validate({}), description="how satellites move"
+    )
     coverage: CoverageTable = Field(
         default_factory=lambda: CoverageTable.model_validate({}), description="coverage wanted"
     )

@@ -68,6 +68,10 @@ class Motion:
             return f"numerical motion: {self.forces.describe()}"
         return {"two-body": "two-body motion", "j2": "mean motion under J2"}[self.model]
 
+    def or_of(self, model: MotionModel | None) -> "Motion":
+        """Return this motion, or another if another model is named."""
+        return self if model in (None, self.model) else Motion(model)
+
     def states(
         self, constellation: Constellation, times: ArrayLike
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
