@@ -43,6 +43,7 @@ def command(
     announce_compilation()
     import logging
     import os
+    from contextlib import suppress
 
     from tqdm import tqdm
 
@@ -77,6 +78,8 @@ def command(
 
     def hire() -> Workers:
         if scheduler is not None:
+            with suppress(ImportError):  # as the cluster says
+                import distributed  # noqa: F401  # which sets its loggers' levels itself
             for name in ("distributed", "distributed.client", "tornado.application"):
                 logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said here
             return Cluster(chosen, scheduler, tls)

@@ -7,7 +7,7 @@ import pytest
 
 from compass.pages import trade_pictures
 from compass.study import stages
-from compass.study.workers import Processes
+from compass.study.workers import Here, Processes
 
 STUDY = """
 name = "Tiny <study>"
@@ -109,8 +109,9 @@ def test_candidates_that_raise_say_why(study, run, monkeypatch):
     def broken(study, rows):
         raise ZeroDivisionError("by nothing")
 
-    monkeypatch.setitem(stages.FINDERS, "map", broken)
-    status, out, err = run("trade", study(), "--workers", 1, "--json")
+    monkeypatch.setitem(stages.FINDERS, "map", broken)  # which a process of its own would not see
+    monkeypatch.setattr("compass.study.workers.Processes", lambda study, _: Here(study))
+    status, out, err = run("trade", study(), "--json")
     assert status == 1 and json.loads(out)["feasible"] == 0
     count = json.loads(out)["failed"]["map"]
     assert f"{count} candidate(s) raised an error" in err

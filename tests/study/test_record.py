@@ -17,14 +17,10 @@ from compass.study.stages import evaluate
 from compass.study.store import FILE, Store
 
 
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory, designs):
+@pytest.fixture
+def whole(tiny, tmp_path_factory):
     """A store of 12 candidates in two lines, its study and what it holds."""
-    from conftest import TEXT
-
-    from compass.inputs.study import read_study_text
-
-    study = read_study_text(TEXT.format(more="", fold=1), "tiny.toml", designs)
+    study = tiny()
     folder = tmp_path_factory.mktemp("whole")
     rows = candidates(study).rows(0, 12)
     with Store(folder, study) as store:
