@@ -7,7 +7,6 @@ it is the same in every run, on every machine and in every study.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 from hashlib import blake2b
 from math import gcd, isqrt
 
@@ -16,9 +15,16 @@ from numpy.typing import NDArray
 
 from compass.errors import DesignError
 from compass.inputs.study import Free, Study
-from compass.orbits import Constellation, rosette, walker_delta, walker_star
+from compass.orbits import Constellation, Pattern
+from compass.orbits.constellation import from_pattern
+from compass.orbits.kinds import (
+    KIND_NAMES,
+    ROSETTE,
+    WALKER_DELTA,
+    WALKER_STAR,
+)
 
-PATTERNS = ("walker-delta", "walker-star", "rosette")
+PATTERNS = KIND_NAMES
 
 #: A candidate: index into `PATTERNS`, Walker's t/p/f, degrees, kilometres, degrees.
 ROW = np.dtype(
@@ -54,12 +60,9 @@ def make_constellation(row: np.void) -> Constellation:
     """Return the constellation of a candidate."""
     t, p, f = int(row["satellites"]), int(row["planes"]), int(row["phasing"])
     inclination, radius = float(np.radians(row["inclination_deg"])), float(row["radius_km"]) * 1e3
-    kind = PATTERNS[row["pattern"]]
-    if kind == "rosette":
-        numerator = next(c for c in range(f, t + f, p) if gcd(c, t // p) == 1)
-        return rosette(t, p, Fraction(numerator * p, t), inclination=inclination, radius=radius)
-    make = walker_delta if kind == "walker-delta" else walker_star
-    return make(t, p, f, inclination=inclination, radius=radius)
+    star = PATTERNS[row["pattern"]] == WALKER_STAR.name
+    kind = WALKER_STAR if star else WALKER_DELTA
+    return from_pattern(Pattern(kind.name, t, p, f, inclination), radius)
 
 
 def described(row: np.void) -> str:
@@ -74,7 +77,7 @@ def described(row: np.void) -> str:
 def pattern_columns(rows: NDArray) -> tuple[NDArray, ...]:
     """Candidates as kernels take patterns: star or not, t, p, f, inclination (rad), (n,) each."""
     counts = (rows[name].astype(np.int64) for name in ("satellites", "planes", "phasing"))
-    star = rows["pattern"] == PATTERNS.index("walker-star")
+    star = rows["pattern"] == PATTERNS.index(WALKER_STAR.name)
     return star, *counts, np.radians(rows["inclination_deg"])
 
 
@@ -145,7 +148,7 @@ def _phasings(kind: str, t: int, p: int, given: tuple[int, ...] | None) -> Phasi
     that do not divide p can be kept out of c by adding p; the others are in c where they are in
     f: there is such a c if f is prime to what t/p and p share.
     """
-    shared = gcd(t // p, p) if kind == "rosette" else 1
+    shared = gcd(t // p, p) if kind == ROSETTE.name else 1
     if given is None:
         return Phasings(p, shared, tuple(f for f in range(shared) if gcd(f, shared) == 1))
     return Phasings(p, p, tuple(sorted({f for f in given if f < p and gcd(f, shared) == 1})))
