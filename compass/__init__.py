@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # the same names for editors and type checkers
+    from compass.api.drift import drift
     from compass.api.fold import fold
     from compass.api.map import map
     from compass.api.reproduce import reproduce
@@ -33,6 +34,7 @@ __all__ = [
     "Site",
     "__version__",
     "areosynchronous_radius",
+    "drift",
     "ephemeris",
     "fold",
     "from_elements",
@@ -47,7 +49,7 @@ __all__ = [
 ]
 
 #: The commands, each in the file of `compass.api` that has its name.
-_COMMANDS = ("fold", "map", "reproduce", "search", "show")
+_COMMANDS = ("drift", "fold", "map", "reproduce", "search", "show")
 
 #: Where the other public names live.
 _HOMES = {
