@@ -23,7 +23,7 @@ from compass.frames import SECONDS_PER_DAY
 from compass.inputs import Design
 from compass.orbits.forces import ForceModel
 from compass.orbits.motion import Motion
-from compass.orbits.trimming import Trim, beat_of, trim
+from compass.orbits.trimming import Trim, beat_of, trim, with_axes
 from compass.quantities import quantity
 
 if TYPE_CHECKING:
@@ -436,9 +436,7 @@ def _at_radius(
         raise ArgumentError(
             "radius_km: a sweep needs a design of circular orbits of one radius and inclination"
         )
-    axes = np.full(c.size, radius_km * 1e3)
-    axes.flags.writeable = False
-    moved = replace(c, semi_major_axis=axes)
+    moved = with_axes(c, np.full(c.size, radius_km * 1e3))
     beat, trimmed = beat_of(moved) / SECONDS_PER_DAY, True
     try:
         chosen = trim(moved, _forces(motion), stop).constellation

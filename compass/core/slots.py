@@ -6,7 +6,7 @@ along the track (``H_i x w_i``) and across it (H_i). Sought are Q and phi that m
 ``spare_i - miss_i`` greatest. Turning by a small vector theta and advancing by dphi moves the
 slot by ``theta x w_i + dphi H_i x w_i``: four unknowns, two numbers a satellite.
 
-Least squares with weights that grow where the spare is least (Lawson 1961, Contributions to the
+Least squares whose weights are multiplied by what is lacking (Lawson 1961, Contributions to the
 theory of linear least maximum approximation) come near the optimum; whatever comes of it is a
 valid turn and phase, and is judged exactly.
 """
@@ -108,8 +108,7 @@ def best_slots(nodes, inclination, arguments, directions, spare, turn0, phase0, 
                 rows[s, k, 1] = wz * tx - wx * tz
                 rows[s, k, 2] = wx * ty - wy * tx
                 rows[s, k, 3] = 1.0 if k == 0 else 0.0
-        share = np.full(n, 1.0 / n)
-        weight = np.full(n, 1.0)
+        weight = np.full(n, 1.0 / n)
         for weighing in range(WEIGHINGS):
             normal, target = np.eye(4) * 1e-12, np.zeros(4)
             for s in range(n):
@@ -128,16 +127,10 @@ def best_slots(nodes, inclination, arguments, directions, spare, turn0, phase0, 
                         rest -= rows[s, k, i] * step[i]
                     left += rest * rest
                 left = math.sqrt(left)
-                share[s] *= left + ceiling - spare[s] + 1e-9
-                weight[s] = 1.0 / max(left, 1e-9)
-                total += share[s]
-            scale = 0.0
+                weight[s] *= left + ceiling - spare[s] + 1e-12
+                total += weight[s]
             for s in range(n):
-                share[s] /= total
-                weight[s] *= share[s]
-                scale = max(scale, weight[s])
-            for s in range(n):
-                weight[s] = weight[s] / scale + 1e-9
+                weight[s] /= total
             # every few weighings, and at the end, the truth
             if weighing % 6 == 5:
                 tried = _turned(turn, step[:3])

@@ -12,7 +12,7 @@ window, whose response to a swing of m beats in the horizon falls as m^-3.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -116,7 +116,7 @@ def trim(
         if best is None or excursion < best[0]:
             best = (excursion, spread, trial)
         step = (rates - rates.mean()) / (1.5 * c.mean_motion / c.semi_major_axis)
-        trial = replace(trial, semi_major_axis=_read_only(trial.semi_major_axis + step))
+        trial = with_axes(trial, trial.semi_major_axis + step)
     assert best is not None
     excursion, spread, chosen = best
     shift = chosen.semi_major_axis - c.semi_major_axis
@@ -162,6 +162,19 @@ def excursions(theta: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.abs(gone - gone.mean(axis=1, keepdims=True)).max(axis=0))
 
 
-def _read_only(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    values.flags.writeable = False
-    return values
+def with_axes(c: Constellation, axes: NDArray[np.float64]) -> Constellation:
+    """Return the constellation with other semi-major axes, m; whatever pattern it had is gone."""
+    axes = np.array(axes)
+    axes.flags.writeable = False
+    return Constellation(
+        c.name,
+        axes,
+        c.eccentricity,
+        c.inclination,
+        c.raan,
+        c.argument_of_periapsis,
+        c.mean_anomaly,
+        epoch=c.epoch,
+        satellite_names=c.satellite_names,
+        gm=c.gm,
+    )

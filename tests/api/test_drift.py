@@ -104,7 +104,7 @@ def test_fold_over_days_is_the_same_claim(file):
     assert later.to_dict()["start_day"] == 1.0
     lost = compass.fold(file, days=1.0, mask_deg=30.0)
     assert lost.outcome is Outcome.REFUTED
-    assert "lost on day 0.000000" in text(lost.document())
+    assert "lost on day 0.00000" in text(lost.document())
     assert not lost.holds
     hours = compass.fold(file, duration_h=6.0)
     assert hours.days == 0.25
