@@ -15,12 +15,12 @@ from compass.api.results import Result
 from compass.coverage.drift import Drift, drift_of
 from compass.coverage.lasting import prove_span
 from compass.coverage.room import has_slots
+from compass.design import Design
 from compass.document import Page, Sampled, Sentence, Table, Value
 from compass.document.blocks import Block, facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
-from compass.inputs import Design
 from compass.orbits.forces import ForceModel
 from compass.orbits.motion import Motion
 from compass.orbits.trimming import Trim, beat_of, trim, with_axes

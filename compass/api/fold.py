@@ -13,12 +13,12 @@ from compass.coverage.certificate import Outcome
 from compass.coverage.continuous import ContinuousCoverage, continuous_coverage
 from compass.coverage.lasting import prove_span
 from compass.coverage.region import GLOBE, read_region
+from compass.design import Design
 from compass.document import Bracket, Page, Proven, Sampled, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block, facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY, latitude_longitude, mcmf_from_mci, prime_meridian_angle
-from compass.inputs import Design
 from compass.orbits.motion import Motion, MotionModel
 from compass.quantities import quantity
 from compass.sites import Mask

@@ -7,10 +7,10 @@ from typing import Any
 from compass.api.results import Result
 from compass.coverage.certificate import Outcome
 from compass.coverage.lasting import RESOLUTION, Lasting
+from compass.design import Design
 from compass.document import Page, Proven, Sentence, Value, Verdict
 from compass.document.blocks import Block, facts
 from compass.document.plain import plain
-from compass.inputs import Design
 from compass.quantities import quantity
 
 
