@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.entry.beacons import Beacons, Measurements, check_apart, in_view
+from compass.entry.beacons import Beacons
+from compass.entry.schedule import Measurements, check_apart, in_view
 from compass.entry.fisher import Bound, cramer_rao_bound
 from compass.entry.model import EntryModel
 from compass.entry.navigation import Filter, MonteCarlo, run_monte_carlo

@@ -32,8 +32,8 @@ class Atmosphere:
     scale_height
         h of ``rho0 exp((r0 - r)/h)``, metres; unused where a table is given.
     table_radius, table_density
-        A tabulated profile, metres and kg/m^3, or empty; exponential between its rows. The
-        whole profile is scaled to `reference_density` at `reference_radius`.
+        A tabulated profile, metres and kg/m^3, or empty; exponential between its rows, and taken
+        as it is: `reference_density` becomes what it has at `reference_radius`.
     temperature
         Kelvin, for the speed of sound of an isothermal CO2 atmosphere.
     """
@@ -58,6 +58,11 @@ class Atmosphere:
             raise ArgumentError("atmosphere table: altitudes must increase strictly")
         if any(not 0 < density < float("inf") for density in self.table_density):
             raise ArgumentError("atmosphere table: every density must be positive")
+        if self.table_radius:
+            head = np.zeros(7)
+            tail = [*self.table_radius, *np.log(self.table_density)]
+            here, _ = log_density_ratio(self.reference_radius, np.concatenate([head, tail]))
+            object.__setattr__(self, "reference_density", float(np.exp(here)))
 
     @property
     def log_reference_density(self) -> float:
@@ -112,6 +117,7 @@ class Atmosphere:
         return replace(
             self,
             reference_density=self.reference_density * (1.0 + density_bias),
+            table_density=tuple(density * (1.0 + density_bias) for density in self.table_density),
             scale_height=self.scale_height * scale_height_factor,
             table_radius=tuple(r0 + scale_height_factor * (r - r0) for r in self.table_radius),
         )

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import Bounds, OptimizeResult, minimize
 
-from compass.core.entry_filter import posterior_bound
+from compass.core.papers.yu2018_filter import posterior_bound
 from compass.core.entry_geometry import cartesian_jacobian, cartesian_of
 from compass.core.entry_search import determinants, minimum_degree, position_series
-from compass.entry.beacons import Measurements
+from compass.entry.schedule import Measurements
 from compass.entry.fisher import noise_variances
 from compass.entry.search import Optimum, Start, multistart
 from compass.entry.trajectory import Trajectory

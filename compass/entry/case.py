@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.core.entry_dynamics import STATES, rk4_step
 from compass.core.montecarlo import World
-from compass.entry.beacons import Beacons, in_view
+from compass.entry.beacons import Beacons
+from compass.entry.schedule import in_view
 from compass.entry.faults import Fault, fault_tables
 from compass.entry.imu import Imu
 from compass.entry.model import EntryModel

@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 import compass
 from compass.bodies import MARS_EQUATORIAL_RADIUS, MARS_GM, MARS_ROTATION_RATE
 from compass.entry.atmosphere import Atmosphere, read_atmosphere_table
-from compass.entry.beacons import Beacons, Measurements, orbiting_beacons, surface_beacons
-from compass.entry.fisher import initial_covariance
+from compass.entry.beacons import Beacons, orbiting_beacons, surface_beacons
+from compass.entry.schedule import Measurements
+from compass.papers.yu2018_filter import initial_covariance
 from compass.entry.model import EntryModel
 from compass.entry.navigation import Filter
 from compass.entry.state import azimuth_from_heading, state_from_cartesian

@@ -3,7 +3,7 @@
 import numpy as np
 
 from compass.core.entry_geometry import cartesian_of
-from compass.entry.beacons import in_view
+from compass.entry.schedule import in_view
 from compass.entry.fisher import (
     best_determinant,
     position_variance_bound,

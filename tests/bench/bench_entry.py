@@ -8,7 +8,8 @@ import pytest
 from compass.core.entry_dynamics import entry_rates, rk4_step
 from compass.core.entry_geometry import cartesian, cartesian_jacobian
 from compass.entry.atmosphere import Atmosphere
-from compass.entry.beacons import Measurements, surface_beacons
+from compass.entry.beacons import surface_beacons
+from compass.entry.schedule import Measurements
 from compass.entry.fisher import initial_covariance
 from compass.entry.model import EntryModel
 from compass.entry.navigation import Filter, run_monte_carlo

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compass.entry.beacons import in_view, orbiting_beacons
+from compass.entry.beacons import orbiting_beacons
+from compass.entry.schedule import in_view
 from compass.entry.fisher import cramer_rao_bound
 from compass.frames import prime_meridian_angle
 from compass.inputs import read_design

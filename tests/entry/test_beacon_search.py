@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from compass.core.entry_search import minimum_degree, position_series
-from compass.entry.beacons import Measurements, in_view, orbiting_beacons, surface_beacons
+from compass.entry.beacons import orbiting_beacons, surface_beacons
+from compass.entry.schedule import Measurements, in_view
 from compass.entry.best_ground import best_ground_beacons
 from compass.entry.best_orbiters import best_orbiters
 from compass.entry.fisher import initial_covariance

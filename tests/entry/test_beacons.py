@@ -6,15 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compass.core.entry_geometry import cartesian_of
-from compass.entry.beacons import (
-    Beacons,
-    Measurements,
-    above_horizon,
-    check_apart,
-    in_view,
-    orbiting_beacons,
-    surface_beacons,
-)
+from compass.entry.beacons import Beacons, orbiting_beacons, surface_beacons
+from compass.entry.schedule import Measurements, above_horizon, check_apart, in_view
 from compass.errors import ArgumentError
 from compass.orbits import from_elements, states_mci
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compass.entry.beacons import Measurements
+from compass.entry.schedule import Measurements
 from compass.entry.best_directions import best_directions_found
 from compass.entry.fisher import (
     TIGHT_CONE,

@@ -7,7 +7,8 @@ import pytest
 
 from compass.core.entry_dynamics import rk4_step_transition
 from compass.core.entry_geometry import cartesian_jacobian, cartesian_of, range_rows
-from compass.entry.beacons import Beacons, Measurements
+from compass.entry.beacons import Beacons
+from compass.entry.schedule import Measurements
 from compass.entry.fisher import cramer_rao_bound, initial_covariance
 from compass.entry.navigation import Filter, ideal_measurements, run_filter, run_monte_carlo
 from compass.errors import ArgumentError

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compass.entry.arrivals import Arrivals
-from compass.entry.beacons import in_view
+from compass.entry.schedule import in_view
 from compass.entry.campaign import fly_campaign
 from compass.entry.fisher import cramer_rao_bound
 from compass.errors import ArgumentError
