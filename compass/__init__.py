@@ -9,6 +9,10 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.fold import fold
+    from compass.api.map import map
+    from compass.api.reproduce import reproduce
+    from compass.api.search import search
+    from compass.api.show import show
     from compass.inputs import read_design
     from compass.orbits import (
         Constellation,
@@ -20,13 +24,11 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
         walker_star,
     )
     from compass.sites import Mask, Site
-    from compass.study.mapping import MapOptions, make_map
 
 __version__ = "0.1.0"
 
 __all__ = [
     "Constellation",
-    "MapOptions",
     "Mask",
     "Site",
     "__version__",
@@ -34,29 +36,32 @@ __all__ = [
     "ephemeris",
     "fold",
     "from_elements",
-    "make_map",
+    "map",
     "read_design",
+    "reproduce",
     "rosette",
+    "search",
+    "show",
     "walker_delta",
     "walker_star",
 ]
 
-#: Where a public name lives: its command's file, or this.
+#: The commands, each in the file of `compass.api` that has its name.
+_COMMANDS = ("fold", "map", "reproduce", "search", "show")
+
+#: Where the other public names live.
 _HOMES = {
-    "fold": "compass.api.fold",
-    "read_design": "compass.inputs",
-    "MapOptions": "compass.study.mapping",
-    "make_map": "compass.study.mapping",
     "Constellation": "compass.orbits",
-    "walker_delta": "compass.orbits",
-    "walker_star": "compass.orbits",
-    "rosette": "compass.orbits",
-    "from_elements": "compass.orbits",
-    "ephemeris": "compass.orbits",
-    "areosynchronous_radius": "compass.orbits",
     "Mask": "compass.sites",
     "Site": "compass.sites",
-}
+    "areosynchronous_radius": "compass.orbits",
+    "ephemeris": "compass.orbits",
+    "from_elements": "compass.orbits",
+    "read_design": "compass.inputs",
+    "rosette": "compass.orbits",
+    "walker_delta": "compass.orbits",
+    "walker_star": "compass.orbits",
+} | {name: f"compass.api.{name}" for name in _COMMANDS}
 
 
 def __getattr__(name: str) -> object:

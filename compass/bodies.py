@@ -86,6 +86,17 @@ PHOBOS_SEMI_MAJOR_AXIS = Constant(
 DEIMOS_SEMI_MAJOR_AXIS = Constant(
     2.346113e7, "m", 5.0, f"{_SINCLAIR}; half a unit of the last digit"
 )
+PHOBOS_GM = Constant(
+    7.087e5, "m^3/s^2", 6e2, "Paetzold et al. 2014, Icarus 229:92, doi 10.1016/j.icarus.2013.10.021"
+)
+DEIMOS_GM = Constant(
+    9.62e4,
+    "m^3/s^2",
+    2.8e3,
+    "Jacobson 2010, Astron. J. 139:668, doi 10.1088/0004-6256/139/2/668, Table 2",
+)
+SUN_GM = Constant(1.32712440041e20, "m^3/s^2", 1e10, f"{_DE440}; in TDB, exact to its last digit")
+SUN_IRRADIANCE = Constant(1361.0, "W/m^2", 0.5, f"{_IAU_NOMINAL} of total solar irradiance at 1 au")
 SUN_RADIUS = Constant(6.957e8, "m", 0.0, _IAU_NOMINAL)
 ASTRONOMICAL_UNIT = Constant(1.495978707e11, "m", 0.0, "IAU 2012 Resolution B2: exact")
 SPEED_OF_LIGHT = Constant(299792458.0, "m/s", 0.0, _SI)

@@ -16,6 +16,11 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+def readable(name: object) -> str:
+    """Return a path or a command line as text for files; bytes not UTF-8 as in Python's bytes."""
+    return str(name).encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
+
+
 def check_writable(path: Path, inputs: Sequence[Path] = ()) -> None:
     """Refuse an output path before any work is spent on it.
 
@@ -25,7 +30,7 @@ def check_writable(path: Path, inputs: Sequence[Path] = ()) -> None:
         The path is a directory or a device, is one of the inputs, or its folder is missing or
         read-only.
     """
-    folder = path.parent
+    folder = Path(os.path.realpath(path)).parent if path.is_symlink() else path.parent
     if path.is_dir():
         raise OutputError(f"{path}: is a directory; give a file name inside it")
     if path.exists() and not path.is_file():
@@ -41,22 +46,22 @@ def check_writable(path: Path, inputs: Sequence[Path] = ()) -> None:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Yield a temporary path beside `path`; on success rename it over `path`, else remove it."""
+    """Yield a temporary path beside `path`; on success rename it over `path`, else remove it.
+
+    A link stays: what it points to is replaced.
+    """
     check_writable(path)
     try:
-        handle, name = tempfile.mkstemp(
-            prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent
-        )
-        os.close(handle)
-        temporary = Path(name)
+        place = Path(os.path.realpath(path))
+        # an own folder, so that the file is made as any is and its name may be as long as any
+        folder = Path(tempfile.mkdtemp(prefix=".compass-", dir=place.parent))
+        temporary = folder / place.name
         try:
+            temporary.touch()
             yield temporary
-            mask = os.umask(0)
-            os.umask(mask)
-            temporary.chmod(0o666 & ~mask)  # mkstemp makes the file private; a result is not
-            temporary.replace(path)
+            temporary.replace(place)
         finally:
-            temporary.unlink(missing_ok=True)
+            shutil.rmtree(folder, ignore_errors=True)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
 
@@ -192,14 +197,14 @@ def making_folder(path: Path) -> Iterator[Path]:
     """Yield a temporary folder beside `path`; on success rename it to `path`, else remove it."""
     check_new_folder(path)
     try:
-        temporary = Path(tempfile.mkdtemp(prefix=f".{path.name}-", dir=path.parent))
+        place = Path(os.path.realpath(path))
+        outer = Path(tempfile.mkdtemp(prefix=".compass-", dir=place.parent))
+        temporary = outer / place.name
         try:
+            temporary.mkdir()  # inside another, so that it is made as any folder is
             yield temporary
-            mask = os.umask(0)
-            os.umask(mask)
-            temporary.chmod(0o777 & ~mask)
-            temporary.replace(path)
+            temporary.replace(place)
         finally:
-            shutil.rmtree(temporary, ignore_errors=True)
+            shutil.rmtree(outer, ignore_errors=True)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error

@@ -37,6 +37,38 @@ def test_result_has_ordinary_permissions(tmp_path):
     assert path.stat().st_mode & 0o777 == 0o666 & ~mask
 
 
+def test_a_link_stays_and_its_file_is_replaced(tmp_path):
+    (tmp_path / "far").mkdir()
+    for target in ("far/old", "far/new"):
+        link = tmp_path / target.replace("/", "-")
+        link.symlink_to(tmp_path / target)
+        (tmp_path / "far" / "old").write_text("old")
+        with replacing(link) as temporary:
+            temporary.write_text("x")
+        assert link.is_symlink() and (tmp_path / target).read_text() == "x"
+
+
+def test_a_link_to_no_folder_is_refused_before_the_work(tmp_path):
+    (tmp_path / "link").symlink_to(tmp_path / "none" / "x")
+    with pytest.raises(OutputError, match="none does not exist"):
+        check_writable(tmp_path / "link")
+
+
+@pytest.mark.parametrize("make", [replacing, making_folder])
+def test_names_as_long_as_any_file_may_have(tmp_path, make):
+    path = tmp_path / ("é" * 124 + "abc.nc")
+    assert len(os.fsencode(path.name)) == 254
+    with make(path) as temporary:
+        (temporary if make is replacing else temporary / "x").write_text("x")
+    assert path.exists() and len(list(tmp_path.iterdir())) == 1
+
+
+def test_writing_never_touches_the_mask_of_the_process(tmp_path, monkeypatch):
+    monkeypatch.setattr("os.umask", None)  # another thread would make its files with it
+    with replacing(tmp_path / "x"), making_folder(tmp_path / "y"):
+        pass
+
+
 def test_killed_process_leaves_the_old_file(tmp_path):
     path = tmp_path / "result.nc"
     path.write_text("old")
@@ -79,7 +111,7 @@ def test_a_folder_that_takes_no_file_is_said(tmp_path, monkeypatch):
     def full(**_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("tempfile.mkstemp", full)
+    monkeypatch.setattr("tempfile.mkdtemp", full)
     with (
         pytest.raises(OutputError, match=r"x\.nc: cannot be written: No space left"),
         replacing(tmp_path / "x.nc"),

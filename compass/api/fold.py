@@ -5,9 +5,8 @@ from math import degrees, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tqdm import tqdm
-
 from compass.api.given import given_design, given_mask
+from compass.api.progress import bar
 from compass.api.results import Result
 from compass.coverage.certificate import Outcome
 from compass.coverage.continuous import ContinuousCoverage, continuous_coverage
@@ -318,7 +317,7 @@ def fold(
         region=GLOBE if region is None else read_region(region),
         duration=None if duration_h is None else duration_h * 3600.0,
         losses=losses,
-        progress=lambda sets: tqdm(sets, disable=None if progress else True, desc="losses"),
+        progress=lambda sets: bar(progress, "losses", sets),
     )
     region_name = found.certificate.region.name
     return FoldResult(read, wanted, degrees(found.mask), region_name, found)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from compass.cli.shared import announce_compilation, design_argument, json_option, show
+from compass.cli.shared import announce_compilation, design_argument, json_option, print_result
 
 
 @click.command()
@@ -42,4 +42,4 @@ def command(
         duration_h=duration_h,
         progress=True,
     )
-    show(found, as_json)
+    print_result(found, as_json)

@@ -3,17 +3,31 @@
 Every other module of this folder that defines ``command`` is a subcommand named by its file.
 """
 
+import errno
+import functools
 import os
+import re
+import signal
 import sys
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from copy import copy
 from importlib import import_module
+from pathlib import Path
 from pkgutil import iter_modules
+from typing import Any, TextIO
 
 import click
+from click.core import ParameterSource
 
 import compass
-from compass.errors import CompassError
+from compass.errors import ArgumentError, CompassError
 
-DONE, CLAIM_FAILS, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+DONE, CLAIM_FAILS, BAD_INPUT, BROKEN, INTERRUPTED = 0, 1, 2, 3, 130
+
+#: Whole numbers that a kernel can take.
+INT64 = click.IntRange(-(2**63), 2**63 - 1)
 
 
 class Commands(click.Group):
@@ -27,11 +41,63 @@ class Commands(click.Group):
 
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         """Import the file of a command."""
-        if name not in self.list_commands(ctx):
-            return None
-        loaded = import_module(f"compass.cli.{name}").command
-        assert isinstance(loaded, click.Command)
-        return loaded
+        return _loaded(name) if name in self.list_commands(ctx) else None
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a command; a reader of its pipe that has seen enough (head, say) ends it well."""
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError:
+            _give_up(sys.stdout)
+            return DONE
+
+
+@functools.cache
+def _loaded(name: str) -> click.Command:
+    """Return a file's command, as the program has it."""
+    loaded = copy(import_module(f"compass.cli.{name}").command)
+    assert isinstance(loaded, click.Command)
+    loaded.params = [copy(parameter) for parameter in loaded.params]
+    for parameter in loaded.params:
+        if parameter.type is click.INT:
+            parameter.type = INT64
+    if loaded.callback is not None:
+        loaded.callback = _in_words_of_the_user(loaded.callback)
+    return loaded
+
+
+def _in_words_of_the_user(callback: Callable[..., Any]) -> Callable[..., Any]:
+    """Let what a function says of its arguments name the option or the file that they are from."""
+
+    @functools.wraps(callback)
+    def call(*arguments: Any, **options: Any) -> Any:
+        try:
+            return callback(*arguments, **options)
+        except ArgumentError as error:
+            said = in_words_of_the_user(str(error), click.get_current_context())
+            raise ArgumentError(said) from error
+
+    return call
+
+
+def in_words_of_the_user(message: str, context: click.Context) -> str:
+    """Name the option that a message is about; else the file, if there is one and it does not."""
+    name = re.match(r"\w+(?=[ :])", message)
+    for parameter in context.command.params:
+        given = context.get_parameter_source(parameter.name or "") is ParameterSource.COMMANDLINE
+        option = max(parameter.opts, key=len)
+        words = option.removeprefix("--").replace("-", "_") + "_"
+        if name and given and words.startswith(f"{name[0]}_"):  # with its unit, or without
+            return option + message[name.end() :]
+    files = [
+        str(value)
+        for parameter in context.command.params
+        if isinstance(parameter, click.Argument)
+        and isinstance(value := context.params.get(parameter.name or ""), Path)
+    ]
+    if len(files) == 1 and not message.startswith("--") and files[0] not in message:
+        return f"{files[0]}: {message}"
+    return message
 
 
 @click.command(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -40,36 +106,112 @@ def program() -> None:
     """Design navigation constellations around Mars.
 
     A design file goes in; coverage, geometry, access and landing-navigation quality come out.
-    Exit status: 0 done, 1 the claim asked about does not hold, 2 bad usage or bad input.
+    Exit status: 0 done, 1 the claim asked about does not hold, 2 bad usage or bad input, 3 the
+    program itself failed, 130 interrupted.
     """
 
 
 def main() -> None:
     """Run the program; errors that a user can mend become one message and exit code 2."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):  # a name may have what the terminal cannot write
+            stream.reconfigure(errors="backslashreplace")
+    with _interrupts_noted() as interrupts:
+        try:
+            status = _status()
+        except Exception:  # of ours, unless it is what became of ^C on its way up
+            status = INTERRUPTED if interrupts else BROKEN
+            if status == BROKEN:
+                _say(traceback.format_exc().rstrip())
+        if status == INTERRUPTED:
+            _say("interrupted; nothing half-written was left behind")
+        sys.exit(_written(status))
+
+
+def _status() -> int:
+    """Run the program and return its exit code, every error said."""
     try:
         status = program.main(standalone_mode=False)
     except click.exceptions.Exit as finished:
         status = finished.exit_code
     except click.ClickException as error:
-        error.show()
-        status = BAD_INPUT
+        with suppress(OSError):
+            error.show()
+        return BAD_INPUT
     except CompassError as error:
-        click.echo(str(error), err=True)
-        status = BAD_INPUT
-    except BrokenPipeError:
-        # The reader of a pipe (head, say) has seen enough; silence the flush at exit too.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        status = DONE
+        _say(str(error))
+        return BAD_INPUT
+    except MemoryError:
+        _say("not enough memory; take fewer or larger steps, or a machine with more")
+        return BAD_INPUT
     except OSError as error:
-        if error.filename is None:
-            raise
-        # the system's word on a file that the user named, where no command has a better one
-        click.echo(f"{error.filename}: {error.strerror}; give another name", err=True)
-        status = BAD_INPUT
+        _say(_of_the_system(error))
+        return BAD_INPUT
     except (KeyboardInterrupt, click.exceptions.Abort):
-        click.echo("interrupted; nothing half-written was left behind", err=True)
-        status = INTERRUPTED
-    sys.exit(status if isinstance(status, int) else DONE)
+        return INTERRUPTED
+    except SystemExit:  # click's, when nobody reads its help
+        _give_up(sys.stdout)
+        return DONE
+    return status if isinstance(status, int) else DONE
+
+
+def _of_the_system(error: OSError) -> str:
+    """Return the system's word, where no command has a better one."""
+    if error.filename is not None:
+        return f"{error.filename}: {error.strerror}; give another name"
+    if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
+        return f"the output cannot be written: {error.strerror}; make room, or send it elsewhere"
+    return f"the system refuses: {error.strerror or error}; see what it lacks, and try again"
+
+
+@contextmanager
+def _interrupts_noted() -> Iterator[list[int]]:
+    """Note each ^C: what it interrupts may turn it into an error of another kind."""
+    noted: list[int] = []
+
+    def note(number: int, _frame: object) -> None:
+        noted.append(number)
+        raise KeyboardInterrupt
+
+    before = signal.getsignal(signal.SIGINT)
+    if before is not signal.default_int_handler:  # ^C is ignored, or someone else's
+        yield noted
+        return
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield noted
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _say(message: str) -> None:
+    """Say something on stderr, if it can be written to."""
+    with suppress(OSError):
+        click.echo(message, err=True)
+
+
+def _written(status: int) -> int:
+    """Bring what was printed to its place; what has none is an error, unless there was another."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            if stream is not None:
+                stream.flush()
+        except BrokenPipeError:
+            _give_up(stream)
+        except OSError as error:
+            _give_up(stream)
+            if status in (DONE, CLAIM_FAILS):
+                status = BAD_INPUT
+                _say(_of_the_system(error))
+    return status
+
+
+def _give_up(stream: TextIO) -> None:
+    """Let what is still to be written to a stream go nowhere, at exit too."""
+    with suppress(OSError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
 
 
 if __name__ == "__main__":

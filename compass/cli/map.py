@@ -1,7 +1,7 @@
 """``compass map``: satellite counts and dilution of precision over the sphere and a period."""
 
 from pathlib import Path
-from typing import Literal
+from typing import Any
 
 import click
 
@@ -9,8 +9,8 @@ from compass.cli.shared import (
     announce_compilation,
     command_line,
     design_argument,
-    emit_json,
     json_option,
+    print_result,
     say,
 )
 
@@ -22,7 +22,6 @@ from compass.cli.shared import (
 @click.option("--step-deg", default=1.0, show_default=True, help="Cell size, 0.05 to 90 degrees.")
 @click.option(
     "--grid",
-    "kind",
     default="equal-angle",
     show_default=True,
     type=click.Choice(["equal-angle", "equal-area"]),
@@ -57,16 +56,9 @@ def command(
     design: Path,
     output: Path | None,
     picture: Path | None,
-    step_deg: float,
-    kind: str,
-    epochs: int,
-    mask_deg: float | None,
-    fold: int | None,
-    pdop_max: float,
-    motion: Literal["two-body", "j2", "numerical"],
-    duration_h: float | None,
     time_series: bool,
     as_json: bool,
+    **options: Any,
 ) -> None:
     """Count and DOP maps of a DESIGN over the sphere and one repeat period.
 
@@ -74,17 +66,11 @@ def command(
     count in every percentile (JSON: null) and against availability.
     """
     announce_compilation()
-    from tqdm import tqdm
-
-    from compass.cli.shared import print_table
-    from compass.coverage.files import write_map
+    import compass
     from compass.errors import ArgumentError
-    from compass.inputs import read_design
-    from compass.pages.statistics import statistics, statistics_tables
-    from compass.saving import check_writable, replacing
-    from compass.study.mapping import MapOptions, make_map
+    from compass.saving import check_writable
 
-    chosen = read_design(design)
+    read = compass.read_design(design)
     if time_series and output is None:
         raise ArgumentError("--time-series: needs a file to write to; add -o FILE.nc")
     for path in (output, picture):
@@ -92,40 +78,12 @@ def command(
             check_writable(path, [design])
     if output and picture and output == picture:
         raise ArgumentError(f"--figure = {picture}: is the netCDF file too; give another name")
-    options = MapOptions(
-        step_deg=step_deg,
-        grid=kind,
-        epochs=epochs,
-        mask_deg=mask_deg,
-        fold=fold,
-        pdop_max=pdop_max,
-        motion=motion,
-        duration_h=duration_h,
-    )
-    with tqdm(desc="map", unit="row", disable=None, leave=False) as bar:
-        made = make_map(chosen, options, command_line(), progress=bar.update)
+    made = compass.map(read, **options, command=command_line(), progress=True)
     if output:
-        with tqdm(desc="series", unit="row", disable=None, leave=False) as bar:
-            series = (made.view, made.grid) if time_series else None
-            write_map(made.dataset, output, chosen.figure, series=series, progress=bar.update)
+        made.write(output, time_series=time_series, progress=True)
     if picture:
-        from compass.pages.coverage import map_figure
-
-        title = f"{chosen.name}: GDOP, 95th percentile over time"
-        figure = map_figure(
-            made.dataset.gdop.sel(percentile=95).values,
-            made.grid,
-            title,
-            "GDOP",
-            figure_name=chosen.figure.name,
-        )
-        with replacing(picture) as temporary:
-            figure.savefig(temporary, format="png", dpi=150)
-    if as_json:
-        emit_json(statistics(made.dataset) | {"provenance": made.dataset.attrs})
-        return
-    for table in statistics_tables(made.dataset):
-        print_table(table.title, table.rows, table.header)
+        made.save_plot(picture)
+    print_result(made, as_json)
     for path in (output, picture):
         if path:
             say(f"wrote {path}")

@@ -14,7 +14,7 @@ from compass.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from compass.pages.section import Section
+    from compass.document.blocks import Section
 
 
 @click.command("report")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from compass.cli.main import CLAIM_FAILS
+from compass.saving import readable
 
 if TYPE_CHECKING:
     from compass.api.results import Result
@@ -27,7 +28,7 @@ def emit_json(result: dict[str, Any]) -> None:
     click.echo(json.dumps(plain(result), indent=2, allow_nan=False, ensure_ascii=False))
 
 
-def show(result: "Result", as_json: bool) -> None:
+def print_result(result: "Result", as_json: bool) -> None:
     """Print a result as text or JSON; exit status 1 where its claim does not hold."""
     if as_json:
         emit_json(result.to_dict())
@@ -64,7 +65,7 @@ def command_line() -> str:
     """Return the command as typed, for provenance."""
     import shlex
 
-    return shlex.join(["compass", *sys.argv[1:]])
+    return readable(shlex.join(["compass", *sys.argv[1:]]))
 
 
 def announce_compilation() -> None:
@@ -74,13 +75,18 @@ def announce_compilation() -> None:
     """
     from numba.core import event
 
+    from compass.core import kernel_cache
+
     class Announcer(event.Listener):
         said = False
 
         def on_start(self, event: object) -> None:
             if not self.said:
                 self.said = True
-                say("first run: compiling kernels, up to a minute; later runs start at once")
+                if kernel_cache.is_lasting():
+                    say("first run: compiling kernels, up to a minute; later runs start at once")
+                else:
+                    say(f"compiling kernels, up to a minute: {kernel_cache.REMEDY}")
 
         def on_end(self, event: object) -> None:
             """Nothing is said when it is done."""

@@ -9,13 +9,13 @@ from numpy.polynomial import Chebyshev, Polynomial
 from numpy.typing import NDArray
 
 from compass.bodies import SOLAR_DAY
-from compass.contacts.moons import MoonModel, moon_row
-from compass.contacts.planets import sun_earth_mci
 from compass.core.motion import ELLIPSE, SITE, TABLE, WIDTH
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY, prime_meridian_angle
+from compass.moons import MoonModel, moon_row
 from compass.orbits.constellation import Constellation
 from compass.orbits.period import secular_rates
+from compass.planets import sun_earth_mci
 from compass.sites import Mask, Site
 
 NodeKind = Literal["satellite", "station", "moon", "earth", "sun"]

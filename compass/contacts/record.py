@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from compass.contacts.nodes import Node, find_node, sun_node
-from compass.contacts.planets import conjunction_seasons, sun_earth_mars_angle
 from compass.contacts.radio import Radio, Track, carrier_to_noise, track
 from compass.contacts.relay import Contacts, contacts, latency, reach
 from compass.contacts.spans import all_of, any_of, outside, total
@@ -16,6 +15,7 @@ from compass.contacts.statistics import statistics
 from compass.contacts.survey import Survey
 from compass.contacts.windows import Windows, eclipses
 from compass.frames import FIGURES, SECONDS_PER_DAY, Figure
+from compass.planets import conjunction_seasons, sun_earth_mars_angle
 
 HOUR = 3600.0
 

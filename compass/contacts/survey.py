@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from itertools import combinations, product
 
 from compass.bodies import SOLAR_DAY
-from compass.contacts.moons import MoonModel
 from compass.contacts.nodes import (
     DriftModel,
     Node,
@@ -19,6 +18,7 @@ from compass.contacts.spans import Spans, any_of
 from compass.contacts.windows import Windows, windows
 from compass.errors import ArgumentError
 from compass.frames import FIGURES, Figure
+from compass.moons import MoonModel
 from compass.orbits.constellation import Constellation
 from compass.sites import Site
 

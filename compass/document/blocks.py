@@ -1,9 +1,11 @@
 """The blocks a document is made of; they know nothing of how they are drawn."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from compass.document.numbers import Value
+from compass.quantities import QUANTITIES, quantity
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,17 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Interactive:
+    """A picture that answers the pointer: file stem, title, caption, HTML, the script it needs."""
+
+    stem: str
+    title: str
+    caption: str
+    html: str
+    script: str
+
+
+@dataclass(frozen=True)
 class Details:
     """Blocks that are folded away under a title where the medium can fold."""
 
@@ -73,7 +86,27 @@ class Section:
     """Blocks under a title."""
 
     title: str
-    blocks: tuple["Block", ...]
+    blocks: tuple["Block", ...] = ()
+
+    @property
+    def paragraphs(self) -> tuple[str, ...]:
+        """Its prose."""
+        return tuple(block.text for block in walk(self.blocks) if isinstance(block, Sentence))
+
+    @property
+    def pictures(self) -> tuple[Picture, ...]:
+        """Its pictures."""
+        return tuple(block for block in walk(self.blocks) if isinstance(block, Picture))
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """Its tables."""
+        return tuple(block for block in walk(self.blocks) if isinstance(block, Table))
+
+    @property
+    def interactive(self) -> tuple[Interactive, ...]:
+        """Its pictures that answer the pointer."""
+        return tuple(block for block in walk(self.blocks) if isinstance(block, Interactive))
 
 
 @dataclass(frozen=True)
@@ -84,7 +117,19 @@ class Page:
     blocks: tuple["Block", ...]
 
 
-Block = Verdict | Sentence | Table | Picture | Details | Section
+Block = Verdict | Sentence | Table | Picture | Interactive | Details | Section
+
+
+def arranged(
+    title: str,
+    paragraphs: Iterable[str] = (),
+    pictures: Iterable[Picture] = (),
+    tables: Iterable[Table] = (),
+    interactive: Iterable[Interactive] = (),
+) -> Section:
+    """Section with its prose first, then interactive pictures, pictures and tables."""
+    prose = (Sentence(text) for text in paragraphs)
+    return Section(title, (*prose, *interactive, *pictures, *tables))
 
 
 def facts(title: str, values: Iterable[Value]) -> Table:
@@ -97,6 +142,21 @@ def facts(title: str, values: Iterable[Value]) -> Table:
         for v in kept
     )
     return Table(title, header, tuple(rows))
+
+
+def values(group: str, known: Mapping[str, Any]) -> list[Value]:
+    """Values of plain numbers by their names, as in JSON, looked up as ``group.name`` or ``name``.
+
+    A value that is a mapping holds the same quantity from several: ``{"exact": ..., ...}``.
+    """
+    found = []
+    for name, value in known.items():
+        record = quantity(f"{group}.{name}" if f"{group}.{name}" in QUANTITIES else name)
+        if isinstance(value, Mapping):
+            found += [Value(record, each, None, whose) for whose, each in value.items()]
+        else:
+            found.append(Value(record, value))
+    return found
 
 
 def columns(title: str, rows: Sequence[Sequence[Value]], shown: int | None = None) -> Table:

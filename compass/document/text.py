@@ -3,7 +3,17 @@
 import textwrap
 from collections.abc import Iterable
 
-from compass.document.blocks import Block, Details, Page, Picture, Section, Sentence, Table, Verdict
+from compass.document.blocks import (
+    Block,
+    Details,
+    Interactive,
+    Page,
+    Picture,
+    Section,
+    Sentence,
+    Table,
+    Verdict,
+)
 from compass.document.numbers import cell, is_number
 
 WIDTH = 100
@@ -33,7 +43,7 @@ def _lines(blocks: Iterable[Block]) -> list[str]:
         elif isinstance(block, Section | Details):
             lines += ["", block.title, "=" * len(block.title), *_lines(block.blocks)]
         else:
-            assert isinstance(block, Picture)
+            assert isinstance(block, Picture | Interactive)
     return lines
 
 

@@ -35,6 +35,7 @@ from compass.orbits import (
 )
 from compass.orbits.constellation import check_counts
 from compass.orbits.rosette import walker_phasing
+from compass.saving import readable
 from compass.sites import Mask, Site
 
 KM = 1e3
@@ -99,7 +100,7 @@ def read_design(path: str | Path) -> Design:
     DesignError
         With every fault of the file: field, value, what is allowed and the remedy.
     """
-    return read_design_text(read_text(Path(path)), str(path))
+    return read_design_text(read_text(Path(path)), readable(path))
 
 
 def read_design_text(text: str, label: str = "design") -> Design:

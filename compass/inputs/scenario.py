@@ -34,6 +34,7 @@ from compass.inputs.scenario_models import (
 )
 from compass.orbits import Constellation, from_elements, states_mci
 from compass.orbits.states import from_states
+from compass.saving import readable
 
 KM = 1e3
 
@@ -159,7 +160,7 @@ def read_scenario(path: str | Path) -> Scenario:
         With every fault of the file: field, value, what is allowed and the remedy.
     """
     place = Path(path)
-    return read_scenario_text(read_text(place), str(path), place.parent)
+    return read_scenario_text(read_text(place), readable(path), place.parent)
 
 
 def read_scenario_text(text: str, label: str = "scenario", folder: Path = Path()) -> Scenario:

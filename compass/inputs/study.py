@@ -27,6 +27,7 @@ from compass.inputs.study_models import (
     StudyFile,
 )
 from compass.orbits import areosynchronous_radius
+from compass.saving import readable
 
 FileKind = TypeVar("FileKind", Scenario, Design)
 
@@ -178,7 +179,7 @@ def read_study(path: str | Path) -> Study:
         With every fault of the file: field, value, what is allowed and the remedy.
     """
     place = Path(path)
-    return read_study_text(read_text(place), str(path), place.parent)
+    return read_study_text(read_text(place), readable(path), place.parent)
 
 
 def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> Study:

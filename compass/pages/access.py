@@ -11,10 +11,10 @@ from compass.contacts.record import pair_track, survey_record
 from compass.contacts.spans import any_of
 from compass.contacts.survey import Survey, survey
 from compass.contacts.windows import Windows
+from compass.document.blocks import Picture, Section, arranged
 from compass.inputs.design import Design
 from compass.pages.access_tables import access_tables
-from compass.pages.section import Picture, Section, picture
-from compass.pictures.style import CYCLE, FAINT, INK, look, new_figure
+from compass.pictures.style import CYCLE, FAINT, INK, look, new_figure, picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -54,7 +54,7 @@ def access_section(design: Design) -> Section | None:
         if node.kind in _KINDS and found.of(node.name)
     ]
     pictures += [link_budget(found, radio) for radio in design.radios if _served(found, radio)]
-    return Section(
+    return arranged(
         title="Access",
         paragraphs=(_summary(record),),
         pictures=tuple(pictures),

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from compass.pages.section import Table
+from compass.document.blocks import Table
 
 # a column: key of the record, heading, and how to show its value
 _PERCENT = "percent"

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from compass.core.entry_geometry import cartesian_of
+from compass.document.blocks import Picture, Section, Table, arranged
 from compass.entry.beacons import surface_beacons
 from compass.entry.best_directions import best_directions_found
 from compass.entry.best_ground import best_ground_beacons
@@ -16,8 +17,7 @@ from compass.entry.trajectory import Trajectory, fly
 from compass.errors import ArgumentError
 from compass.inputs.scenario import Scenario
 from compass.pages.entry_pictures import draw_map
-from compass.pages.section import Picture, Section, Table, picture
-from compass.pictures.style import CYCLE, look, new_figure
+from compass.pictures.style import CYCLE, look, new_figure, picture
 
 KM = 1e3
 
@@ -79,7 +79,7 @@ def best_beacons_section(scenario: Scenario, flight: Trajectory, found: Optimum)
     if scenario.optimize.what == "directions":
         exact = best_determinant(np.ones(scenario.optimize.count))
         words.append(f"Closed form (N/3)^3: {exact:.7g}.")
-    return Section(
+    return arranged(
         f"Best beacons: {scenario.name}",
         tuple(words),
         (*_places(scenario, flight, found), _convergence(found)),

@@ -1,110 +1,21 @@
 """Coverage pictures: counts, dilution of precision, fold by latitude and over time."""
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import numpy as np
-from matplotlib import colormaps
-from matplotlib.colors import BoundaryNorm, LogNorm
-from numpy.typing import NDArray
-
-from compass.pages.section import Picture, picture
-from compass.pages.statistics import NAMES
-from compass.pictures.mars_map import MarsMap, colour_bar
-from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, steps_of
+from compass.document.blocks import Picture
+from compass.pictures.maps import map_figure
+from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture
+from compass.quantities import quantity
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
-    from shapely import MultiPolygon
 
     from compass.coverage.grid import Grid
-
-
-def map_figure(
-    values: NDArray[Any],
-    grid: "Grid",
-    title: str,
-    label: str,
-    *,
-    figure_name: str,
-    counts: bool = False,
-    share: bool = False,
-    shapes: Sequence["MultiPolygon"] = (),
-    satellites: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
-) -> "Figure":
-    """One equal-area map with graticule, places and a labelled colour bar.
-
-    Parameters
-    ----------
-    values
-        By cell, shape (row, column).
-    grid
-        The cells.
-    title, label
-        Of the map and of its colour bar.
-    figure_name
-        Reference figure.
-    counts
-        Whole numbers: one colour each. Otherwise a logarithmic scale, infinities in grey.
-    share
-        A share from 0 to 1, on a linear scale.
-    shapes
-        Outlines to draw on top, in degrees.
-    satellites
-        Sub-satellite longitudes and latitudes, degrees.
-    """
-    with look():
-        figure = new_figure(8.6, 5.4)
-        axes = figure.add_subplot()
-        chart = MarsMap(axes, figure_name)
-        lon, lat = np.degrees(grid.longitude_edges), np.degrees(grid.latitude_edges)
-        if counts:
-            low, high = int(values.min()), int(values.max())
-            bounds = np.arange(low, high + 2) - 0.5
-            colours = steps_of("viridis", high - low + 1)
-            mesh = chart.field(lon, lat, values, cmap=colours, norm=BoundaryNorm(bounds, colours.N))
-            bar = colour_bar(axes, mesh, label, ticks=np.arange(low, high + 1))
-            bar.ax.minorticks_off()
-        elif share:
-            mesh = chart.field(lon, lat, values, cmap="viridis", vmin=0.0, vmax=1.0)
-            colour_bar(axes, mesh, label)
-        else:
-            _dop_field(chart, lon, lat, values, label)
-        chart.shapes(shapes, facecolor="none", edgecolor="white", linewidth=1.3)
-        chart.graticule()
-        chart.places()
-        if satellites is not None:
-            chart.points(*satellites, marker="*", ms=9, mfc=MARS, mec="white", mew=0.7)
-        axes.set_title(title)
-    return figure
-
-
-def _dop_field(
-    chart: MarsMap, lon: NDArray[Any], lat: NDArray[Any], values: NDArray[Any], label: str
-) -> None:
-    """Logarithmic colours from the smallest value to the 99th percentile; infinity is grey."""
-    finite = values[np.isfinite(values)]
-    shown = np.ma.masked_invalid(values)
-    if finite.size == 0:
-        low, high = 1.0, 10.0
-    else:
-        low = float(finite.min())
-        high = max(float(np.quantile(finite, 0.99)), low * 1.05)
-    colours = colormaps["magma_r"].with_extremes(bad="#8a8f98")
-    mesh = chart.field(lon, lat, shown, cmap=colours, norm=LogNorm(low, high))
-    missing = 1 - finite.size / values.size
-    note = f" (grey: none, {missing:.1%} of cells)" if missing else ""
-    bar = colour_bar(chart.axes, mesh, label + note, extend="max")
-    ticks = np.geomspace(low, high, 6)
-    bar.set_ticks(ticks, labels=[f"{tick:.3g}" for tick in ticks])
-    bar.ax.minorticks_off()
 
 
 def map_pictures(dataset: "xr.Dataset", grid: "Grid", figure_name: str) -> list[Picture]:
     """Count (fewest, mean) and dilution-of-precision maps over the period."""
     threshold = dataset.attrs["pdop_threshold"]
-    mean = dataset.count_mean.values
     made = [
         picture(
             map_figure(
@@ -113,28 +24,35 @@ def map_pictures(dataset: "xr.Dataset", grid: "Grid", figure_name: str) -> list[
                 "Fewest satellites in view over the period",
                 "satellites",
                 figure_name=figure_name,
-                counts=True,
+                scale="counts",
             ),
             "count-min",
             "Fewest satellites in view",
             "The smallest number of satellites in view at any epoch, by cell.",
         ),
         picture(
-            _mean_count(mean, grid, figure_name),
+            map_figure(
+                dataset.count_mean.values,
+                grid,
+                "Mean satellites in view over the period",
+                "satellites, mean over the period",
+                figure_name=figure_name,
+                scale="linear",
+            ),
             "count-mean",
             "Mean satellites in view",
             "The mean number of satellites in view over the period, by cell.",
         ),
     ]
     for name, q in (("gdop", 50), ("gdop", 95), ("pdop", 95), ("hdop", 95), ("vdop", 95)):
-        text = f"{NAMES[name]}, {q}th percentile over time"
+        text = f"{quantity(name).title}, {q}th percentile over time"
         made.append(
             picture(
                 map_figure(
                     dataset[name].sel(percentile=q).values,
                     grid,
                     text,
-                    NAMES[name],
+                    quantity(name).title,
                     figure_name=figure_name,
                 ),
                 f"{name}-p{q}",
@@ -151,7 +69,7 @@ def map_pictures(dataset: "xr.Dataset", grid: "Grid", figure_name: str) -> list[
                 f"Availability: share of time with PDOP at most {threshold:g}",
                 "share of time",
                 figure_name=figure_name,
-                share=True,
+                scale="share",
             ),
             "availability",
             "Availability",
@@ -159,24 +77,6 @@ def map_pictures(dataset: "xr.Dataset", grid: "Grid", figure_name: str) -> list[
         )
     )
     return made
-
-
-def _mean_count(values: NDArray[Any], grid: "Grid", figure_name: str) -> "Figure":
-    with look():
-        figure = new_figure(8.6, 5.4)
-        axes = figure.add_subplot()
-        chart = MarsMap(axes, figure_name)
-        mesh = chart.field(
-            np.degrees(grid.longitude_edges),
-            np.degrees(grid.latitude_edges),
-            values,
-            cmap="viridis",
-        )
-        colour_bar(axes, mesh, "satellites, mean over the period")
-        chart.graticule()
-        chart.places()
-        axes.set_title("Mean satellites in view over the period")
-    return figure
 
 
 def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:

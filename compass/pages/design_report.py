@@ -6,17 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from compass.coverage.geometry import pattern_geometry
+from compass.api.map import MapResult
+from compass.api.reproduce import comparison_table
+from compass.api.show import ShowResult, show
 from compass.coverage.site import site_coverage
+from compass.document.blocks import Section, Table, arranged
 from compass.inputs import Design
 from compass.pages.access import access_section
-from compass.pages.coverage import fold_pictures, map_figure, map_pictures
+from compass.pages.coverage import fold_pictures, map_pictures
 from compass.pages.fold import fold_section
 from compass.pages.orbits import cap_picture, gap_shapes, orbit_picture, track_picture
 from compass.pages.page import render
-from compass.pages.section import Picture, Section, Table, picture
-from compass.pages.statistics import NAMES, statistics_tables
-from compass.pages.tables import constellation_facts, geometry_facts, satellite_table
+from compass.pictures.maps import map_figure
+from compass.pictures.style import picture
+from compass.quantities import quantity
 from compass.study.mapping import DesignMap, MapOptions, make_map, provenance
 
 
@@ -41,11 +44,12 @@ def design_report(
         Told the name of each part before it is made.
     """
     progress("coverage map")
+    shown = show(design)
     mapped = make_map(design, options, command)
     sections = []
     for name, part in (
-        ("constellation", lambda: _constellation(design)),
-        ("geometry", lambda: _geometry(design)),
+        ("constellation", lambda: _constellation(shown)),
+        ("geometry", lambda: _geometry(shown)),
         ("coverage pictures", lambda: _coverage(design, mapped)),
         ("continuous fold", lambda: fold_section(design)),
         ("stations", lambda: _stations(design, mapped)),
@@ -82,46 +86,22 @@ def provenance_rows(design: Design, command: str, mapped: DesignMap) -> list[tup
     ]
 
 
-def _constellation(design: Design) -> Section:
-    facts = constellation_facts(design)
-    rows = tuple((key.replace("_", " "), value) for key, value in facts.items())
-    tables = [Table("The constellation", ("quantity", "value"), rows)]
-    if design.constellation.pattern is None:
-        radius = design.figure.equatorial_radius
-        tables.append(satellite_table(design.constellation, radius))
-    return Section(
-        "Constellation",
-        pictures=(orbit_picture(design), track_picture(design)),
-        tables=tuple(tables),
-    )
+def _constellation(shown: ShowResult) -> Section:
+    explicit = shown.geometry is None
+    tables = (shown.constellation_table(), *(shown.geometry_tables() if explicit else ()))
+    pictures = (orbit_picture(shown.design), track_picture(shown.design))
+    return arranged("Constellation", (), pictures, tables)
 
 
-def _geometry(design: Design) -> Section:
-    geometry = pattern_geometry(
-        design.constellation, design.figure.equatorial_radius, design.mask.lowest
-    )
-    pictures: tuple[Picture, ...] = (cap_picture(design),)
-    if geometry is None:
-        text = "Explicit elements: every satellite has a cap of its own, and no plane has gaps."
-        return Section("Caps and gaps", (text,), pictures)
-    facts = geometry_facts(geometry)
-    tables = []
-    for name, values in facts.items():
-        if not values:
-            continue
-        rows: list[tuple[object, ...]] = []
-        for key, value in values.items():
-            label = key.replace("_", " ")
-            if isinstance(value, dict):
-                rows += [(f"{label}, {kind}", inner) for kind, inner in value.items()]
-            else:
-                rows.append((label, value))
-        tables.append(Table(name.capitalize(), ("quantity", "value"), tuple(rows)))
+def _geometry(shown: ShowResult) -> Section:
+    pictures = (cap_picture(shown.design),)
+    if shown.geometry is None:
+        return arranged("Caps and gaps", shown.notes(), pictures)
     text = (
         "Published means the source paper's printed formula, kept for comparison; exact means "
         "the geometry of the sphere."
     )
-    return Section("Caps and gaps", (text,), pictures, tuple(tables))
+    return arranged("Caps and gaps", (text, *shown.notes()), pictures, shown.geometry_tables())
 
 
 def _coverage(design: Design, mapped: DesignMap) -> Section:
@@ -137,7 +117,7 @@ def _coverage(design: Design, mapped: DesignMap) -> Section:
             "Satellites in view at the epoch" + (", with the gap polygons" if shapes else ""),
             "satellites",
             figure_name=name,
-            counts=True,
+            scale="counts",
             shapes=shapes,
             satellites=(longitude, latitude),
         ),
@@ -153,11 +133,11 @@ def _coverage(design: Design, mapped: DesignMap) -> Section:
         "weighted by area and time. With fewer than four satellites or singular geometry a "
         "dilution of precision is infinite, and counts as such in every percentile."
     )
-    return Section(
+    return arranged(
         "Coverage",
         (text,),
         (snapshot, *map_pictures(data, grid, name), *fold_pictures(data)),
-        statistics_tables(data),
+        MapResult(design, mapped).tables(),
     )
 
 
@@ -203,12 +183,12 @@ def _stations(design: Design, mapped: DesignMap) -> Section | None:
         "fewest",
         "mean",
         "most",
-        *(f"{NAMES[name]} p95" for name in ("gdop", "pdop", "hdop")),
+        *(f"{quantity(name).title} p95" for name in ("gdop", "pdop", "hdop")),
         "availability",
     )
     text = "Each station on its reference figure, at its height and over its own horizon."
     table = Table("Satellites and geometry at the stations", header, tuple(rows))
-    return Section("Stations", (text,), (), (table,))
+    return arranged("Stations", (text,), (), (table,))
 
 
 def _nearest_rank(values: Any, q: int) -> float:
@@ -220,15 +200,10 @@ def _comparison(design: Design) -> Section | None:
     if design.paper is None:
         return None
     module = import_module(f"compass.papers.{design.paper}")
-    rows = tuple(
-        (r.where, r.item, r.published or "–", r.computed, r.unit, r.verdict)
-        for r in module.coverage_rows()
-    )
-    header = ("where", "item", "published", "computed", "unit", "verdict")
     text = (
         "The paper's numbers on geometry and coverage beside the computed ones. Reproduced: equal "
         "to the printed digits. Erratum: the paper's number is wrong, and why. Population and "
         f"stations' access: compass reproduce {design.paper}."
     )
-    table = Table(module.TITLE, header, rows)
-    return Section("Published against computed", (text,), (), (table,))
+    table = comparison_table(module.TITLE, module.coverage_rows())
+    return arranged("Published against computed", (text,), (), (table,))

@@ -4,13 +4,13 @@ from typing import Any
 
 import numpy as np
 
+from compass.document.blocks import Section, Table, arranged
 from compass.entry.assess import Assessment, assess
 from compass.entry.state import longitude_degrees
 from compass.entry.trajectory import Trajectory, fly, trajectory_dataset
 from compass.errors import ArgumentError
 from compass.inputs.scenario import Scenario
 from compass.pages.entry_pictures import entry_pictures
-from compass.pages.section import Section, Table
 
 KM = 1e3
 
@@ -44,7 +44,7 @@ def assess_scenario(scenario: Scenario, runs: int | None = None) -> Assessment:
 def entry_section(scenario: Scenario, found: Assessment) -> Section:
     """Text, pictures and tables of one scenario."""
     paragraphs = [" ".join(scenario.source.split())] if scenario.source.strip() else []
-    return Section(
+    return arranged(
         f"Entry: {scenario.name}",
         (*paragraphs, *_findings(scenario, found)),
         entry_pictures(found),

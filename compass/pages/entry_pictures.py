@@ -4,14 +4,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from compass.document.blocks import Picture
 from compass.entry.assess import Assessment
 from compass.entry.beacons import Beacons
 from compass.entry.trajectory import Trajectory, trajectory_dataset
 from compass.entry.visible_area import VisibleArea, horizon
 from compass.errors import ArgumentError
 from compass.frames import latitude_longitude
-from compass.pages.section import Picture, picture
-from compass.pictures.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure
+from compass.pictures.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure, picture
 
 KM = 1e3
 

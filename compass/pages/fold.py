@@ -12,12 +12,12 @@ from compass.coverage.margin import CoveringRadius, covering_radius, highest_mas
 from compass.coverage.share import mean_fold_shares
 from compass.coverage.symmetry import Span, one_circle, shortest_span
 from compass.coverage.witness import Witness
+from compass.document.blocks import Picture, Section, Table, arranged
 from compass.frames import direction, latitude_longitude, mcmf_from_mci, prime_meridian_angle
 from compass.inputs import Design
 from compass.orbits import Constellation, orbital_period, positions_mcmf, walker_delta, walker_star
 from compass.orbits.constellation import Pattern
-from compass.pages.section import Picture, Section, Table, picture
-from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, steps_of
+from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture, steps_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -71,7 +71,7 @@ def fold_section(design: Design, *, inclinations: int = 46, moments: int = 400) 
     ]
     if c.pattern is not None and one_circle(c):
         pictures.append(_margin_by_inclination(c, c.pattern, design.fold, sphere, inclinations))
-    return Section("Exact fold and margins", (text,), tuple(pictures), tables)
+    return arranged("Exact fold and margins", (text,), tuple(pictures), tables)
 
 
 def _quality(c: Constellation, sphere: float, mask: float, span: Span) -> Table:

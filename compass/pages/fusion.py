@@ -4,10 +4,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from compass.document.blocks import Section, Table, arranged
 from compass.entry.consistency import error_ellipse
 from compass.entry.faults import Fault
 from compass.pages.fusion_pictures import SETTLING, TITLES, fusion_pictures
-from compass.pages.section import Section, Table
 from compass.study.fusion import FusionRuns
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def fusion_section(found: FusionRuns) -> Section:
     """Text, pictures and tables of one plan."""
-    return Section(
+    return arranged(
         f"Fusion: {found.plan.case.name}",
         fusion_words(found),
         fusion_pictures(found),

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 
+from compass.document.blocks import Picture
 from compass.entry.radio import BROWNOUT_DENSITY, PER_CM3, attenuation, critical_density
-from compass.pages.section import Picture, picture
-from compass.pictures.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure
+from compass.pictures.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure, picture
 from compass.study.fusion import FusionRuns
 
 if TYPE_CHECKING:

@@ -7,14 +7,14 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
+from compass.document.blocks import Picture, Section, Table, arranged
 from compass.entry.arrivals import draw_arrivals
 from compass.entry.campaign import Campaign
 from compass.inputs import Design
 from compass.inputs.scenario import Scenario, provenance
 from compass.pages.page import render
-from compass.pages.section import Picture, Section, Table, picture
 from compass.pictures.mars_map import MarsMap, colour_bar
-from compass.pictures.style import CYCLE, FAINT, MARS, SEQUENTIAL, look, new_figure
+from compass.pictures.style import CYCLE, FAINT, MARS, SEQUENTIAL, look, new_figure, picture
 from compass.study.judge import campaign_of, judge_entries
 from compass.study.judgement import Judgement
 
@@ -136,7 +136,7 @@ def judge_section(
     run = [row for row in ranking["designs"] if row["nees"] is not None]
     if run:
         tables.append(_filter_table(run))
-    return Section("Landing navigation", paragraphs, pictures, tuple(tables))
+    return arranged("Landing navigation", paragraphs, pictures, tuple(tables))
 
 
 def _measured(scenario: Scenario) -> str:
@@ -175,7 +175,7 @@ def surface_section(ranking: dict[str, Any]) -> Section:
         "one up to which that fold holds. GDOP is sampled over area and time, and given with its "
         "standard error."
     )
-    return Section("Users on the surface", (text,), (), (Table("Side by side", header, rows),))
+    return arranged("Users on the surface", (text,), (), (Table("Side by side", header, rows),))
 
 
 def _table(rows: Sequence[dict[str, Any]]) -> Table:

@@ -1,14 +1,14 @@
 """One self-contained HTML page, its pictures inside it and also as PNG files beside it."""
 
-import base64
 import os
 import shutil
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from compass.document.blocks import Section
+from compass.document.html import environment
 from compass.errors import OutputError
-from compass.pages.section import Section
 
 PAGE = "index.html"
 
@@ -23,16 +23,12 @@ def render(
     """Return the page; everything that comes from a user is escaped."""
     import jinja2
 
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("compass.pages"),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
+    drawn = environment().overlay(
+        loader=jinja2.ChoiceLoader(
+            [jinja2.PackageLoader("compass.pages"), jinja2.PackageLoader("compass.document")]
+        )
     )
-    environment.filters["base64"] = lambda data: base64.b64encode(data).decode("ascii")
-    environment.filters["cell"] = cell
-    return environment.get_template("report.html").render(
+    return drawn.get_template("report.html").render(
         title=title,
         subtitle=subtitle,
         sections=sections,
@@ -40,15 +36,6 @@ def render(
         provenance=provenance,
         source_text=source_text,
     )
-
-
-def cell(value: object) -> str:
-    """One value as a reader wants it: seven digits, infinity in words."""
-    if isinstance(value, float):
-        if value == float("inf"):
-            return "∞"
-        return f"{value:,.0f}" if 1e6 <= abs(value) < 1e15 else f"{value:.7g}"
-    return str(value)
 
 
 def check_page_folder(folder: Path) -> None:

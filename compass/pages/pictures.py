@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from compass.document.blocks import Picture
 from compass.errors import OutputError
-from compass.pages.section import Picture
 from compass.saving import check_writable, replacing
 
 

@@ -1,11 +1,11 @@
 """The report of one scenario: the entry, and the filters compared if it asks for them."""
 
+from compass.document.blocks import Section
 from compass.inputs.fusion import fusion_plan
 from compass.inputs.scenario import Scenario, provenance
 from compass.pages.entry import assess_scenario, entry_section
 from compass.pages.fusion import fusion_section
 from compass.pages.page import render
-from compass.pages.section import Section
 from compass.study.fusion import run_fusion
 
 

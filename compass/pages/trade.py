@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import compass
+from compass.document.blocks import Section, Table, arranged
 from compass.inputs.merit import MERITS, STAGES
 from compass.inputs.study import Free, Study
 from compass.pages.page import render
-from compass.pages.section import Section, Table
 from compass.pages.trade_finalists import (
     Entrant,
     entrants,
@@ -156,7 +156,7 @@ def _looked_at(study: Study, results: "xr.Dataset") -> Section:
         "constraints were mapped over area and time; the best fronts of these were judged as "
         "beacons of a lander, where the study asks for it."
     )
-    return Section("What was looked at", (text,), (), tuple(tables))
+    return arranged("What was looked at", (text,), (), tuple(tables))
 
 
 def _fronts(
@@ -172,7 +172,7 @@ def _fronts(
         "one of the front need not be the best in any two of them alone."
     )
     interactive = interactive_front(study, results, chosen, measure)
-    return Section(
+    return arranged(
         "Pareto fronts",
         (text,),
         front_pictures(study, results, chosen, measure),
@@ -205,7 +205,7 @@ def _best(study: Study, results: "xr.Dataset") -> Section:
         some = good.isel(candidate=np.lexsort(keys)[:BEST])
         title = f"{objective.goal.capitalize()} {MERITS[objective.figure].title}"
         tables.append(_candidate_table(title, study, some))
-    return Section(
+    return arranged(
         "The best by objective", ("Ties by the other objectives in order.",), (), tuple(tables)
     )
 
@@ -216,12 +216,12 @@ def _sensitivity(study: Study, results: "xr.Dataset") -> Section:
         "candidates with that value, whatever the others are."
     )
     pictures = (share_picture(results), *sensitivity_pictures(study, results))
-    return Section("Sensitivity", (text,), pictures)
+    return arranged("Sensitivity", (text,), pictures)
 
 
 def _maps(study: Study, chosen: Sequence[Finalist], measure: Yardstick | None) -> Section:
     shown: list[Finalist | Yardstick] = [*chosen[:5], *([measure] if measure else [])]
-    return Section("The finalists' maps", (), (map_comparison(study, shown),))
+    return arranged("The finalists' maps", (), (map_comparison(study, shown),))
 
 
 def _summary(

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from compass.coverage.certificate import prove_fold
+from compass.document.blocks import Section, Table, arranged
 from compass.handover.czml import czml
 from compass.handover.geojson import geojson
 from compass.handover.instants import sample_times
@@ -17,7 +18,6 @@ from compass.inputs import Design, read_design_text
 from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.pages.judge import judge_section, surface_section
-from compass.pages.section import Section, Table
 from compass.sites import Mask
 from compass.study.choice import Finalist
 from compass.study.ranking import rank_designs
@@ -86,7 +86,7 @@ def recommendation(
         text = (
             "No candidate meets every constraint and has a value of every objective; see below why."
         )
-        return Section("Recommendation", (text,))
+        return arranged("Recommendation", (text,))
     first = chosen[0].finalist
     of_each = "; ".join(
         f"{MERITS[o.figure].title}: {worth(o.figure, first.figures[o.figure])}"
@@ -110,7 +110,7 @@ def recommendation(
             f"at {ranking['deployment']}? {row['answer'][0].upper()}{row['answer'][1:]}."
         )
     tables = (_objective_table(study, chosen, measure), _figure_table(study, chosen, measure))
-    return Section("Recommendation", tuple(paragraphs), (), tables)
+    return arranged("Recommendation", tuple(paragraphs), (), tables)
 
 
 def worth(name: str, value: float) -> str:
@@ -283,4 +283,4 @@ def handover_section(chosen: Sequence[Entrant]) -> Section:
         f"compass export {first} --format oem -o FOLDER."
     )
     table = Table("Design files", ("file", "finalist", "constellation"), rows)
-    return Section("Hand-over", (text,), (), (table,))
+    return arranged("Hand-over", (text,), (), (table,))

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.document.blocks import Interactive
 from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
-from compass.pages.section import Interactive
 from compass.pictures.style import CYCLE, FAINT, INK, MARS
 from compass.study.choice import Finalist
 from compass.study.results import known_figures

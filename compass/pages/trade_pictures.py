@@ -13,12 +13,12 @@ from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from compass.coverage.grid import equal_angle_grid
 from compass.coverage.maps import coverage_map
 from compass.coverage.view import view
+from compass.document.blocks import Picture
 from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.orbits import repeat_period
-from compass.pages.section import Picture, picture
 from compass.pictures.mars_map import MarsMap
-from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure
+from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture
 from compass.sites import Mask
 from compass.study.choice import Finalist
 from compass.study.yardstick import Yardstick

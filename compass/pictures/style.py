@@ -1,5 +1,6 @@
 """How the project's pictures look: colours, fonts, and figures made without global state."""
 
+from io import BytesIO
 from typing import Any
 
 from matplotlib import colormaps, rc_context
@@ -7,6 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap
 from matplotlib.figure import Figure
+
+from compass.document import Picture
+
+PNG_DPI = 130
 
 INK, FAINT, MARS, SKY = "#23262b", "#9aa0a6", "#b5532d", "#2b6cb0"
 
@@ -57,3 +62,11 @@ def axes_or_new(axes: Axes | None, width: float = 8.0, height: float = 4.5) -> A
         return axes
     with look():
         return new_figure(width, height).add_subplot()
+
+
+def picture(figure: Figure, stem: str, title: str, caption: str, *, wide: bool = False) -> Picture:
+    """Render a matplotlib figure to PNG; the same figure gives the same bytes."""
+    buffer = BytesIO()
+    metadata: dict[str, Any] = {"Software": None, "Title": title}
+    figure.savefig(buffer, format="png", dpi=PNG_DPI, metadata=metadata)
+    return Picture(stem, title, caption, buffer.getvalue(), wide)

@@ -99,6 +99,8 @@ def make_map(
         raise ArgumentError(
             f"duration_h = {chosen.duration_h}: must be above 0, at most {MAX_DURATION_H:g} hours"
         )
+    if not chosen.pdop_max > 0:
+        raise ArgumentError(f"pdop_max = {chosen.pdop_max:g}: must be positive")
     mask = design.mask if chosen.mask_deg is None else option_mask(chosen.mask_deg)
     repeat = repeat_period(design.constellation)
     duration = repeat.duration if chosen.duration_h is None else chosen.duration_h * 3600

@@ -143,6 +143,8 @@ def search(
         raise ArgumentError(f"fold = {fold}: must be a whole number from 1 on")
     if not 0 <= mask < np.pi / 2:
         raise ArgumentError(f"mask_deg = {np.degrees(mask):g}: allowed 0 up to below 90")
+    if finalists < 0:
+        raise ArgumentError(f"finalists = {finalists}: must be 0 or more")
     cap = float(cap_radius(radius, sphere_radius, mask))
     makers = list(patterns(kind, largest, radius, smallest=fold + 1))
     pool = ThreadPoolExecutor(workers)
@@ -150,9 +152,7 @@ def search(
         work = pool.map(lambda make: _best(make, fold, cap, sphere_radius), makers)
         found = [c for c in progress(work, total=len(makers)) if c is not None]
         found.sort(key=lambda c: (c.constellation.size, -round(c.mask_margin, 9)))
-        best = list(
-            pool.map(lambda c: _examine(c, fold, mask, sphere_radius), found[: max(finalists, 0)])
-        )
+        best = list(pool.map(lambda c: _examine(c, fold, mask, sphere_radius), found[:finalists]))
     finally:
         pool.shutdown(cancel_futures=True)  # an interrupted search does not finish its list first
     return best + found[len(best) :]

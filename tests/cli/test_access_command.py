@@ -122,7 +122,7 @@ def test_windows_are_written(design, tmp_path, monkeypatch, capsys, suffix):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--duration-sols", "0"], "duration = 0 sols: must be above 0 and at most 1000"),
+        (["--duration-sols", "0"], "--duration-sols = 0 sols: must be above 0 and at most 1000"),
         (["--duration-sols", "1e9"], "must be above 0 and at most 1000"),
         (["--duration-sols", "nan"], "must be above 0 and at most 1000"),
         (["--moon", "luna"], "'luna' is not one of 'phobos', 'deimos'"),

@@ -71,8 +71,8 @@ def test_motion_is_used(run, designs, tmp_path):
     ("arguments", "message"),
     [
         (["--format", "toml", "--duration-h", "2"], "--duration-h = 2.0: a design file holds orbits"),
-        (["--format", "czml", "--duration-h", "-1"], "duration_h = -1: must be above 0"),
-        (["--format", "czml", "--step-s", "inf"], "step_s = inf: must be at least 0.001"),
+        (["--format", "czml", "--duration-h", "-1"], "--duration-h = -1: must be above 0"),
+        (["--format", "czml", "--step-s", "inf"], "--step-s = inf: must be at least 0.001"),
         (["--format", "oem", "--step-s", "0.01"], "more than 2000000"),
         (["--format", "kml"], "is not one of"),
         ([], "Missing option '--format'"),

@@ -161,8 +161,8 @@ def test_an_equatorial_ring_is_eclipsed_near_the_equinox():
     """About 2 asin(R/r)/n; penumbra and umbra differ by the Sun's diameter at either edge."""
     from datetime import datetime
 
-    from compass.contacts.planets import sun_earth_mci
     from compass.frames import seconds_past_j2000
+    from compass.planets import sun_earth_mci
 
     # the equinox nearest to 2029: where the Sun crosses Mars's equator
     days = np.arange(0, 700) * 86400.0

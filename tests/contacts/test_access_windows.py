@@ -23,12 +23,12 @@ from compass.contacts.nodes import (
     station_node,
     sun_node,
 )
-from compass.contacts.planets import sun_earth_mci
 from compass.contacts.radio import node_states
 from compass.contacts.windows import UMBRA_LENGTH, eclipses, windows
 from compass.errors import ArgumentError
 from compass.frames import FIGURES, mcmf_from_mci, prime_meridian_angle
 from compass.orbits import areosynchronous_radius, from_elements, states_mci, walker_delta
+from compass.planets import sun_earth_mci
 from compass.sites import Mask, Site
 
 SPHERE, ELLIPSOID = FIGURES["iau-sphere"], FIGURES["iau-ellipsoid"]

@@ -4,11 +4,12 @@ from html.parser import HTMLParser
 import pytest
 
 import compass
+from compass.document.blocks import Picture, arranged
+from compass.document.numbers import cell
 from compass.errors import OutputError
 from compass.inputs import read_design_text
 from compass.pages.design_report import design_report
-from compass.pages.page import cell, write_page
-from compass.pages.section import Picture, Section
+from compass.pages.page import write_page
 from compass.study.mapping import MapOptions
 
 SMALL = MapOptions(step_deg=15, epochs=4)
@@ -37,7 +38,7 @@ def page(seed_design):
 def brief(monkeypatch):
     """Leave out the parts whose kernels are slow when interpreted; they have tests of their own."""
     home = "compass.pages.design_report"
-    monkeypatch.setattr(f"{home}.fold_section", lambda design: Section("Continuous fold"))
+    monkeypatch.setattr(f"{home}.fold_section", lambda design: arranged("Continuous fold"))
     monkeypatch.setattr(f"{home}.access_section", lambda design: None)
     monkeypatch.setattr("compass.papers.kelly2018._fold_rows", list)
 
@@ -140,7 +141,7 @@ def test_report_into_a_file_is_refused(run, designs, tmp_path, brief):
 
 def test_failed_write_leaves_the_old_page(tmp_path, monkeypatch):
     old = write_page(tmp_path, "old", [])
-    section = Section("t", pictures=(Picture("p", "t", "c", b"png"),))
+    section = arranged("t", pictures=(Picture("p", "t", "c", b"png"),))
 
     def full(*_, **__):
         raise OSError(28, "No space left on device")

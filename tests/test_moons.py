@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from compass.bodies import MARS_GM
-from compass.contacts.moons import J2000_FROM_B1950, moon_row
 from compass.contacts.nodes import moon_node
 from compass.contacts.radio import node_states
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY, mci_from_icrf
+from compass.moons import J2000_FROM_B1950, moon_row
 
 # Lainey, Dehant and Paetzold 2007, Astron. Astrophys. 465:1075 (MarsSatV1_0): the examples of its
 # README at ftp.imcce.fr/pub/ephem/satel/martian, au in the J2000 equator, every 10 days from J2000

@@ -33,7 +33,11 @@ J2000_FROM_B1950 = np.array(
 
 
 def moon_row(
-    name: str, epoch: float, middle: float, model: MoonModel = "precessing"
+    name: str,
+    epoch: float,
+    middle: float,
+    model: MoonModel = "precessing",
+    from_icrf: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64]:
     """Row of a moon for the kernels (`compass.core.motion`), in the inertial frame of `epoch`.
 
@@ -54,6 +58,9 @@ def moon_row(
         Seconds after the epoch.
     model
         How the moon moves.
+    from_icrf
+        Rotation from ICRF components to those of the frame, shape (3, 3), if it is not that of
+        `frames.mci_from_icrf`.
 
     Raises
     ------
@@ -92,7 +99,8 @@ def moon_row(
     angles = np.radians([node, periapsis - node - plane_node, longitude - periapsis])
     rates /= SECONDS_PER_DAY
     plane = _about_z(np.radians(plane_node)) @ _about_x(np.radians(plane_tilt))
-    rotation = mci_from_icrf(epoch) @ J2000_FROM_B1950 @ plane
+    to_frame = mci_from_icrf(epoch) if from_icrf is None else from_icrf
+    rotation = to_frame @ J2000_FROM_B1950 @ plane
     row = np.zeros(WIDTH)
     row[:5] = ELLIPSE, a, e, np.cos(np.radians(inclination)), np.sin(np.radians(inclination))
     row[5:8] = np.mod(angles - rates * middle, 2 * np.pi)

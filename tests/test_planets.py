@@ -7,16 +7,16 @@ import pytest
 
 from compass.bodies import ASTRONOMICAL_UNIT, SPEED_OF_LIGHT
 from compass.contacts.nodes import earth_node, sun_node
-from compass.contacts.planets import (
+from compass.contacts.radio import node_states
+from compass.errors import ArgumentError
+from compass.frames import SECONDS_PER_DAY, seconds_past_j2000
+from compass.planets import (
     conjunction_seasons,
     sun_earth_mars_angle,
     sun_earth_mci,
     sun_earth_states,
     sun_mars_earth_angle,
 )
-from compass.contacts.radio import node_states
-from compass.errors import ArgumentError
-from compass.frames import SECONDS_PER_DAY, seconds_past_j2000
 
 # E. M. Standish, Keplerian elements for approximate positions of the major planets, JPL, Table 1
 # (1800 to 2050): a, e, i, L, longitudes of perihelion and node, and their rates a century

@@ -1,0 +1,294 @@
+"""Satellite counts and dilution of precision over the sphere and a period."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from compass.api.given import given_design
+from compass.api.progress import bar
+from compass.api.results import Result
+from compass.coverage.files import write_map
+from compass.coverage.maps import DOPS
+from compass.document import Page, Sentence, Table, Value, Verdict
+from compass.document.blocks import facts
+from compass.document.plain import plain
+from compass.errors import ArgumentError
+from compass.inputs import Design
+from compass.orbits.ephemeris import MotionModel
+from compass.quantities import QUANTITIES, quantity
+from compass.saving import replacing
+from compass.study.mapping import DesignMap, MapOptions, make_map
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, repr=False)
+class MapResult(Result):
+    """Maps of a design, and their numbers over the whole sphere and period.
+
+    Attributes
+    ----------
+    design
+        What was mapped.
+    made
+        The dataset, its cells, the constellation at the epochs.
+    """
+
+    design: Design = field(repr=False)
+    made: DesignMap = field(repr=False)
+
+    @property
+    def dataset(self) -> "xr.Dataset":
+        """Everything by cell, zone and epoch, and over the whole sphere, with CF attributes."""
+        return self.made.dataset
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return plain(statistics(self.dataset) | {"provenance": self.dataset.attrs})
+
+    def document(self) -> Page:
+        """Fold and availability in a sentence, then the numbers."""
+        numbers, attrs = statistics(self.dataset), self.dataset.attrs
+        fold, met = attrs["wanted_fold"], numbers["count"]["min"] >= attrs["wanted_fold"]
+        p50, p95 = (Value(quantity("gdop"), numbers["gdop"][q]) for q in ("p50", "p95"))
+        claim = (
+            f"{numbers['count']['min']} to {numbers['count']['max']} satellites in view, "
+            f"{fold} wanted; GDOP {p50} (median), {p95} (95 % of area and time)"
+        )
+        how = (
+            f"sampled at {attrs['epochs']} epochs over {attrs['period_s'] / 3600:.6g} h on "
+            f"{attrs['grid']}, {attrs['motion_model']} motion: what lies between is not seen; "
+            "weighted by area and time, infinities count"
+        )
+        return Page(
+            self.design.name,
+            (Verdict("" if met else "missed", claim, met), *self.tables(), Sentence(how)),
+        )
+
+    def tables(self) -> tuple[Table, ...]:
+        """Satellites in view, and dilution of precision, over area and time."""
+        numbers = statistics(self.dataset)
+        threshold, fold = self.dataset.attrs["pdop_threshold"], self.dataset.attrs["wanted_fold"]
+        share = quantity("fold_share")
+        count = numbers["count"]
+        in_view = facts(
+            "Satellites in view, over area and time",
+            [
+                *(Value(quantity(f"count.{name}"), count[name]) for name in ("min", "mean", "max")),
+                *(
+                    Value(share, part, whose=f"at least {k} in view")
+                    for k, part in numbers["fold_share"].items()
+                ),
+                Value(
+                    quantity("availability"),
+                    numbers["availability"],
+                    whose=f"{threshold:g} or less",
+                ),
+                *(
+                    Value(quantity(name), numbers[name], whose=f"{fold} in view")
+                    for name in ("longest_gap_s", "mean_response_time_s")
+                    if numbers[name] > 0
+                ),
+            ],
+        )
+        percentiles = [f"p{int(q)}" for q in self.dataset.global_percentile.values]
+        rows = tuple(
+            (quantity(name).title, *(Value(quantity(name), numbers[name][p]) for p in percentiles))
+            for name in DOPS
+        )
+        title = "Dilution of precision: percentiles over area and time"
+        return in_view, Table(title, ("", *percentiles), rows)
+
+    def write(self, path: str | Path, *, time_series: bool = False, progress: bool = False) -> None:
+        """Write the maps as CF netCDF; with `time_series` also every epoch's counts and DOPs.
+
+        Raises
+        ------
+        OutputError
+            The file cannot be written.
+        """
+        series = (self.made.view, self.made.grid) if time_series else None
+        with bar(progress, "series", unit="row", leave=False) as rows:
+            write_map(
+                self.dataset, Path(path), self.design.figure, series=series, progress=rows.update
+            )
+
+    def plot(
+        self, name: str = "gdop", *, percentile: int = 95, axes: "Axes | None" = None
+    ) -> "Axes":
+        """Draw a map of Mars.
+
+        Parameters
+        ----------
+        name
+            A variable of the dataset over (lat, lon): ``gdop`` ... ``tdop``, ``count_min``,
+            ``count_mean``, ``count_max``, ``availability``, ``longest_gap``, ...
+        percentile
+            Of a dilution of precision over time: 50 or 95.
+        axes
+            Where to; new ones without.
+
+        Raises
+        ------
+        ArgumentError
+            There is no such variable or percentile.
+        """
+        from compass.pictures.maps import SIZE, draw_map
+        from compass.pictures.style import axes_or_new
+
+        values, title = self._layer(name, percentile)
+        known = QUANTITIES.get(name)
+        drawn = axes_or_new(axes, *SIZE)
+        draw_map(
+            drawn,
+            values.values,
+            self.made.grid,
+            f"{self.design.name}: {title}",
+            known.heading if known else str(values.attrs["long_name"]),
+            figure_name=self.design.figure.name,
+            scale=_scale(name, values),
+        )
+        return drawn
+
+    def save_plot(self, path: str | Path, name: str = "gdop", *, percentile: int = 95) -> None:
+        """Write `plot` as a PNG file; a killed run leaves no partial one."""
+        from matplotlib.figure import Figure
+
+        drawn = self.plot(name, percentile=percentile).figure
+        assert isinstance(drawn, Figure)
+        with replacing(Path(path)) as temporary:
+            drawn.savefig(temporary, format="png", dpi=150)
+
+    def _layer(self, name: str, percentile: int) -> "tuple[xr.DataArray, str]":
+        """Values by cell and what they are."""
+        flat = [
+            str(key)
+            for key, variable in self.dataset.data_vars.items()
+            if variable.dims in (("lat", "lon"), ("percentile", "lat", "lon"))
+        ]
+        if name not in flat:
+            raise ArgumentError(f"name = {name!r}: not a map; allowed {', '.join(flat)}")
+        found = self.dataset[name]
+        if "percentile" not in found.dims:
+            return found, str(found.attrs["long_name"])
+        allowed = found.percentile.values.tolist()
+        if percentile not in allowed:
+            raise ArgumentError(
+                f"percentile = {percentile}: allowed {' or '.join(str(q) for q in allowed)}"
+            )
+        chosen = found.sel(percentile=percentile)
+        return chosen, f"{quantity(name).title}, {percentile}th percentile over time"
+
+
+def _scale(name: str, values: "xr.DataArray") -> Any:
+    """How the colours of a map run."""
+    if name in DOPS:
+        return "dilution"
+    if np.issubdtype(values.dtype, np.integer):
+        return "counts"
+    return "share" if name == "availability" else "linear"
+
+
+def map(
+    design: Design | str | Path,
+    *,
+    step_deg: float = 1.0,
+    grid: str = "equal-angle",
+    epochs: int = 109,
+    mask_deg: float | None = None,
+    fold: int | None = None,
+    pdop_max: float = 6.0,
+    motion: MotionModel = "two-body",
+    duration_h: float | None = None,
+    workers: int | None = None,
+    command: str = "",
+    progress: bool = False,
+) -> MapResult:
+    """Count and DOP maps of a design over the sphere and one repeat period.
+
+    A dilution of precision is infinite with fewer than four satellites in view; infinities count
+    in every percentile and against availability.
+
+    Parameters
+    ----------
+    design
+        A design, or the path of its file.
+    step_deg, grid
+        Size of the cells, degrees, and their kind: ``equal-angle`` or ``equal-area``.
+    epochs
+        In the period; a prime number meets moments of symmetry least.
+    mask_deg, fold
+        Elevation mask, degrees, and satellites wanted; else the design's.
+    pdop_max
+        Largest PDOP that counts as available.
+    motion
+        ``two-body``, ``j2`` or ``numerical``.
+    duration_h
+        Period to map, hours; else until the ground tracks repeat.
+    workers
+        Threads; by default one a core. The numbers do not depend on it.
+    command
+        What to write into the files' history.
+    progress
+        Show bars on stderr.
+
+    Raises
+    ------
+    ArgumentError, DesignError
+        An option or the design is not allowed.
+
+    Examples
+    --------
+    >>> import compass
+    >>> found = compass.map("designs/compass-15-5-1.toml", step_deg=15, epochs=6)
+    >>> int(found.dataset.count_min.min())
+    4
+    """
+    options = MapOptions(
+        step_deg=step_deg,
+        grid=grid,
+        epochs=epochs,
+        mask_deg=mask_deg,
+        fold=fold,
+        pdop_max=pdop_max,
+        motion=motion,
+        duration_h=duration_h,
+    )
+    read = given_design(design)
+    with bar(progress, "map", unit="row", leave=False) as rows:
+        made = make_map(read, options, command, workers=workers, progress=rows.update)
+    return MapResult(read, made)
+
+
+def statistics(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Area- and time-weighted numbers of a map, as in the JSON of ``compass map``."""
+    shares = dataset.global_fold_share
+    dops = {
+        str(name): {
+            f"p{int(q)}": float(dataset.global_dop.sel(dop=name, global_percentile=q))
+            for q in dataset.global_percentile.values
+        }
+        for name in dataset.dop.values
+    }
+    return {
+        "count": {
+            "min": int(dataset.count_min.min()),
+            "mean": float(dataset.global_count_mean),
+            "max": int(dataset.count_max.max()),
+        },
+        "fold_share": {
+            int(k): float(shares.sel(global_fold=k))
+            for k in shares.global_fold.values
+            if k and (k <= dataset.attrs["wanted_fold"] or float(shares.sel(global_fold=k)) > 0)
+        },
+        **dops,
+        "availability": float(dataset.global_availability),
+        "longest_gap_s": float(dataset.longest_gap.max()),
+        "mean_response_time_s": float(
+            (dataset.mean_response_time.mean("lon") * dataset.cell_share * dataset.lon.size).sum()
+        ),
+    }

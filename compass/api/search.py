@@ -1,0 +1,239 @@
+"""The smallest constellations with continuous k-fold coverage, every pattern of every size."""
+
+import os
+from dataclasses import dataclass
+from math import degrees, radians
+from pathlib import Path
+from typing import Any
+
+from compass.api.progress import bar
+from compass.api.results import Result
+from compass.document import Page, Proven, Sentence, Table, Value, Verdict
+from compass.document.plain import plain
+from compass.errors import ArgumentError
+from compass.frames import FIGURES
+from compass.handover.toml import constellation_toml
+from compass.orbits import areosynchronous_radius
+from compass.quantities import quantity
+from compass.saving import replacing
+from compass.sites import Mask
+from compass.study import search as engine
+
+#: Candidates that the text lists.
+LISTED = 25
+
+
+@dataclass(frozen=True, repr=False)
+class SearchResult(Result):
+    """Patterns that cover, smallest first, then by the highest mask.
+
+    Attributes
+    ----------
+    fold, mask_deg, radius_km, figure, pattern, max_satellites
+        What was looked for.
+    candidates
+        What was found.
+    """
+
+    fold: int
+    mask_deg: float
+    radius_km: float
+    figure: str
+    pattern: str
+    max_satellites: int
+    candidates: tuple[engine.Candidate, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether there is any."""
+        return bool(self.candidates)
+
+    @property
+    def best(self) -> engine.Candidate:
+        """The smallest with the highest mask.
+
+        Raises
+        ------
+        ArgumentError
+            Nothing was found.
+        """
+        if not self.candidates:
+            raise ArgumentError(f"search: {self._claim()}")
+        return self.candidates[0]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return plain(
+            {
+                "fold": self.fold,
+                "mask_deg": self.mask_deg,
+                "radius_km": self.radius_km,
+                "figure": self.figure,
+                "pattern": self.pattern,
+                "max_satellites": self.max_satellites,
+                "smallest": self.best.constellation.size if self.holds else None,
+                "candidates": [candidate.as_dict() for candidate in self.candidates],
+            }
+        )
+
+    def _claim(self) -> str:
+        wanted = (
+            f"continuous {self.fold}-fold coverage above {self.mask_deg:g} deg at "
+            f"{self.radius_km:.6g} km"
+        )
+        if not self.holds:
+            return f"no {self.pattern} of up to {self.max_satellites} satellites has {wanted}"
+        best = self.best.constellation
+        margin = Value(quantity("mask_margin_deg"), degrees(self.best.mask_margin), Proven())
+        return (
+            f"{best.size} satellites, {_notation(self.best)}, have {wanted}; highest mask "
+            f"{margin} deg"
+        )
+
+    def document(self) -> Page:
+        """The smallest, then all that were found."""
+        title = f"Smallest {self.pattern}"
+        if not self.holds:
+            return Page(title, (Verdict("none", self._claim(), False),))
+        count = len(self.candidates)
+        how = (
+            f"every pattern of up to {self.max_satellites} satellites at its best inclination to "
+            f"0.01 deg, by branch and bound; {count} have the fold. Highest masks are proven, "
+            "rounding on the safe side; finalists have a certificate of their own"
+        )
+        return Page(title, (Verdict("found", self._claim(), True), self._table(), Sentence(how)))
+
+    def _table(self) -> Table:
+        names = (
+            "satellites", "inclination_deg", "cap_radius_min_deg", "mask_margin_deg",
+            "closest_approach_deg", "gdop_p95",
+        )  # fmt: skip
+        rows = []
+        for candidate in self.candidates:
+            known = candidate.as_dict()
+            certificate = "proven" if candidate.proven else ""
+            numbers = (
+                "" if known[name] is None else Value(quantity(name), known[name]) for name in names
+            )
+            rows.append((_notation(candidate), *numbers, certificate))
+        header = ("pattern", *(quantity(name).heading for name in names), "certificate")
+        return Table("Patterns that cover", header, tuple(rows), LISTED)
+
+    def write(self, path: str | Path, *, command: str = "compass.search") -> None:
+        """Write the best as a design file.
+
+        Raises
+        ------
+        ArgumentError, OutputError
+            Nothing was found, or the file cannot be written.
+        """
+        text = constellation_toml(
+            self.best.constellation,
+            FIGURES[self.figure],
+            mask=Mask.constant(radians(self.mask_deg)),
+            fold=self.fold,
+            source=f"Smallest of its kind with continuous {self.fold}-fold coverage, found by: "
+            f"{command}. Highest mask {degrees(self.best.mask_margin):.4f} deg.",
+        )
+        with replacing(Path(path)) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+
+
+def search(
+    *,
+    fold: int,
+    max_satellites: int,
+    mask_deg: float = 0.0,
+    radius_km: float | None = None,
+    altitude_km: float | None = None,
+    orbit: str | None = None,
+    pattern: str = "walker-delta",
+    figure: str = "iau-sphere",
+    finalists: int = 10,
+    workers: int | None = None,
+    progress: bool = False,
+) -> SearchResult:
+    """Find the smallest patterns with continuous k-fold coverage of the whole sphere.
+
+    Every pattern of every size, each at its best inclination to 0.01 degree; smallest first,
+    then largest mask margin.
+
+    Parameters
+    ----------
+    fold
+        Satellites to be in view at once.
+    max_satellites
+        Largest size to try.
+    mask_deg
+        Elevation mask, degrees.
+    radius_km, altitude_km, orbit
+        One of them: radius, altitude over the equator, or ``areosynchronous``.
+    pattern
+        ``walker-delta``, ``walker-star`` or ``rosette``.
+    figure
+        Sphere that is to be covered: ``iau-sphere`` or ``kelly2018-sphere``.
+    finalists
+        How many of the best get a certificate and their GDOP.
+    workers
+        Threads; by default one a core. The result does not depend on it.
+    progress
+        Show bars on stderr.
+
+    Raises
+    ------
+    ArgumentError
+        An option is not allowed.
+
+    Examples
+    --------
+    >>> import compass
+    >>> found = compass.search(fold=1, max_satellites=5, radius_km=20428)
+    >>> found.best.constellation.size
+    5
+    """
+    if figure not in FIGURES or not FIGURES[figure].is_sphere:
+        spheres = ", ".join(name for name, each in FIGURES.items() if each.is_sphere)
+        raise ArgumentError(f"figure = {figure!r}: allowed {spheres}")
+    sphere = FIGURES[figure].equatorial_radius
+    radius = _radius(radius_km, altitude_km, orbit, sphere)
+    found = engine.search(
+        fold,
+        radians(mask_deg),
+        radius=radius,
+        sphere_radius=sphere,
+        largest=max_satellites,
+        kind=pattern,
+        finalists=finalists,
+        workers=workers or os.cpu_count() or 1,
+        progress=lambda work, total: bar(progress, "patterns", work, total=total),
+    )
+    return SearchResult(fold, mask_deg, radius / 1e3, figure, pattern, max_satellites, tuple(found))
+
+
+def _radius(
+    radius_km: float | None, altitude_km: float | None, orbit: str | None, sphere: float
+) -> float:
+    """Orbit radius, metres, of the one that is given."""
+    ways = {"radius_km": radius_km, "altitude_km": altitude_km, "orbit": orbit}
+    given = [name for name, value in ways.items() if value is not None]
+    if len(given) != 1:
+        raise ArgumentError(
+            "orbit: needs exactly one of radius_km, altitude_km and orbit; found "
+            f"{' and '.join(given) or 'none'}"
+        )
+    if radius_km is not None:
+        radius = radius_km * 1e3
+    elif altitude_km is not None:
+        radius = altitude_km * 1e3 + sphere
+    elif orbit == "areosynchronous":
+        radius = areosynchronous_radius()
+    else:
+        raise ArgumentError(f"orbit = {orbit!r}: allowed areosynchronous")
+    if not radius < 1e10:
+        raise ArgumentError(f"orbit radius {radius / 1e3:g} km: allowed below 1e7 km")
+    return radius
+
+
+def _notation(candidate: engine.Candidate) -> str:
+    pattern: Any = candidate.constellation.pattern
+    return str(pattern.notation)

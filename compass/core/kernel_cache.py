@@ -1,0 +1,155 @@
+"""Where compiled kernels are kept: under a digest of all kernel sources, whichever place is taken.
+
+Numba keys a compiled kernel to its own file. One that calls a kernel of another file, which is
+compiled into it, would keep the old one after an update; so the digest stands in every path.
+"""
+
+import hashlib
+import os
+import stat
+import tempfile
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any, ClassVar
+
+from numba import config
+from numba.core.caching import (
+    CompileResultCacheImpl,
+    FunctionCache,
+    _CacheLocator,
+    _SourceFileBackedLocatorMixin,
+)
+
+SOURCES = Path(__file__).parent
+
+#: What is wrong, and what helps, where no lasting place can be written.
+REMEDY = "no folder to keep them can be written; set NUMBA_CACHE_DIR to one that can"
+
+
+@cache
+def digest(folder: Path) -> str:
+    """Sixteen hexadecimal digits of all sources below a folder."""
+    found = hashlib.sha256()
+    for source in sorted(folder.rglob("*.py")):
+        found.update(source.read_bytes())
+    return found.hexdigest()[:16]
+
+
+def lasting_places() -> list[Path]:
+    """Folders of compiled kernels, the first that can be written to be taken.
+
+    The user's own choice, the package's folder, the user's folder for caches.
+    """
+    roots = [SOURCES / "__pycache__"]
+    if config.CACHE_DIR:
+        roots.insert(0, Path(config.CACHE_DIR))
+    with suppress(RuntimeError):  # a user without a home
+        own = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+        roots.append(Path(own) / "compass")
+    name = f"kernels-{digest(SOURCES)}"
+    return [root / name for root in roots]
+
+
+def passing_place() -> Path | None:
+    """Folder for compiled kernels until the machine starts anew; None if there is none.
+
+    It is nobody else's: whoever can write there can have anything run.
+    """
+    with suppress(OSError):
+        place = Path(tempfile.gettempdir()) / f"compass-{os.getuid()}"
+        place.mkdir(mode=0o700, exist_ok=True)
+        found = place.lstat()
+        own = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
+        if own and not found.st_mode & 0o022:
+            return place / f"kernels-{digest(SOURCES)}"
+    return None
+
+
+def can_be_written(place: Path) -> bool:
+    """Whether a file can be made there; the folder is made if it can be."""
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=place).close()
+    except OSError:
+        return False
+    return True
+
+
+@cache
+def places() -> tuple[tuple[Path, ...], Path | None]:
+    """Where kernels may be found already, and where new ones are put (None: nowhere)."""
+    lasting = lasting_places()
+    passing = passing_place()
+    candidates = [*lasting, passing] if passing else lasting
+    new = next((place for place in candidates if can_be_written(place)), None)
+    return tuple(place for place in candidates if place == new or place.is_dir()), new
+
+
+def is_lasting() -> bool:
+    """Whether what is compiled now is there the next time."""
+    return places()[1] in lasting_places()
+
+
+@cache
+def _kept_in(place: Path) -> Callable[[Callable[..., Any]], Any]:
+    """Numba's cache of a function in a folder."""
+
+    class Locator(_SourceFileBackedLocatorMixin, _CacheLocator):
+        def __init__(self, function: Callable[..., Any], file: str) -> None:
+            self._py_file, self._lineno = file, function.__code__.co_firstlineno
+            inside = Path(file).is_relative_to(SOURCES)
+            part = Path(file).parent.relative_to(SOURCES) if inside else "elsewhere"
+            self._place = str(place / part)
+
+        def get_cache_path(self) -> str:
+            return self._place
+
+        def ensure_cache_path(self) -> None:
+            os.makedirs(self._place, exist_ok=True)
+
+        @classmethod
+        def from_function(cls, function: Callable[..., Any], file: str) -> Any:
+            return cls(function, file)
+
+    class Implementation(CompileResultCacheImpl):
+        _locator_classes: ClassVar[Any] = [Locator]
+
+    class Kept(FunctionCache):
+        _impl_class = Implementation
+
+    return Kept
+
+
+class KernelCache:
+    """A kernel's compiled forms on disk, as Numba's dispatchers ask for them.
+
+    A place that cannot be read, is full or is damaged costs a compilation and nothing else.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        readable, new = places()
+        # Numba lets its environment replace the locators, and with them the digest
+        theirs = getattr(config, "CACHE_LOCATOR_CLASSES", "")
+        config.CACHE_LOCATOR_CLASSES = ""
+        try:
+            self._all = [_kept_in(place)(function) for place in readable]
+        finally:
+            config.CACHE_LOCATOR_CLASSES = theirs
+        self._new = None if new is None else self._all[readable.index(new)]
+        self.cache_path = None if self._new is None else self._new.cache_path
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        """Return what is kept for a signature, or None."""
+        for kept in self._all:
+            with suppress(Exception):  # a damaged file may say anything
+                if (found := kept.load_overload(signature, context)) is not None:
+                    return found
+        return None
+
+    def save_overload(self, signature: Any, compiled: Any) -> None:
+        """Keep what was compiled for a signature."""
+        if self._new is not None:
+            with suppress(OSError):
+                self._new.save_overload(signature, compiled)

@@ -1,0 +1,1 @@
+"""Tables that the package carries, each with its source in its head."""

@@ -1,0 +1,242 @@
+"""Trajectories: where satellites are, as one polynomial for each stretch of time.
+
+However it came about (by forces, by a formula, from a table), a trajectory answers the same
+questions: where at a time, from when to when, how far from the truth, and how fast at most.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import ArrayLike, NDArray
+
+from compass.core.collocation import PASS_END, collocate
+from compass.core.path import path_states
+from compass.errors import ArgumentError
+from compass.frames import SECONDS_PER_DAY, mcmf_from_mci, prime_meridian_angle
+from compass.orbits.forces import ForceModel, Sky, sky_of
+
+#: Nodes of a step. With 16 a quarter of a revolution leaves out less than a micrometre.
+NODES = 16
+
+#: What the last terms of a step's series may measure, m: at 1e-6 the ends of steps are exact to
+#: rounding, at 1e-3 they are not. First step in radians of the fastest satellite's turn.
+TOLERANCE, FIRST = 1e-6, 1.6
+
+#: Steps that a call of the kernel has room for, and seconds between two signs of life.
+CHUNK, WINDOW = 256, 25.0 * SECONDS_PER_DAY
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Paths of n satellites in the Mars-centred inertial frame of an epoch.
+
+    Attributes
+    ----------
+    breaks
+        Ends of the stretches, increasing, seconds after the epoch, shape (p + 1,).
+    paths
+        Legendre coefficients of the position on each stretch, m, shape (p, n, 3, k).
+    errors
+        How far the polynomials may be from what they stand for, m, shape (p, n).
+    epoch
+        TDB seconds past J2000.
+    satellite_names
+        One a satellite.
+    source
+        What they stand for, in words.
+    estimated
+        How `errors` were estimated, in words, if they are no bound; empty otherwise.
+    """
+
+    breaks: NDArray[np.float64]
+    paths: NDArray[np.float64]
+    errors: NDArray[np.float64]
+    epoch: float
+    satellite_names: tuple[str, ...]
+    source: str
+    estimated: str = ""
+
+    @property
+    def size(self) -> int:
+        """Number of satellites."""
+        return int(self.paths.shape[1])
+
+    @property
+    def start(self) -> float:
+        """First moment, seconds after the epoch."""
+        return float(self.breaks[0])
+
+    @property
+    def stop(self) -> float:
+        """Last moment, seconds after the epoch."""
+        return float(self.breaks[-1])
+
+    def states(self, times: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Inertial positions (m) and velocities (m/s), shape (satellite, time, 3).
+
+        Raises
+        ------
+        ArgumentError
+            A time outside the span.
+        """
+        seconds = np.atleast_1d(np.asarray(times, dtype=float))
+        slack = 1e-6
+        if seconds.size and (
+            seconds.min() < self.start - slack or seconds.max() > self.stop + slack
+        ):
+            wrong = seconds.min() if seconds.min() < self.start - slack else seconds.max()
+            raise ArgumentError(
+                f"time = {wrong / SECONDS_PER_DAY:.9g} days: the orbits are known from "
+                f"{self.start / SECONDS_PER_DAY:.9g} to {self.stop / SECONDS_PER_DAY:.9g} days "
+                "after the epoch; choose a time inside"
+            )
+        return path_states(self.breaks, self.paths, np.clip(seconds, self.start, self.stop))
+
+    def positions_mcmf(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Mars-fixed positions, m, shape (satellite, time, 3)."""
+        seconds = np.atleast_1d(np.asarray(times, dtype=float))
+        angle = prime_meridian_angle(self.epoch, seconds)
+        return mcmf_from_mci(self.states(seconds)[0], angle)
+
+    def bounds(self, start: float, stop: float) -> NDArray[np.float64]:
+        """Bounds over an interval: distance from below and above, speed, acceleration; (n, 4).
+
+        Sums of the magnitudes of the Legendre coefficients of velocity and acceleration on every
+        stretch that the interval meets, for no Legendre polynomial exceeds 1; the distance by
+        those of speed from the middle of each stretch. m, m/s and m/s^2.
+        """
+        first = int(np.searchsorted(self.breaks, start, side="right")) - 1
+        last = int(np.searchsorted(self.breaks, stop, side="left"))
+        first, last = max(first, 0), max(min(last, len(self.paths)), first + 1)
+        found = np.full((self.size, 4), [np.inf, 0.0, 0.0, 0.0])
+        for k in range(first, last):
+            half = 0.5 * (self.breaks[k + 1] - self.breaks[k])
+            path = np.moveaxis(self.paths[k], -1, 0)
+            speed = np.linalg.norm(legendre.legder(path), axis=-1).sum(axis=0) / half
+            pull = np.linalg.norm(legendre.legder(path, 2), axis=-1).sum(axis=0) / half**2
+            middle = np.linalg.norm(legendre.legval(0.0, path), axis=-1)
+            reach = (
+                np.minimum(speed * half, np.linalg.norm(path[1:], axis=-1).sum(axis=0))
+                + self.errors[k]
+            )
+            found[:, 0] = np.minimum(found[:, 0], middle - reach)
+            for column, bound in enumerate((middle + reach, speed, pull), start=1):
+                found[:, column] = np.maximum(found[:, column], bound)
+        return found
+
+
+@cache
+def _rule() -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Arrays ``rule, project, values`` of `compass.core.collocation.collocate`."""
+    nodes, weights = legendre.leggauss(NODES)
+    values = legendre.legvander(nodes, NODES - 1)
+    to_series = (np.arange(NODES) + 0.5)[:, None] * values.T * weights
+    twice = legendre.legint(to_series, 2, lbnd=-1, axis=0)
+    rule = np.concatenate([[nodes, weights, weights * (1.0 - nodes)], twice])
+    project = np.zeros((NODES, NODES + 1))
+    for k in range(NODES):
+        project[k, : k + 2] = (k + 0.5) * legendre.legint(np.eye(NODES)[k], lbnd=0)[: k + 2]
+    return np.ascontiguousarray(rule), project, np.ascontiguousarray(values)
+
+
+def integrate(
+    r_mci: ArrayLike,
+    v_mci: ArrayLike,
+    forces: ForceModel,
+    stop: float,
+    *,
+    epoch: float = 0.0,
+    start: float = 0.0,
+    sky: Sky | None = None,
+    satellite_names: Sequence[str] = (),
+    tolerance: float = TOLERANCE,
+    progress: Callable[[Sequence[Any]], Any] = iter,
+) -> Trajectory:
+    """Follow satellites under forces from their states at `start` to `stop`.
+
+    Gauss-Legendre collocation of order 32, its steps sized so that the polynomial leaves out less
+    than `tolerance`. `Trajectory.errors` adds to that what unfinished sweeps and rounding can have
+    grown to: a step's error in position d moves a satellite by up to ``6 n d t`` along its track
+    t later (Clohessy and Wiltshire 1960), and all steps count as if they erred the same way.
+
+    Parameters
+    ----------
+    r_mci, v_mci
+        States at `start`, m and m/s, shape (n, 3).
+    forces
+        What acts.
+    stop, start
+        Seconds after the epoch; `stop` may be earlier.
+    epoch
+        TDB seconds past J2000 of the frame.
+    sky
+        Where Sun, moons and meridian are; the program's own if left out.
+    satellite_names
+        One a satellite.
+    tolerance
+        Metres.
+    progress
+        Wraps the list of stretches of time, as tqdm does.
+
+    Raises
+    ------
+    ArgumentError
+        A satellite falls to Mars's centre, or `stop` is `start`.
+    """
+    if stop == start:
+        raise ArgumentError("motion: a span of 0 days; give a longer one")
+    states = np.concatenate(
+        [np.atleast_2d(np.asarray(r_mci, float)), np.atleast_2d(np.asarray(v_mci, float))], axis=1
+    )
+    names = tuple(satellite_names) or tuple(f"S{k + 1:02d}" for k in range(len(states)))
+    turn = (
+        np.linalg.norm(np.cross(states[:, :3], states[:, 3:]), axis=1)
+        / (np.linalg.norm(states[:, :3], axis=1) ** 2)
+    ).max(initial=1e-9)
+    tables = forces.tables(sky or sky_of(epoch, 0.5 * (start + stop)), start, stop)
+    wish, longest, time = FIRST / turn, 4.0 * FIRST / turn, start
+    parts: list[tuple[NDArray[np.float64], ...]] = []
+    count = max(int(np.ceil(abs(stop - start) / WINDOW)), 1)
+    ends = np.linspace(start, stop, count + 1)[1:]
+    for end in progress(list(ends)):
+        while time != end:
+            breaks = np.empty(CHUNK + 1)
+            paths = np.empty((CHUNK, len(states), 3, NODES + 2))
+            errors = np.empty((CHUNK, len(states)))
+            arrays = (*_rule(), *tables, breaks, paths, errors)
+            steps, time, wish = collocate(states, time, end, wish, longest, tolerance, *arrays)
+            if not steps:
+                raise ArgumentError(
+                    f"motion: the orbits cannot be followed past {time / SECONDS_PER_DAY:.6g} "
+                    "days; a satellite falls to Mars; check its elements"
+                )
+            parts.append((breaks[: steps + 1], paths[:steps], errors[:steps]))
+    breaks = np.concatenate([parts[0][0][:1], *(part[0][1:] for part in parts)])
+    paths = np.concatenate([part[1] for part in parts])
+    errors = np.concatenate([part[2] for part in parts])
+    number = np.arange(1, len(errors) + 1)[:, None]
+    unfinished = 1e-3 * PASS_END * np.linalg.norm(states[:, :3], axis=1)
+    elapsed = np.abs(breaks[1:] - breaks[0])[:, None]
+    errors = errors + unfinished * number * (4.0 + 3.0 * turn * elapsed)
+    if stop < start:
+        breaks, paths, errors = breaks[::-1], paths[::-1], errors[::-1]
+        paths = paths * (-1.0) ** np.arange(NODES + 2)
+    return Trajectory(
+        _frozen(breaks),
+        _frozen(paths),
+        _frozen(errors),
+        epoch,
+        names,
+        f"integrated: {forces.describe()}",
+    )
+
+
+def _frozen(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Contiguous read-only array."""
+    array = np.ascontiguousarray(values)
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,113 @@
+"""Maps of Mars: values by cell drawn in colour, with the places a reader knows."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import BoundaryNorm, LogNorm
+from numpy.typing import NDArray
+
+from compass.pictures.mars_map import MarsMap, colour_bar
+from compass.pictures.style import MARS, look, new_figure, steps_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from shapely import MultiPolygon
+
+    from compass.coverage.grid import Grid
+
+Scale = Literal["dilution", "counts", "share", "linear"]
+
+#: Width and height of a map, inches.
+SIZE = 8.6, 5.4
+
+
+def map_figure(*drawn: Any, **options: Any) -> "Figure":
+    """Return a figure of one map; arguments as of `draw_map` without the axes."""
+    figure = new_figure(*SIZE)
+    with look():
+        axes = figure.add_subplot()
+    draw_map(axes, *drawn, **options)
+    return figure
+
+
+def draw_map(
+    axes: "Axes",
+    values: NDArray[Any],
+    grid: "Grid",
+    title: str,
+    label: str,
+    *,
+    figure_name: str,
+    scale: Scale = "dilution",
+    shapes: Sequence["MultiPolygon"] = (),
+    satellites: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
+) -> MarsMap:
+    """Draw an equal-area map with graticule, places and a labelled colour bar.
+
+    Parameters
+    ----------
+    axes
+        Where to.
+    values
+        By cell, shape (row, column).
+    grid
+        The cells.
+    title, label
+        Of the map and of its colour bar.
+    figure_name
+        Reference figure.
+    scale
+        ``dilution``: logarithmic, infinities in grey; ``counts``: whole numbers, one colour each;
+        ``share``: from 0 to 1; ``linear``.
+    shapes
+        Outlines to draw on top, in degrees.
+    satellites
+        Sub-satellite longitudes and latitudes, degrees.
+    """
+    with look():
+        chart = MarsMap(axes, figure_name)
+        lon, lat = np.degrees(grid.longitude_edges), np.degrees(grid.latitude_edges)
+        if scale == "counts":
+            low, high = int(values.min()), int(values.max())
+            bounds = np.arange(low, high + 2) - 0.5
+            colours = steps_of("viridis", high - low + 1)
+            mesh = chart.field(lon, lat, values, cmap=colours, norm=BoundaryNorm(bounds, colours.N))
+            bar = colour_bar(axes, mesh, label, ticks=np.arange(low, high + 1))
+            bar.ax.minorticks_off()
+        elif scale in ("share", "linear"):
+            ends = (0.0, 1.0) if scale == "share" else (None, None)
+            mesh = chart.field(lon, lat, values, cmap="viridis", vmin=ends[0], vmax=ends[1])
+            colour_bar(axes, mesh, label)
+        else:
+            _dop_field(chart, lon, lat, values, label)
+        chart.shapes(shapes, facecolor="none", edgecolor="white", linewidth=1.3)
+        chart.graticule()
+        chart.places()
+        if satellites is not None:
+            chart.points(*satellites, marker="*", ms=9, mfc=MARS, mec="white", mew=0.7)
+        axes.set_title(title)
+    return chart
+
+
+def _dop_field(
+    chart: MarsMap, lon: NDArray[Any], lat: NDArray[Any], values: NDArray[Any], label: str
+) -> None:
+    """Logarithmic colours from the smallest value to the 99th percentile; infinity is grey."""
+    finite = values[np.isfinite(values)]
+    shown = np.ma.masked_invalid(values)
+    if finite.size == 0:
+        low, high = 1.0, 10.0
+    else:
+        low = float(finite.min())
+        high = max(float(np.quantile(finite, 0.99)), low * 1.05)
+    colours = colormaps["magma_r"].with_extremes(bad="#8a8f98")
+    mesh = chart.field(lon, lat, shown, cmap=colours, norm=LogNorm(low, high))
+    missing = 1 - finite.size / values.size
+    note = f" (grey: none, {missing:.1%} of cells)" if missing else ""
+    bar = colour_bar(chart.axes, mesh, label + note, extend="max")
+    ticks = np.geomspace(low, high, 6)
+    bar.set_ticks(ticks, labels=[f"{tick:.3g}" for tick in ticks])
+    bar.ax.minorticks_off()

@@ -1,0 +1,151 @@
+"""What the program does whatever the command: exit codes, streams, interruption, its words."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import click
+import pytest
+
+from compass.cli import main as program
+from compass.errors import ArgumentError
+
+COMMANDS = program.program.list_commands(click.Context(program.program))
+PROGRAM = [sys.executable, "-m", "compass"]
+
+
+@pytest.fixture(scope="module")
+def seed(designs):
+    return designs / "compass-15-5-1.toml"
+
+
+def options(kind):
+    """Every option of a kind of every command, long name."""
+    for name in COMMANDS:
+        for parameter in program.program.get_command(None, name).params:
+            if isinstance(parameter, click.Option) and isinstance(parameter.type, kind):
+                yield name, max(parameter.opts, key=len)
+
+
+@pytest.mark.parametrize("value", [2**63, -(2**63) - 1, 10**30])
+@pytest.mark.parametrize(("command", "option"), list(options(click.types.IntParamType)))
+def test_a_whole_number_that_no_kernel_takes_is_refused_by_its_option(run, command, option, value):
+    code, out, err = run(command, option, value)
+    assert (code, out) == (2, "")
+    assert f"Invalid value for '{option}': {value} is not in the range" in err
+
+
+@pytest.mark.parametrize(
+    ("message", "arguments", "said"),
+    [
+        ("step = nan: no", ["x.toml", "--step-deg", "nan"], "--step-deg = nan: no"),
+        ("step_deg: no", ["x.toml", "--step-deg", "3"], "--step-deg: no"),
+        ("step_deg = 3: no", ["x.toml"], "x.toml: step_deg = 3: no"),  # from the file, then
+        ("stepping = 3: no", ["x.toml", "--step-deg", "3"], "x.toml: stepping = 3: no"),
+        ("fold = 0: no", ["x.toml", "--fold", "0"], "--fold = 0: no"),
+        ("it comes down", ["x.toml"], "x.toml: it comes down"),
+        ("x.toml: it comes down", ["x.toml"], "x.toml: it comes down"),
+        ("--fold: no", ["x.toml"], "--fold: no"),
+    ],
+)
+def test_a_refusal_names_the_option_or_the_file(message, arguments, said):
+    with program._loaded("map").make_context("map", arguments) as context:
+        assert program.in_words_of_the_user(message, context) == said
+
+
+def test_a_refusal_from_inside_comes_out_in_words_of_the_user(run, seed, monkeypatch):
+    def refuse(*_, **__):
+        raise ArgumentError("duration_h = 3: is not to be")
+
+    monkeypatch.setattr("compass.study.mapping.make_map", refuse)
+    assert run("map", seed, "--duration-h", 3)[::2] == (2, "--duration-h = 3: is not to be\n")
+    assert run("map", seed)[2] == f"{seed}: duration_h = 3: is not to be\n"
+
+
+def test_what_an_interruption_turns_into_is_one_still(run, seed, monkeypatch):
+    def compiled(*_, **__):
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+            signal.pause()
+        except KeyboardInterrupt:
+            raise SystemError("kernel returned a result with an exception set") from None
+
+    monkeypatch.setattr("compass.api.given.read_design", compiled)
+    code, out, err = run("show", seed)
+    assert (code, out) == (130, "") and err.endswith("nothing half-written was left behind\n")
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_the_first_import_can_be_interrupted():
+    script = (
+        "import sys\n"
+        "class Stop:\n"
+        "    def find_spec(self, name, *_):\n"
+        "        if name == 'click': raise KeyboardInterrupt\n"
+        "sys.meta_path.insert(0, Stop())\n"
+        "from compass.__main__ import main\nmain()\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (130, "")
+    assert done.stderr == "interrupted; nothing half-written was left behind\n"
+
+
+def test_a_failure_of_the_program_is_no_verdict(run, seed, monkeypatch):
+    monkeypatch.setattr("compass.api.given.read_design", lambda _: 1 / 0)
+    code, out, err = run("show", seed)
+    assert (code, out) == (3, "") and err.endswith("ZeroDivisionError: division by zero\n")
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (MemoryError(), "not enough memory; take fewer or larger steps"),
+        (OSError(24, "Too many open files"), "the system refuses: Too many open files"),
+        (FileNotFoundError(2, "No such file", "x"), "x: No such file; give another name"),
+    ],
+)
+def test_what_the_system_refuses_is_one_line(run, seed, monkeypatch, error, said):
+    def refuse(_):
+        raise error
+
+    monkeypatch.setattr("compass.api.given.read_design", refuse)
+    code, out, err = run("show", seed)
+    assert (code, out) == (2, "") and err.startswith(said) and err.count("\n") == 1
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["fold", "--help"], ["show", "{}"]])
+def test_a_full_disk_under_the_output_is_one_line(seed, arguments):
+    filled = [a.format(seed) for a in arguments]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([*PROGRAM, *filled], stdout=full, stderr=subprocess.PIPE, text=True)
+        assert done.returncode == 2
+        assert done.stderr == (
+            "the output cannot be written: No space left on device; make room, or send it "
+            "elsewhere\n"
+        )
+        done = subprocess.run([*PROGRAM, "show", "no.toml"], stdout=full, stderr=full)
+        assert done.returncode == 2
+
+
+@pytest.mark.parametrize("arguments", ["--help", "show {}"])
+def test_a_reader_that_has_seen_enough_ends_it_well(seed, arguments):
+    words = " ".join([*PROGRAM, arguments.format(seed)])
+    script = f"{words} | head -c 1 > /dev/null; exit ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", script], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("locale", ["C", "C.UTF-8"])
+def test_a_file_name_that_is_not_utf8_goes_all_the_way(seed, tmp_path, locale):
+    design = os.path.join(os.fsencode(tmp_path), b"d\xff.toml")
+    with open(design, "wb") as file:
+        file.write(seed.read_bytes().replace(b"COMPASS 15/5/1", "COMPASS 15/5/1 \u5317".encode()))
+    where = dict(os.environ, LC_ALL=locale, PYTHONUTF8="0", PYTHONCOERCECLOCALE="0")
+    arguments = [*map(os.fsencode, PROGRAM), b"show", design]
+    done = subprocess.run(arguments, capture_output=True, env=where)
+    assert (done.returncode, done.stderr) == (0, b"")
+    found = subprocess.run([*arguments, b"--json"], capture_output=True, env=where)
+    assert found.returncode == 0 and b"15/5/1" in found.stdout
+    missing = subprocess.run([*arguments[:-1], design + b"x"], capture_output=True, env=where)
+    assert missing.returncode == 2 and b"no such file" in missing.stderr

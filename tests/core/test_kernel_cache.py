@@ -1,0 +1,174 @@
+"""Compiled kernels are kept where they can be, and never outlive their sources."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from numba import config
+
+from compass.cli.shared import announce_compilation
+from compass.core import kernel_cache
+from compass.core.kernel_cache import KernelCache
+
+INNER = "from compass.core.jit import kernel\n\n@kernel\ndef inner():\n    return {}\n"
+OUTER = (
+    "from compass.core.jit import kernel\nfrom compass.core.inner import inner\n\n"
+    "@kernel\ndef outer():\n    return inner()\n"
+)
+CALL = (
+    "from compass.core.outer import outer; from compass.core import kernel_cache as k\n"
+    "print(outer(), k.places()[1], k.is_lasting(), sum(outer.stats.cache_hits.values()))"
+)
+
+
+@pytest.fixture
+def package(tmp_path):
+    """A package of two kernels, one compiled into the other, and a caller of it."""
+    core = tmp_path / "site" / "compass" / "core"
+    core.mkdir(parents=True)
+    for name in ("jit.py", "kernel_cache.py", "__init__.py"):
+        shutil.copy(kernel_cache.SOURCES / name, core)
+    (core.parent / "__init__.py").touch()
+    (core / "outer.py").write_text(OUTER)
+
+    def call(value, **environment):
+        (core / "inner.py").write_text(INNER.format(value))
+        where = {k: v for k, v in os.environ.items() if k not in ("XDG_CACHE_HOME", "TMPDIR")}
+        where |= {"PYTHONPATH": str(tmp_path / "site"), "HOME": str(tmp_path / "home")}
+        done = subprocess.run(
+            [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path / 'site')!r})\n"
+             + CALL], env=where | environment, capture_output=True, text=True,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        result, place, lasting, hits = done.stdout.split()
+        return int(result), Path(place), lasting == "True", int(hits)
+
+    call.core = core
+    return call
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("taken", ["package", "own", "home", "passing"])
+def test_an_edit_of_what_is_compiled_in_is_seen_wherever_kernels_are(package, tmp_path, taken):
+    environment = {}
+    if taken == "own":
+        environment["NUMBA_CACHE_DIR"] = str(tmp_path / "own")
+        environment["NUMBA_CACHE_LOCATOR_CLASSES"] = "InTreeCacheLocator"
+    if taken in ("home", "passing"):
+        (package.core / "__pycache__").write_text("no folder")  # not even for root
+        environment["PYTHONDONTWRITEBYTECODE"] = "1"
+    if taken == "passing":
+        (tmp_path / "home").write_text("no folder")
+        (tmp_path / "now").mkdir()
+        environment["TMPDIR"] = str(tmp_path / "now")
+    root = {
+        "package": package.core / "__pycache__", "own": tmp_path / "own",
+        "home": tmp_path / "home" / ".cache" / "compass",
+        "passing": tmp_path / "now" / f"compass-{os.getuid()}",
+    }[taken]  # fmt: skip
+    first = package(1, **environment)
+    assert first == (1, first[1], taken != "passing", 0) and first[1].parent == root
+    assert package(1, **environment) == (*first[:3], 1)  # and kept
+    second = package(2, **environment)
+    assert second[0] == 2 and second[3] == 0 and second[1] != first[1]
+
+
+@pytest.mark.slow
+def test_kernels_that_came_with_a_package_that_cannot_be_written_are_used(package, tmp_path):
+    _, place, _, _ = package(1)
+    moved = tmp_path / "home" / ".cache" / "compass" / place.name
+    for file in place.iterdir():
+        file.chmod(0o444)
+    # root writes anywhere: a folder that takes no more files is one whose path is a dead end
+    script = (
+        "from compass.core import kernel_cache as k\n"
+        "k.can_be_written = lambda p, real=k.can_be_written: 'site' not in str(p) and real(p)\n"
+    )
+    sitecustomize = tmp_path / "site" / "compass" / "core" / "__init__.py"
+    sitecustomize.write_text(script)  # changes the digest, so the kernels come along
+    digest = kernel_cache.digest.__wrapped__(package.core)
+    place.rename(place.with_name(f"kernels-{digest}"))
+    found = package(1)
+    assert found == (1, moved.with_name(f"kernels-{digest}"), True, 1)
+
+
+def test_every_place_has_the_digest_and_the_users_choice_is_first(tmp_path, monkeypatch):
+    monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path))
+    monkeypatch.setenv("XDG_CACHE_HOME", "/x")
+    places = [*kernel_cache.lasting_places(), kernel_cache.passing_place()]
+    name = f"kernels-{kernel_cache.digest(kernel_cache.SOURCES)}"
+    assert [p.name for p in places] == [name] * 4
+    assert [p.parent for p in places[:3]] == [
+        tmp_path, kernel_cache.SOURCES / "__pycache__", Path("/x/compass"),
+    ]  # fmt: skip
+
+
+def test_any_source_changes_the_digest(tmp_path):
+    seen = set()
+    for name, text in (("a.py", "1"), ("a.py", "2"), ("sub/b.py", "1"), ("sub/b.py", "2")):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+        seen.add(kernel_cache.digest.__wrapped__(tmp_path))
+    assert len(seen) == 4
+
+
+@pytest.mark.parametrize("spoil", [lambda p: p.chmod(0o777), lambda p: p.rmdir() or p.touch()])
+def test_a_passing_place_that_others_could_fill_is_not_believed(tmp_path, monkeypatch, spoil):
+    monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path))
+    assert kernel_cache.passing_place().parent.stat().st_mode & 0o777 == 0o700
+    spoil(tmp_path / f"compass-{os.getuid()}")
+    assert kernel_cache.passing_place() is None
+
+
+def test_a_user_without_a_home_has_the_package(monkeypatch):
+    def homeless():
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(Path, "home", homeless)
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    assert kernel_cache.lasting_places()[-1].parent == kernel_cache.SOURCES / "__pycache__"
+
+
+def test_with_no_place_at_all_kernels_are_compiled_each_time(monkeypatch):
+    kernel_cache.places.cache_clear()
+    try:
+        monkeypatch.setattr(kernel_cache, "can_be_written", lambda _: False)
+        assert kernel_cache.places()[1] is None and not kernel_cache.is_lasting()
+        kept = KernelCache(kernel_cache.digest.__wrapped__)
+        assert kept.cache_path is None
+        kept.save_overload(None, None)
+    finally:
+        kernel_cache.places.cache_clear()
+
+
+def test_a_place_that_is_full_or_damaged_costs_a_compilation_only(tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(kernel_cache, "places", lambda: ((tmp_path,), tmp_path))
+    kept = KernelCache(kernel_cache.digest.__wrapped__)
+    assert kept.cache_path == str(tmp_path)
+    kept._all[0].save_overload = full
+    kept.save_overload(None, None)
+    kept._all[0].load_overload = full
+    assert kept.load_overload(None, None) is None
+    assert not kernel_cache.can_be_written(Path("/dev/null/x"))
+
+
+@pytest.mark.parametrize(("lasting", "said"), [(True, "later runs start"), (False, "NUMBA_CACHE")])
+def test_who_must_compile_each_time_is_told_what_helps(monkeypatch, capsys, lasting, said):
+    from numba.core import event
+
+    closing = []
+    context = SimpleNamespace(call_on_close=closing.append)
+    monkeypatch.setattr("click.get_current_context", lambda: context)
+    monkeypatch.setattr(kernel_cache, "is_lasting", lambda: lasting)
+    announce_compilation()
+    with event.trigger_event("numba:compile"):
+        pass
+    closing[0]()
+    assert said in (found := capsys.readouterr().err) and found.count("\n") == 1

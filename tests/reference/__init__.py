@@ -1,0 +1,1 @@
+"""Published numbers, each file with its source in its head, and the problems they solve."""
