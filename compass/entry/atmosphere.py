@@ -93,6 +93,15 @@ class Atmosphere:
         ratio = np.array([log_density_ratio(value, p)[0] for value in r.ravel()])
         return self.reference_density * np.exp(ratio).reshape(r.shape)
 
+    def of_density(self, reference_density: float) -> "Atmosphere":
+        """Return the atmosphere with another density at its reference radius, a table scaled."""
+        share = reference_density / self.reference_density
+        return replace(
+            self,
+            reference_density=reference_density,
+            table_density=tuple(share * density for density in self.table_density),
+        )
+
     def changed(
         self, *, density_bias: float = 0.0, scale_height_factor: float = 1.0
     ) -> "Atmosphere":

@@ -7,9 +7,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.core.entry.filter import covariance_run
 from compass.entry.beacons import Beacons
-from compass.entry.schedule import Measurements
 from compass.entry.layout import Layout
 from compass.entry.model import EntryModel
+from compass.entry.schedule import Measurements
 from compass.entry.views import spherical_jacobian
 from compass.errors import ArgumentError
 

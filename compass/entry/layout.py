@@ -1,4 +1,4 @@
-"""What a filter's state is made of: named blocks in order, estimated ones before considered ones."""
+"""What a filter's state is made of: named blocks in order, estimated before considered ones."""
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.bodies import MARS_EQUATORIAL_RADIUS, MARS_GM, MARS_ROTATION_RATE
-from compass.core.entry_dynamics import CENTRIFUGAL, CORIOLIS, SWAPPED
 from compass.core.entry.rates import TABLE
+from compass.core.entry_dynamics import CENTRIFUGAL, CORIOLIS, SWAPPED
 from compass.entry.atmosphere import Atmosphere
 from compass.entry.vehicle import Vehicle
 from compass.errors import ArgumentError

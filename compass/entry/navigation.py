@@ -11,10 +11,10 @@ from compass.core.entry.filter import filter_run
 from compass.core.entry.measure import ranges_and_rates
 from compass.core.entry.runs import monte_carlo
 from compass.entry.beacons import Beacons
-from compass.entry.schedule import Measurements
 from compass.entry.covariance import LONGEST_STEP, beacon_states, noise_roots
 from compass.entry.layout import Layout, Part
 from compass.entry.model import EntryModel
+from compass.entry.schedule import Measurements
 from compass.entry.trajectory import Trajectory, fly
 from compass.entry.views import spherical_of
 from compass.errors import ArgumentError

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.document.blocks import Section, Table, arranged
-from compass.entry.consistency import error_ellipse
+from compass.entry.accuracy import error_ellipse
 from compass.entry.faults import Fault
 from compass.pages.fusion_pictures import SETTLING, TITLES, fusion_pictures
 from compass.study.fusion import FusionRuns

@@ -1,7 +1,7 @@
 """The filter of Yu et al. 2018 as the chapter runs it: on its six spherical states.
 
-One Runge-Kutta step an epoch moves truth and filter alike. It is singular at the poles; landings are
-navigated by `compass.entry.navigation`.
+One Runge-Kutta step an epoch moves truth and filter alike. It is singular at the poles; landings
+are navigated by `compass.entry.navigation`.
 """
 
 import os
@@ -20,9 +20,9 @@ from compass.core.papers.yu2018_filter import (
     spread,
 )
 from compass.entry.beacons import Beacons
-from compass.entry.schedule import Measurements
 from compass.entry.fisher import noise_variances
 from compass.entry.model import EntryModel
+from compass.entry.schedule import Measurements
 from compass.errors import ArgumentError
 
 #: Runs handed to a thread at once.

@@ -169,7 +169,7 @@ def error_norm(x, ahead, h, stages, rtol, atol):
         for j in range(STAGES):
             e5 += _E5[j] * stages[j, i]
             e3 += _E3[j] * stages[j, i]
-        # by the length of the whole vector: turning the axes turns the steps' errors, not their size
+        # by the length of the whole vector: what the axes are decides nothing
         first = 3 * (i // 3)
         size = x[first] ** 2 + x[first + 1] ** 2 + x[first + 2] ** 2
         scale = atol[i] + rtol * math.sqrt(size)
