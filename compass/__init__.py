@@ -8,12 +8,18 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # the same names for editors and type checkers
+    from compass.api.access import access
+    from compass.api.export import export
     from compass.api.fold import fold
+    from compass.api.land import land
     from compass.api.map import map
+    from compass.api.optimize import optimize
     from compass.api.reproduce import reproduce
     from compass.api.search import search
     from compass.api.show import show
     from compass.inputs import read_design
+    from compass.inputs.scenario import read_scenario
+    from compass.inputs.study import read_study
     from compass.orbits import (
         Constellation,
         areosynchronous_radius,
@@ -32,12 +38,18 @@ __all__ = [
     "Mask",
     "Site",
     "__version__",
+    "access",
     "areosynchronous_radius",
     "ephemeris",
+    "export",
     "fold",
     "from_elements",
+    "land",
     "map",
+    "optimize",
     "read_design",
+    "read_scenario",
+    "read_study",
     "reproduce",
     "rosette",
     "search",
@@ -47,7 +59,7 @@ __all__ = [
 ]
 
 #: The commands, each in the file of `compass.api` that has its name.
-_COMMANDS = ("fold", "map", "reproduce", "search", "show")
+_COMMANDS = ("access", "export", "fold", "land", "map", "optimize", "reproduce", "search", "show")
 
 #: Where the other public names live.
 _HOMES = {
@@ -58,6 +70,8 @@ _HOMES = {
     "ephemeris": "compass.orbits",
     "from_elements": "compass.orbits",
     "read_design": "compass.inputs",
+    "read_scenario": "compass.inputs.scenario",
+    "read_study": "compass.inputs.study",
     "rosette": "compass.orbits",
     "walker_delta": "compass.orbits",
     "walker_star": "compass.orbits",

@@ -1,5 +1,6 @@
 """Writing results so that a killed run leaves the old file or the new one, never half of one."""
 
+import csv
 import io
 import os
 import shutil
@@ -92,6 +93,22 @@ def write_files(folder: Path, files: Mapping[str, str]) -> None:
         for old in part.iterdir():
             if old.is_file() and old.name not in names:
                 old.unlink()
+
+
+def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a table in UTF-8, texts as texts: no spreadsheet takes one for a formula.
+
+    A text that begins like one gets an apostrophe before it, which spreadsheets do not show.
+    """
+
+    def cell(value: object) -> object:
+        formula = isinstance(value, str) and value.lstrip().startswith(("=", "+", "-", "@"))
+        return f"'{value}" if formula else value
+
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(header)
+        writer.writerows([cell(value) for value in row] for row in rows)
 
 
 class _Patient(io.RawIOBase):

@@ -1,3 +1,4 @@
+import csv
 import os
 import signal
 import subprocess
@@ -13,6 +14,7 @@ from compass.saving import (
     making_folder,
     replacing,
     save_netcdf,
+    write_csv,
     write_files,
 )
 
@@ -189,3 +191,11 @@ def test_netcdf_with_groups(tmp_path):
     for group, whole in ((None, one), ("part/two", two)):
         with xr.open_dataset(tmp_path / "result.nc", group=group, engine="h5netcdf") as again:
             assert again.identical(whole)
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+1", "-2", "@SUM(A1)", " =1", "\t=1", "\n-x"])
+def test_no_cell_of_a_table_is_a_formula(tmp_path, text):
+    write_csv(tmp_path / "t.csv", ["name", "value"], [[text, -1.5], ["Ünïversität, 北", 2]])
+    with (tmp_path / "t.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    assert rows == [["name", "value"], [f"'{text}", "-1.5"], ["Ünïversität, 北", "2"]]

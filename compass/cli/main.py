@@ -54,9 +54,12 @@ class Commands(click.Group):
 
 @functools.cache
 def _loaded(name: str) -> click.Command:
-    """Return a file's command, as the program has it."""
-    loaded = copy(import_module(f"compass.cli.{name}").command)
-    assert isinstance(loaded, click.Command)
+    return prepared(import_module(f"compass.cli.{name}").command)
+
+
+def prepared(command: click.Command) -> click.Command:
+    """Return a file's command as the program has it: its numbers bounded, its refusals in words."""
+    loaded = copy(command)
     loaded.params = [copy(parameter) for parameter in loaded.params]
     for parameter in loaded.params:
         if parameter.type is click.INT:
@@ -116,6 +119,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # a name may have what the terminal cannot write
             stream.reconfigure(errors="backslashreplace")
+    os.environ["MPLBACKEND"] = "agg"  # a notebook's may not be installed here
     with _interrupts_noted() as interrupts:
         try:
             status = _status()
@@ -185,9 +189,10 @@ def _interrupts_noted() -> Iterator[list[int]]:
 
 
 def _say(message: str) -> None:
-    """Say something on stderr, if it can be written to."""
+    """Say something on stderr, if it can be written to; a terminal obeys nothing of it."""
+    shown = "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in message)
     with suppress(OSError):
-        click.echo(message, err=True)
+        click.echo(shown, err=True)
 
 
 def _written(status: int) -> int:

@@ -102,8 +102,15 @@ def in_view(
     clearance
         Shape (..., n); the fold is the number that are not negative.
     """
+    return clearances(positions_mci(constellation, [time])[:, 0], sphere_radius, mask, points)
+
+
+def clearances(
+    positions: NDArray[np.float64], sphere_radius: float, mask: float, points: ArrayLike
+) -> NDArray[np.float64]:
+    """`in_view` of satellites at inertial positions, metres, shape (n, 3)."""
     p = np.asarray(points, dtype=float)[..., np.newaxis, :]
-    sight = positions_mci(constellation, [time])[:, 0] - sphere_radius * p
+    sight = positions - sphere_radius * p
     up = (sight * p).sum(axis=-1)
     level = np.linalg.norm(sight - up[..., np.newaxis] * p, axis=-1)
     return np.arctan2(up, level) - mask

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from compass.core.dop import dop_series
 from compass.coverage.maps import DOPS, LONG_NAMES
 from compass.orbits import Constellation, positions_mcmf
-from compass.orbits.ephemeris import MotionModel
+from compass.orbits.motion import AnyMotion
 from compass.sites import Site
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def site_coverage(
-    constellation: Constellation, site: Site, times: ArrayLike, model: MotionModel = "two-body"
+    constellation: Constellation, site: Site, times: ArrayLike, model: AnyMotion = "two-body"
 ) -> "xr.Dataset":
     """What a site sees: on its figure's ellipsoid, at its height, over its own horizon.
 

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.coverage.cap import cap_radius
 from compass.orbits import Constellation, positions_mcmf
-from compass.orbits.ephemeris import MotionModel
+from compass.orbits.motion import AnyMotion
 from compass.sites import Mask
 
 
@@ -44,7 +44,7 @@ def view(
     times: ArrayLike,
     sphere_radius: float,
     mask: Mask | None = None,
-    model: MotionModel = "two-body",
+    model: AnyMotion = "two-body",
 ) -> View:
     """Put a constellation over a sphere of `sphere_radius` metres at `times` seconds.
 

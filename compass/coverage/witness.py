@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.coverage.fold import in_view
+from compass.coverage.fold import clearances
 from compass.coverage.region import GLOBE, Region
 from compass.frames import latitude_longitude, mcmf_from_mci, prime_meridian_angle
-from compass.orbits import Constellation
+from compass.orbits import Constellation, positions_mci
 
 #: A satellite is hidden for sure if it is this far below the mask, radians: the rounding of the
 #: positions and of one arc tangent is some 1e-14.
@@ -83,14 +83,44 @@ def find_witness(
     witness
         None if no point on the way has fewer than `fold` satellites in view, by `SURE`.
     """
+    positions = positions_mci(constellation, [time])[:, 0]
     angle = float(prime_meridian_angle(constellation.epoch, time))
+    names = constellation.satellite_names
+    return witness_among(positions, names, angle, sphere_radius, mask, fold, time, start, region)
+
+
+def witness_among(
+    positions: NDArray[np.float64],
+    names: tuple[str, ...],
+    angle: float,
+    sphere_radius: float,
+    mask: float,
+    fold: int,
+    time: float,
+    start: NDArray[np.float64],
+    region: Region = GLOBE,
+    sure: float = SURE,
+) -> Witness | None:
+    """`find_witness` of satellites at inertial positions, metres, shape (n, 3).
+
+    Parameters
+    ----------
+    positions, names
+        Where, and their names.
+    angle
+        Of the prime meridian, radians.
+    sphere_radius, mask, fold, time, start, region
+        As in `find_witness`.
+    sure
+        By how much the satellites must be missed, radians.
+    """
 
     def missing(points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Clearance of the fold-th best satellite; infinite outside the region."""
-        clearance = in_view(constellation, sphere_radius, mask, time, points)
+        clearance = clearances(positions, sphere_radius, mask, points)
         best = (
             -np.sort(-clearance, axis=-1)[..., fold - 1]
-            if fold <= constellation.size
+            if fold <= len(positions)
             else np.full(points.shape[:-1], -np.pi)
         )
         framed = mcmf_from_mci(points, angle) if region.mars_fixed else points
@@ -114,15 +144,15 @@ def find_witness(
             left -= 1
         else:
             step, left = step * 0.5, MOVES
-    if value > -SURE:
+    if value > -sure:
         return None
-    seen = in_view(constellation, sphere_radius, mask, time, place) >= 0
+    seen = clearances(positions, sphere_radius, mask, place) >= 0
     latitude, longitude = latitude_longitude(mcmf_from_mci(place, angle))
     return Witness(
         float(time),
         float(latitude),
         float(longitude),
         int(seen.sum()),
-        tuple(np.array(constellation.satellite_names)[seen].tolist()),
+        tuple(np.array(names)[seen].tolist()),
         -value,
     )

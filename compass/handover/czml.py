@@ -10,7 +10,7 @@ from compass.frames import Figure
 from compass.handover.instants import iso, utc
 from compass.inputs import Design
 from compass.orbits import orbital_period, positions_mcmf
-from compass.orbits.ephemeris import MotionModel
+from compass.orbits.motion import AnyMotion
 
 #: Highest degree of the interpolation that viewers are told to use.
 DEGREE = 7
@@ -27,7 +27,7 @@ _NOTE = (
 )
 
 
-def czml(design: Design, times: NDArray[np.float64], motion: MotionModel = "two-body") -> str:
+def czml(design: Design, times: NDArray[np.float64], motion: AnyMotion = "two-body") -> str:
     """Satellites with paths and labels, stations and the ellipsoid as a CZML document.
 
     Parameters

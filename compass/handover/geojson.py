@@ -12,7 +12,7 @@ from compass.frames import latitude_longitude
 from compass.handover.instants import iso, tdb
 from compass.inputs import Design
 from compass.orbits import positions_mcmf
-from compass.orbits.ephemeris import MotionModel
+from compass.orbits.motion import AnyMotion
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon
@@ -35,7 +35,7 @@ _NOTE = (
 )
 
 
-def geojson(design: Design, times: NDArray[np.float64], motion: MotionModel = "two-body") -> str:
+def geojson(design: Design, times: NDArray[np.float64], motion: AnyMotion = "two-body") -> str:
     """Feature collection in the CRS of the Mars sphere, IAU_2015:49900.
 
     Sub-satellite points, caps and gaps (of a pattern whose planes have them) at the first of

@@ -12,7 +12,7 @@ from compass.frames import mci_from_icrf
 from compass.handover.instants import iso, tdb
 from compass.inputs import Design
 from compass.orbits import states_mci
-from compass.orbits.ephemeris import MotionModel
+from compass.orbits.motion import AnyMotion, as_motion
 
 #: Highest degree of the interpolation that readers are told to use.
 DEGREE = 7
@@ -24,7 +24,7 @@ _STATE = "%s %.6f %.6f %.6f %.9f %.9f %.9f"  # km to the millimetre, km/s to the
 def oem(
     design: Design,
     times: NDArray[np.float64],
-    motion: MotionModel = "two-body",
+    motion: AnyMotion = "two-body",
     created: np.datetime64 | None = None,
 ) -> dict[str, str]:
     """Ephemerides as OEM 2.0 in KVN, ICRF axes about Mars, TDB: file names and their text.
@@ -55,7 +55,11 @@ def oem(
     states = np.concatenate([r @ to_icrf, v @ to_icrf], axis=-1) / 1e3
     dates = iso(tdb(c.epoch, times))
     stamp = np.datetime64("now") if created is None else created
-    remarks = [f"{design.name}: {c.size} satellites", f"Motion: {motion}, GM = {c.gm!r} m^3/s^2"]
+    moved = as_motion(motion)
+    remarks = [
+        f"{design.name}: {c.size} satellites",
+        f"Motion: {moved.model}: {moved.title}, GM = {c.gm!r} m^3/s^2",
+    ]
     if design.source:
         remarks.append(f"Source: {design.source}")
     table = "\n".join([_STATE] * times.size)

@@ -1,7 +1,7 @@
 """Design files: read, check across fields, and turn into a constellation, a mask and sites."""
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from fractions import Fraction
 from pathlib import Path
@@ -12,7 +12,7 @@ import numpy as np
 from compass.bodies import SOLAR_DAY
 from compass.contacts.radio import Radio
 from compass.contacts.survey import Wanted
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, DesignError
 from compass.frames import FIGURES, Figure, planetocentric_latitude, seconds_past_j2000
 from compass.inputs.faults import fault
 from compass.inputs.models import (
@@ -20,10 +20,13 @@ from compass.inputs.models import (
     CoverageTable,
     DesignFile,
     ElementsTable,
+    EphemerisTable,
     LinkTable,
     RosetteTable,
     StationTable,
 )
+from compass.inputs.motion import motion_faults, motion_of_table
+from compass.inputs.oem import read_ephemerides
 from compass.inputs.reading import parse, read_text
 from compass.orbits import (
     Constellation,
@@ -34,7 +37,10 @@ from compass.orbits import (
     walker_star,
 )
 from compass.orbits.constellation import check_counts
+from compass.orbits.motion import Motion
 from compass.orbits.rosette import walker_phasing
+from compass.orbits.states import from_states
+from compass.orbits.trajectory import Trajectory
 from compass.saving import readable
 from compass.sites import Mask, Site
 
@@ -73,6 +79,8 @@ class Design:
         The file's text and its SHA-256 in hexadecimal, for provenance.
     label
         The file's name as given.
+    motion
+        How the satellites move.
     """
 
     name: str
@@ -90,6 +98,7 @@ class Design:
     text: str
     digest: str
     label: str
+    motion: Motion = field(default_factory=Motion)
 
 
 def read_design(path: str | Path) -> Design:
@@ -106,13 +115,15 @@ def read_design(path: str | Path) -> Design:
 def read_design_text(text: str, label: str = "design") -> Design:
     """Read a design from its TOML text; `label` stands for the file name in messages."""
     file = parse(text, label, DesignFile, cross_faults)
-    figure = FIGURES[file.figure]
+    figure, folder = FIGURES[file.figure], Path(label).parent
+    table = _ephemeris(file, folder, label)
+    motion = motion_of_table(file.motion, folder, label, table)
     return Design(
         name=file.name,
         source=file.source,
         paper=file.paper,
         figure=figure,
-        constellation=_constellation(file, figure),
+        constellation=_constellation(file, figure, table),
         mask=_mask(file.coverage),
         fold=file.coverage.fold,
         stations=tuple(_site(station, figure) for station in file.station),
@@ -123,11 +134,40 @@ def read_design_text(text: str, label: str = "design") -> Design:
         text=text,
         digest=hashlib.sha256(text.encode()).hexdigest(),
         label=label,
+        motion=motion,
     )
 
 
-def _constellation(file: DesignFile, figure: Figure) -> Constellation:
+def _ephemeris(file: DesignFile, folder: Path, label: str) -> Trajectory | None:
+    """Trajectory of a design's files, if it is made of such."""
+    if not isinstance(file.constellation, EphemerisTable):
+        return None
+    epoch = None if file.epoch is None else seconds_past_j2000(file.epoch)
+    try:
+        return read_ephemerides(file.constellation.files, folder, epoch)
+    except DesignError as error:
+        raise DesignError(f"{label}: {error}") from error
+
+
+def _osculating(file: DesignFile, table: Trajectory) -> Constellation:
+    """Ellipses that touch the paths of a table at its epoch."""
+    r, v = table.states([max(table.start, 0.0)])
+    return from_states(
+        r[:, 0],
+        v[:, 0],
+        name=file.name,
+        epoch=table.epoch,
+        satellite_names=table.satellite_names,
+    )
+
+
+def _constellation(
+    file: DesignFile, figure: Figure, ephemeris: Trajectory | None = None
+) -> Constellation:
     table, epoch = file.constellation, seconds_past_j2000(file.epoch) if file.epoch else 0.0
+    if isinstance(table, EphemerisTable):
+        assert ephemeris is not None
+        return _osculating(file, ephemeris)
     if isinstance(table, ElementsTable):
         shapes = [_shape(s.model_dump(), figure) for s in table.satellite]
         axes, eccentricities = np.array(shapes).T
@@ -228,8 +268,9 @@ def cross_faults(raw: dict[str, Any]) -> list[str]:
     if isinstance(table, dict):
         if table.get("pattern") == "elements":
             faults += _satellite_faults(table.get("satellite"), figure)
-        else:
+        elif table.get("pattern") != "ephemeris":
             faults += _pattern_faults(table) + _orbit_faults(table, figure)
+    faults += motion_faults(raw)
     if isinstance(raw.get("coverage"), dict):
         faults += _horizon_faults(raw["coverage"], "coverage")
     stations, names = raw.get("station"), set()

@@ -1,9 +1,10 @@
 """What a design file may say: one model a table, each field with unit, range and meaning."""
 
+import unicodedata
 from datetime import datetime
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
 SatelliteCount = Annotated[int, Field(ge=1, le=10_000)]
 Inclination = Annotated[float, Field(ge=0, le=180)]
@@ -12,9 +13,22 @@ Kilometres = Annotated[float, Field(gt=0, le=1e7)]
 
 
 class Table(BaseModel):
-    """A TOML table: no unknown keys, no silent conversion, no nan or inf."""
+    """A TOML table: no unknown keys, no silent conversion, no nan or inf, text that can be shown.
+
+    A text is one line, but for `source`. Anything else in it would be drawn, printed and written
+    as something else than what it is: a terminal obeys it, a file format ends a line there.
+    """
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+
+    @field_validator("*", mode="after")
+    @classmethod
+    def _shown(cls, given: Any, info: ValidationInfo) -> Any:
+        lines = "\n\t" if info.field_name == "source" else ""
+        for letter in given if isinstance(given, str) else "":
+            if unicodedata.category(letter) == "Cc" and letter not in lines:
+                raise ValueError(f"has the control character U+{ord(letter):04X}; leave it out")
+        return given
 
 
 class CircularOrbit(Table):
@@ -78,6 +92,42 @@ class ElementsTable(Table):
     pattern: Literal["elements"] = Field(description="kind of pattern")
     satellite: list[SatelliteTable] = Field(
         min_length=1, max_length=10_000, description="one [[constellation.satellite]] a satellite"
+    )
+
+
+class EphemerisTable(Table):
+    """Other people's trajectories."""
+
+    pattern: Literal["ephemeris"] = Field(description="kind of pattern")
+    files: list[str] = Field(
+        min_length=1,
+        max_length=10_000,
+        description='CCSDS OEM files, one a satellite, or patterns such as "*.oem"',
+    )
+
+
+class MotionTable(Table):
+    """How the satellites move."""
+
+    model: Literal["two-body", "j2", "numerical"] = Field(
+        "two-body", description="two-body, j2 (mean elements drift), or numerical (forces)"
+    )
+    gravity_degree: int | None = Field(
+        None, ge=2, le=120, description="degree of the gravity field; 8 if left out"
+    )
+    gravity_file: str | None = Field(
+        None, min_length=1, description="SHADR (.tab) or ICGEM (.gfc) file, not the built-in GMM-3"
+    )
+    gravity_frame: Literal["iau-2000", "iau-1991"] | None = Field(
+        None, description="prime meridian of the gravity file's longitudes"
+    )
+    sun: bool = Field(True, description="whether the Sun attracts")
+    moons: bool = Field(True, description="whether Phobos and Deimos attract")
+    radiation_m2_kg: float = Field(
+        0.026, ge=0, lt=1000, description="reflectivity times area over mass, m^2/kg; 0: no light"
+    )
+    shadow: Literal["none", "cylinder", "cone"] = Field(
+        "cylinder", description="how Mars shades: not, as a cylinder, or with penumbra"
     )
 
 
@@ -165,8 +215,11 @@ class DesignFile(Table):
         None, description="epoch of the elements, TDB; J2000 if left out"
     )
     constellation: Annotated[
-        WalkerTable | RosetteTable | ElementsTable, Field(discriminator="pattern")
+        WalkerTable | RosetteTable | ElementsTable | EphemerisTable, Field(discriminator="pattern")
     ] = Field(description="the orbits: a table [constellation]")
+    motion: MotionTable = Field(
+        default_factory=lambda: MotionTable.model_validate({}), description="how satellites move"
+    )
     coverage: CoverageTable = Field(
         default_factory=lambda: CoverageTable.model_validate({}), description="coverage wanted"
     )

@@ -240,3 +240,59 @@ def _frozen(values: NDArray[np.float64]) -> NDArray[np.float64]:
     array = np.ascontiguousarray(values)
     array.flags.writeable = False
     return array
+
+
+def through(
+    positions: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    start: float,
+    stop: float,
+    *,
+    piece: float,
+    epoch: float,
+    satellite_names: Sequence[str],
+    source: str,
+    tolerance: float = TOLERANCE,
+) -> Trajectory:
+    """Trajectory through the positions that a formula gives.
+
+    Each stretch takes the polynomial through the formula's positions at Gauss nodes; stretches are
+    halved until its last two terms measure less than `tolerance` on all of them. Their size counts
+    as error: what follows falls off at least as fast as from the one to the other.
+
+    Parameters
+    ----------
+    positions
+        Inertial positions, m, of seconds (t,), shape (n, t, 3).
+    start, stop
+        Seconds after the epoch.
+    piece
+        Length of stretch to begin with, s.
+    epoch, satellite_names, source
+        As in `Trajectory`.
+    tolerance
+        Metres.
+    """
+    nodes, weights = legendre.leggauss(NODES + 2)
+    values = legendre.legvander(nodes, NODES + 1)
+    to_series = (np.arange(NODES + 2) + 0.5)[:, None] * values.T * weights
+    count = max(int(np.ceil((stop - start) / piece)), 1)
+    while True:
+        breaks = np.linspace(start, stop, count + 1)
+        middle, half = 0.5 * (breaks[1:] + breaks[:-1]), 0.5 * np.diff(breaks)
+        times = middle[:, None] + half[:, None] * nodes
+        r = positions(times.ravel())
+        found = np.einsum("kj,npjc->pnck", to_series, r.reshape(len(r), count, NODES + 2, 3))
+        errors = np.abs(found[..., -2:]).sum(axis=(-1, -2))
+        if errors.max(initial=0.0) <= tolerance or half[0] < 1.0:
+            break
+        count *= 2
+    # phases of up to 1e4 turns are good to 7e-12, interpolation to a hundred roundoffs
+    rounding = 1e-11 * np.abs(found).sum(axis=(-1, -2))
+    return Trajectory(
+        _frozen(breaks),
+        _frozen(found),
+        _frozen(errors + rounding),
+        epoch,
+        tuple(satellite_names),
+        source,
+    )

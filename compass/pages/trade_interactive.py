@@ -1,6 +1,7 @@
 """The candidates as a picture that answers the pointer, where plotly is installed."""
 
 from collections.abc import Sequence
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -71,7 +72,7 @@ def interactive_front(
                 x=columns[first],
                 y=columns[second],
                 mode="markers",
-                name=label,
+                name=escape(label),  # of the design to compare with, which may say anything
                 marker=marker,
                 text=_hover(study, columns, list(axes)),
                 hovertemplate="%{text}<extra></extra>",

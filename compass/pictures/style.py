@@ -1,13 +1,21 @@
-"""How the project's pictures look: colours, fonts, and figures made without global state."""
+"""How the project's pictures look: colours, fonts, and figures made without global state.
 
+Texts are drawn as they are written: a dollar in a name is a dollar, never the start of a formula.
+"""
+
+import re
+import warnings
+from functools import cache
 from io import BytesIO
 from typing import Any
 
-from matplotlib import colormaps, rc_context
+from matplotlib import colormaps, font_manager, rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap
 from matplotlib.figure import Figure
+from matplotlib.text import Text
+from matplotlib.ticker import LogFormatterMathtext
 
 from compass.document import Picture
 
@@ -21,7 +29,12 @@ SEQUENTIAL = "viridis"
 #: Ten colours that stay apart for colour-blind readers (Okabe and Ito 2008, two darkened).
 CYCLE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#5b5b5b", "#8c2d04")
 
-_RC = {
+#: Fonts for letters that the first has not, of those that are installed.
+_FONTS = ("DejaVu Sans", "Noto Sans CJK SC", "Noto Sans", "Noto Sans Arabic",
+          "Noto Sans Devanagari", "Noto Sans Symbols 2", "Noto Emoji", "Unifont")  # fmt: skip
+
+_RC: dict[str, Any] = {
+    "text.parse_math": False,
     "font.size": 9.5,
     "axes.titlesize": 11,
     "axes.titleweight": "bold",
@@ -38,17 +51,75 @@ _RC = {
 }
 
 
+class PlainFigure(Figure):
+    """A figure that draws every text as it is written, whenever and for whomever it is drawn.
+
+    Ticks are made when a figure is drawn, and take what holds then. A letter that no font has is
+    a box, and no matter for a warning.
+    """
+
+    def draw(self, renderer: Any) -> None:
+        """As any figure is."""
+        for axes in self.axes:
+            for axis in (axes.xaxis, axes.yaxis):
+                for get, put in (
+                    (axis.get_major_formatter, axis.set_major_formatter),
+                    (axis.get_minor_formatter, axis.set_minor_formatter),
+                ):
+                    now = get()
+                    if isinstance(now, LogFormatterMathtext) and not isinstance(now, Powers):
+                        put(Powers(now))
+        for text in self.findobj(Text):
+            text.set_parse_math(False)
+        with look(), warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message="Glyph .* missing from", category=UserWarning)
+            super().draw(renderer)
+
+
+class Powers(LogFormatterMathtext):
+    """Ticks of a logarithmic axis as text: 10⁻³, 2×10⁵."""
+
+    def __init__(self, like: LogFormatterMathtext) -> None:
+        self.__dict__.update(like.__dict__)
+        self._like = like
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """Label of a tick."""
+        self._like.axis = self.axis
+        return without_markup(self._like(x, pos))
+
+    def set_locs(self, locs: Any = None) -> None:
+        """Know all ticks: whether those between powers are labelled depends on them."""
+        self._like.axis = self.axis
+        self._like.set_locs(locs)
+
+
+_RAISED = str.maketrans("0123456789-−.", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁻·")
+
+
+def without_markup(formula: str) -> str:
+    """Return a formula of matplotlib's own ticks as text."""
+    text = re.sub(r"\$\\mathdefault\{(.*)\}\$", r"\1", formula).replace(r"\times", "×")
+    return re.sub(r"\^\{([^}]*)\}", lambda power: power[1].translate(_RAISED), text)
+
+
+@cache
+def _families() -> list[str]:
+    installed = {font.name for font in font_manager.fontManager.ttflist}
+    return [name for name in _FONTS if name in installed]
+
+
 def new_figure(width: float = 8.0, height: float = 4.5, **options: Any) -> Figure:
     """Return an empty figure (inches) with the project's look and a canvas of its own."""
-    with rc_context(_RC):
-        figure = Figure(figsize=(width, height), layout="constrained", **options)
+    with look():
+        figure = PlainFigure(figsize=(width, height), layout="constrained", **options)
         FigureCanvasAgg(figure)
     return figure
 
 
 def look() -> Any:
     """Return a context manager: axes made and artists drawn inside take the project's look."""
-    return rc_context(_RC)
+    return rc_context(_RC | {"font.family": _families()})
 
 
 def steps_of(name: str, count: int) -> Colormap:

@@ -176,10 +176,15 @@ def _run(
                 threads=1,
             )
         )
+
+    def joined(name: str) -> NDArray[Any]:
+        return np.concatenate([getattr(part, name) for part in parts])
+
     return MonteCarlo(
-        *(
-            np.concatenate([getattr(part, name) for part in parts])
-            for name in ("errors", "nees", "sigmas", "diverged", "nees_all")
-        ),
+        joined("errors"),
+        joined("nees"),
+        joined("sigmas"),
+        joined("diverged"),
+        joined("nees_all"),
         parts[0].estimated,
     )

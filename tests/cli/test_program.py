@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import click
 import pytest
@@ -18,6 +19,23 @@ PROGRAM = [sys.executable, "-m", "compass"]
 @pytest.fixture(scope="module")
 def seed(designs):
     return designs / "compass-15-5-1.toml"
+
+
+@pytest.fixture
+def meets(monkeypatch, run):
+    """Run a command of a file and an option that meets something."""
+
+    def call(what, *arguments):
+        @click.command()
+        @click.argument("design", type=click.Path(path_type=Path))
+        @click.option("--duration-h", type=float)
+        def command(**_):
+            what()
+
+        monkeypatch.setattr(program, "_loaded", lambda _: program.prepared(command))
+        return run("show", "x.toml", *arguments)
+
+    return call
 
 
 def options(kind):
@@ -54,25 +72,23 @@ def test_a_refusal_names_the_option_or_the_file(message, arguments, said):
         assert program.in_words_of_the_user(message, context) == said
 
 
-def test_a_refusal_from_inside_comes_out_in_words_of_the_user(run, seed, monkeypatch):
-    def refuse(*_, **__):
+def test_a_refusal_from_inside_comes_out_in_words_of_the_user(meets):
+    def refuse():
         raise ArgumentError("duration_h = 3: is not to be")
 
-    monkeypatch.setattr("compass.study.mapping.make_map", refuse)
-    assert run("map", seed, "--duration-h", 3)[::2] == (2, "--duration-h = 3: is not to be\n")
-    assert run("map", seed)[2] == f"{seed}: duration_h = 3: is not to be\n"
+    assert meets(refuse, "--duration-h", 3) == (2, "", "--duration-h = 3: is not to be\n")
+    assert meets(refuse)[2] == "x.toml: duration_h = 3: is not to be\n"
 
 
-def test_what_an_interruption_turns_into_is_one_still(run, seed, monkeypatch):
-    def compiled(*_, **__):
+def test_what_an_interruption_turns_into_is_one_still(meets):
+    def compiled():
         try:
             os.kill(os.getpid(), signal.SIGINT)
             signal.pause()
         except KeyboardInterrupt:
             raise SystemError("kernel returned a result with an exception set") from None
 
-    monkeypatch.setattr("compass.api.given.read_design", compiled)
-    code, out, err = run("show", seed)
+    code, out, err = meets(compiled)
     assert (code, out) == (130, "") and err.endswith("nothing half-written was left behind\n")
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
@@ -91,9 +107,8 @@ def test_the_first_import_can_be_interrupted():
     assert done.stderr == "interrupted; nothing half-written was left behind\n"
 
 
-def test_a_failure_of_the_program_is_no_verdict(run, seed, monkeypatch):
-    monkeypatch.setattr("compass.api.given.read_design", lambda _: 1 / 0)
-    code, out, err = run("show", seed)
+def test_a_failure_of_the_program_is_no_verdict(meets):
+    code, out, err = meets(lambda: 1 / 0)
     assert (code, out) == (3, "") and err.endswith("ZeroDivisionError: division by zero\n")
 
 
@@ -105,12 +120,11 @@ def test_a_failure_of_the_program_is_no_verdict(run, seed, monkeypatch):
         (FileNotFoundError(2, "No such file", "x"), "x: No such file; give another name"),
     ],
 )
-def test_what_the_system_refuses_is_one_line(run, seed, monkeypatch, error, said):
-    def refuse(_):
+def test_what_the_system_refuses_is_one_line(meets, error, said):
+    def refuse():
         raise error
 
-    monkeypatch.setattr("compass.api.given.read_design", refuse)
-    code, out, err = run("show", seed)
+    code, out, err = meets(refuse)
     assert (code, out) == (2, "") and err.startswith(said) and err.count("\n") == 1
 
 
@@ -149,3 +163,19 @@ def test_a_file_name_that_is_not_utf8_goes_all_the_way(seed, tmp_path, locale):
     assert found.returncode == 0 and b"15/5/1" in found.stdout
     missing = subprocess.run([*arguments[:-1], design + b"x"], capture_output=True, env=where)
     assert missing.returncode == 2 and b"no such file" in missing.stderr
+
+
+def test_a_key_cannot_command_the_terminal(run, tmp_path):
+    path = tmp_path / "x.toml"
+    path.write_text('name = "x"\n"\\u001b[31m" = 1\n')
+    code, out, err = run("show", path)
+    assert (code, out) == (2, "") and "\\x1b[31m = 1: unknown key" in err
+    assert all(letter.isprintable() or letter == "\n" for letter in err)
+
+
+def test_a_backend_that_is_not_installed_is_none_of_ours(seed, tmp_path):
+    where = dict(os.environ, MPLBACKEND="module://nowhere.to.be.found")
+    arguments = [*PROGRAM, "map", str(seed), "--step-deg", "45", "--epochs", "1"]
+    picture = tmp_path / "m.png"
+    done = subprocess.run([*arguments, "--figure", str(picture)], env=where, capture_output=True)
+    assert done.returncode == 0 and picture.read_bytes().startswith(b"\x89PNG")

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from compass.api.land_flight import assess_scenario, entry_facts, entry_section
 from compass.entry.montecarlo import monte_carlo
 from compass.entry.trajectory import fly, trajectory_dataset
 from compass.errors import DesignError
 from compass.inputs.fusion import fusion_plan
 from compass.inputs.scenario import read_scenario_text
-from compass.pages.entry import assess_scenario, entry_facts, entry_section
 
 PLAIN = """
 name = "a landing"
@@ -188,7 +188,7 @@ def test_fusion_honours_masks_schedule_and_noise():
     assert not late.case.world().arrival[1::2].any()
     assert late.case.world().arrival[::2, 1:].any()
     ends = [
-        float(monte_carlo(p.case, p.filters[0], 2, 0, progress=False).rmse_position[-1])
+        float(monte_carlo(p.case, p.filters[0], 2, 0, progress=False).position_rmse[-1])
         for p in (masked, plain)
     ]
     assert ends[0] != ends[1]

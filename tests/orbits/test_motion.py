@@ -6,8 +6,13 @@ from compass.bodies import MARS_GM, MARS_J2, MARS_ROTATION_RATE, sidereal_day
 from compass.errors import ArgumentError
 from compass.frames import latitude_longitude
 from compass.orbits import orbital_period, positions_mcmf, repeat_period, states_mci
-from compass.orbits.ephemeris import acceleration_j2
+from compass.orbits.forces import ForceModel
+from compass.orbits.gravity import built_in_field
+from compass.orbits.motion import Motion, as_motion
 from compass.orbits.period import closing_days, secular_rates
+
+FIELD = built_in_field().truncated(2, 0)
+OBLATE = Motion("numerical", ForceModel(FIELD, False, False, 0.0, "none"))
 
 
 def one(a=8e6, e=0.2, i=1.0, **more):
@@ -37,7 +42,7 @@ def test_areostationary_satellite_stands_still_over_mars():
 
 def test_models_agree_to_first_order_in_j2():
     c, times = one(), np.linspace(0, 4e4, 5)
-    plain, drift, exact = (states_mci(c, times, m)[0][0] for m in ("two-body", "j2", "numerical"))
+    plain, drift, exact = (states_mci(c, times, m)[0][0] for m in ("two-body", "j2", OBLATE))
     # J2 moves a satellite by about 3/2 J2 (R/a)^2 n t a; the secular model takes most of that
     assert np.linalg.norm(plain - exact, axis=-1).max() > 2e4
     short_periodic = 20 * MARS_J2.value * 8e6
@@ -48,7 +53,7 @@ def test_secular_node_rate_equals_integration():
     # circular and long enough that short-periodic wiggles do not matter
     c = from_elements(1e7, 0.0, 1.0, 0.0, 0.0, 0.0)
     period = float(orbital_period(1e7))
-    r, v = states_mci(c, np.array([0.0, 40 * period]), "numerical")
+    r, v = states_mci(c, np.array([0.0, 40 * period]), OBLATE)
     h = np.cross(r[0], v[0])
     node = np.unwrap(np.arctan2(h[:, 0], -h[:, 1]))
     rate = secular_rates(1e7, 0.0, 1.0)[0]
@@ -58,28 +63,55 @@ def test_secular_node_rate_equals_integration():
 
 def test_numerical_motion_keeps_energy_and_axial_momentum():
     c = one()
-    r, v = (x[0] for x in states_mci(c, np.linspace(-2e4, 5e4, 8), "numerical"))
+    r, v = (x[0] for x in states_mci(c, np.linspace(-2e4, 5e4, 8), OBLATE))
     z2 = r[:, 2] ** 2 / (r * r).sum(-1)
     d = np.linalg.norm(r, axis=-1)
-    bulge = MARS_GM.value * MARS_J2.value * 3.396e6**2 / (2 * d**3) * (3 * z2 - 1)
-    energy = (v * v).sum(-1) / 2 - MARS_GM.value / d + bulge
-    np.testing.assert_allclose(energy, energy[0], rtol=1e-9)
+    bulge = FIELD.gm * -np.sqrt(5) * FIELD.c[2, 0] * 3.396e6**2 / (2 * d**3) * (3 * z2 - 1)
+    energy = (v * v).sum(-1) / 2 - FIELD.gm / d + bulge
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-12)
     momentum = np.cross(r, v)[:, 2]
-    np.testing.assert_allclose(momentum, momentum[0], rtol=1e-9)
+    np.testing.assert_allclose(momentum, momentum[0], rtol=1e-12)
 
 
-def test_gravity_is_the_gradient_of_its_potential():
-    r, h = np.array([4e6, -2e6, 3e6]), 1.0
+@pytest.mark.parametrize("model", ["two-body", "j2", OBLATE])
+def test_a_trajectory_passes_where_its_motion_says(model):
+    motion, c = as_motion(model), one(e=0.5)
+    path = motion.trajectory(c, 0.0, 1e5)
+    times = np.linspace(0.0, 1e5, 77)
+    r, v = path.states(times)
+    known, speed = states_mci(c, times, model)
+    assert np.linalg.norm(r - known, axis=-1).max() <= path.errors.max()
+    assert np.abs(v - speed).max() < 1e-5
+    assert path.errors.max() < 1e-3
 
-    def potential(p):
-        d = np.linalg.norm(p)
-        z2 = p[2] ** 2 / d**2
-        j2 = MARS_J2.value * (3.396e6 / d) ** 2
-        return -MARS_GM.value / d * (1 - j2 * (3 * z2 - 1) / 2)
 
-    steps = np.eye(3) * h
-    gradient = [(potential(r + s) - potential(r - s)) / (2 * h) for s in steps]
-    np.testing.assert_allclose(acceleration_j2(r, MARS_GM.value), -np.array(gradient), rtol=1e-6)
+def test_an_integration_is_kept_for_who_asks_the_same():
+    assert OBLATE.trajectory(one(), 0.0, 1e5) is OBLATE.trajectory(one(), 0.0, 5e4)
+    assert OBLATE.trajectory(one(), 0.0, 1e5) is not OBLATE.trajectory(one(e=0.21), 0.0, 1e5)
+
+
+def test_a_span_must_have_a_length_and_one_direction():
+    with pytest.raises(ArgumentError, match="the end must come later"):
+        OBLATE.trajectory(one(), 1e5, 1e5)
+    with pytest.raises(ArgumentError, match="followed one way from the epoch"):
+        OBLATE.trajectory(one(), -1e5, 1e5)
+
+
+def test_an_ephemeris_is_its_table():
+    path = Motion("j2").trajectory(one(), 0.0, 1e5)
+    motion = Motion("ephemeris", table=path)
+    assert motion.trajectory(one(), 10.0, 1e5) is path
+    assert motion.title == path.source == "mean motion under J2"
+    assert motion.states(one(), [5.0])[0] == pytest.approx(path.states([5.0])[0])
+    with pytest.raises(ArgumentError, match="more than the ephemerides cover"):
+        motion.trajectory(one(), 0.0, 1.1e5)
+    with pytest.raises(ArgumentError, match="there is no table"):
+        Motion("ephemeris")
+
+
+def test_motions_are_named():
+    assert Motion().title == "two-body motion"
+    assert OBLATE.title == "numerical motion: GMM-3 (Genova et al. 2016) to degree 2"
 
 
 def test_repeat_period():

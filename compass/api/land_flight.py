@@ -1,17 +1,16 @@
-"""The report of an entry: flight, view, observability, bound and filter."""
+"""What is said of a flight and of one filter on it: sentences, tables, numbers."""
 
 from typing import Any
 
 import numpy as np
 
-from compass.document.blocks import Section, Table, arranged
+from compass.document.blocks import Picture, Section, Table, arranged
 from compass.entry.accuracy import Spread
 from compass.entry.assess import Assessment, assess
 from compass.entry.state import longitude_degrees
 from compass.entry.trajectory import Trajectory, fly, loads
 from compass.errors import ArgumentError
 from compass.inputs.scenario import Scenario
-from compass.pages.entry_pictures import entry_pictures
 
 KM = 1e3
 
@@ -64,23 +63,28 @@ def check_cost(scenario: Scenario, runs: int) -> float:
     return seconds
 
 
-def entry_section(scenario: Scenario, found: Assessment) -> Section:
-    """Text, pictures and tables of one scenario."""
+def entry_section(
+    scenario: Scenario, found: Assessment, *, pictures: bool = True, claim: bool = True
+) -> Section:
+    """Text, pictures and tables of one scenario; `claim` puts the answer first."""
+    drawn: tuple[Picture, ...] = ()
+    if pictures:
+        from compass.pictures.entry import entry_pictures
+
+        drawn = entry_pictures(found)
     paragraphs = [" ".join(scenario.source.split())] if scenario.source.strip() else []
-    return arranged(
-        f"Entry: {scenario.name}",
-        (*paragraphs, *_findings(scenario, found)),
-        entry_pictures(found),
-        entry_tables(found),
-    )
+    words = [*([claim_sentence(found)] if claim else []), *paragraphs, *findings(scenario, found)]
+    return arranged(f"Entry: {scenario.name}", tuple(words), drawn, entry_tables(found))
 
 
-def _findings(scenario: Scenario, found: Assessment) -> list[str]:
+def findings(scenario: Scenario, found: Assessment) -> list[str]:
+    """What is to be known of a flight and its filter, in sentences."""
     flight = found.flight
     last = flight.times[-1]
     count = found.seen.sum(axis=1)
     words = [
-        *landing_words(found),
+        found.consistency.sentence,
+        accuracy_sentence(found),
         f"The lander flies {last:g} s, from {flight.altitude[0] / KM:.1f} km and "
         f"{flight.speed[0]:.0f} m/s to {flight.altitude[-1] / KM:.1f} km and "
         f"{flight.speed[-1]:.0f} m/s. Between {count.min()} and {count.max()} of "
@@ -109,28 +113,35 @@ def _findings(scenario: Scenario, found: Assessment) -> list[str]:
     return words
 
 
-def landing_words(found: Assessment) -> list[str]:
-    """Knowledge, delivery and whether the filter may be believed: the first lines of an answer."""
+def claim_sentence(found: Assessment) -> str:
+    """What a landing comes to: knowledge, if it may be claimed, and delivery."""
     at, claim = found.accuracy, found.claim_m
-    known, comes = at.knowledge.along_cross_down, at.delivery
     where = f"At {at.name} ({at.time:.1f} s)"
     if claim is None:
-        first = f"{where} no accuracy is claimed, for the filter is inconsistent."
+        known = f"{where} no accuracy is claimed, for the filter is inconsistent."
     else:
-        first = f"{where} the lander knows its place to {claim:.3g} m (1 sigma, all axes)."
-    along, cross, down = comes.along_cross_down
-    ellipse = comes.ellipse
-    return [
-        f"{first} Unguided it comes down within {ellipse.semi_major / KM:.3g} by "
+        known = f"{where} the lander knows its place to {claim:.3g} m (1 sigma, all axes)."
+    ellipse = at.delivery.ellipse
+    return (
+        f"{known} Unguided it comes down within {ellipse.semi_major / KM:.3g} by "
         f"{ellipse.semi_minor / KM:.3g} km (95 % ellipse, half axes, major axis "
         f"{np.degrees(ellipse.azimuth):.0f} deg from north), half of the time within "
-        f"{comes.cep / KM:.3g} km.",
-        found.consistency.sentence,
-        "Linear covariance there, along, across and down: known to "
-        f"{known[0]:.3g}, {known[1]:.3g}, {known[2]:.3g} m, delivered to {along:.4g}, "
-        f"{cross:.4g}, {down:.4g} m (1 sigma"
-        f"{', at the moment of the event' if at.projected else ', at that time'}).",
-    ]
+        f"{at.delivery.cep / KM:.3g} km."
+    )
+
+
+def accuracy_sentence(found: Assessment) -> str:
+    """Knowledge and delivery along, across and down."""
+    at = found.accuracy
+    known, comes = (
+        ", ".join(f"{sigma:.3g}" for sigma in spread.along_cross_down)
+        for spread in (at.knowledge, at.delivery)
+    )
+    when = "at the moment of the event" if at.projected else "at that time"
+    return (
+        f"Linear covariance there, along, across and down: known to {known} m, delivered to "
+        f"{comes} m (1 sigma, {when})."
+    )
 
 
 def event_table(flight: Trajectory) -> Table:

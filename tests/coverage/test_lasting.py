@@ -1,0 +1,234 @@
+"""Coverage over real paths: proven, lost to the second, and how far from either."""
+
+from datetime import datetime
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from compass.core.lasting import FREE, caps_between
+from compass.core.nearest import covering_radius
+from compass.core.path import piece_of, pull_bound
+from compass.coverage.cap import cap_radius
+from compass.coverage.certificate import Outcome, prove_fold
+from compass.coverage.fold import fold_extremes
+from compass.coverage.lasting import least_margins, margins_at, prove_span
+from compass.coverage.margin import highest_mask
+from compass.coverage.region import convex_polygon, latitude_band
+from compass.coverage.symmetry import Span
+from compass.errors import ArgumentError
+from compass.frames import SECONDS_PER_DAY as DAY
+from compass.frames import seconds_past_j2000
+from compass.orbits import from_elements, walker_delta
+from compass.orbits.forces import ForceModel
+from compass.orbits.motion import Motion
+
+SPHERE = 3396190.0
+NOON_2030 = seconds_past_j2000(datetime(2030, 1, 1, 12))
+
+
+def few(radius=20427.7e3, epoch=0.0):
+    """Five satellites that keep one in view everywhere, with 11 degrees to spare."""
+    return walker_delta(5, 5, 1, inclination=np.radians(43.66), radius=radius, epoch=epoch)
+
+
+def drifting():
+    """The same, one of them higher, so that it falls behind by 12 degrees a day."""
+    axes = np.full(5, 20427.7e3)
+    axes[2] += 480e3
+    c = few()
+    return from_elements(axes, 0.0, c.inclination, c.raan, 0.0, c.mean_anomaly)
+
+
+def path_of(constellation, days, model="two-body"):
+    return Motion(model).trajectory(constellation, 0.0, days * DAY)
+
+
+@pytest.mark.slow
+def test_the_published_constellation_loses_four_fold_coverage_on_day_31():
+    """All on the same osculating elements, node and phase 0 at 2030-01-01T12:00 TDB.
+
+    Two independent programs found the loss between day 30.5 and 31.5, by stepping.
+    """
+    c = walker_delta(15, 5, 1, inclination=np.pi / 4, radius=20427.7e3, epoch=NOON_2030)
+    path = Motion("numerical", ForceModel(radiation=0.026)).trajectory(c, 0.0, 40 * DAY)
+    found = prove_span(path, 4, sphere_radius=SPHERE)
+    assert found.outcome is Outcome.REFUTED
+    assert 30.5 < found.days_proven <= found.first_loss_days < 31.5
+    assert found.lost_at - found.proven_until <= 1.0
+    assert found.witness.fold == 3
+    margins = np.degrees(least_margins(path, 4, np.arange(0, 36, 5) * DAY, sphere_radius=SPHERE))
+    # the least of 24 phases of the other program, good to 0.3: 6.0 at 10 d, 4.3 to 4.6 at 20
+    assert margins[1, 1] == pytest.approx(6.0, abs=0.3)
+    assert margins[3, 1] == pytest.approx(4.5, abs=0.4)
+    assert margins[5, 1] > 0 > margins[6, 1]
+
+
+def test_two_body_paths_are_settled_as_by_the_certificate_of_ellipses():
+    c = few()
+    span = Span(0.0, 0.3 * DAY, False, "")
+    best = highest_mask(c, 1, sphere_radius=SPHERE, span=span, tolerance=1e-3)
+    path = path_of(c, 0.3)
+    for mask, outcome in ((best - 1e-3, Outcome.PROVEN), (best + 3e-3, Outcome.REFUTED)):
+        here = prove_span(path, 1, sphere_radius=SPHERE, mask=mask)
+        there = prove_fold(c, 1, sphere_radius=SPHERE, mask=mask, span=span)
+        assert here.outcome is there.outcome is outcome
+
+
+@pytest.mark.parametrize(
+    "region", [latitude_band(-0.6, 0.6), convex_polygon([0.0, 0.0, 0.5], [0.0, 0.5, 0.2])]
+)
+def test_parts_of_the_sphere_are_settled_as_by_the_certificate_of_ellipses(region):
+    c, span = few(), Span(0.0, 0.2 * DAY, False, "")
+    best = highest_mask(c, 2, sphere_radius=SPHERE, span=span, region=region, tolerance=2e-3)
+    path = path_of(c, 0.2)
+    for mask, outcome in ((best - 2e-3, Outcome.PROVEN), (best + 5e-3, Outcome.REFUTED)):
+        here = prove_span(path, 2, sphere_radius=SPHERE, mask=mask, region=region)
+        assert here.outcome is outcome
+        if here.witness:
+            assert here.witness.fold < 2
+
+
+def test_a_loss_is_the_first_and_stands_between_two_moments_a_second_apart():
+    c = drifting()
+    path = path_of(c, 6.0, "j2")
+    found = prove_span(path, 1, sphere_radius=SPHERE)
+    assert found.outcome is Outcome.REFUTED
+    assert found.lost_at - found.proven_until <= 1.0
+    assert found.witness.fold == 0
+    radius = cap_radius(c.semi_major_axis, SPHERE)
+    at = [found.proven_until - 1e-3, found.lost_at]
+    folds = [fold_extremes(x, radius).least for x in np.moveaxis(path.states(at)[0], 0, 1)]
+    assert folds == [1, 0]
+    # nothing earlier, by looking
+    times = np.linspace(0.0, found.proven_until - 1.0, 300)
+    looks = np.moveaxis(path.states(times)[0], 0, 1)
+    assert min(fold_extremes(x, radius).least for x in looks) == 1
+    # from a later start the same loss; up to an earlier stop none
+    later = prove_span(path, 1, sphere_radius=SPHERE, start=found.lost_at - 100.0)
+    assert later.lost_at == pytest.approx(found.lost_at, abs=2.0)
+    held = prove_span(path, 1, sphere_radius=SPHERE, stop=found.proven_until)
+    assert held.outcome is Outcome.PROVEN
+    assert held.days_proven == pytest.approx(found.days_proven)
+    assert (held.first_loss_days, held.witness) == (None, None)
+
+
+def test_a_loss_within_the_paths_error_is_left_open():
+    """A table good to 30 km can neither keep nor lose what hangs on 10 km."""
+    c = drifting()
+    path = path_of(c, 6.0, "j2")
+    found = prove_span(path, 1, sphere_radius=SPHERE)
+    coarse = type(path)(
+        path.breaks, path.paths, path.errors + 3e4, 0.0, path.satellite_names, "table", "guess"
+    )
+    vague = prove_span(coarse, 1, sphere_radius=SPHERE, stop=found.lost_at + 1.0)
+    assert vague.outcome is Outcome.UNDECIDED
+    assert vague.unsettled
+    assert vague.proven_until < found.proven_until
+    assert vague.proven_until <= vague.unsettled[0][0]
+    assert vague.estimated == "guess"
+    sure = prove_span(coarse, 1, sphere_radius=SPHERE)
+    assert sure.outcome is Outcome.REFUTED
+    assert sure.proven_until < found.proven_until < found.lost_at < sure.lost_at
+
+
+def test_giving_up_is_undecided():
+    found = prove_span(path_of(few(), 1.0), 1, sphere_radius=SPHERE, max_intervals=3)
+    assert found.outcome is Outcome.UNDECIDED
+    assert found.proven_until < DAY
+
+
+@settings(max_examples=40)
+@given(
+    st.floats(0.0, 0.5),
+    st.floats(5.0, 3000.0),
+    st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3),
+)
+def test_no_cap_strays_further_than_its_bound(when, half, places):
+    """Against the paths themselves, in a frame that turns about the mean of angular velocities."""
+    middle = when * DAY
+    piece = piece_of(OVAL.breaks, middle)
+    half = min(half, middle - OVAL.breaks[piece], OVAL.breaks[piece + 1] - middle)
+    n = OVAL.size
+    u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty((n, 2))
+    pulls = np.array([pull_bound(OVAL.breaks, OVAL.paths, piece, s) for s in range(n)])
+    known = caps_between(
+        OVAL.breaks, OVAL.paths, OVAL.errors, pulls, np.zeros(len(OVAL.breaks)), FREE, SPHERE, 0.1,
+        piece, middle, half, u, radius, stray,
+    )  # fmt: skip
+    if not known:
+        return
+    r, v = OVAL.states([middle])
+    spin = (np.cross(r, v)[:, 0] / (r[:, 0] ** 2).sum(axis=-1, keepdims=True)).mean(axis=0)
+    rate = np.linalg.norm(spin)
+    for place in places:
+        x = OVAL.states([middle + place * half])[0][:, 0]
+        distance = np.linalg.norm(x, axis=-1)
+        turned = about(spin / rate, -rate * place * half, x / distance[:, None])
+        angle = 2 * np.arcsin(np.minimum(np.linalg.norm(turned - u, axis=-1) / 2, 1.0))
+        change = np.abs(cap_radius(distance, SPHERE, 0.1) - radius)
+        assert np.all(angle + change <= stray[:, 0] + 1e-15)
+
+
+def about(axis, angle, x):
+    """Rodrigues' rotation."""
+    c, s = np.cos(angle), np.sin(angle)
+    return c * x + s * np.cross(axis, x) + (1 - c) * (x @ axis)[:, None] * axis
+
+
+OVAL = path_of(
+    from_elements([9e6, 15e6, 22e6], [0.3, 0.1, 0.6], [0.4, 1.0, 2.0], 0.3, 0.2, [0.0, 1.0, 2.0]),
+    0.6,
+)
+
+
+def test_margin_is_the_cap_less_the_covering_radius_of_the_moment():
+    c = few()
+    path, times = path_of(c, 0.5), np.array([0.0, 0.11, 0.37]) * DAY
+    found = margins_at(path, 1, times, sphere_radius=SPHERE)
+    cap = cap_radius(20427.7e3, SPHERE)
+    for k, x in enumerate(np.moveaxis(path.states(times)[0], 0, 1)):
+        u = np.ascontiguousarray(x / np.linalg.norm(x, axis=-1, keepdims=True))
+        radius = covering_radius(u, 1, 0.0, np.pi, np.empty(3))
+        assert found[k] == pytest.approx(cap - radius, abs=2e-6)
+
+
+def test_the_least_margin_is_bracketed_below_every_look():
+    path = path_of(drifting(), 3.0, "j2")
+    edges = np.array([0.0, 1.0, 2.0]) * DAY
+    found = least_margins(path, 1, edges, sphere_radius=SPHERE, tolerance=2e-3)
+    assert np.all(found[:, 1] - found[:, 0] <= 2.1e-3)
+    for k in range(2):
+        looks = np.linspace(edges[k], edges[k + 1], 60)
+        seen = margins_at(path, 1, looks, sphere_radius=SPHERE).min()
+        # margins change by less than two caps' turning in a third of an hour... and are never below
+        assert found[k, 0] <= seen + 1e-6
+        assert seen <= found[k, 1] + 0.06
+
+
+def test_a_positive_least_margin_is_a_proof_and_a_negative_one_a_loss():
+    path = path_of(drifting(), 4.0, "j2")
+    found = prove_span(path, 1, sphere_radius=SPHERE)
+    t = found.lost_at
+    before, after = least_margins(
+        path, 1, [0.0, t - 600.0, t + 600.0], sphere_radius=SPHERE, tolerance=1e-4
+    )
+    assert before[0] > -1e-3
+    assert after[1] < 0.0
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ({"fold": 0}, "fold = 0"),
+        ({"mask": 2.0}, "mask_deg = 114"),
+        ({"stop": 2.5 * DAY}, "more than the ephemerides cover"),
+        ({"start": DAY, "stop": DAY}, "days = 0: must be more than 0"),
+        ({"sphere_radius": 3e7}, "must be above the surface"),
+    ],
+)
+def test_bad_claims_are_refused(more, message):
+    given = {"fold": 1, "sphere_radius": SPHERE} | more
+    with pytest.raises(ArgumentError, match=message):
+        prove_span(path_of(few(), 1.0), given.pop("fold"), **given)
