@@ -33,6 +33,7 @@ def test_projection_keeps_the_surface():
     np.testing.assert_allclose(m @ m, m, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("trigger", "reached"),
     [

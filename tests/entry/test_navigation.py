@@ -196,8 +196,8 @@ def test_truth_is_the_flight_whatever_the_step(world, table5, orbiter_beacons, s
 
 
 def test_numbers_do_not_depend_on_threads_nor_on_later_runs(coarse_case):
-    one = coarse_case(runs=25, seed=3, threads=1)
-    four = coarse_case(runs=25, seed=3, threads=4)
+    one = coarse_case(runs=21, seed=3, threads=1)
+    four = coarse_case(runs=21, seed=3, threads=4)
     np.testing.assert_array_equal(one.errors, four.errors)
     fewer = coarse_case(runs=6, seed=3)
     np.testing.assert_array_equal(one.errors[:6], fewer.errors)
