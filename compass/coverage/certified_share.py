@@ -186,6 +186,8 @@ def certified_percentile(
     if not precision > 0:
         raise ArgumentError(f"precision = {precision:g}: must be positive")
     search = _Search(constellation, dop, figure, mask, place, duration, drifting, True, workers)
+    if search.satellites < 4:
+        return CertifiedPercentile(np.inf, np.inf, percent, search.domain.scope)
     end, level = monotonic() + budget_s, percent / 100
     low, high, tried, stopped = 0.0, np.inf, 4.0, ""
     while low < GREATEST and not (high < np.inf and high - low <= precision * high):
@@ -237,6 +239,8 @@ class _Search:
         self.mask = np.array(rows, dtype=float)
         self.speed = 0.5 * float(self.domain.orbits[:, 10].mean())
         self.satellites = constellation.size
+        if self.satellites >= 4:  # compiled before any clock runs
+            self._round(np.empty((0, BOX)), 1.0, 1.0, np.inf)
 
     def share(
         self,
@@ -303,7 +307,7 @@ class _Search:
         """Refine all leaves, piece by piece in their order; what time leaves undone stays."""
         d = self.domain
         numbers = np.array([d.flattening, d.slack, float(self.dop), limit * limit])
-        pieces = [leaves[k : k + PIECE] for k in range(0, len(leaves), PIECE)]
+        pieces = [leaves[k : k + PIECE] for k in range(0, max(len(leaves), 1), PIECE)]
         kept: list[NDArray[np.float64]] = []
         sums, stopped = np.zeros(4), ""
 
