@@ -17,6 +17,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.reproduce import reproduce
     from compass.api.search import search
     from compass.api.show import show
+    from compass.design import Design
     from compass.inputs import read_design
     from compass.inputs.scenario import read_scenario
     from compass.inputs.study import read_study
@@ -35,6 +36,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Constellation",
+    "Design",
     "Mask",
     "Site",
     "__version__",
@@ -64,6 +66,7 @@ _COMMANDS = ("access", "export", "fold", "land", "map", "optimize", "reproduce",
 #: Where the other public names live.
 _HOMES = {
     "Constellation": "compass.orbits",
+    "Design": "compass.design",
     "Mask": "compass.sites",
     "Site": "compass.sites",
     "areosynchronous_radius": "compass.orbits",

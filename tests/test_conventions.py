@@ -74,7 +74,7 @@ def test_what_is_put_right():
                 "who": ("who", ["a", "b"], {"long_name": "names"}),
             },
             {"epoch_tdb": "2030-01-01T12:00:00"},
-        )  # fmt: skip
+        )
     )
     assert made.x_m.attrs == {"long_name": "x m"}
     assert made.time.attrs["units"] == "seconds since 2030-01-01T12:00:00"

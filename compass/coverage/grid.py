@@ -93,7 +93,7 @@ def area_south_of(latitude: ArrayLike, polar: float = 1.0) -> NDArray[np.float64
     e = np.sqrt(1 - polar**2)
 
     def q(sine: ArrayLike) -> NDArray[np.float64]:
-        return np.asarray(sine / (1 - (e * sine) ** 2) + np.arctanh(e * sine) / e)  # type: ignore[operator]
+        return np.asarray(sine / (1 - (e * sine) ** 2) + np.arctanh(e * sine) / e)
 
     return q(np.sin(np.arctan2(np.sin(phi), polar**2 * np.cos(phi)))) / q(1.0)
 

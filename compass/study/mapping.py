@@ -14,9 +14,9 @@ from compass.coverage.gaps import coverage_gaps, shortest_pass
 from compass.coverage.grid import Grid, make_grid
 from compass.coverage.maps import coverage_map
 from compass.coverage.view import View, view
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
-from compass.inputs import Design
 from compass.orbits import RepeatPeriod, repeat_period
 from compass.orbits.motion import Motion, MotionModel
 from compass.sites import Mask
