@@ -1,8 +1,7 @@
 """Datasets as the CF conventions want them in files."""
 
+from datetime import datetime, timedelta
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,6 +57,5 @@ def in_conventions(dataset: "xr.Dataset") -> "xr.Dataset":
 
 def epoch_text(seconds_past_j2000: float) -> str:
     """ISO 8601 date and time, TDB, of seconds past J2000."""
-    instant = np.datetime64("2000-01-01T12:00:00", "us")
-    passed = np.timedelta64(round(seconds_past_j2000 * 1e6), "us")
-    return str(instant + passed).removesuffix(".000000")
+    instant = datetime(2000, 1, 1, 12) + timedelta(microseconds=round(seconds_past_j2000 * 1e6))
+    return instant.isoformat()
