@@ -6,11 +6,12 @@ from importlib import import_module
 from typing import Any
 
 from compass.api.results import Result
-from compass.document import Page, Table, Verdict
+from compass.document import Page, Table
+from compass.document import Verdict as Answer
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.papers import PAPERS
-from compass.papers.verdict import Row
+from compass.papers.verdict import Row, Verdict
 
 
 @dataclass(frozen=True, repr=False)
@@ -31,33 +32,30 @@ class ReproduceResult(Result):
 
     @property
     def differs(self) -> tuple[Row, ...]:
-        """Rows that differ without an erratum on record."""
+        """Rows that differ without a demonstrated error of the paper."""
         return tuple(row for row in self.rows if not row.holds)
 
     @property
     def holds(self) -> bool:
-        """Whether every row is reproduced or its difference explained."""
+        """Whether no row differs."""
         return not self.differs
 
-    def _counts(self) -> dict[str, int]:
-        return {
-            "reproduced": sum(row.verdict == "reproduced" for row in self.rows),
-            "errata": sum(row.verdict.startswith("erratum") for row in self.rows),
-            "differs": len(self.differs),
-        }
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many rows have each verdict."""
+        return {str(kind): sum(row.verdict is kind for row in self.rows) for kind in Verdict}
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
         rows = [row.as_dict() for row in self.rows]
-        return plain({"paper": self.paper, "title": self.title, "rows": rows} | self._counts())
+        return plain({"paper": self.paper, "title": self.title, "rows": rows} | self.counts)
 
     def document(self) -> Page:
         """How many agree, then every row."""
-        counts = self._counts()
-        verdict = Verdict(
-            "explained" if self.holds else "unexplained",
-            f"{len(self.rows)} rows: {counts['reproduced']} reproduced, {counts['errata']} errata, "
-            f"{counts['differs']} unexplained",
+        counts = ", ".join(f"{count} {kind}" for kind, count in self.counts.items() if count)
+        verdict = Answer(
+            "explained" if self.holds else "differs",
+            f"{len(self.rows)} rows: {counts}",
             self.holds,
         )
         table = comparison_table("Published and computed", self.rows)
@@ -66,8 +64,11 @@ class ReproduceResult(Result):
 
 def comparison_table(title: str, rows: Sequence[Row]) -> Table:
     """Table of published against computed."""
-    header = ("where", "item", "published", "computed", "unit", "verdict")
-    cells = ((r.where, r.item, r.published or "–", r.computed, r.unit, r.verdict) for r in rows)
+    header = ("where", "item", "published", "computed", "unit", "agrees if", "verdict")
+    cells = (
+        (r.where, r.item, r.published or "–", r.computed, r.unit, r.criterion or "–", r.told)
+        for r in rows
+    )
     return Table(title, header, tuple(cells))
 
 
