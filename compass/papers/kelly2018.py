@@ -100,7 +100,7 @@ def table_1_rows() -> list[Row]:
             (hours, sidereal_day() / 3600),
             "h",
             "equal within 0.1 %",
-            lambda period, day: abs(period / day - 1) < 1e-3,
+            lambda period, day: abs(period - day) < 1e-3 * day,
             shown="{:.4f}, {:.4f}",
         ),
     ]

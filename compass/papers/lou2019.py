@@ -115,11 +115,9 @@ def setting_rows() -> list[Row]:
                 speed2 * radii[2] / paper.GM,
             ),
             "km, km, 1",
-            "the first above 200, the last below 2",
+            "the first above 200, the last below 2 (1 would be a circle)",
             lambda low, high, energy: low > 200 and energy < 2,
             shown="{:.0f}, {:.0f}, {:.4f}",
-            note="at an apsis with the speed of a circle about 3.986e13 m^3/s^2, a tenth of "
-            "Earth's parameter: perhaps a slip, but an orbit all the same",
         ),
         claim(
             "density by eq. 3 with 2e-4 at r0: at the surface of 3397.2 km; at r0",

@@ -92,7 +92,7 @@ class Row:
     fitted
         Which parameter the published value was used to choose.
     note
-        Why the row differs, as far as known, or how it was computed.
+        Why the row differs, as far as known, should it; or of a number computed, what of it.
     shown
         Format of the numbers found, for more than one.
     """
@@ -135,7 +135,7 @@ class Row:
 
     @property
     def reason(self) -> str:
-        """Why the verdict is what it is; empty where numbers agree and nothing is to be said."""
+        """Why the verdict is what it is; empty where a row is reproduced."""
         verdict = self.verdict
         if verdict is Verdict.ERRATUM and self.erratum is not None:
             made = self.erratum.makes
@@ -143,7 +143,9 @@ class Row:
             return self.erratum.reason + gives
         if verdict is Verdict.DIFFERS:
             return self.note or "no reason on record"
-        return self.fitted if verdict is Verdict.FITTED else self.note
+        if verdict is Verdict.COMPUTED:
+            return self.note
+        return self.fitted if verdict is Verdict.FITTED else ""
 
     @property
     def told(self) -> str:

@@ -65,7 +65,7 @@ def _table_1() -> list[Row]:
             (printed, best_determinant(np.full(4, 2.0)), np.linalg.det(four)),
             "m^-6",
             "all three equal",
-            lambda eq_40, best, cone: abs(eq_40 / best - 1) < ROUNDING and _equal(best, cone),
+            lambda eq_40, best, cone: _equal(eq_40, best) and _equal(best, cone),
             shown="{:.4g}; {:.4g}; {:.4g}",
             erratum=Erratum(
                 "the exponent is misprinted: (N sigma^-2 / 3)^3, in closed form for every N >= 3",
@@ -76,7 +76,7 @@ def _table_1() -> list[Row]:
 
 
 def _equal(a: float, b: float) -> bool:
-    return bool(abs(a / b - 1) < ROUNDING)
+    return abs(a - b) <= ROUNDING * abs(b)
 
 
 def _eigenvector_rows() -> list[Row]:
@@ -101,9 +101,8 @@ def _eigenvector_rows() -> list[Row]:
             "the observable combination",
             worst(one),
             "1",
-            "rounding",
+            "rounding; n itself is meant, the quotient has no value for a level one",
             lambda residual: residual < ROUNDING,
-            note="n itself is meant: the quotient has no value for a level direction",
         ),
         claim(
             "w3 = n1 x n2 / (n1x n2y - n1y n2x) of two beacons is not observable: largest residual",
@@ -111,9 +110,8 @@ def _eigenvector_rows() -> list[Row]:
             "the eigenvector to eigenvalue 0",
             worst(two),
             "1",
-            "rounding",
+            "rounding; n1 x n2 itself is meant, the quotient has no value for an upright plane",
             lambda residual: residual < ROUNDING,
-            note="n1 x n2 itself is meant: the quotient has no value for a vertical plane",
         ),
         claim(
             "Larger over smaller eigenvalue of two equal beacons 60 deg apart: by LAPACK, closed "
@@ -147,9 +145,8 @@ def _bound_rows() -> list[Row]:
             "tr F^-1 > 3/tr F",
             worst(excess),
             "1",
-            "below 1",
+            "below 1 (true, but 1/3 is reached: see the next row)",
             lambda share: share < 1,
-            note="true but weak by a factor of 3, see the next row",
         ),
         claim(
             "Least trace of the error covariance of 6 beacons of sigma 1: on a cone; 9 sigma^2/N",
@@ -359,9 +356,8 @@ def _chain_rows() -> list[Row]:
             "always",
             whole,
             "1",
-            "1",
+            "1: true all the same, as tr F <= sum v^2/R^2",
             lambda share: share == 1,
-            note="true all the same: tr F <= sum v^2/R^2; 9 over that sum is the better bound",
         ),
         computed(
             "Noise of a range rate at which it locates as well as a range of 100 m noise, 500 km "

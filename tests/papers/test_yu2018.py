@@ -45,9 +45,10 @@ DIFFER = {
 
 
 def test_rows_at_a_small_size(coarse, every_row_can_fail):
-    rows = {row.item: row for row in yu2018.rows()}
-    every_row_can_fail(rows.values())
-    assert len(rows) >= 65
+    found = yu2018.rows()
+    every_row_can_fail(found)
+    rows = {row.item: row for row in found}
+    assert len(rows) >= 56
     assert {item for item, row in rows.items() if not row.holds} >= DIFFER
     largest = rows["Largest delta, beacons of Figure 4's words (SI)"]
     assert largest.told.startswith("differs: -21 %")
