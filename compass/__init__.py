@@ -8,12 +8,19 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # the same names for editors and type checkers
+    from compass.api.access import access
+    from compass.api.export import export
     from compass.api.fold import fold
+    from compass.api.land import land
     from compass.api.map import map
+    from compass.api.optimize import optimize
     from compass.api.reproduce import reproduce
     from compass.api.search import search
     from compass.api.show import show
+    from compass.design import Design
     from compass.inputs import read_design
+    from compass.inputs.scenario import read_scenario
+    from compass.inputs.study import read_study
     from compass.orbits import (
         Constellation,
         areosynchronous_radius,
@@ -29,15 +36,22 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Constellation",
+    "Design",
     "Mask",
     "Site",
     "__version__",
+    "access",
     "areosynchronous_radius",
     "ephemeris",
+    "export",
     "fold",
     "from_elements",
+    "land",
     "map",
+    "optimize",
     "read_design",
+    "read_scenario",
+    "read_study",
     "reproduce",
     "rosette",
     "search",
@@ -47,17 +61,20 @@ __all__ = [
 ]
 
 #: The commands, each in the file of `compass.api` that has its name.
-_COMMANDS = ("fold", "map", "reproduce", "search", "show")
+_COMMANDS = ("access", "export", "fold", "land", "map", "optimize", "reproduce", "search", "show")
 
 #: Where the other public names live.
 _HOMES = {
     "Constellation": "compass.orbits",
+    "Design": "compass.design",
     "Mask": "compass.sites",
     "Site": "compass.sites",
     "areosynchronous_radius": "compass.orbits",
     "ephemeris": "compass.orbits",
     "from_elements": "compass.orbits",
     "read_design": "compass.inputs",
+    "read_scenario": "compass.inputs.scenario",
+    "read_study": "compass.inputs.study",
     "rosette": "compass.orbits",
     "walker_delta": "compass.orbits",
     "walker_star": "compass.orbits",

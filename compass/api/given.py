@@ -2,10 +2,15 @@
 
 from math import radians
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from compass.design import Design
 from compass.errors import ArgumentError
-from compass.inputs import Design, read_design
+from compass.inputs import read_design
 from compass.sites import Mask
+
+if TYPE_CHECKING:
+    from compass.inputs.scenario import Scenario
 
 
 def given_design(design: Design | str | Path) -> Design:
@@ -24,6 +29,27 @@ def given_design(design: Design | str | Path) -> Design:
         return read_design(design)
     raise ArgumentError(
         f"design = {type(design).__name__}: must be a Design or the path of a design file"
+    )
+
+
+def given_scenario(scenario: "Scenario | str | Path") -> "Scenario":
+    """Return the scenario, read from its file if it is a path.
+
+    Raises
+    ------
+    DesignError
+        As `compass.read_scenario`.
+    ArgumentError
+        It is something else.
+    """
+    from compass.inputs.scenario import Scenario, read_scenario
+
+    if isinstance(scenario, Scenario):
+        return scenario
+    if isinstance(scenario, str | Path):
+        return read_scenario(scenario)
+    raise ArgumentError(
+        f"scenario = {type(scenario).__name__}: must be a Scenario or the path of a scenario file"
     )
 
 

@@ -11,11 +11,11 @@ from compass.api.progress import bar
 from compass.api.results import Result
 from compass.coverage.files import write_map
 from compass.coverage.maps import DOPS
+from compass.design import Design
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.blocks import facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
-from compass.inputs import Design
 from compass.orbits.motion import MotionModel
 from compass.quantities import QUANTITIES, quantity
 from compass.saving import replacing
@@ -202,7 +202,8 @@ def map(
     mask_deg: float | None = None,
     fold: int | None = None,
     pdop_max: float = 6.0,
-    motion: MotionModel = "two-body",
+    motion: MotionModel | None = None,
+    start_day: float = 0.0,
     duration_h: float | None = None,
     workers: int | None = None,
     command: str = "",
@@ -226,7 +227,9 @@ def map(
     pdop_max
         Largest PDOP that counts as available.
     motion
-        ``two-body``, ``j2`` or ``numerical``.
+        ``two-body``, ``j2`` or ``numerical``; else the design's.
+    start_day
+        Days after the epoch at which the period begins.
     duration_h
         Period to map, hours; else until the ground tracks repeat.
     workers
@@ -256,6 +259,7 @@ def map(
         fold=fold,
         pdop_max=pdop_max,
         motion=motion,
+        start_day=start_day,
         duration_h=duration_h,
     )
     read = given_design(design)

@@ -16,7 +16,7 @@ from compass.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from compass.inputs import Design
+    from compass.design import Design
     from compass.inputs.scenario import Scenario
 
 

@@ -7,9 +7,8 @@ import click
 from compass.cli.shared import (
     announce_compilation,
     command_line,
-    emit_json,
     json_option,
-    print_table,
+    print_result,
     say,
 )
 
@@ -31,45 +30,20 @@ def command(
     and distributed filters, through plasma and faults if it has them.
     """
     announce_compilation()
-    from compass.entry.assess import assessment_dataset
-    from compass.inputs.fusion import fusion_plan
-    from compass.inputs.scenario import provenance, read_scenario
-    from compass.pages.entry import assess_scenario, entry_facts, entry_section
-    from compass.pages.fusion import fusion_facts, fusion_section
-    from compass.pages.pictures import check_folder, write_pictures
-    from compass.saving import check_writable, save_netcdf
-    from compass.study.fusion import run_fusion
+    import compass
+    from compass.pictures.files import check_folder, write_pictures
+    from compass.saving import check_writable
 
-    chosen = read_scenario(scenario)
-    plan = fusion_plan(chosen)
     if output:
         check_writable(output, [scenario])
     if figures:
         check_folder(figures)
-    for warning in plan.case.visibility_report() if plan else ():
-        say(warning)
-    found = assess_scenario(chosen, runs)
-    sections = [entry_section(chosen, found)]
-    facts = entry_facts(chosen, found)
-    fused = run_fusion(plan, runs) if plan else None
-    if fused:
-        sections.append(fusion_section(fused))
-        facts["fusion"] = fusion_facts(fused)
+    found = compass.land(scenario, runs=runs, command=command_line(), progress=True, notice=say)
     if output:
-        data = assessment_dataset(found)
-        data.attrs |= provenance(chosen, command_line())
-        save_netcdf(output, data, fused.groups() if fused else ())
+        found.write(output)
         say(f"wrote {output}")
     if figures:
-        pictures = [image for section in sections for image in section.pictures]
+        pictures = found.pictures()
         write_pictures(pictures, figures)
         say(f"wrote {len(pictures)} pictures into {figures}")
-    if as_json:
-        emit_json(facts | {"provenance": provenance(chosen, command_line())})
-        return
-    click.echo(chosen.name)
-    for section in sections:
-        for paragraph in section.paragraphs:
-            click.echo(f"\n{paragraph}")
-        for table in section.tables:
-            print_table(table.title, table.rows, table.header)
+    print_result(found, as_json)

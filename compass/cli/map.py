@@ -40,10 +40,15 @@ from compass.cli.shared import (
 )
 @click.option(
     "--motion",
-    default="two-body",
-    show_default=True,
     type=click.Choice(["two-body", "j2", "numerical"]),
-    help="Model of the motion.",
+    help="How the satellites move; else as the design says.",
+)
+@click.option(
+    "--start-day",
+    type=float,
+    default=0.0,
+    show_default=True,
+    help="Days after the epoch at which the period begins.",
 )
 @click.option(
     "--duration-h",

@@ -1,5 +1,6 @@
 """``compass report``: one self-contained HTML page about a design or a study."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -114,14 +115,14 @@ def _design(path: Path, folder: Path, given: dict[str, Any], as_json: bool) -> N
 
 def _scenario(path: Path, folder: Path, as_json: bool) -> None:
     """Make the report of a scenario."""
-    from compass.inputs.scenario import read_scenario
-    from compass.pages.scenario_report import scenario_report
+    import compass
+    from compass.pages.landing_report import landing_report
 
-    page, sections = scenario_report(read_scenario(path), command_line())
+    page, sections = landing_report(compass.land(path, command=command_line(), progress=True))
     _write(folder, page, sections, as_json)
 
 
-def _write(folder: Path, page: str, sections: "list[Section]", as_json: bool) -> None:
+def _write(folder: Path, page: str, sections: "Sequence[Section]", as_json: bool) -> None:
     from compass.pages.page import write_page
 
     path = write_page(folder, page, sections)

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from compass.core.jit import fast_kernel, inline_kernel, kernel
+from compass.core.jit import fused_kernel, inline_kernel, kernel
 from compass.core.runs import cap_run, horizon_runs
 
 #: Order of the DOPs in every array.
@@ -73,7 +73,7 @@ def _quadratic(caa, cbb, ccc, cab, cac, cbc, x, y, z):
     return caa * x * x + cbb * y * y + ccc * z * z + 2.0 * (cab * x * y + cac * x * z + cbc * y * z)
 
 
-@fast_kernel
+@fused_kernel
 def _add_sights(tile, first, stop, rx, ry, rz, pz):
     """Add one satellite's line of sight to the moments of columns first ... stop-1 of a tile."""
     r2 = rx * rx + ry * ry + rz * rz + 1.0
@@ -95,7 +95,7 @@ def _add_sights(tile, first, stop, rx, ry, rz, pz):
         part[N + j] += 1.0
 
 
-@fast_kernel
+@fused_kernel
 def _solve(tile, pz):
     """Turn the moments of a tile into DOPs, which take the place of the first five moments."""
     for j in range(TILE):

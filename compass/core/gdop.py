@@ -5,13 +5,13 @@ import math
 import numpy as np
 
 from compass.core.dop import GDOP, PDOP, PX, PY, TILE, XX, XY, XZ, YY, YZ, ZZ, N, X, Y, Z, dops
-from compass.core.jit import fast_kernel, inline_kernel
+from compass.core.jit import fused_kernel, inline_kernel
 
 # Where in a tile, besides the parts of `compass.core.dop`: a place's third component, the answers.
 PZ, GDOPS, PDOPS = 12 * TILE, XX, YY
 
 
-@fast_kernel
+@fused_kernel
 def dops_at(r, place, sphere_radius, sin_mask):
     """Fold, GDOP and PDOP of a user at ``sphere_radius place``; infinite with fold below 4.
 
@@ -36,7 +36,7 @@ def dops_at(r, place, sphere_radius, sin_mask):
     return fold, dilutions[GDOP], dilutions[PDOP]
 
 
-@fast_kernel
+@fused_kernel
 def dops_over(r, places, sphere_radius, sin_mask, fold, gdop, pdop):
     """`dops_at` for moments r, shape (t, n, 3), at the same places, shape (q, 3), in each.
 
@@ -95,7 +95,7 @@ def _solve(tile, width):
         tile[GDOPS + j], tile[PDOPS + j] = dilutions[GDOP], dilutions[PDOP]
 
 
-@fast_kernel
+@fused_kernel
 def gdop_over(r, places, sphere_radius, sin_mask):
     """Fold and GDOP for moments r, shape (t, n, 3), and places, shape (t, q, 3): arrays (t, q)."""
     moments, count = places.shape[0], places.shape[1]

@@ -73,6 +73,11 @@ class Campaign:
     left_out: int
     again: Callable[[Arrivals], "Campaign"] = field(repr=False)
 
+    def __post_init__(self) -> None:
+        for part in (*vars(self).values(), *vars(self.arrivals).values()):
+            if isinstance(part, np.ndarray):
+                part.setflags(write=False)  # it is kept, and shared by all who ask for it
+
     @property
     def size(self) -> int:
         """Number of entries."""

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 import compass
+from compass.design import Design
 from compass.frames import mci_from_icrf
 from compass.handover.instants import iso, tdb
-from compass.inputs import Design
 from compass.orbits import states_mci
-from compass.orbits.motion import AnyMotion
+from compass.orbits.motion import AnyMotion, as_motion
 
 #: Highest degree of the interpolation that readers are told to use.
 DEGREE = 7
@@ -55,7 +55,11 @@ def oem(
     states = np.concatenate([r @ to_icrf, v @ to_icrf], axis=-1) / 1e3
     dates = iso(tdb(c.epoch, times))
     stamp = np.datetime64("now") if created is None else created
-    remarks = [f"{design.name}: {c.size} satellites", f"Motion: {motion}, GM = {c.gm!r} m^3/s^2"]
+    moved = as_motion(motion)
+    remarks = [
+        f"{design.name}: {c.size} satellites",
+        f"Motion: {moved.model}: {moved.title}, GM = {c.gm!r} m^3/s^2",
+    ]
     if design.source:
         remarks.append(f"Source: {design.source}")
     table = "\n".join([_STATE] * times.size)

@@ -1,7 +1,5 @@
 """Design files: read, check across fields, and turn into a constellation, a mask and sites."""
 
-import hashlib
-from dataclasses import dataclass
 from datetime import datetime
 from fractions import Fraction
 from pathlib import Path
@@ -10,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from compass.bodies import SOLAR_DAY
-from compass.contacts.radio import Radio
-from compass.contacts.survey import Wanted
-from compass.errors import ArgumentError
+from compass.design import Design, Radio, Wanted
+from compass.errors import ArgumentError, DesignError
 from compass.frames import FIGURES, Figure, planetocentric_latitude, seconds_past_j2000
 from compass.inputs.faults import fault
 from compass.inputs.models import (
@@ -20,76 +17,28 @@ from compass.inputs.models import (
     CoverageTable,
     DesignFile,
     ElementsTable,
+    EphemerisTable,
     LinkTable,
     RosetteTable,
     StationTable,
 )
+from compass.inputs.motion import motion_faults, motion_of_table
+from compass.inputs.oem import read_ephemerides
 from compass.inputs.reading import parse, read_text
 from compass.orbits import (
     Constellation,
-    areosynchronous_radius,
-    from_elements,
+    keplerian,
     rosette,
     walker_delta,
     walker_star,
 )
-from compass.orbits.constellation import check_counts
-from compass.orbits.rosette import walker_phasing
+from compass.orbits.kinds import WALKER_DELTA, check_counts, walker_phasing
+from compass.orbits.states import from_states
+from compass.orbits.trajectory import Trajectory
 from compass.saving import readable
 from compass.sites import Mask, Site
 
 KM = 1e3
-
-
-@dataclass(frozen=True)
-class Design:
-    """A design file, read.
-
-    Attributes
-    ----------
-    name, source
-        As written.
-    paper
-        Key of the source paper whose printed values the design is compared with, or None.
-    figure
-        Reference figure of Mars.
-    constellation
-        The orbits.
-    mask
-        Elevation mask of users on the surface.
-    fold
-        Satellites that must be in view at once.
-    stations
-        Named sites.
-    access
-        What to link besides.
-    access_duration
-        Span over which to look for access, seconds.
-    conjunction
-        Sun-Earth-Mars angle below which links to the Earth are lost, radians.
-    radios
-        Radio links.
-    text, digest
-        The file's text and its SHA-256 in hexadecimal, for provenance.
-    label
-        The file's name as given.
-    """
-
-    name: str
-    source: str
-    paper: str | None
-    figure: Figure
-    constellation: Constellation
-    mask: Mask
-    fold: int
-    stations: tuple[Site, ...]
-    access: Wanted
-    access_duration: float
-    conjunction: float
-    radios: tuple[Radio, ...]
-    text: str
-    digest: str
-    label: str
 
 
 def read_design(path: str | Path) -> Design:
@@ -106,13 +55,15 @@ def read_design(path: str | Path) -> Design:
 def read_design_text(text: str, label: str = "design") -> Design:
     """Read a design from its TOML text; `label` stands for the file name in messages."""
     file = parse(text, label, DesignFile, cross_faults)
-    figure = FIGURES[file.figure]
+    figure, folder = FIGURES[file.figure], Path(label).parent
+    table = _ephemeris(file, folder, label)
+    motion = motion_of_table(file.motion, folder, label, table)
     return Design(
         name=file.name,
         source=file.source,
         paper=file.paper,
         figure=figure,
-        constellation=_constellation(file, figure),
+        constellation=_constellation(file, figure, table),
         mask=_mask(file.coverage),
         fold=file.coverage.fold,
         stations=tuple(_site(station, figure) for station in file.station),
@@ -121,17 +72,45 @@ def read_design_text(text: str, label: str = "design") -> Design:
         conjunction=float(np.radians(file.access.conjunction_deg)),
         radios=tuple(_radio(link) for link in file.link),
         text=text,
-        digest=hashlib.sha256(text.encode()).hexdigest(),
         label=label,
+        motion=motion,
     )
 
 
-def _constellation(file: DesignFile, figure: Figure) -> Constellation:
+def _ephemeris(file: DesignFile, folder: Path, label: str) -> Trajectory | None:
+    """Trajectory of a design's files, if it is made of such."""
+    if not isinstance(file.constellation, EphemerisTable):
+        return None
+    epoch = None if file.epoch is None else seconds_past_j2000(file.epoch)
+    try:
+        return read_ephemerides(file.constellation.files, folder, epoch)
+    except DesignError as error:
+        raise DesignError(f"{label}: {error}") from error
+
+
+def _osculating(file: DesignFile, table: Trajectory) -> Constellation:
+    """Ellipses that touch the paths of a table at its epoch."""
+    r, v = table.states([max(table.start, 0.0)])
+    return from_states(
+        r[:, 0],
+        v[:, 0],
+        name=file.name,
+        epoch=table.epoch,
+        satellite_names=table.satellite_names,
+    )
+
+
+def _constellation(
+    file: DesignFile, figure: Figure, ephemeris: Trajectory | None = None
+) -> Constellation:
     table, epoch = file.constellation, seconds_past_j2000(file.epoch) if file.epoch else 0.0
+    if isinstance(table, EphemerisTable):
+        assert ephemeris is not None
+        return _osculating(file, ephemeris)
     if isinstance(table, ElementsTable):
         shapes = [_shape(s.model_dump(), figure) for s in table.satellite]
         axes, eccentricities = np.array(shapes).T
-        return from_elements(
+        return keplerian(
             axes * KM,
             eccentricities,
             np.radians([s.inclination_deg for s in table.satellite]),
@@ -142,33 +121,21 @@ def _constellation(file: DesignFile, figure: Figure) -> Constellation:
             epoch=epoch,
             satellite_names=[s.name for s in table.satellite],
         )
-    if table.radius_km is not None:
-        radius = table.radius_km * KM
-    elif table.altitude_km is not None:
-        radius = table.altitude_km * KM + figure.equatorial_radius
-    else:
-        radius = areosynchronous_radius()
-    inclination = float(np.radians(table.inclination_deg))
+    orbit: dict[str, Any] = {
+        "inclination_deg": table.inclination_deg,
+        "radius_km": table.radius_km,
+        "altitude_km": table.altitude_km,
+        "orbit": table.orbit,
+        "raan_deg": table.raan_deg,
+        "phase_deg": table.phase_deg,
+        "figure": figure,
+        "name": file.name,
+        "epoch": epoch,
+    }
     if isinstance(table, RosetteTable):
-        return rosette(
-            table.satellites,
-            table.planes,
-            Fraction(table.multiplier),
-            inclination=inclination,
-            radius=radius,
-            name=file.name,
-            epoch=epoch,
-        )
-    make = walker_delta if table.pattern == "walker-delta" else walker_star
-    return make(
-        table.satellites,
-        table.planes,
-        table.phasing,
-        inclination=inclination,
-        radius=radius,
-        name=file.name,
-        epoch=epoch,
-    )
+        return rosette(table.satellites, table.planes, Fraction(table.multiplier), **orbit)
+    make = walker_delta if table.pattern == WALKER_DELTA.name else walker_star
+    return make(table.satellites, table.planes, table.phasing, **orbit)
 
 
 def _shape(satellite: dict[str, Any], figure: Figure) -> tuple[float, float]:
@@ -228,8 +195,9 @@ def cross_faults(raw: dict[str, Any]) -> list[str]:
     if isinstance(table, dict):
         if table.get("pattern") == "elements":
             faults += _satellite_faults(table.get("satellite"), figure)
-        else:
+        elif table.get("pattern") != "ephemeris":
             faults += _pattern_faults(table) + _orbit_faults(table, figure)
+    faults += motion_faults(raw)
     if isinstance(raw.get("coverage"), dict):
         faults += _horizon_faults(raw["coverage"], "coverage")
     stations, names = raw.get("station"), set()

@@ -6,6 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
+from compass.design import LinkEnd
+
 SatelliteCount = Annotated[int, Field(ge=1, le=10_000)]
 Inclination = Annotated[float, Field(ge=0, le=180)]
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
@@ -43,7 +45,16 @@ class CircularOrbit(Table):
     )
 
 
-class WalkerTable(CircularOrbit):
+class Placement(CircularOrbit):
+    """Where a pattern of circular orbits stands: its first satellite at the epoch."""
+
+    raan_deg: float = Field(0.0, ge=-360, le=360, description="node of the first plane, degrees")
+    phase_deg: float = Field(
+        0.0, ge=-360, le=360, description="argument of latitude of the first satellite, degrees"
+    )
+
+
+class WalkerTable(Placement):
     """``i: t/p/f``."""
 
     pattern: Literal["walker-delta", "walker-star"] = Field(description="kind of pattern")
@@ -53,7 +64,7 @@ class WalkerTable(CircularOrbit):
     inclination_deg: Inclination = Field(description="inclination, 0 to 180 degrees")
 
 
-class RosetteTable(CircularOrbit):
+class RosetteTable(Placement):
     """``(N, P, m)``."""
 
     pattern: Literal["rosette"] = Field(description="kind of pattern")
@@ -95,6 +106,42 @@ class ElementsTable(Table):
     )
 
 
+class EphemerisTable(Table):
+    """Other people's trajectories."""
+
+    pattern: Literal["ephemeris"] = Field(description="kind of pattern")
+    files: list[str] = Field(
+        min_length=1,
+        max_length=10_000,
+        description='CCSDS OEM files, one a satellite, or patterns such as "*.oem"',
+    )
+
+
+class MotionTable(Table):
+    """How the satellites move."""
+
+    model: Literal["two-body", "j2", "numerical"] = Field(
+        "two-body", description="two-body, j2 (mean elements drift), or numerical (forces)"
+    )
+    gravity_degree: int | None = Field(
+        None, ge=2, le=120, description="degree of the gravity field; 8 if left out"
+    )
+    gravity_file: str | None = Field(
+        None, min_length=1, description="SHADR (.tab) or ICGEM (.gfc) file, not the built-in GMM-3"
+    )
+    gravity_frame: Literal["iau-2000", "iau-1991"] | None = Field(
+        None, description="prime meridian of the gravity file's longitudes"
+    )
+    sun: bool = Field(True, description="whether the Sun attracts")
+    moons: bool = Field(True, description="whether Phobos and Deimos attract")
+    radiation_m2_kg: float = Field(
+        0.026, ge=0, lt=1000, description="reflectivity times area over mass, m^2/kg; 0: no light"
+    )
+    shadow: Literal["none", "cylinder", "cone"] = Field(
+        "cylinder", description="how Mars shades: not, as a cylinder, or with penumbra"
+    )
+
+
 class CoverageTable(Table):
     """What the user on the surface needs."""
 
@@ -125,9 +172,6 @@ class StationTable(Table):
     )
 
 
-NodeKind = Literal["station", "satellite", "moon", "earth"]
-
-
 class AccessTable(Table):
     """What to link for `compass access`, beside the stations."""
 
@@ -153,7 +197,7 @@ class AccessTable(Table):
 class LinkTable(Table):
     """A radio link between two kinds of nodes."""
 
-    between: Annotated[list[NodeKind], Field(min_length=2, max_length=2)] = Field(
+    between: Annotated[list[LinkEnd], Field(min_length=2, max_length=2)] = Field(
         description='two of "station", "satellite", "moon", "earth"'
     )
     frequency_mhz: float = Field(gt=0, le=1e6, description="carrier, MHz")
@@ -179,8 +223,11 @@ class DesignFile(Table):
         None, description="epoch of the elements, TDB; J2000 if left out"
     )
     constellation: Annotated[
-        WalkerTable | RosetteTable | ElementsTable, Field(discriminator="pattern")
+        WalkerTable | RosetteTable | ElementsTable | EphemerisTable, Field(discriminator="pattern")
     ] = Field(description="the orbits: a table [constellation]")
+    motion: MotionTable = Field(
+        default_factory=lambda: MotionTable.model_validate({}), description="how satellites move"
+    )
     coverage: CoverageTable = Field(
         default_factory=lambda: CoverageTable.model_validate({}), description="coverage wanted"
     )

@@ -9,9 +9,11 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.design import Design
+from compass.digest import digest_of
 from compass.errors import CompassError, DesignError
 from compass.frames import FIGURES, Figure
-from compass.inputs.design import Design, read_design
+from compass.inputs.design import read_design
 from compass.inputs.merit import MERITS
 from compass.inputs.reading import parse, read_text
 from compass.inputs.scenario import Scenario, read_scenario
@@ -144,8 +146,8 @@ class Study:
     compare
         A design to compare with, or None.
     text, digest, label
-        The file's text, the SHA-256 of it and of the files it names (and of the table of the air
-        that its scenario names), its name as given.
+        The file's text, the SHA-256 of it and of all that was read from the files that it names,
+        and that these name; its name as given.
     """
 
     name: str
@@ -194,12 +196,7 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         compare = _named(read_design, folder / file.compare.design, "compare.design", faults)
     if faults:
         raise DesignError([f"{label}: {line}" for line in faults])
-    for named in (scenario, compare):
-        if named is not None:
-            digest.update(named.digest.encode())
-    if scenario is not None and scenario.model.atmosphere.table_radius:
-        air = scenario.model.atmosphere
-        digest.update(repr((air.table_radius, air.table_density)).encode())
+    digest.update(digest_of((scenario, compare)).encode())
     entry = None
     if file.entry and scenario is not None:
         entry = EntryStage(

@@ -93,7 +93,7 @@ class ForceModel:
     field: GravityField = field(default_factory=lambda: built_in_field().truncated(8))
     sun: bool = True
     moons: bool = True
-    radiation: float = 0.0
+    radiation: float = 0.026
     shadow: Shadow = "cylinder"
 
     def __post_init__(self) -> None:

@@ -4,7 +4,6 @@ Whatever the motion, it answers the same question: `Motion.trajectory`, the path
 over a span.
 """
 
-import hashlib
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -13,6 +12,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.digest import digest_of
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.constellation import Constellation
@@ -67,6 +67,10 @@ class Motion:
         if self.forces is not None:
             return f"numerical motion: {self.forces.describe()}"
         return {"two-body": "two-body motion", "j2": "mean motion under J2"}[self.model]
+
+    def or_of(self, model: MotionModel | None) -> "Motion":
+        """Return this motion, or another if another model is named."""
+        return self if model in (None, self.model) else Motion(model)
 
     def states(
         self, constellation: Constellation, times: ArrayLike
@@ -127,7 +131,7 @@ class Motion:
             raise ArgumentError("span: orbits under forces are followed one way from the epoch")
         end = start if start < 0.0 else stop
         r, v = elliptic(replace(c, gm=self.forces.field.gm), np.zeros(1))
-        key = _digest(c, r, v, self.forces)
+        key = digest_of((c.epoch, c.satellite_names, r, v, self.forces))
         known = _KEPT.get(key)
         if known is None or not known.start <= end <= known.stop:
             known = integrate(
@@ -164,16 +168,3 @@ def check_span(path: Trajectory, start: float, stop: float) -> None:
             f"{path.stop / SECONDS_PER_DAY:.9g} days after the epoch; ask for less, or give longer "
             "files"
         )
-
-
-def _digest(
-    c: Constellation, r: NDArray[np.float64], v: NDArray[np.float64], forces: ForceModel
-) -> str:
-    """Digest of all that an integration depends on."""
-    found = hashlib.sha256(repr((c.epoch, c.satellite_names, r.shape)).encode())
-    f = forces.field
-    scalars = (f.name, f.gm, f.radius, f.meridian, forces.sun, forces.moons, forces.radiation)
-    found.update(repr((*scalars, forces.shadow, f.c.shape)).encode())
-    for array in (r, v, f.c, f.s):
-        found.update(np.ascontiguousarray(array).tobytes())
-    return found.hexdigest()

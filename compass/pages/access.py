@@ -1,164 +1,22 @@
-"""The access section of a report: timelines of sight, and what they come to."""
+"""The access section of a page: timelines of sight, and what they come to."""
 
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-
-from compass.bodies import SOLAR_DAY
-from compass.contacts.nodes import find_node
-from compass.contacts.radio import Radio, carrier_to_noise
-from compass.contacts.record import pair_track, survey_record
-from compass.contacts.spans import any_of
-from compass.contacts.survey import Survey, survey
-from compass.contacts.windows import Windows
-from compass.document.blocks import Picture, Section, arranged
-from compass.inputs.design import Design
-from compass.pages.access_tables import access_tables
-from compass.pictures.style import CYCLE, FAINT, INK, look, new_figure, picture
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-#: A timeline shows this much of the span, so that single passes stay apart.
-SHOWN_SOLS = 5.0
-
-#: Rows of a timeline at most; above that it is a grey smear.
-MAX_ROWS = 60
+from compass.api.access import AccessResult
+from compass.document.blocks import Section, arranged
+from compass.pictures.access import link_budget, served, timeline
 
 _KINDS = ("station", "moon", "earth")
 
 
-def access_section(design: Design) -> Section | None:
-    """Timelines and tables of everything that a design asks to be linked; None if it is nothing."""
-    wanted = design.access
-    if not (design.stations or wanted.moons or wanted.earth or wanted.crosslinks):
-        return None
-    found = survey(
-        design.constellation,
-        design.stations,
-        design.access_duration,
-        design.access,
-        figure=design.figure,
-    )
-    record = survey_record(
-        found,
-        design.constellation.epoch,
-        radios=design.radios,
-        threshold=design.conjunction,
-        figure=design.figure,
-        eclipse=True,
-    )
+def access_section(result: AccessResult) -> Section:
+    """Timelines and tables of everything that was linked."""
+    found = result.found
     pictures = [
         timeline(found, node.name)
         for node in found.nodes
         if node.kind in _KINDS and found.of(node.name)
     ]
-    pictures += [link_budget(found, radio) for radio in design.radios if _served(found, radio)]
-    return arranged(
-        title="Access",
-        paragraphs=(_summary(record),),
-        pictures=tuple(pictures),
-        tables=tuple(access_tables(record)),
-    )
-
-
-def timeline(found: Survey, name: str) -> Picture:
-    """Draw when a node sees each satellite, and any of them: a row a satellite, a bar a window."""
-    pairs = found.of(name)
-    shown = pairs[:MAX_ROWS]
-    sols = min(SHOWN_SOLS, found.sols)
-    figure = new_figure(8.0, 1.5 + 0.2 * len(shown))
-    with look():
-        axes = figure.add_subplot()
-        _bars(axes, shown, name)
-        merged = any_of([w.spans for w in pairs]) / SOLAR_DAY.value
-        axes.hlines(np.full(len(merged), -1.2), merged[:, 0], merged[:, 1], color=INK, lw=6)
-        labels = [_other(w, name) for w in shown]
-        axes.set_yticks([-1.2, *range(len(shown))], ["any", *labels], fontsize=8)
-        axes.set_ylim(len(shown) - 0.4, -1.9)
-        axes.set_xlim(0.0, sols)
-        axes.set_xlabel("time after the epoch [sols]")
-        axes.set_title(f"Satellites in sight of {name}")
-        axes.grid(axis="x")
-        axes.tick_params(axis="y", length=0)
-        axes.set_axisbelow(True)
-    left_out = len(pairs) - len(shown)
-    more = f" The first {len(shown)} of {len(pairs)} satellites." if left_out else ""
-    return picture(
-        figure,
-        f"access-{_stem(name)}",
-        f"Satellites in sight of {name}",
-        f"Each bar is a span of sight, found to 1 ms, one colour an orbital plane; the first "
-        f"{sols:g} of {found.sols:g} sols. The dark row is any satellite at all.{more}",
-    )
-
-
-def link_budget(found: Survey, radio: Radio) -> Picture:
-    """Draw C/N0 along the windows that a radio serves, against what it needs."""
-    pairs = _served(found, radio)
-    shown = pairs[: len(CYCLE)]
-    # the Earth's distance changes over weeks, a satellite's over hours
-    sols = found.sols if "earth" in radio.between else min(SHOWN_SOLS, found.sols)
-    figure = new_figure(8.0, 4.0)
-    with look():
-        axes = figure.add_subplot()
-        for color, w in zip(CYCLE, shown, strict=False):
-            path = pair_track(found, w)
-            # a nan at the end of each window breaks the line there
-            breaks = np.searchsorted(path.time, w.end, side="right")
-            time = np.insert(path.time, breaks, w.end) / SOLAR_DAY.value
-            ratio = np.insert(carrier_to_noise(radio, path.distance), breaks, np.nan)
-            axes.plot(time, ratio, color=color, label=f"{w.first} - {w.second}")
-        axes.axhline(radio.required, color=INK, ls="--", lw=1, label="needed")
-        axes.set_xlim(0.0, sols)
-        axes.set_xlabel("time after the epoch [sols]")
-        axes.set_ylabel("C/N₀ [dB Hz]")
-        title = f"Link budget, {radio.between[0]} - {radio.between[1]}"
-        axes.set_title(f"{title}, {radio.frequency / 1e6:g} MHz")
-        axes.grid()
-        figure.legend(loc="outside right upper", fontsize=8, frameon=False)
-    more = f" The first {len(shown)} of {len(pairs)} links." if len(pairs) > len(shown) else ""
-    return picture(
-        figure,
-        f"access-link-{_stem('-'.join(radio.between))}-{radio.frequency / 1e6:.0f}",
-        title,
-        f"Carrier to noise density in free space, for {radio.eirp:g} dBW and "
-        f"{radio.figure_of_merit:g} dB/K; usable above the dashed line.{more}",
-    )
-
-
-def _served(found: Survey, radio: Radio) -> list[Windows]:
-    """Windows of the pairs that a radio serves and that see each other."""
-    return [
-        w
-        for w in found.windows
-        if w.count
-        and radio.serves(find_node(found.nodes, w.first), find_node(found.nodes, w.second))
+    pictures += [
+        link_budget(found, radio) for radio in result.design.radios if served(found, radio)
     ]
-
-
-def _bars(axes: "Axes", shown: list[Windows], name: str) -> None:
-    """Draw the windows, one colour an orbital plane where the names tell the plane."""
-    planes = list(dict.fromkeys(_other(w, name).partition("S")[0] for w in shown))
-    for row, w in enumerate(shown):
-        color = CYCLE[planes.index(_other(w, name).partition("S")[0]) % len(CYCLE)]
-        start, end = w.start / SOLAR_DAY.value, w.end / SOLAR_DAY.value
-        axes.axhline(row, color=FAINT, lw=0.4, alpha=0.5)
-        axes.hlines(np.full(w.count, row), start, end, color=color, lw=6)
-
-
-def _other(w: Windows, name: str) -> str:
-    return w.second if w.first == name else w.first
-
-
-def _stem(name: str) -> str:
-    return "".join(c if c.isalnum() else "-" for c in name.lower())
-
-
-def _summary(record: dict[str, Any]) -> str:
-    parts = [
-        f"{r['node']} sees {r['seen']} of {r['satellites']} satellites, at least one of them "
-        f"{100 * r['any_share']:.1f} % of the time."
-        for r in record["nodes"]
-    ]
-    return f"Over {record['duration_sols']:g} sols: " + " ".join(parts)
+    summary = f"Over {found.sols:g} sols: " + " ".join(result.summary())
+    return arranged("Access", (summary, *result.notes()), pictures, result.tables())

@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from compass.api.access import access
 from compass.api.map import MapResult
 from compass.api.reproduce import comparison_table
 from compass.api.show import ShowResult, show
 from compass.coverage.site import site_coverage
+from compass.design import Design
 from compass.document.blocks import Section, Table, arranged
-from compass.inputs import Design
 from compass.pages.access import access_section
 from compass.pages.coverage import fold_pictures, map_pictures
 from compass.pages.fold import fold_section
@@ -53,7 +54,7 @@ def design_report(
         ("coverage pictures", lambda: _coverage(design, mapped)),
         ("continuous fold", lambda: fold_section(design)),
         ("stations", lambda: _stations(design, mapped)),
-        ("access", lambda: access_section(design)),
+        ("access", lambda: _access(design)),
         ("comparison", lambda: _comparison(design)),
     ):
         progress(name)
@@ -139,6 +140,14 @@ def _coverage(design: Design, mapped: DesignMap) -> Section:
         (snapshot, *map_pictures(data, grid, name), *fold_pictures(data)),
         MapResult(design, mapped).tables(),
     )
+
+
+def _access(design: Design) -> Section | None:
+    """Everything that the design asks to be linked; None if it is nothing."""
+    wanted = design.access
+    if not (design.stations or wanted.moons or wanted.earth or wanted.crosslinks):
+        return None
+    return access_section(access(design, eclipse=True))
 
 
 def _counts_at_epoch(mapped: DesignMap) -> Any:

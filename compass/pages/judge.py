@@ -7,10 +7,10 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
+from compass.design import Design
 from compass.document.blocks import Picture, Section, Table, arranged
 from compass.entry.arrivals import draw_arrivals
 from compass.entry.campaign import Campaign
-from compass.inputs import Design
 from compass.inputs.scenario import Scenario, provenance
 from compass.pages.page import render
 from compass.pictures.mars_map import MarsMap, colour_bar

@@ -11,6 +11,12 @@ if TYPE_CHECKING:
 
     import xarray as xr
 
+#: Averages leave out the first sixth of the entry, while the filters settle.
+SETTLING = 6
+
+#: How runs without and with a plan's faults are spoken of.
+TITLES = {"clear": "without the fault", "faulty": "with the fault"}
+
 
 @dataclass(frozen=True)
 class FusionRuns:

@@ -1,9 +1,9 @@
 """A constellation judged as radio beacons of a lander, anywhere and at any time."""
 
+from collections import OrderedDict
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
-from functools import lru_cache
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from compass.core.entry_geometry import cartesian_of
 from compass.core.judging import bounds, count_in_view, information
+from compass.digest import digest_of
 from compass.entry.arrivals import draw_arrivals
 from compass.entry.campaign import Campaign, check_sigmas, fly_campaign
 from compass.entry.fisher import noise_variances
-from compass.entry.model import EntryModel
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
 from compass.entry.trajectory import Trigger, fly
 from compass.errors import ArgumentError
@@ -41,10 +41,7 @@ STEP_ERROR = 100.0
 class _Request:
     """What a campaign depends on, so that one is flown for all constellations."""
 
-    scenario: Scenario = field(compare=False)
-    digest: str
-    numbers: bytes  # which may have been replaced since the text was read
-    model: EntryModel
+    scenario: Scenario
     electrons: ElectronModel | ElectronTable | None
     samples: int
     seed: int
@@ -52,8 +49,28 @@ class _Request:
     lift_sigma: float
 
 
-@lru_cache(maxsize=4)
+#: The last campaigns flown, by their requests' digests.
+_FLOWN: OrderedDict[str, Campaign] = OrderedDict()
+
+#: How many campaigns are kept.
+MOST_FLOWN = 4
+
+
 def _flown(request: _Request) -> Campaign:
+    """Campaign of a request, flown unless one of the same content was."""
+    try:
+        key = digest_of(request)
+    except TypeError:  # electrons by a function of the user's, which may be another tomorrow
+        return _fly(request)
+    if key not in _FLOWN:
+        _FLOWN[key] = _fly(request)
+        while len(_FLOWN) > MOST_FLOWN:
+            _FLOWN.popitem(last=False)
+    _FLOWN.move_to_end(key)
+    return _FLOWN[key]
+
+
+def _fly(request: _Request) -> Campaign:
     scenario = request.scenario
     arrivals = draw_arrivals(request.samples, request.seed)
     check_sigmas(request.density_sigma, request.lift_sigma)
@@ -95,22 +112,7 @@ def campaign_of(
     electrons, density_sigma, lift_sigma
         As in `compass.entry.campaign.fly_campaign`.
     """
-    return _flown(
-        _Request(
-            scenario,
-            scenario.digest,
-            b"".join(
-                np.asarray(part, dtype=float).tobytes()
-                for part in (scenario.state, scenario.settings.covariance0, scenario.times)
-            ),
-            scenario.model,
-            electrons,
-            samples,
-            seed,
-            density_sigma,
-            lift_sigma,
-        )
-    )
+    return _flown(_Request(scenario, electrons, samples, seed, density_sigma, lift_sigma))
 
 
 def deployment_trigger(scenario: Scenario) -> Trigger | None:

@@ -11,10 +11,11 @@ import compass
 from compass.coverage.grid import Grid, make_grid
 from compass.coverage.maps import coverage_map
 from compass.coverage.view import View, view
+from compass.design import Design
 from compass.errors import ArgumentError
-from compass.inputs import Design
+from compass.frames import SECONDS_PER_DAY
 from compass.orbits import RepeatPeriod, repeat_period
-from compass.orbits.motion import AnyMotion
+from compass.orbits.motion import MotionModel
 from compass.sites import Mask
 
 if TYPE_CHECKING:
@@ -42,7 +43,9 @@ class MapOptions:
     pdop_max
         Largest PDOP that counts as available.
     motion
-        ``two-body``, ``j2`` or ``numerical``.
+        ``two-body``, ``j2`` or ``numerical``, instead of the design's.
+    start_day
+        Days after the epoch at which the period begins.
     duration_h
         Period to map, hours, instead of the ground tracks' repeat period.
     """
@@ -53,7 +56,8 @@ class MapOptions:
     mask_deg: float | None = None
     fold: int | None = None
     pdop_max: float = 6.0
-    motion: AnyMotion = "two-body"
+    motion: MotionModel | None = None
+    start_day: float = 0.0
     duration_h: float | None = None
 
 
@@ -104,9 +108,13 @@ def make_map(
     mask = design.mask if chosen.mask_deg is None else option_mask(chosen.mask_deg)
     repeat = repeat_period(design.constellation)
     duration = repeat.duration if chosen.duration_h is None else chosen.duration_h * 3600
+    if not 0 <= chosen.start_day < np.inf:
+        raise ArgumentError(f"start_day = {chosen.start_day:g}: must be 0 or more days")
     times = np.arange(chosen.epochs) * (duration / chosen.epochs)
+    times += chosen.start_day * SECONDS_PER_DAY
+    motion = design.motion.or_of(chosen.motion)
     grid = make_grid(chosen.grid, chosen.step_deg)
-    seen = view(design.constellation, times, design.figure.equatorial_radius, mask, chosen.motion)
+    seen = view(design.constellation, times, design.figure.equatorial_radius, mask, motion)
     dataset = coverage_map(
         seen,
         grid,
@@ -118,7 +126,8 @@ def make_map(
     )
     dataset.attrs |= provenance(design, command) | {
         "elevation_mask_deg": np.degrees(mask.elevation).tolist(),
-        "motion_model": chosen.motion,
+        "motion_model": motion.model,
+        "start_day": chosen.start_day,
         "period_s": duration,
         "repeat_miss_deg": float(np.degrees(repeat.closure)),
     }

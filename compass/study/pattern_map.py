@@ -40,4 +40,6 @@ def map_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
 def places(kind: str, step_deg: float) -> NDArray[np.float64]:
     """Unit vectors to the middles of a grid's cells, row by row from the south, shape (q, 3)."""
     grid = make_grid(kind, step_deg)
-    return direction(grid.latitude[:, np.newaxis], grid.longitude).reshape(-1, 3)
+    found = direction(grid.latitude[:, np.newaxis], grid.longitude).reshape(-1, 3)
+    found.setflags(write=False)  # it is everyone's
+    return found

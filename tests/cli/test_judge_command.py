@@ -3,6 +3,7 @@
 import json
 
 import pytest
+from scipy.stats import chi2
 
 from compass.inputs import read_design
 from compass.study import judge_worst, ranking, rival
@@ -68,7 +69,8 @@ def test_json_has_the_promised_keys(run, files):
         assert {"p50", "p95"} <= set(row["crlb_velocity_m_s"])
         assert {"unobservable_share", "fisher_log_det", "fisher_trace", "after_loss"} <= set(row)
     assert {"p50", "p95"} <= set(first["ekf_position_m"])
-    assert first["nees_interval"]["low"] < 6 < first["nees_interval"]["high"]
+    low, high = chi2.ppf([0.025, 0.975], 6 * first["runs"]) / first["runs"]
+    assert first["nees_interval"] == {"low": pytest.approx(low), "high": pytest.approx(high)}
     assert first["consistent"] is (
         first["nees_interval"]["low"] <= first["nees"] <= first["nees_interval"]["high"]
     )

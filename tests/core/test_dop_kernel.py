@@ -3,7 +3,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compass.core.dop import dop_series
+from compass.core import dop, gdop
+from compass.core.dop import dop_rows, dop_series
+from compass.core.gdop import dops_over
+
+EPS = np.finfo(float).eps
 
 
 def twin(sights, up):
@@ -93,3 +97,60 @@ def test_limit_of_singularity_is_far_from_useful_geometry():
         assert np.isinf(pdop) == expected_inf
         if not expected_inf:
             assert pdop == pytest.approx(twin(u, np.array([0, 0, 1.0]))[1], rel=1e-4)
+
+
+def exact_gdop(sights):
+    """GDOP in forty digits."""
+    from mpmath import mp, mpf, sqrt
+
+    with mp.workdps(40):
+        g = mp.matrix([[*map(mpf, u), 1] for u in sights.tolist()])
+        q = (g.T * g) ** -1
+        return float(sqrt(sum(q[k, k] for k in range(4))))
+
+
+@pytest.mark.parametrize("height", [1e-1, 1e-3, 1e-5, 3e-6])
+def test_rounding_stays_below_what_is_claimed_of_it(height):
+    """The relative error is at most about ``eps PDOP^2 n``, up to the edge of singularity."""
+    turn = np.radians([3, 80, 160, 250, 310])
+    for k in range(20):
+        u = np.column_stack([np.cos(turn + k), np.sin(turn + k), np.full(5, 0.3)])
+        u[:, 2] += height * np.random.default_rng(k).normal(size=5)
+        u /= np.linalg.norm(u, axis=1, keepdims=True)
+        _, found = series(u)
+        assert found[0] == pytest.approx(exact_gdop(u), rel=10 * EPS * found[1] ** 2 * 5)
+
+
+@pytest.mark.parametrize("satellites", [4, 9])
+def test_row_and_scattered_places_round_as_little(satellites):
+    """Two kernels with moments summed in different ways agree to the rounding of their input.
+
+    A sight of a user at the surface is off by ``2 eps``, which S turns into ``eps PDOP^2 n``.
+    """
+    rng = np.random.default_rng(satellites)
+    r = rng.normal(size=(3, satellites, 3))
+    r[..., 0] = np.abs(r[..., 0]) + 2.0
+    lon = 2 * np.pi * np.arange(14) / 14 - np.pi
+    place = np.column_stack([np.cos(lon), np.sin(lon), np.zeros(14)])
+    cos_cap = 1.0 / np.linalg.norm(r, axis=-1)  # no mask
+    counts, out = np.empty((3, 1, 14), np.int16), np.empty((3, 1, 5, 14))
+    one = np.zeros(1)
+    dop_rows(
+        r, cos_cap, one, one, np.zeros(1), np.ones(1), np.cos(lon), np.sin(lon), lon[0],
+        counts, out,
+    )  # fmt: skip
+    fold, found, pdop = np.empty((3, 14), np.int64), np.empty((3, 14)), np.empty((3, 14))
+    dops_over(r, place, 1.0, 0.0, fold, found, pdop)
+    np.testing.assert_array_equal(fold, counts[:, 0])
+    finite = np.isfinite(found)
+    assert finite.sum() > 6
+    np.testing.assert_array_equal(finite, np.isfinite(out[:, 0, 0]))
+    error = np.abs(found[finite] / out[:, 0, 0][finite] - 1)
+    assert np.all(error <= 10 * EPS * satellites * pdop[finite] ** 2)
+
+
+def test_no_sum_is_reordered_where_rounding_is_accounted_for():
+    for module in (dop, gdop):
+        for name, compiled in vars(module).items():
+            options = getattr(compiled, "targetoptions", {})
+            assert options.get("fastmath", False) in (False, {"contract"}), name

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from compass.api.land_fusion import fusion_facts, fusion_section
 from compass.cli.main import program
 from compass.errors import DesignError
 from compass.inputs.fusion import fusion_plan
 from compass.inputs.scenario import read_scenario, read_scenario_text
-from compass.pages.fusion import fusion_facts, fusion_section
 from compass.papers import lou2017_case, lou2019_case
 from compass.study.fusion import run_fusion
 

@@ -66,7 +66,9 @@ def test_the_digest_covers_the_files_it_names(tmp_path, designs):
     first = read_study(path)
     assert first.compare.constellation.size == 15
     assert read_study(path).digest == first.digest
-    (tmp_path / "d.toml").write_text(design + "\n# another\n")
+    (tmp_path / "d.toml").write_text(design + "\n# a remark, which changes nothing\n")
+    assert read_study(path).digest == first.digest
+    (tmp_path / "d.toml").write_text(design.replace("mask_deg = 0", "mask_deg = 1"))
     assert read_study(path).digest != first.digest
     (tmp_path / "d.toml").unlink()
     with pytest.raises(DesignError, match=r"s.toml: .*d.toml: no such file"):

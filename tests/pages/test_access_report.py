@@ -4,12 +4,14 @@ from dataclasses import replace
 
 import pytest
 
+import compass
 from compass.bodies import SOLAR_DAY
-from compass.contacts.radio import Radio
-from compass.contacts.survey import Wanted
+from compass.design import Radio, Wanted
+from compass.errors import ArgumentError
 from compass.inputs import read_design
-from compass.orbits import from_elements
-from compass.pages.access import MAX_ROWS, access_section
+from compass.orbits import keplerian
+from compass.pages.access import access_section
+from compass.pictures.access import MAX_ROWS
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +25,7 @@ def design():
 
 def test_every_node_has_its_timeline(design):
     radios = (Radio(("station", "satellite"), 4e8, 7.0, -15.0, 45.0),)
-    section = access_section(replace(design, radios=radios))
+    section = access_section(compass.access(replace(design, radios=radios), eclipse=True))
     stems = [p.stem for p in section.pictures]
     assert stems == [
         "access-north-pole",
@@ -47,14 +49,19 @@ def test_every_node_has_its_timeline(design):
 
 
 def test_a_large_constellation_is_cut_and_said_so(design):
-    many = from_elements(1e7, 0.0, 0.5, [0.1 * k for k in range(MAX_ROWS + 3)], 0.0, 0.0)
+    many = keplerian(1e7, 0.0, 0.5, [0.1 * k for k in range(MAX_ROWS + 3)], 0.0, 0.0)
     crowd = replace(
         design, constellation=many, stations=design.stations[:1], access=Wanted(),
         access_duration=0.1 * SOLAR_DAY.value,
     )  # fmt: skip
-    section = access_section(crowd)
+    section = access_section(compass.access(crowd))
     assert f"The first {MAX_ROWS} of {MAX_ROWS + 3} satellites" in section.pictures[0].caption
 
 
-def test_a_design_that_links_nothing_has_no_section(design):
-    assert access_section(replace(design, stations=(), access=Wanted())) is None
+def test_a_timeline_on_given_or_new_axes(design):
+    found = compass.access(replace(design, access=Wanted()))
+    axes = found.plot()
+    assert axes.get_title().startswith("Satellites in sight of ")
+    assert found.plot(axes=axes) is axes
+    with pytest.raises(ArgumentError, match="name = 'Moon': no such node; allowed North pole"):
+        found.plot("Moon")

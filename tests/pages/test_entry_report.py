@@ -6,13 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from compass.api.land_flight import assess_scenario, entry_facts, entry_section
+from compass.api.optimize import OptimizeResult, search_scenario
+from compass.document import Table
 from compass.entry.search import Optimum, Start
 from compass.entry.trajectory import fly
 from compass.errors import OutputError
 from compass.inputs.scenario import read_scenario, read_scenario_text
-from compass.pages.best_beacons import best_beacons_section, search_scenario
-from compass.pages.entry import assess_scenario, entry_facts, entry_section
-from compass.pages.pictures import check_folder, write_pictures
+from compass.pictures.files import check_folder, write_pictures
 
 DESIGNS = Path(__file__).parents[2] / "designs"
 
@@ -91,18 +92,20 @@ def test_a_pole_is_mentioned(latitude, mentioned):
 @pytest.mark.slow
 def test_best_beacons_section(coarse):
     flight, found = search_scenario(coarse)
-    section = best_beacons_section(coarse, flight, found)
-    assert [p.stem for p in section.pictures] == ["best-beacons", "best-convergence"]
-    assert f"{found.value:.7g}" in section.paragraphs[0]
+    result = OptimizeResult(coarse, flight, found)
+    assert [p.stem for p in result.pictures()] == ["best-beacons", "best-convergence"]
+    assert f"{found.value:.7g}" in str(result).splitlines()[0]
 
 
 def test_best_places_are_drawn_and_listed(coarse):
     flight = fly(coarse.truth, coarse.state, coarse.times)
     places = np.radians([[-25.8, -82.7], [-28.6, -82.2], [-25.6, -73.4]])
     start = Start(1.5e-8, places, (1e-10, 1.5e-8), 9)
-    section = best_beacons_section(coarse, flight, Optimum("delta", 1.5e-8, places, (start,), 0.1))
-    assert [p.stem for p in section.pictures] == ["best-beacons", "best-convergence"]
-    np.testing.assert_allclose(section.tables[0].rows[0][1:], [-25.8, -82.7])
+    found = Optimum("delta", 1.5e-8, places, (start,), 0.1)
+    result = OptimizeResult(coarse, flight, found)
+    assert [p.stem for p in result.pictures()] == ["best-beacons", "best-convergence"]
+    (table, _) = [b for b in result.document().blocks if isinstance(b, Table)]
+    np.testing.assert_allclose(table.rows[0][1:], [-25.8, -82.7])
 
 
 def test_the_same_scenario_gives_the_same_pictures(coarse):

@@ -26,7 +26,7 @@ def test_fifteen_is_not_the_minimum(every_row_can_fail):
     [(13, True, "erratum"), (13, False, "differs"), (15, True, "reproduced")],
 )
 def test_the_verdict_follows_the_search(monkeypatch, size, proven, verdict):
-    best = walker_delta(size, size, 2, inclination=0.8, radius=paper.RADIUS)
+    best = walker_delta(size, size, 2, inclination_deg=45.8, radius_km=paper.RADIUS / 1e3)
     found = [Candidate(best, 1.34, 0.05, 0.5, proven=proven)]
     monkeypatch.setattr(paper, "search", lambda *_args, **_options: found)
     monkeypatch.setattr(paper, "fold_range", lambda *_args, **_options: ((4, 4), (9, 9)))

@@ -4,18 +4,21 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.stats import chi2
 
 from compass.entry.arrivals import Arrivals
 from compass.entry.beacons import in_view
 from compass.entry.campaign import fly_campaign
 from compass.entry.fisher import cramer_rao_bound
+from compass.entry.trajectory import Trigger
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
-from compass.orbits import from_elements, walker_delta
+from compass.orbits import keplerian, walker_delta
 from compass.sites import Mask
-from compass.study.judge import campaign_of, judge, judge_entries
+from compass.study.judge import _FLOWN, MOST_FLOWN, campaign_of, judge, judge_entries
 from compass.study.judge_filter import entry_beacons, judge_filter
 from compass.study.judgement import spectrum_and_floor
+from compass.study.pattern_map import places
 
 FIGURE = FIGURES["iau-sphere"]
 AREOSYNCHRONOUS = 20428e3
@@ -28,7 +31,7 @@ def scenario(short):
 
 @pytest.fixture(scope="module")
 def five():
-    return walker_delta(5, 5, 1, inclination=np.radians(50), radius=AREOSYNCHRONOUS)
+    return walker_delta(5, 5, 1, inclination_deg=50, radius_km=AREOSYNCHRONOUS / 1e3)
 
 
 def entries(constellation, scenario, samples=4, mask=0.0, **options):
@@ -80,7 +83,7 @@ def test_loss_is_judging_without_the_satellite(scenario, five):
 )  # fmt: skip
 @settings(max_examples=10)
 def test_one_more_satellite_never_hurts(short, five, i, raan, anomaly, radius):
-    more = from_elements(
+    more = keplerian(
         np.append(five.semi_major_axis, radius),
         0.0,
         np.append(five.inclination, i),
@@ -139,7 +142,7 @@ def test_a_measurement_is_worth_its_probability_to_arrive(scenario, five):
 
 
 def test_without_satellites_the_prior_is_left(scenario):
-    nobody = from_elements([], 0, 0, 0, 0, 0)
+    nobody = keplerian([], 0, 0, 0, 0, 0)
     found = entries(nobody, scenario)
     figures = found.figures()
     assert figures["unobservable_share"] == 1
@@ -189,8 +192,43 @@ def test_bound_with_uncertain_parameters_is_that_of_least_squares(scenario, five
 
 
 def test_campaigns_are_flown_once(scenario):
-    assert campaign_of(scenario, 2) is campaign_of(scenario, 2)
+    assert campaign_of(scenario, 2) is campaign_of(replace(scenario, label="elsewhere"), 2)
     assert campaign_of(scenario, 2) is not campaign_of(scenario, 2, 1)
+    for samples in range(3, 4 + MOST_FLOWN):
+        campaign_of(scenario, samples)
+    assert len(_FLOWN) == MOST_FLOWN
+
+
+def test_a_campaign_of_another_deployment_is_another(scenario):
+    ends = []
+    for level in (90e3, 60e3):
+        trigger = Trigger("parachute", "altitude", level)
+        lower = replace(scenario, state=scenario.state * [1, 1, 1, 1, 2, 1], triggers=(trigger,))
+        flown = campaign_of(lower, 2)
+        ends.append(flown.states[0, flown.stops[0], 0] - flown.model.planet_radius)
+    assert ends[1] <= 60e3 < ends[0] <= 90e3
+
+
+def test_what_is_kept_cannot_be_changed(scenario):
+    campaign = campaign_of(scenario, 2)
+    for part in (*vars(campaign).values(), *vars(campaign.arrivals).values()):
+        if isinstance(part, np.ndarray):
+            with pytest.raises(ValueError, match="read-only"):
+                part[...] = 0
+    with pytest.raises(ValueError, match="read-only"):
+        places("equal-area", 30.0)[...] = 0
+
+
+def test_electrons_by_a_function_are_asked_each_time(scenario):
+    thickness = 0.0
+
+    def electrons(density, speed):
+        return thickness * np.ones_like(density)
+
+    clear = campaign_of(scenario, 2, electrons=electrons)
+    thickness = 1e20
+    thick = campaign_of(scenario, 2, electrons=electrons)
+    assert clear.arrival_probability.min() == 1 and thick.arrival_probability.max() < 0.5
 
 
 def test_figures_are_those_of_the_entries(scenario, five):
@@ -236,7 +274,7 @@ def test_what_the_bound_does_not_cover_is_refused(short, five, change, message):
 
 
 def test_satellites_under_the_surface_are_refused(scenario):
-    low = from_elements(3.5e6, 0.1, 0, 0, 0, 0)
+    low = keplerian(3.5e6, 0.1, 0, 0, 0, 0)
     with pytest.raises(ArgumentError, match="comes down to radius 3150 km"):
         entries(low, scenario)
 
@@ -244,12 +282,25 @@ def test_satellites_under_the_surface_are_refused(scenario):
 def test_filter_runs_report_errors_and_consistency(scenario, five):
     found = judge_filter(five, scenario, samples=2, runs=4, figure=FIGURE, mask=Mask(), threads=1)
     assert found["runs"] == 4 and found["diverged"] == 0
-    assert found["nees_interval"]["low"] < 6 < found["nees_interval"]["high"]
+    low, high = chi2.ppf([0.025, 0.975], 6 * 4) / 4
+    assert found["nees_interval"] == {"low": pytest.approx(low), "high": pytest.approx(high)}
+    assert found["consistent"] == (low <= found["nees"] <= high)
     assert 0 < found["ekf_position_m"]["p50"] <= found["ekf_position_m"]["p95"]
     again = judge_filter(five, scenario, samples=2, runs=4, figure=FIGURE, mask=Mask(), threads=2)
     assert found == again
     with pytest.raises(ArgumentError, match="runs = 0"):
         judge_filter(five, scenario, samples=2, runs=0, figure=FIGURE, mask=Mask())
+
+
+def test_a_filter_that_believes_too_much_is_called_so(short, five):
+    """It takes the planet to turn, which in truth it does not: 2 omega V t is 34 m/s in 40 s."""
+    deaf = short(("range_sigma_m = 50", "range_sigma_m = 1e6"))
+    options = {"samples": 2, "runs": 8, "figure": FIGURE, "mask": Mask()}
+    honest = judge_filter(five, deaf, **options)
+    assert honest["consistent"] and 0.5 < honest["rms_over_bound"] < 2
+    spoilt = replace(deaf, truth=replace(deaf.truth, rotation_rate=0.0))
+    vain = judge_filter(five, spoilt, **options)
+    assert vain["nees"] > vain["nees_interval"]["high"] and not vain["consistent"]
 
 
 def test_filter_that_diverges_is_counted(scenario, five, monkeypatch):

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from compass.document.blocks import Picture
 from compass.entry.radio import BROWNOUT_DENSITY, PER_CM3, attenuation, critical_density
 from compass.pictures.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure, picture
-from compass.study.fusion import FusionRuns
+from compass.study.fusion import SETTLING, TITLES, FusionRuns
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,9 +22,6 @@ SHOWN = (
     ("flight-path angle", 180 / np.pi, "deg"),
     ("azimuth", 180 / np.pi, "deg"),
 )
-#: Averages leave out the first sixth of the entry, while the filters settle.
-SETTLING = 6
-TITLES = {"clear": "without the fault", "faulty": "with the fault"}
 
 
 def fusion_pictures(found: FusionRuns) -> tuple[Picture, ...]:

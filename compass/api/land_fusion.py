@@ -1,27 +1,27 @@
-"""The report of fused entry navigation: errors, claims, weights, faults, plasma."""
+"""What is said of fused filters: errors, claims, faults, plasma; sentences, tables, numbers."""
 
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compass.document.blocks import Section, Table, arranged
+from compass.document.blocks import Picture, Section, Table, arranged
 from compass.entry.consistency import error_ellipse
 from compass.entry.faults import Fault
-from compass.pages.fusion_pictures import SETTLING, TITLES, fusion_pictures
-from compass.study.fusion import FusionRuns
+from compass.study.fusion import SETTLING, TITLES, FusionRuns
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-def fusion_section(found: FusionRuns) -> Section:
+def fusion_section(found: FusionRuns, *, pictures: bool = True) -> Section:
     """Text, pictures and tables of one plan."""
-    return arranged(
-        f"Fusion: {found.plan.case.name}",
-        fusion_words(found),
-        fusion_pictures(found),
-        fusion_tables(found),
-    )
+    drawn: tuple[Picture, ...] = ()
+    if pictures:
+        from compass.pictures.fusion import fusion_pictures
+
+        drawn = fusion_pictures(found)
+    title = f"Fusion: {found.plan.case.name}"
+    return arranged(title, fusion_words(found), drawn, fusion_tables(found))
 
 
 def fusion_words(found: FusionRuns) -> tuple[str, ...]:

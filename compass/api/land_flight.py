@@ -1,16 +1,15 @@
-"""The report of an entry: flight, view, observability, bound and filter."""
+"""What is said of a flight and of one filter on it: sentences, tables, numbers."""
 
 from typing import Any
 
 import numpy as np
 
-from compass.document.blocks import Section, Table, arranged
+from compass.document.blocks import Picture, Section, Table, arranged
 from compass.entry.assess import Assessment, assess
 from compass.entry.state import longitude_degrees
 from compass.entry.trajectory import Trajectory, fly, trajectory_dataset
 from compass.errors import ArgumentError
 from compass.inputs.scenario import Scenario
-from compass.pages.entry_pictures import entry_pictures
 
 KM = 1e3
 
@@ -41,18 +40,20 @@ def assess_scenario(scenario: Scenario, runs: int | None = None) -> Assessment:
     )
 
 
-def entry_section(scenario: Scenario, found: Assessment) -> Section:
+def entry_section(scenario: Scenario, found: Assessment, *, pictures: bool = True) -> Section:
     """Text, pictures and tables of one scenario."""
+    drawn: tuple[Picture, ...] = ()
+    if pictures:
+        from compass.pictures.entry import entry_pictures
+
+        drawn = entry_pictures(found)
     paragraphs = [" ".join(scenario.source.split())] if scenario.source.strip() else []
-    return arranged(
-        f"Entry: {scenario.name}",
-        (*paragraphs, *_findings(scenario, found)),
-        entry_pictures(found),
-        entry_tables(found),
-    )
+    words = (*paragraphs, *findings(scenario, found))
+    return arranged(f"Entry: {scenario.name}", words, drawn, entry_tables(found))
 
 
-def _findings(scenario: Scenario, found: Assessment) -> list[str]:
+def findings(scenario: Scenario, found: Assessment) -> list[str]:
+    """What is to be known of a flight and its filter, in sentences."""
     flight, mc = found.flight, found.monte_carlo
     last = flight.times[-1]
     count = found.seen.sum(axis=1)

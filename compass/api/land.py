@@ -1,0 +1,159 @@
+"""How well a lander navigates on radio beacons."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from compass.api.given import given_scenario
+from compass.api.land_flight import assess_scenario, entry_facts, entry_section
+from compass.api.land_fusion import fusion_facts, fusion_section
+from compass.api.results import Result
+from compass.document import Page, Picture, Section, Verdict
+from compass.document.plain import plain
+from compass.entry.assess import Assessment, assessment_dataset
+from compass.errors import ArgumentError
+from compass.inputs.fusion import fusion_plan
+from compass.inputs.scenario import Scenario, provenance
+from compass.saving import save_netcdf
+from compass.study.fusion import FusionRuns, run_fusion
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+MOST_RUNS = 100_000
+
+
+@dataclass(frozen=True, repr=False)
+class LandResult(Result):
+    """A scenario flown and navigated.
+
+    Attributes
+    ----------
+    scenario
+        What was flown.
+    assessment
+        Flight, view, observability, bound and filter.
+    fused
+        The filters compared, if the scenario has a table [fusion].
+    command
+        For the provenance.
+    """
+
+    scenario: Scenario = field(repr=False)
+    assessment: Assessment = field(repr=False)
+    fused: FusionRuns | None = field(repr=False, default=None)
+    command: str = ""
+
+    @property
+    def dataset(self) -> "xr.Dataset":
+        """The flight and everything over its times."""
+        data = assessment_dataset(self.assessment)
+        return data.assign_attrs(provenance(self.scenario, self.command))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        known = entry_facts(self.scenario, self.assessment)
+        if self.fused:
+            known["fusion"] = fusion_facts(self.fused)
+        return plain(known | {"provenance": provenance(self.scenario, self.command)})
+
+    def document(self) -> Page:
+        """The error at the end in a sentence, then the flight and the filters."""
+        words = Verdict("", self._in_a_sentence())
+        flight, *fused = self.sections(pictures=False)
+        return Page(self.scenario.name, (words, *flight.blocks, *fused))
+
+    def _in_a_sentence(self) -> str:
+        mc, bound = self.assessment.monte_carlo, self.assessment.bound
+        return (
+            f"position known to {mc.position_rms[-1]:.3g} m (rms of {len(mc.errors)} runs; no "
+            f"filter can do better than {bound.position_sigma[-1]:.3g} m), velocity to "
+            f"{mc.velocity_rms[-1]:.3g} m/s, {self.assessment.flight.times[-1]:g} s after entry"
+        )
+
+    def sections(self, *, pictures: bool = True) -> tuple[Section, ...]:
+        """The flight with one filter on it, then the filters compared if there are any."""
+        flight = entry_section(self.scenario, self.assessment, pictures=pictures)
+        if self.fused is None:
+            return (flight,)
+        return flight, fusion_section(self.fused, pictures=pictures)
+
+    def pictures(self) -> tuple[Picture, ...]:
+        """All pictures of the flight and the filters."""
+        return tuple(picture for section in self.sections() for picture in section.pictures)
+
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
+        """Draw the ground track, who sees it, and the beacons near it.
+
+        Parameters
+        ----------
+        axes
+            Where to; new ones without.
+        """
+        from compass.pictures.entry import draw_map
+        from compass.pictures.style import axes_or_new
+
+        drawn = axes_or_new(axes, 7.5, 5.2)
+        draw_map(drawn, self.assessment.flight, self.assessment.beacons)
+        return drawn
+
+    def write(self, path: str | Path) -> None:
+        """Write the dataset as netCDF, the filters' results in groups of their own.
+
+        Raises
+        ------
+        OutputError
+            The file cannot be written.
+        """
+        save_netcdf(Path(path), self.dataset, self.fused.groups() if self.fused else ())
+
+
+def land(
+    scenario: Scenario | str | Path,
+    *,
+    runs: int | None = None,
+    command: str = "",
+    progress: bool = False,
+    notice: Callable[[str], object] = lambda words: None,
+) -> LandResult:
+    """Fly a scenario and navigate it: trajectory, view, observability, bound and filter.
+
+    A scenario with a table [fusion] is also flown with accelerometers and ranges in centralised
+    and distributed filters, through plasma and faults if it has them.
+
+    Parameters
+    ----------
+    scenario
+        A scenario, or the path of its file.
+    runs
+        Monte Carlo runs; else the scenario's.
+    command
+        What to write into the files' history.
+    progress
+        Show bars on stderr.
+    notice
+        Told what is to be known before the work begins, such as beacons that are never seen.
+
+    Raises
+    ------
+    ArgumentError, DesignError
+        An option or the scenario is not allowed, or the flight ends before its second time.
+
+    Examples
+    --------
+    >>> import compass
+    >>> found = compass.land("designs/entry-ground-beacons.toml", runs=5)
+    >>> found.to_dict()["navigation"]["runs"]
+    5
+    """
+    read = given_scenario(scenario)
+    if runs is not None and not 1 <= runs <= MOST_RUNS:
+        raise ArgumentError(f"runs = {runs}: allowed 1 to {MOST_RUNS}")
+    plan = fusion_plan(read)
+    for words in plan.case.visibility_report() if plan else ():
+        notice(words)
+    found = assess_scenario(read, runs)
+    fused = run_fusion(plan, runs, progress=progress) if plan else None
+    return LandResult(read, found, fused, command)

@@ -1,0 +1,131 @@
+"""Timelines of sight, and link budgets along them."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from compass.bodies import SOLAR_DAY
+from compass.contacts.nodes import find_node
+from compass.contacts.radio import carrier_to_noise
+from compass.contacts.record import pair_track
+from compass.contacts.spans import any_of
+from compass.contacts.survey import Survey
+from compass.contacts.windows import Windows
+from compass.design import Radio
+from compass.document.blocks import Picture
+from compass.pictures.style import CYCLE, FAINT, INK, look, new_figure, picture
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+#: A timeline shows this much of the span, so that single passes stay apart.
+SHOWN_SOLS = 5.0
+
+#: Rows of a timeline at most; above that it is a grey smear.
+MAX_ROWS = 60
+
+
+def timeline(found: Survey, name: str) -> Picture:
+    """Draw when a node sees each satellite, and any of them: a row a satellite, a bar a window."""
+    pairs = found.of(name)
+    shown = pairs[:MAX_ROWS]
+    figure = new_figure(8.0, height_of(found, name))
+    with look():
+        draw_timeline(figure.add_subplot(), found, name)
+    left_out = len(pairs) - len(shown)
+    more = f" The first {len(shown)} of {len(pairs)} satellites." if left_out else ""
+    return picture(
+        figure,
+        f"access-{_stem(name)}",
+        f"Satellites in sight of {name}",
+        f"Each bar is a span of sight, found to 1 ms, one colour an orbital plane; the first "
+        f"{min(SHOWN_SOLS, found.sols):g} of {found.sols:g} sols. The dark row is any "
+        f"satellite at all.{more}",
+    )
+
+
+def height_of(found: Survey, name: str) -> float:
+    """Height of a node's timeline, inches."""
+    return 1.5 + 0.2 * len(found.of(name)[:MAX_ROWS])
+
+
+def draw_timeline(axes: "Axes", found: Survey, name: str) -> None:
+    """Draw into axes when a node sees each satellite, and any of them."""
+    pairs = found.of(name)
+    shown = pairs[:MAX_ROWS]
+    _bars(axes, shown, name)
+    merged = any_of([w.spans for w in pairs]) / SOLAR_DAY.value
+    axes.hlines(np.full(len(merged), -1.2), merged[:, 0], merged[:, 1], color=INK, lw=6)
+    labels = [_other(w, name) for w in shown]
+    axes.set_yticks([-1.2, *range(len(shown))], ["any", *labels], fontsize=8)
+    axes.set_ylim(len(shown) - 0.4, -1.9)
+    axes.set_xlim(0.0, min(SHOWN_SOLS, found.sols))
+    axes.set_xlabel("time after the epoch [sols]")
+    axes.set_title(f"Satellites in sight of {name}")
+    axes.grid(axis="x")
+    axes.tick_params(axis="y", length=0)
+    axes.set_axisbelow(True)
+
+
+def link_budget(found: Survey, radio: Radio) -> Picture:
+    """Draw C/N0 along the windows that a radio serves, against what it needs."""
+    pairs = served(found, radio)
+    shown = pairs[: len(CYCLE)]
+    # the Earth's distance changes over weeks, a satellite's over hours
+    sols = found.sols if "earth" in radio.between else min(SHOWN_SOLS, found.sols)
+    figure = new_figure(8.0, 4.0)
+    with look():
+        axes = figure.add_subplot()
+        for color, w in zip(CYCLE, shown, strict=False):
+            path = pair_track(found, w)
+            # a nan at the end of each window breaks the line there
+            breaks = np.searchsorted(path.time, w.end, side="right")
+            time = np.insert(path.time, breaks, w.end) / SOLAR_DAY.value
+            ratio = np.insert(carrier_to_noise(radio, path.distance), breaks, np.nan)
+            axes.plot(time, ratio, color=color, label=f"{w.first} - {w.second}")
+        axes.axhline(radio.required, color=INK, ls="--", lw=1, label="needed")
+        axes.set_xlim(0.0, sols)
+        axes.set_xlabel("time after the epoch [sols]")
+        axes.set_ylabel("C/N₀ [dB Hz]")
+        title = f"Link budget, {radio.between[0]} - {radio.between[1]}"
+        axes.set_title(f"{title}, {radio.frequency / 1e6:g} MHz")
+        axes.grid()
+        figure.legend(loc="outside right upper", fontsize=8, frameon=False)
+    more = f" The first {len(shown)} of {len(pairs)} links." if len(pairs) > len(shown) else ""
+    return picture(
+        figure,
+        f"access-link-{_stem('-'.join(radio.between))}-{radio.frequency / 1e6:.0f}",
+        title,
+        f"Carrier to noise density in free space, for {radio.eirp:g} dBW and "
+        f"{radio.figure_of_merit:g} dB/K; usable above the dashed line.{more}",
+    )
+
+
+def served(found: Survey, radio: Radio) -> list[Windows]:
+    """Windows of the pairs that a radio serves and that see each other."""
+    return [
+        w
+        for w in found.windows
+        if w.count
+        and radio.serves(
+            find_node(found.nodes, w.first).kind, find_node(found.nodes, w.second).kind
+        )
+    ]
+
+
+def _bars(axes: "Axes", shown: list[Windows], name: str) -> None:
+    """Draw the windows, one colour an orbital plane where the names tell the plane."""
+    planes = list(dict.fromkeys(_other(w, name).partition("S")[0] for w in shown))
+    for row, w in enumerate(shown):
+        color = CYCLE[planes.index(_other(w, name).partition("S")[0]) % len(CYCLE)]
+        start, end = w.start / SOLAR_DAY.value, w.end / SOLAR_DAY.value
+        axes.axhline(row, color=FAINT, lw=0.4, alpha=0.5)
+        axes.hlines(np.full(w.count, row), start, end, color=color, lw=6)
+
+
+def _other(w: Windows, name: str) -> str:
+    return w.second if w.first == name else w.first
+
+
+def _stem(name: str) -> str:
+    return "".join(c if c.isalnum() else "-" for c in name.lower())

@@ -1,0 +1,77 @@
+"""Who sees whom, for how long, and what a radio link is worth."""
+
+from compass.quantities.record import Quantity
+
+ACCESS = (
+    Quantity("access.node", "1", "node", form="text", meaning="A station, a moon or the Earth."),
+    Quantity(
+        "access.satellites", "1", "satellites", form="count", meaning="With which it is linked."
+    ),
+    Quantity("access.seen", "1", "seen", form="count", meaning="Of these, ever in sight."),
+    Quantity(
+        "access.mean_share", "1", "share of time, mean", 4, "more", "share",
+        meaning="In sight, mean over the satellites.",
+    ),
+    Quantity(
+        "access.least_share", "1", "share of time, least", 4, "more", "share",
+        meaning="In sight, of the satellite that is least.",
+    ),
+    Quantity("access.passes_per_sol", "1", "passes a sol, each", 3, meaning="Of one satellite."),
+    Quantity("access.mean_pass_h", "h", "mean pass", 3, "more", meaning="From rise to set."),
+    Quantity(
+        "access.longest_gap_h", "h", "longest gap", 3, "less",
+        meaning="Longest time out of sight in the span.",
+    ),
+    Quantity(
+        "access.any_share", "1", "any satellite", 4, "more", "share",
+        meaning="Share of time with one satellite or more in sight.",
+    ),
+    Quantity(
+        "access.any_longest_gap_h", "h", "longest gap of any", 3, "less",
+        meaning="Longest time without any satellite in sight.",
+    ),
+    Quantity("access.station", "1", "station", form="text", meaning="Where from."),
+    Quantity(
+        "access.direct_share", "1", "direct", 4, "more", "share",
+        meaning="Share of time with the Earth itself in sight.",
+    ),
+    Quantity(
+        "access.share", "1", "share of time", 4, "more", "share",
+        meaning="Part of the span that is met.",
+    ),
+    Quantity(
+        "access.share_outside_conjunction", "1", "out of conjunction", 4, "more", "share",
+        meaning="The same, without the time when the Sun stands near the line to the Earth.",
+    ),
+    Quantity("access.at_once", "1", "at once", 4, "more", "share", meaning="Without waiting."),
+    Quantity("access.mean_h", "h", "mean wait", 3, "less", meaning="Until a message arrives."),
+    Quantity("access.longest_h", "h", "longest", 3, "less", meaning="The longest one."),
+    Quantity(
+        "access.undelivered", "1", "not within the span", 4, "less", "share",
+        meaning="Share of moments from which a message does not arrive before the span ends.",
+    ),
+    Quantity("access.count", "1", "windows", form="count", meaning="How many."),
+    Quantity("access.umbra_count", "1", "umbrae", form="count", meaning="In full shadow."),
+    Quantity(
+        "access.umbra_longest_h", "h", "longest umbra", 3, "less", meaning="In full shadow."
+    ),
+    Quantity("access.mean_duration_h", "h", "mean length", 3, "more", meaning="Of a window."),
+    Quantity("access.least_range_km", "km", "least range", 4, meaning="In any window."),
+    Quantity("access.largest_range_km", "km", "largest range", 4, "less", meaning="In any window."),
+    Quantity(
+        "access.largest_range_rate_km_s", "km/s", "largest range rate", 4, "less",
+        meaning="Either way, in any window.",
+    ),
+    Quantity(
+        "access.largest_light_time_s", "s", "largest light time", 4, "less", meaning="One way."
+    ),
+    Quantity(
+        "access.least_cn0_dbhz", "dB Hz", "least C/N0", 4, "more",
+        meaning="Carrier to noise density at the largest range, in free space.",
+    ),
+    Quantity("access.required_cn0_dbhz", "dB Hz", "needed", 4, meaning="As the link says."),
+    Quantity(
+        "access.usable_share", "1", "usable", 4, "more", "share",
+        meaning="Share of the time in sight with what is needed.",
+    ),
+)  # fmt: skip

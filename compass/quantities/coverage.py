@@ -1,0 +1,95 @@
+"""Continuous coverage, and maps of counts and dilution of precision."""
+
+from compass.quantities.record import Quantity
+
+CONTINUOUS = (
+    Quantity(
+        "fold", "1", "fold wanted", form="count",
+        meaning="How many satellites must be in view at once.",
+    ),
+    Quantity(
+        "min_fold", "1", "least fold", better="more", form="count",
+        meaning="Fewest satellites above the mask at any place and time looked at.",
+    ),
+    Quantity(
+        "max_fold", "1", "greatest fold", better="more", form="count",
+        meaning="Most satellites above the mask at any place and time looked at.",
+    ),
+    Quantity(
+        "cap_radius_min_deg", "deg", "smallest cap radius for the fold", 4, "less",
+        meaning="Caps about the points below the satellites need this radius for the fold "
+        "wanted everywhere and always.",
+    ),
+    Quantity(
+        "mask_margin_deg", "deg", "highest mask with the fold", 3, "more",
+        meaning="The elevation mask may be raised to this before the fold wanted is lost.",
+    ),
+    Quantity(
+        "mask_deg", "deg", "elevation mask", 4,
+        meaning="A satellite counts as in view above this elevation.",
+    ),
+    Quantity(
+        "lowest_altitude_km", "km", "lowest altitude at this mask", 5, "less",
+        meaning="The same pattern, lower, keeps the fold wanted down to this altitude.",
+    ),
+    Quantity(
+        "fold_share", "1", "share of area and time", 5, form="share",
+        meaning="Part of the sphere and of the time with so many satellites in view.",
+    ),
+    Quantity(
+        "alike", "1", "sets alike", form="count",
+        meaning="Sets of satellites that the pattern's symmetry makes equal to this one.",
+    ),
+    Quantity(
+        "closest_approach_deg", "deg", "closest two satellites", 3, "more",
+        meaning="Least angle between two satellites, seen from Mars's centre, at any time.",
+    ),
+    Quantity(
+        "fold_proven", "1", "continuous fold at the mask", better="more", form="yes-no",
+        meaning="Whether the fold wanted is proven everywhere and always.",
+    ),
+)  # fmt: skip
+
+
+def _dilution(name: str, of: str) -> Quantity:
+    return Quantity(
+        name, "1", name.upper(), 3, "less", limits=(1.0, 10.0), ticks=(1, 2, 3, 4, 6, 10),
+        meaning=f"{of} dilution of precision: error of the fix for one unit of range error; "
+        "infinite with fewer than four satellites in view.",
+    )  # fmt: skip
+
+
+MAPS = (
+    Quantity(
+        "count.min", "1", "fewest satellites in view", better="more", form="count",
+        meaning="At any cell and epoch.",
+    ),
+    Quantity(
+        "count.mean", "1", "satellites in view, mean", 4, "more", meaning="Over area and time."
+    ),
+    Quantity(
+        "count.max", "1", "most satellites in view", better="more", form="count",
+        meaning="At any cell and epoch.",
+    ),
+    _dilution("gdop", "Geometric"),
+    _dilution("pdop", "Position"),
+    _dilution("hdop", "Horizontal"),
+    _dilution("vdop", "Vertical"),
+    _dilution("tdop", "Time"),
+    Quantity(
+        "gdop_p95", "1", "GDOP, 95th percentile", 3, "less",
+        meaning="Not exceeded over 95 % of area and time.",
+    ),
+    Quantity(
+        "availability", "1", "share of area and time with a good PDOP", 5, "more", "share",
+        (0.0, 1.0), meaning="PDOP at most the largest that is wanted.",
+    ),
+    Quantity(
+        "longest_gap_s", "s", "longest time below the fold wanted", 4, "less",
+        meaning="At any cell.",
+    ),
+    Quantity(
+        "mean_response_time_s", "s", "mean wait for the fold wanted", 4, "less",
+        meaning="From a random moment and place until so many satellites are in view.",
+    ),
+)  # fmt: skip
