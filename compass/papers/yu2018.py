@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from compass.core.entry_geometry import cartesian_of
-from compass.entry.beacons import in_view
+from compass.entry.schedule import in_view
 from compass.entry.trajectory import fly
 from compass.entry.visible_area import VisibleArea
 from compass.papers import yu2018_case as paper
