@@ -3,15 +3,24 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from compass.api.results import Result
-from compass.document import Page, Table
+from compass.document import Page, Picture, Table
 from compass.document import Verdict as Answer
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.papers import PAPERS
 from compass.papers.verdict import Row, Verdict
+from compass.pictures.files import check_folder, write_pictures
+from compass.saving import replacing, save_netcdf, write_csv
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Papers with figures drawn from data.
+DRAWN = ("kelly2018",)
 
 
 @dataclass(frozen=True, repr=False)
@@ -49,6 +58,42 @@ class ReproduceResult(Result):
         """Plain values for JSON."""
         rows = [row.as_dict() for row in self.rows]
         return plain({"paper": self.paper, "title": self.title, "rows": rows} | self.counts)
+
+    def pictures(self) -> tuple[Picture, ...]:
+        """Draw the figures of the paper that have data here; none for a paper without any."""
+        return tuple(image for image, _ in self._figures())
+
+    def write(self, folder: str | Path) -> None:
+        """Write the rows as CSV and every figure as picture (PNG) and data (netCDF).
+
+        Parameters
+        ----------
+        folder
+            Made if its parent exists.
+
+        Raises
+        ------
+        OutputError
+            The folder or a file in it cannot be written.
+        """
+        place = Path(folder)
+        check_folder(place)
+        figures = self._figures()
+        write_pictures([image for image, _ in figures], place)
+        for image, data in figures:
+            save_netcdf(place / f"{image.stem}.nc", data)
+        with replacing(place / "rows.csv") as temporary:
+            plain_rows = [row.as_dict() for row in self.rows]
+            write_csv(temporary, list(plain_rows[0]), [list(row.values()) for row in plain_rows])
+
+    def _figures(self) -> list[tuple[Picture, "xr.Dataset"]]:
+        if self.paper not in DRAWN:
+            return []
+        from compass.papers.kelly2018_figures import FIGURES_OF_THE_PAPER
+        from compass.pictures.kelly2018 import draw_figure
+
+        made = [(figure, figure.make()) for figure in FIGURES_OF_THE_PAPER]
+        return [(draw_figure(figure.number, figure.title, data), data) for figure, data in made]
 
     def document(self) -> Page:
         """How many agree, then every row."""

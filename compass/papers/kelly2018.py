@@ -19,7 +19,7 @@ from compass.orbits import (
     walker_delta,
 )
 from compass.orbits.constellation import from_pattern
-from compass.papers import kelly2018_access, kelly2018_smallest
+from compass.papers import kelly2018_access, kelly2018_claims, kelly2018_smallest
 from compass.papers.verdict import Erratum, Row, claim, compare, computed, printed_tolerance
 
 TITLE = (
@@ -46,7 +46,8 @@ def constellation(sphere_radius: float = ORBIT_RADIUS) -> Constellation:
 
 def rows() -> list[Row]:
     """Every number of Tables 1 to 4 and of the text on coverage, population and stations."""
-    return [*coverage_rows(), *kelly2018_smallest.rows(), *kelly2018_access.rows()]
+    parts = (kelly2018_claims, kelly2018_smallest, kelly2018_access)
+    return [*coverage_rows(), *(row for part in parts for row in part.rows())]
 
 
 def coverage_rows() -> list[Row]:

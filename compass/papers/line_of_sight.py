@@ -11,5 +11,6 @@ def misses(start: ArrayLike, end: ArrayLike, radius: float) -> NDArray[np.bool_]
     """
     a, b = np.broadcast_arrays(np.asarray(start, dtype=float), np.asarray(end, dtype=float))
     along = b - a
-    t = np.clip(-(a * along).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
+    square = np.maximum((along**2).sum(axis=-1), np.finfo(float).tiny)  # a place to itself
+    t = np.clip(-(a * along).sum(axis=-1) / square, 0.0, 1.0)
     return np.asarray(np.linalg.norm(a + t[..., None] * along, axis=-1) > radius)
