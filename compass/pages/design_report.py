@@ -158,8 +158,7 @@ def _counts_at_epoch(mapped: DesignMap) -> Any:
 
     view = mapped.view
     first = replace(view, times=view.times[:1], r=view.r[:1], cos_cap=view.cos_cap[:1])
-    period = mapped.dataset.attrs["period_s"]
-    return coverage_map(first, mapped.grid, period=period).count_min.values
+    return coverage_map(first, mapped.grid).count_min.values
 
 
 def _stations(design: Design, mapped: DesignMap) -> Section | None:
