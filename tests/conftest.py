@@ -30,10 +30,10 @@ def seed_design():
 
 
 @pytest.fixture(autouse=True)
-def no_time_to_certify(monkeypatch):
+def no_boxes_to_certify(monkeypatch):
     """Let maps show the bracket that they begin with where kernels are interpreted."""
     if config.DISABLE_JIT:
-        monkeypatch.setattr("compass.study.certified.BUDGET_S", 0.0)
+        monkeypatch.setattr("compass.study.certified.BUDGET_BOXES", 0)
 
 
 @pytest.fixture

@@ -150,8 +150,7 @@ class MapResult(Result):
                 Value(
                     quantity("availability"),
                     numbers["availability"],
-                    self.certified
-                    and Bracket(self.certified.availability.low, self.certified.availability.high),
+                    Bracket(*numbers["availability_bracket"]) if self.certified else None,
                     whose=f"{threshold:g} or less",
                 ),
                 *(

@@ -13,10 +13,10 @@ from compass.design import Design
 from compass.study.mapping import MapOptions, option_mask
 
 #: How near bounds of a share are to come, and those of a percentile, relative to it.
-WIDTH, PRECISION = 2e-4, 5e-3
+WIDTH, PRECISION = 2e-4, 2e-2
 
-#: Seconds after which a bracket is taken as it is.
-BUDGET_S = 20.0
+#: Boxes after which a bracket is taken as it is: some seconds, and the same on any machine.
+BUDGET_BOXES = 600_000
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def certified_figures(design: Design, options: MapOptions) -> CertifiedFigures |
         "mask": design.mask if options.mask_deg is None else option_mask(options.mask_deg),
         "duration": None if hours is None else hours * 3600.0,
         "drifting": drifting,
-        "budget_s": BUDGET_S,
+        "budget_boxes": BUDGET_BOXES,
     }
     availability = certified_share(
         design.constellation, options.pdop_max, dop="pdop", width=WIDTH, **asked
