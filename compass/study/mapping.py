@@ -165,8 +165,8 @@ def check_memory(
     """Refuse a map that does not fit into this machine's memory.
 
     Counted are the positions of every satellite at every epoch (with what is made on the way to
-    them, where that is not done in pieces), the figures of every cell, and the dilutions of a row that
-    each thread sorts.
+    them, where that is not done in pieces), the figures of every cell, and the dilutions of a row
+    that each thread sorts.
 
     Raises
     ------
