@@ -41,6 +41,11 @@ class Figure:
         """Whether both semi-axes are equal."""
         return self.equatorial_radius == self.polar_radius
 
+    @property
+    def stretch(self) -> float:
+        """Factor along the pole that makes it a sphere of the equatorial radius."""
+        return self.equatorial_radius / self.polar_radius
+
 
 FIGURES = {
     figure.name: figure
