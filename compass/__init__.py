@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.access import access
+    from compass.api.drift import drift
     from compass.api.export import export
     from compass.api.fold import fold
     from compass.api.land import land
@@ -42,6 +43,7 @@ __all__ = [
     "__version__",
     "access",
     "areosynchronous_radius",
+    "drift",
     "ephemeris",
     "export",
     "fold",
@@ -61,7 +63,18 @@ __all__ = [
 ]
 
 #: The commands, each in the file of `compass.api` that has its name.
-_COMMANDS = ("access", "export", "fold", "land", "map", "optimize", "reproduce", "search", "show")
+_COMMANDS = (
+    "access",
+    "drift",
+    "export",
+    "fold",
+    "land",
+    "map",
+    "optimize",
+    "reproduce",
+    "search",
+    "show",
+)
 
 #: Where the other public names live.
 _HOMES = {

@@ -41,7 +41,9 @@ def command(
     workers died of some.
     """
     announce_compilation()
+    import logging
     import os
+    from contextlib import suppress
 
     from tqdm import tqdm
 
@@ -54,7 +56,7 @@ def command(
     from compass.study.results import first_front, read_results, write_results
     from compass.study.store import Store
     from compass.study.trade import run_trade
-    from compass.study.workers import Here, Processes, Workers
+    from compass.study.workers import Processes, Workers
 
     if scheduler is not None and workers is not None:
         raise ArgumentError("--workers: not beside --scheduler, whose cluster has its own")
@@ -76,9 +78,13 @@ def command(
 
     def hire() -> Workers:
         if scheduler is not None:
+            with suppress(ImportError):  # as the cluster says
+                import distributed  # noqa: F401  # which sets its loggers' levels itself
+            for name in ("distributed", "distributed.client", "tornado.application"):
+                logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said here
             return Cluster(chosen, scheduler, tls)
         count = workers or os.cpu_count() or 1
-        return Here(chosen) if count == 1 else Processes(chosen, count)
+        return Processes(chosen, count)  # one too: a candidate may kill whoever looks at it
 
     def bars(title: str, total: int, already: int) -> tqdm:
         return tqdm(desc=title, total=total, initial=already, disable=None, smoothing=0.05)
@@ -86,8 +92,8 @@ def command(
     with Store(folder, chosen) as store:
         if store.damaged:
             say(
-                f"{store.path}: {store.damaged} damaged line(s) ignored; candidates that no other "
-                "line has are computed again"
+                f"{store.path}: {len(store.damaged)} damaged line(s) ignored ({store.damaged[0]}); "
+                "candidates that no other line has are computed again"
             )
         check_writable(folder / "trade.nc")
         team = hire()
@@ -143,8 +149,8 @@ def command(
     if summary.unfinished:
         more = ["..."] if summary.unfinished > len(summary.lethal) else []
         say(
-            f"{summary.unfinished} candidate(s) left out, whose workers died; the same command "
-            "tries them again:\n  " + "\n  ".join(summary.lethal + more)
+            f"{summary.unfinished} candidate(s) left out, whose workers died or had too little "
+            "memory; the same command tries them again:\n  " + "\n  ".join(summary.lethal + more)
         )
     errors = [text for text in results.error.values if text]
     if errors:
