@@ -49,7 +49,7 @@ def judge_surface(
     """
     sphere, high = figure.equatorial_radius, mask.highest
     span = shortest_span(constellation)
-    claim = {"sphere_radius": sphere, "stretch": figure.stretch, "span": span}
+    claim: dict[str, Any] = {"sphere_radius": sphere, "stretch": figure.stretch, "span": span}
     certificate = prove_fold(constellation, fold, mask=high, **claim)
     margin = highest_mask(constellation, fold, **claim)
     dop = {
