@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import compass
 from compass.bodies import MARS_EQUATORIAL_RADIUS, MARS_GM, MARS_ROTATION_RATE
+from compass.conventions import epoch_text
 from compass.entry.atmosphere import Atmosphere, read_atmosphere_table
 from compass.entry.beacons import Beacons, orbiting_beacons, surface_beacons
 from compass.entry.covariance import axes_covariance
@@ -381,7 +382,9 @@ def provenance(scenario: Scenario, command: str) -> dict[str, str]:
     """Return what a result was made from: global attributes of the CF convention, the scenario."""
     now = datetime.now(UTC).isoformat(timespec="seconds")
     return {
-        "Conventions": "CF-1.11",
+        "epoch_tdb": epoch_text(
+            max((o.constellation.epoch + o.start for o in scenario.orbiters), default=0.0)
+        ),
         "title": f"Entry navigation: {scenario.name}",
         "source": f"compass {compass.__version__}",
         "history": f"{now} {command}".strip(),

@@ -158,8 +158,7 @@ def _counts_at_epoch(mapped: DesignMap) -> Any:
 
     view = mapped.view
     first = replace(view, times=view.times[:1], r=view.r[:1], cos_cap=view.cos_cap[:1])
-    period = mapped.dataset.attrs["period_s"]
-    return coverage_map(first, mapped.grid, period=period).count_min.values
+    return coverage_map(first, mapped.grid).count_min.values
 
 
 def _stations(design: Design, mapped: DesignMap) -> Section | None:
@@ -211,7 +210,8 @@ def _comparison(design: Design) -> Section | None:
     module = import_module(f"compass.papers.{design.paper}")
     text = (
         "The paper's numbers on geometry and coverage beside the computed ones. Reproduced: equal "
-        "to the printed digits. Erratum: the paper's number is wrong, and why. Population and "
+        "within what is printed beside it. Erratum: the paper is shown to be wrong, and how. "
+        "Differs: neither. Computed: the paper says nothing. Population and "
         f"stations' access: compass reproduce {design.paper}."
     )
     table = comparison_table(module.TITLE, module.coverage_rows())

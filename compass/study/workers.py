@@ -31,8 +31,8 @@ HELD = 2
 
 #: Seconds between two signs of life of a process, and for how long one that gives none is waited
 #: for: a stopped process is not dead, and would be waited for without end. A process that works
-#: gives its signs beside its work.
-BEAT, SILENCE = 5.0, 60.0
+#: gives its signs beside its work; until the first it is loading what it needs.
+BEAT, SILENCE, LOADING = 5.0, 60.0, 600.0
 
 Result = tuple[NDArray, Found | None]
 
@@ -78,6 +78,7 @@ def _serve(end: connection.Connection, study: Study, beat: float) -> None:
 
     def watch() -> None:
         with suppress(OSError):  # the client is gone
+            send(None)
             while not connection.wait([parent.sentinel], timeout=beat):
                 send(None)
         os._exit(1)
@@ -108,7 +109,7 @@ class _Process:
     def __init__(self, study: Study) -> None:
         context = get_context("spawn")
         self.held: deque[tuple[NDArray, int]] = deque()
-        self.silent = 0.0  # seconds
+        self.silent, self.heard = 0.0, False  # for so many seconds; and whether ever
         try:
             self.end, its = context.Pipe()
             self._process = context.Process(target=_serve, args=(its, study, BEAT), daemon=True)
@@ -120,6 +121,11 @@ class _Process:
                 "every finished candidate is stored"
             ) from error
         its.close()  # so that its death is the end of the connection
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether it has been silent for too long."""
+        return self.silent >= (SILENCE if self.heard else LOADING)
 
     def give(self, stage: str, rows: NDArray, deaths: int) -> None:
         """Add a batch to what it has."""
@@ -187,7 +193,7 @@ class Processes:
                 return
             for worker in self._heard(ends):
                 try:
-                    if worker.silent >= SILENCE:
+                    if worker.is_lost:
                         raise TimeoutError
                     if (found := worker.take()) is None:
                         continue
@@ -216,7 +222,8 @@ class Processes:
         passed, self._round = min(now - self._round, BEAT), now
         for end, worker in ends.items():
             worker.silent = 0.0 if end in ready else worker.silent + passed
-        return [w for end, w in ends.items() if end in ready or w.silent >= SILENCE]
+            worker.heard |= end in ready
+        return [worker for end, worker in ends.items() if end in ready or worker.is_lost]
 
     def _freest(self) -> _Process:
         """The worker with the least to do, a new one if all have something."""

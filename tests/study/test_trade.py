@@ -184,25 +184,21 @@ def test_a_worker_that_stands_still_is_replaced(tiny, monkeypatch):
 
 def test_a_worker_with_much_to_do_is_waited_for(tiny, monkeypatch):
     """Its signs come beside its work."""
-    monkeypatch.setattr(workers, "BEAT", 0.05)
-    monkeypatch.setattr(workers, "SILENCE", 0.5)
+    monkeypatch.setattr(workers, "BEAT", 0.1)
+    monkeypatch.setattr(workers, "SILENCE", 2.0)
     monkeypatch.setattr(workers, "_serve", serve_slowly)
     team = Processes(tiny(), 1)
-    monkeypatch.setattr(workers, "SILENCE", 60.0)  # until it has begun
     try:
-        work = team.run("screen", [candidates(tiny()).rows(0, k) for k in (1, 2)])
-        first = next(work)
-        monkeypatch.setattr(workers, "SILENCE", 0.5)
-        (second,) = work
-        assert first[1] is not None and second[1] is not None and team._deaths == 0
+        found = list(team.run("screen", [candidates(tiny()).rows(0, k) for k in (1, 2)]))
+        assert len(found) == 2 and all(what for _, what in found) and team._deaths == 0
     finally:
         team.close()
 
 
 def serve_slowly(end, study, beat):
-    """As a worker that takes 2 s for everything."""
+    """As a worker that takes 4 s for everything."""
     honest = workers.evaluate
-    workers.evaluate = lambda *arguments: time.sleep(2) or honest(*arguments)
+    workers.evaluate = lambda *arguments: time.sleep(4) or honest(*arguments)
     workers._serve(end, study, beat)
 
 
