@@ -10,7 +10,7 @@ from compass.coverage.lasting import margins_at
 from compass.coverage.margin import covering_radius
 from compass.coverage.room import has_slots, room_in_slots, slot_box
 from compass.errors import ArgumentError
-from compass.orbits import keplerian
+from compass.orbits.constellation import keplerian
 from compass.orbits.motion import Motion
 from tests.coverage.test_lasting import SPHERE, about, few
 

@@ -5,7 +5,7 @@ import pytest
 
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY as DAY
-from compass.orbits import keplerian
+from compass.orbits.constellation import keplerian
 from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import built_in_field
 from compass.orbits.motion import Motion
