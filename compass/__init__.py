@@ -12,6 +12,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.drift import drift
     from compass.api.export import export
     from compass.api.fold import fold
+    from compass.api.keep import keep
     from compass.api.land import land
     from compass.api.map import map
     from compass.api.optimize import optimize
@@ -48,6 +49,7 @@ __all__ = [
     "export",
     "fold",
     "from_elements",
+    "keep",
     "land",
     "map",
     "optimize",
@@ -68,6 +70,7 @@ _COMMANDS = (
     "drift",
     "export",
     "fold",
+    "keep",
     "land",
     "map",
     "optimize",
