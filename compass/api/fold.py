@@ -10,6 +10,7 @@ from compass.api.lasting import LastingResult
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.coverage.certificate import Outcome
+from compass.coverage.circle import SiteCoverage, site_coverage_for_ever
 from compass.coverage.continuous import ContinuousCoverage, continuous_coverage
 from compass.coverage.lasting import prove_span
 from compass.coverage.region import GLOBE, read_region
@@ -20,6 +21,7 @@ from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY, latitude_longitude, mcmf_from_mci, prime_meridian_angle
 from compass.orbits.motion import Motion, MotionModel
+from compass.orbits.symmetry import one_period
 from compass.quantities import quantity
 from compass.sites import Mask
 
@@ -43,6 +45,9 @@ class FoldResult(Result):
         highest.
     coverage
         What was found, in SI units and radians.
+    sites
+        The same of each station over its own horizon, for ever and at any longitude; asked only
+        for the whole globe and all time, of orbits of one period.
     """
 
     design: Design = field(repr=False)
@@ -50,6 +55,7 @@ class FoldResult(Result):
     mask_deg: float
     region: str
     coverage: ContinuousCoverage
+    sites: tuple[SiteCoverage, ...] = ()
 
     @property
     def outcome(self) -> Outcome:
@@ -86,7 +92,7 @@ class FoldResult(Result):
         """For which motion and how long it was settled."""
         span = self.coverage.span
         when = "for all time" if span.for_all_time else f"over {span.stop / 3600:.6g} h"
-        return f"{when}, two-body motion"
+        return f"{when}, two-body motion, {self.design.figure.name}"
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
@@ -115,10 +121,19 @@ class FoldResult(Result):
                 "reason": span.reason,
                 "tolerance_rad": certificate.tolerance,
                 "motion": "two-body",
+                "figure": self.design.figure.name,
                 "fold_share": None if shares is None else shares.share,
                 "fold_share_error": None if shares is None else shares.error,
                 "min_fold_bounds": found.least,
                 "max_fold_bounds": found.greatest,
+                "stations": [
+                    {
+                        "name": one.site.name,
+                        "outcome": one.proof.outcome,
+                        "margin_deg": None if one.room is None else degrees(one.room),
+                    }
+                    for one in self.sites
+                ],
                 "after_losses": [self._after(k, sets) for k, sets in enumerate(found.losses, 1)],
             }
         )
@@ -150,6 +165,7 @@ class FoldResult(Result):
     def document(self) -> Page:
         """The verdict, its witness, the margins, shares of area and time, losses."""
         certificate, span = self.coverage.certificate, self.coverage.span
+        figure = self.design.figure.title
         when = (
             "for all time" if span.for_all_time else f"over {span.stop / 3600:.6g} h from the epoch"
         )
@@ -161,10 +177,11 @@ class FoldResult(Result):
             f"{certificate.tolerance:g} rad; rounding on the safe side"
         )
         blocks: list[Block] = [
-            Verdict(self.outcome, f"{claim} (two-body motion)", holds),
+            Verdict(self.outcome, f"{claim} (two-body motion, {figure})", holds),
             *([] if holds else [Sentence(self.outcome.sentence)]),
             *self._counterexample(),
             self._margins(),
+            *self._stations(),
             *self._shares(),
             *(self._losses(number, sets) for number, sets in enumerate(self.coverage.losses, 1)),
             Sentence(how),
@@ -214,6 +231,30 @@ class FoldResult(Result):
                 Value(quantity("lowest_altitude_km"), self.lowest_altitude_km, proven),
             ],
         )
+
+    def _stations(self) -> list[Block]:
+        if not self.sites:
+            return []
+        room = quantity("mask_margin_deg")
+        rows = tuple(
+            (
+                one.site.name,
+                one.proof.outcome,
+                Value(room, None if one.room is None else degrees(one.room), Proven(self.scope)),
+            )
+            for one in self.sites
+        )
+        return [
+            Table(
+                f"Stations: {self.fold} above their own horizons, at any longitude",
+                ("", "claim", "horizon may rise by, deg"),
+                rows,
+            ),
+            Sentence(
+                "off the resonance with Mars a site meets every longitude of its latitude; where "
+                "ground tracks close, the claim on the latitude is the stronger one"
+            ),
+        ]
 
     def _shares(self) -> list[Block]:
         shares = self.coverage.shares
@@ -331,6 +372,7 @@ def fold(
         read.constellation,
         wanted,
         sphere_radius=read.figure.equatorial_radius,
+        stretch=read.figure.stretch,
         mask=mask,
         region=GLOBE if region is None else read_region(region),
         duration=None if duration_h is None else duration_h * 3600.0,
@@ -338,7 +380,12 @@ def fold(
         progress=lambda sets: bar(progress, "losses", sets),
     )
     region_name = found.certificate.region.name
-    return FoldResult(read, wanted, degrees(found.mask), region_name, found)
+    sites: tuple[SiteCoverage, ...] = ()
+    if region is None and duration_h is None and one_period(read.constellation):
+        sites = tuple(
+            site_coverage_for_ever(read.constellation, site, wanted) for site in read.stations
+        )
+    return FoldResult(read, wanted, degrees(found.mask), region_name, found, sites)
 
 
 def _over_days(

@@ -199,6 +199,8 @@ def _print(r: dict[str, Any]) -> None:
                 "" if d["nees"] is None else f"{d['rms_over_bound']:.3f}",
                 ""
                 if d["nees"] is None
+                else f"inconsistent, errors {d['errors_over_claim']:.3g} times its claim"
+                if not d["believed"]
                 else f"{d['nees']:.2f} in {{low:.2f}} to {{high:.2f}}".format(**d["nees_interval"]),
             ]
             for d in rows
