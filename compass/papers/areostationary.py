@@ -15,9 +15,8 @@ TITLE = (
     "numbers as later authors quote them."
 )
 
-#: How far another field and the authors' rounding may move an equilibrium, degrees: the sectoral
-#: terms of degree 2 alone, of which all fields agree to 1e-5, put it 3 degrees off, and degree 3
-#: and 4, which differ by 1e-4 between fields, bring the rest.
+#: What the authors' older fields and their rounding may move an equilibrium by, degrees: a
+#: hundredth of what degree 3 and 4 move it from where degree 2 alone would have it.
 FIELDS = 0.05
 
 
