@@ -1,14 +1,17 @@
 """Where an areostationary satellite stands still over Mars, and how it swings about there."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from compass.bodies import MARS_ROTATION_RATE
 from compass.core.gravity import field_acceleration
 from compass.orbits.gravity import GravityField
+
+_terms = lru_cache(maxsize=4)(GravityField.terms)
 
 
 @dataclass(frozen=True)
@@ -77,9 +80,14 @@ def equilibria(field: GravityField) -> list[Equilibrium]:
 
 def largest_acceleration(field: GravityField) -> tuple[float, float]:
     """Longitude, radians, where that acceleration is largest in size, and its size, rad/s^2."""
-    grid = np.radians(np.arange(0.0, 360.0, 0.1))
-    values = np.abs([longitude_acceleration(field, x) for x in grid])
-    return float(grid[values.argmax()]), float(values.max())
+    grid = np.radians(np.arange(0.0, 360.0, 2.0))
+    best = grid[np.abs([longitude_acceleration(field, x) for x in grid]).argmax()]
+    found = minimize_scalar(
+        lambda x: -abs(longitude_acceleration(field, x)),
+        bounds=(best - 0.04, best + 0.04),
+        method="bounded",
+    )
+    return float(np.mod(found.x, 2 * np.pi)), float(-found.fun)
 
 
 def _pull(field: GravityField, r: float, longitude: float) -> NDArray[np.float64]:
@@ -87,6 +95,6 @@ def _pull(field: GravityField, r: float, longitude: float) -> NDArray[np.float64
     angle = longitude - field.meridian
     c, s = np.cos(angle), np.sin(angle)
     scale = field.gm / field.radius**2
-    terms, highest = field.terms(), field.degree + 1
+    terms, highest = _terms(field), field.degree + 1
     x, y, _ = field_acceleration(r * c, r * s, 0.0, terms, highest, field.radius, scale)
     return np.array([c * x + s * y - field.gm / r**2, c * y - s * x])
