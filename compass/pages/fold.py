@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from compass.coverage.certificate import prove_fold
 from compass.coverage.fold import caps_of, fold_extremes
-from compass.coverage.gdop import gdop_availability, gdop_percentile
+from compass.coverage.gdop import gdop_percentile, gdop_share
 from compass.coverage.margin import CoveringRadius, covering_radius, highest_mask
 from compass.coverage.share import mean_fold_shares
 from compass.coverage.symmetry import Span, shortest_span
@@ -37,14 +37,18 @@ def fold_section(design: Design, *, inclinations: int = 46, moments: int = 400) 
     """
     c, sphere, mask = design.constellation, design.figure.equatorial_radius, design.mask.highest
     span = shortest_span(c)
-    certificate = prove_fold(c, design.fold, sphere_radius=sphere, mask=mask, span=span)
+    stretch = design.figure.stretch
+    certificate = prove_fold(
+        c, design.fold, sphere_radius=sphere, mask=mask, span=span, stretch=stretch
+    )
     worst = covering_radius(c, design.fold, span=span)
-    margin = highest_mask(c, design.fold, sphere_radius=sphere, span=span)
+    margin = highest_mask(c, design.fold, sphere_radius=sphere, span=span, stretch=stretch)
     when = "for all time" if span.for_all_time else f"over {span.stop / 3600:.4g} h"
     witness = certificate.witness
     text = (
-        f"Continuous {design.fold}-fold coverage of the whole sphere above "
-        f"{np.degrees(mask):g} deg, {when}, in two-body motion: {certificate.outcome}. "
+        f"Continuous {design.fold}-fold coverage of the whole of Mars above "
+        f"{np.degrees(mask):g} deg, {when}, in two-body motion, {design.figure.title}: "
+        f"{certificate.outcome}. "
         f"No grid and no time step is involved: {certificate.intervals} interval(s) were settled "
         f"by caps shrunk by as much as they can move ({span.reason})."
     )
@@ -53,6 +57,11 @@ def fold_section(design: Design, *, inclinations: int = 46, moments: int = 400) 
             f" Counter-example: at t = {witness.time:.3f} s, latitude "
             f"{np.degrees(witness.latitude):.4f} deg, longitude "
             f"{np.degrees(witness.longitude):.4f} deg, {witness.fold} in view."
+        )
+    if not design.figure.is_sphere:
+        text += (
+            " Pictures, the common cap radius, shares and GDOP are of the sphere of the equatorial "
+            "radius, on which all caps of one orbit are alike."
         )
     table = Table(
         "Margins of continuous coverage",
@@ -85,7 +94,7 @@ def _quality(c: Constellation, sphere: float, mask: float, span: Span) -> Table:
         if part > 0
     ]
     p95 = gdop_percentile(c, 95.0, sphere_radius=sphere, mask=mask, span=span)
-    six = gdop_availability(c, 6.0, sphere_radius=sphere, mask=mask, span=span)
+    six = gdop_share(c, 6.0, sphere_radius=sphere, mask=mask, span=span)
     if np.isfinite(p95.value):
         rows.append(("GDOP, 95th percentile", p95.value, p95.error, ""))
     rows.append(("GDOP of 6 or less", 100 * six.value, 100 * six.error, "% of area-time"))
