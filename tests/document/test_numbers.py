@@ -67,13 +67,19 @@ def test_every_quantity_says_what_it_is():
         assert record.name == name
         assert record.title and record.meaning.endswith("."), name
         assert record.digits >= 1
-        assert record.shown_unit == (
-            "%" if record.form == "share" else record.unit.strip("1") or ""
-        )
+        bare = "" if record.unit == "1" else record.unit
+        assert record.shown_unit == ("%" if record.form == "share" else bare)
         assert record.attributes()["long_name"] == record.title
         # the name carries the unit
         if record.form == "real" and record.unit in ("deg", "km", "m", "s", "h", "km2", "rad"):
             assert name.endswith(f"_{record.unit}"), name
+
+
+def test_bounds_are_rounded_to_their_own_sides():
+    share, dilution = QUANTITIES["availability"], QUANTITIES["gdop"]
+    assert str(Value(share, 0.97, Bracket(0.97364159, 0.97367801))) == "97.364 to 97.368"
+    assert str(Value(dilution, 3.4, Bracket(3.4059, 3.4101))) == "3.4 to 3.42"
+    assert str(Value(dilution, 3.4, Bracket(2.5, float("inf")))) == "2.5 to ∞"
 
 
 def test_a_wrong_name_is_answered_with_the_near_ones():
