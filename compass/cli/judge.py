@@ -232,9 +232,7 @@ def _print(r: dict[str, Any]) -> None:
                     estimate(d["surface"]["gdop"][key], d["surface"]["gdop_error"][key])
                     for key in ("p50", "p95")
                 ),
-                estimate(
-                    100 * d["surface"]["availability"], 100 * d["surface"]["availability_error"]
-                ),
+                estimate(100 * d["surface"]["gdop_share"], 100 * d["surface"]["gdop_share_error"]),
             ]
             for d in rows
         ],

@@ -48,12 +48,14 @@ def command(
     from tqdm import tqdm
 
     from compass.errors import ArgumentError
+    from compass.inputs.merit import MERITS
     from compass.inputs.study import read_study
     from compass.saving import check_writable
     from compass.study.candidates import check_space
     from compass.study.cluster import Cluster, Tls
     from compass.study.judge import check_lander
     from compass.study.results import first_front, read_results, write_results
+    from compass.study.sampling import sampled_over, sampling_of
     from compass.study.store import Store
     from compass.study.trade import run_trade
     from compass.study.workers import Processes, Workers
@@ -119,6 +121,9 @@ def command(
                 "seconds": summary.seconds,
                 "feasible": feasible,
                 "front": rows,
+                "sampled_over": {
+                    name: how for name in MERITS if (how := sampling_of(chosen, name))
+                },
             }
         )
     else:
@@ -146,6 +151,8 @@ def command(
                 [list(row.values()) for row in rows[:25]],
                 list(rows[0]),
             )
+            if how := sampled_over(chosen, list(rows[0])):
+                click.echo(f"\nsampled: {how}")
     if summary.unfinished:
         more = ["..."] if summary.unfinished > len(summary.lethal) else []
         say(

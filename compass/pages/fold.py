@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from compass.coverage.certificate import prove_fold
 from compass.coverage.fold import caps_of, fold_extremes
-from compass.coverage.gdop import gdop_availability, gdop_percentile
+from compass.coverage.gdop import gdop_percentile, gdop_share
 from compass.coverage.margin import CoveringRadius, covering_radius, highest_mask
 from compass.coverage.share import mean_fold_shares
 from compass.coverage.symmetry import Span, shortest_span
@@ -94,7 +94,7 @@ def _quality(c: Constellation, sphere: float, mask: float, span: Span) -> Table:
         if part > 0
     ]
     p95 = gdop_percentile(c, 95.0, sphere_radius=sphere, mask=mask, span=span)
-    six = gdop_availability(c, 6.0, sphere_radius=sphere, mask=mask, span=span)
+    six = gdop_share(c, 6.0, sphere_radius=sphere, mask=mask, span=span)
     if np.isfinite(p95.value):
         rows.append(("GDOP, 95th percentile", p95.value, p95.error, ""))
     rows.append(("GDOP of 6 or less", 100 * six.value, 100 * six.error, "% of area-time"))

@@ -161,9 +161,7 @@ def surface_section(ranking: dict[str, Any]) -> Section:
                 estimate(row["surface"]["gdop"][key], row["surface"]["gdop_error"][key])
                 for key in ("p50", "p95")
             ),
-            estimate(
-                100 * row["surface"]["availability"], 100 * row["surface"]["availability_error"]
-            ),
+            estimate(100 * row["surface"]["gdop_share"], 100 * row["surface"]["gdop_share_error"]),
         )
         for row in ranking["designs"]
     )
