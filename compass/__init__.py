@@ -11,12 +11,14 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.access import access
     from compass.api.export import export
     from compass.api.fold import fold
+    from compass.api.judge import judge
     from compass.api.land import land
     from compass.api.map import map
     from compass.api.optimize import optimize
     from compass.api.reproduce import reproduce
     from compass.api.search import search
     from compass.api.show import show
+    from compass.api.trade import trade
     from compass.inputs import read_design
     from compass.inputs.scenario import read_scenario
     from compass.inputs.study import read_study
@@ -44,6 +46,7 @@ __all__ = [
     "export",
     "fold",
     "from_elements",
+    "judge",
     "land",
     "map",
     "optimize",
@@ -54,12 +57,25 @@ __all__ = [
     "rosette",
     "search",
     "show",
+    "trade",
     "walker_delta",
     "walker_star",
 ]
 
 #: The commands, each in the file of `compass.api` that has its name.
-_COMMANDS = ("access", "export", "fold", "land", "map", "optimize", "reproduce", "search", "show")
+_COMMANDS = (
+    "access",
+    "export",
+    "fold",
+    "judge",
+    "land",
+    "map",
+    "optimize",
+    "reproduce",
+    "search",
+    "show",
+    "trade",
+)
 
 #: Where the other public names live.
 _HOMES = {
