@@ -19,6 +19,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.search import search
     from compass.api.show import show
     from compass.api.trade import trade
+    from compass.design import Design
     from compass.inputs import read_design
     from compass.inputs.scenario import read_scenario
     from compass.inputs.study import read_study
@@ -37,6 +38,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Constellation",
+    "Design",
     "Mask",
     "Site",
     "__version__",
@@ -80,6 +82,7 @@ _COMMANDS = (
 #: Where the other public names live.
 _HOMES = {
     "Constellation": "compass.orbits",
+    "Design": "compass.design",
     "Mask": "compass.sites",
     "Site": "compass.sites",
     "areosynchronous_radius": "compass.orbits",

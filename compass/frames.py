@@ -69,6 +69,9 @@ FIGURES = {
     )
 }
 
+#: What a file, a site or a function means that names no figure.
+DEFAULT_FIGURE = FIGURES["iau-sphere"]
+
 # Rows: amplitude deg, phase deg, rate deg per Julian century (Archinal et al. 2018, Table 1).
 _POLE_RA = np.array(
     [

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.errors import ArgumentError
-from compass.frames import FIGURES, Figure, direction, east_north_up, planetographic_latitude
+from compass.frames import DEFAULT_FIGURE, Figure, direction, east_north_up, planetographic_latitude
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class Site:
     longitude: float
     height: float = 0.0
     mask: Mask = field(default_factory=Mask)
-    figure: Figure = FIGURES["iau-ellipsoid"]
+    figure: Figure = DEFAULT_FIGURE
 
     @cached_property
     def r_mcmf(self) -> NDArray[np.float64]:

@@ -10,7 +10,8 @@ from compass.frames import FIGURES
 
 
 def test_position_on_the_ellipsoid_equals_pyproj():
-    site = Site("x", np.radians(40.0), np.radians(-100.0), 3000.0)
+    ellipsoid = FIGURES["iau-ellipsoid"]
+    site = Site("x", np.radians(40.0), np.radians(-100.0), 3000.0, figure=ellipsoid)
     geocentric = "+proj=geocent +a=3396190 +b=3376200 +units=m"
     graphic = Transformer.from_crs("+proj=longlat +a=3396190 +b=3376200", geocentric)
     up = np.degrees(np.arctan((3396190 / 3376200) ** 2 * np.tan(np.radians(40.0))))

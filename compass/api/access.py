@@ -13,11 +13,11 @@ from compass.api.results import Result
 from compass.bodies import SOLAR_DAY
 from compass.contacts.dataset import windows_dataset
 from compass.contacts.record import survey_record
-from compass.contacts.survey import Survey, Wanted, survey
+from compass.contacts.survey import Survey, survey
+from compass.design import Design, Wanted
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError, OutputError
-from compass.inputs import Design
 from compass.quantities import quantity
 from compass.saving import replacing, save_netcdf, write_csv
 from compass.sites import Mask, Site

@@ -7,6 +7,7 @@ from typing import Any
 
 from compass.api.given import given_design
 from compass.api.results import Result
+from compass.design import Design
 from compass.document import Page, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError
@@ -15,7 +16,6 @@ from compass.handover.geojson import geojson
 from compass.handover.instants import iso, sample_times, tdb
 from compass.handover.oem import oem
 from compass.handover.toml import design_toml
-from compass.inputs import Design
 from compass.orbits.motion import MotionModel
 from compass.saving import making_folder, replacing
 

@@ -11,11 +11,11 @@ from compass.api.results import Result
 from compass.coverage.certificate import Outcome
 from compass.coverage.continuous import ContinuousCoverage, continuous_coverage
 from compass.coverage.region import GLOBE, read_region
+from compass.design import Design
 from compass.document import Bracket, Page, Proven, Sampled, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block, facts
 from compass.document.plain import plain
 from compass.frames import latitude_longitude, mcmf_from_mci, prime_meridian_angle
-from compass.inputs import Design
 from compass.quantities import quantity
 
 if TYPE_CHECKING:

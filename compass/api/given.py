@@ -4,8 +4,9 @@ from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from compass.design import Design
 from compass.errors import ArgumentError
-from compass.inputs import Design, read_design
+from compass.inputs import read_design
 from compass.sites import Mask
 
 if TYPE_CHECKING:

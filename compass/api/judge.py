@@ -11,10 +11,11 @@ import numpy as np
 from compass.api.given import given_design, given_scenario
 from compass.api.progress import bar
 from compass.api.results import Result
+from compass.design import Design
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError, DesignError
-from compass.inputs import Design, read_design
+from compass.inputs import read_design
 from compass.inputs.scenario import Scenario
 from compass.quantities import Quantity, quantity
 from compass.saving import check_writable, replacing

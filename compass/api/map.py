@@ -11,11 +11,11 @@ from compass.api.progress import bar
 from compass.api.results import Result
 from compass.coverage.files import write_map
 from compass.coverage.maps import DOPS
+from compass.design import Design
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.blocks import facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
-from compass.inputs import Design
 from compass.orbits.motion import MotionModel
 from compass.quantities import QUANTITIES, quantity
 from compass.saving import replacing

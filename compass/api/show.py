@@ -13,11 +13,11 @@ from compass.api.reproduce import comparison_table
 from compass.api.results import Result
 from compass.coverage.cap import cap, published_cap_area
 from compass.coverage.geometry import Geometry, pattern_geometry
+from compass.design import Design
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block, columns, facts, values
 from compass.document.plain import plain
 from compass.frames import J2000
-from compass.inputs import Design
 from compass.orbits import Constellation, orbital_period, repeat_period
 from compass.papers.verdict import Row
 from compass.quantities import quantity

@@ -6,37 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.bodies import BOLTZMANN, SPEED_OF_LIGHT
-from compass.contacts.nodes import Node, NodeKind
+from compass.contacts.nodes import Node
 from compass.core.motion import states
-
-
-@dataclass(frozen=True)
-class Radio:
-    """A radio link between two kinds of nodes.
-
-    Attributes
-    ----------
-    between
-        The two kinds, in either order.
-    frequency
-        Carrier, Hz.
-    eirp
-        Equivalent isotropic radiated power of the sender, dBW.
-    figure_of_merit
-        G/T of the receiver, dB/K.
-    required
-        C/N0 at which the link is usable, dB Hz.
-    """
-
-    between: tuple[NodeKind, NodeKind]
-    frequency: float
-    eirp: float
-    figure_of_merit: float
-    required: float
-
-    def serves(self, one: Node, two: Node) -> bool:
-        """Whether the link is for nodes of these kinds."""
-        return sorted(self.between) == sorted((one.kind, two.kind))
+from compass.design import Radio
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 
 from compass.contacts.nodes import Node, find_node, sun_node
-from compass.contacts.radio import Radio, Track, carrier_to_noise, track
+from compass.contacts.radio import Track, carrier_to_noise, track
 from compass.contacts.relay import Contacts, contacts, latency, reach
 from compass.contacts.spans import all_of, any_of, outside, total
 from compass.contacts.statistics import statistics
 from compass.contacts.survey import Survey
 from compass.contacts.windows import Windows, eclipses
-from compass.frames import FIGURES, SECONDS_PER_DAY, Figure
+from compass.design import Radio
+from compass.frames import DEFAULT_FIGURE, SECONDS_PER_DAY, Figure
 from compass.planets import conjunction_seasons, sun_earth_mars_angle
 
 HOUR = 3600.0
@@ -170,7 +171,7 @@ def latency_records(survey: Survey) -> list[dict[str, Any]] | None:
 
 
 def eclipse_records(
-    survey: Survey, epoch: float, figure: Figure = FIGURES["iau-sphere"]
+    survey: Survey, epoch: float, figure: Figure = DEFAULT_FIGURE
 ) -> list[dict[str, Any]]:
     """Shadow of Mars on each satellite and moon: share, number and longest, umbra apart."""
     bodies = [node for node in survey.nodes if node.kind in ("satellite", "moon")]
@@ -198,7 +199,7 @@ def radio_records(survey: Survey, radios: Sequence[Radio]) -> list[dict[str, Any
     for radio in radios:
         for w in survey.windows:
             one, two = find_node(survey.nodes, w.first), find_node(survey.nodes, w.second)
-            if not w.count or not radio.serves(one, two):
+            if not w.count or not radio.serves(one.kind, two.kind):
                 continue
             path = pair_track(survey, w)
             ratio = carrier_to_noise(radio, path.distance)
@@ -225,7 +226,7 @@ def survey_record(
     *,
     radios: Sequence[Radio] = (),
     threshold: float = 0.0,
-    figure: Figure = FIGURES["iau-sphere"],
+    figure: Figure = DEFAULT_FIGURE,
     eclipse: bool = False,
 ) -> dict[str, Any]:
     """Return everything a survey has to say.

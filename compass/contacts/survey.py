@@ -16,8 +16,9 @@ from compass.contacts.nodes import (
 )
 from compass.contacts.spans import Spans, any_of
 from compass.contacts.windows import Windows, windows
+from compass.design import Wanted
 from compass.errors import ArgumentError
-from compass.frames import FIGURES, Figure
+from compass.frames import DEFAULT_FIGURE, Figure
 from compass.moons import MoonModel
 from compass.orbits.constellation import Constellation
 from compass.sites import Site
@@ -26,26 +27,7 @@ from compass.sites import Site
 MAX_PAIRS = 100_000
 
 
-@dataclass(frozen=True)
-class Wanted:
-    """What to link.
-
-    Attributes
-    ----------
-    moons
-        Names of the moons.
-    earth
-        Whether to link with the Earth.
-    crosslinks
-        Whether to link satellites with each other.
-    atmosphere_height
-        How far above the figure a ray between two nodes off the surface must pass, metres.
-    """
-
-    moons: tuple[str, ...] = ()
-    earth: bool = False
-    crosslinks: bool = False
-    atmosphere_height: float = 0.0
+_NOTHING_MORE = Wanted()
 
 
 @dataclass(frozen=True)
@@ -98,9 +80,9 @@ def survey(
     constellation: Constellation,
     sites: Sequence[Site],
     duration: float,
-    wanted: Wanted = Wanted(),
+    wanted: Wanted = _NOTHING_MORE,
     *,
-    figure: Figure = FIGURES["iau-ellipsoid"],
+    figure: Figure = DEFAULT_FIGURE,
     model: DriftModel = "two-body",
     moon_model: MoonModel = "precessing",
     workers: int | None = None,

@@ -13,7 +13,7 @@ from compass.contacts.nodes import Node, check_duration
 from compass.core.events import find_windows
 from compass.core.sight import ECLIPSE, ELEVATION, HORIZON, LIMB
 from compass.errors import ArgumentError
-from compass.frames import FIGURES, Figure
+from compass.frames import DEFAULT_FIGURE, Figure
 
 Pair = tuple[Node, Node]
 
@@ -66,7 +66,7 @@ def windows(
     pairs: Sequence[Pair],
     duration: float,
     *,
-    figure: Figure = FIGURES["iau-ellipsoid"],
+    figure: Figure = DEFAULT_FIGURE,
     atmosphere_height: float = 0.0,
     workers: int | None = None,
 ) -> list[Windows]:
@@ -118,7 +118,7 @@ def eclipses(
     sun: Node,
     duration: float,
     *,
-    figure: Figure = FIGURES["iau-sphere"],
+    figure: Figure = DEFAULT_FIGURE,
     total: bool = False,
     workers: int | None = None,
 ) -> list[Windows]:

@@ -17,9 +17,10 @@ from compass.coverage.margin import (
 )
 from compass.coverage.region import GLOBE, Region
 from compass.coverage.share import FoldShares, mean_fold_shares
-from compass.coverage.symmetry import Span, one_circle, shortest_span, unlike_subsets
+from compass.coverage.symmetry import Span, shortest_span, unlike_subsets
 from compass.errors import ArgumentError
 from compass.orbits import Constellation
+from compass.orbits.symmetry import one_circle
 from compass.sites import Mask
 
 
@@ -106,7 +107,7 @@ def continuous_coverage(
         raise ArgumentError(f"losses = {losses}: allowed 0 to {c.size}, the number of satellites")
     span = shortest_span(c, region, duration)
     if losses:
-        unlike_subsets(c, losses, region)  # refuse too many before any work
+        unlike_subsets(c, losses, region, duration)  # refuse too many before any work
     outcome, certificate = _settle(c, fold, sphere, mask, region, span)
     high, globe, alike = mask.highest, region.is_globe, one_circle(c)
     least, greatest = fold_range(c, sphere_radius=sphere, mask=high, region=region, span=span)

@@ -1,7 +1,7 @@
 """Margins of continuous coverage: smallest cap, highest mask, lowest orbit, satellites to spare."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,8 +12,9 @@ from compass.coverage.cap import mask_for_cap
 from compass.coverage.certificate import fold_range, prove_fold
 from compass.coverage.motion import motion_of
 from compass.coverage.region import GLOBE, Region
-from compass.coverage.symmetry import Span, one_circle, shortest_span, unlike_subsets
+from compass.coverage.symmetry import Span, shortest_span, unlike_subsets
 from compass.orbits import Constellation
+from compass.orbits.symmetry import one_circle
 
 #: To what smallest cap radii and mask margins are found, radians.
 TOLERANCE = 1e-6
@@ -68,7 +69,7 @@ def covering_radius(
         np.inf,
         max_intervals,
     )
-    return CoveringRadius(float(most), float(least), float(time), place)
+    return CoveringRadius(float(most) + span.mismatch, float(least), float(time), place)
 
 
 def highest_mask(
@@ -175,8 +176,8 @@ def after_losses(
 ) -> list[Loss]:
     """Exact least fold after every loss of `losses` satellites, the most harmful first.
 
-    Sets that a turn, delay or reversal of the pattern carries into one another are alike, and
-    one of them is looked at. The order is by least fold, then by the cap radius needed.
+    Sets that a turn carries into one another, or for all time a delay or reversal, are alike,
+    and one of them is looked at. The order is by least fold, then by the cap radius needed.
 
     Parameters
     ----------
@@ -198,11 +199,12 @@ def after_losses(
     ArgumentError
         As `unlike_subsets`.
     """
-    kinds = unlike_subsets(constellation, losses, region)
+    alike = unlike_subsets(constellation, losses, region, duration)
     found = []
-    for subset in progress(list(kinds)):
+    for subset in progress(list(alike.sets)):
         left = constellation.without(subset)
         span = shortest_span(left, region, duration)
+        span = replace(span, mismatch=span.mismatch + alike.mismatch)
         least, _ = fold_range(
             left, sphere_radius=sphere_radius, mask=mask, region=region, span=span, greatest=False
         )
@@ -210,5 +212,5 @@ def after_losses(
         if region.is_globe and one_circle(left):
             radius = covering_radius(left, fold, span=span, tolerance=tolerance).radius
         names = tuple(constellation.satellite_names[s] for s in subset)
-        found.append(Loss(names, kinds[subset], least, radius))
+        found.append(Loss(names, alike.sets[subset], least, radius))
     return sorted(found, key=lambda loss: (loss.least, -(loss.radius or 0.0), loss.satellites))

@@ -32,7 +32,8 @@ class Motion:
     frame_angle
         Angle of a Mars-fixed frame at the epoch, radians; nan for the inertial frame.
     frame_error
-        Bound on the departure of Mars's rotation from uniform in the span, radians.
+        Bound on the departure of Mars's rotation from uniform in the span, and on what the
+        symmetries miss that the span stands on, radians.
     """
 
     orbits: NDArray[np.float64]
@@ -72,8 +73,8 @@ def motion_of(constellation: Constellation, span: Span, region: Region = GLOBE) 
         spin = np.array([0.0, 0.0, rate])
         error = MERIDIAN_CURVATURE * length**2 / 8 + 2 * np.spacing(abs(last))
         angle = float(np.mod(first - rate * span.start, 2 * np.pi))
-        return Motion(orbits, poles, c.gm, spin, angle, float(error))
+        return Motion(orbits, poles, c.gm, spin, angle, float(error) + span.mismatch)
     spin = (c.mean_motion[:, np.newaxis] * poles).mean(axis=0) if c.size else np.zeros(3)
     if not region.is_globe:
         spin = spin * [0.0, 0.0, 1.0]
-    return Motion(orbits, poles, c.gm, spin, float("nan"), 0.0)
+    return Motion(orbits, poles, c.gm, spin, float("nan"), span.mismatch)

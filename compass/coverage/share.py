@@ -21,7 +21,8 @@ class FoldShares:
     share
         Share with exactly k satellites in view, shape (n + 1,); they sum to 1.
     error
-        Estimate of the largest error, from the adaptive quadrature in time.
+        Estimate of the largest error: of the adaptive quadrature in time, and of what the
+        symmetries miss that the span stands on.
     """
 
     share: NDArray[np.float64]
@@ -71,4 +72,6 @@ def mean_fold_shares(
     share, error = quad_vec(
         at, 0.0, 1.0, epsabs=tolerance, epsrel=0.0, norm="max", limit=2000, quadrature="gk15"
     )
-    return FoldShares(share, float(error))
+    # a rim moved by an angle moves less area than half of it, of the sphere
+    moved = 0.5 * constellation.size * span.mismatch
+    return FoldShares(share, float(error) + moved)

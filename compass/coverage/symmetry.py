@@ -4,27 +4,35 @@ Let theta be the phase all satellites of equal circular orbits have gone through
 of the sphere, which carry any fold along, the configuration S(theta) obeys:
 
 * S(theta + pi) is S(theta) seen in the centre: a satellite half a revolution on is at its antipode.
-* In a Walker delta pattern or rosette t/p/f a step to the next slot is a phase of ``2 pi p/t`` and
-  a step to the next plane, a turn of ``2 pi/p`` about the pole, one of ``-2 pi f/t``. Together
-  they make a phase of ``2 pi g/t`` with ``g = gcd(p, f)``. A rosette (N, N, m) therefore repeats
-  after gcd(N, m) steps of ``2 pi/N``, not after one.
-* Half a turn about the nodes of plane 0 takes theta to -theta.
+* S(theta + phase) is S(theta) turned about the pole, for the phase of every shift that carries the
+  constellation into itself. In a Walker delta pattern t/p/f a step to the next slot is a phase of
+  ``2 pi p/t`` and one to the next plane a phase of ``-2 pi f/t``; together they make one of
+  ``2 pi g/t`` with ``g = gcd(p, f)``. A rosette (N, N, m) therefore repeats after gcd(N, m) steps
+  of ``2 pi/N``, not after one. In a Walker star only the slots are shifts.
+* S(-theta - phase) is S(theta) turned half about a line of nodes, for the phase of every mirror.
 
-In a Walker star no plane becomes another by a turn; only the slots do, and half a turn about the
-middle of the nodes takes theta to ``-theta - 2 pi f (p - 1)/t``.
+Which shifts and mirrors there are is found in the elements (`compass.orbits.symmetry`); by how
+much they miss goes with the span and into every bound that is proven over it.
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import combinations
-from math import comb, gcd, lcm
+from math import comb
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.coverage.region import GLOBE, Region
 from compass.errors import ArgumentError
 from compass.orbits import Constellation, orbital_period, repeat_period
-from compass.orbits.constellation import Pattern
+from compass.orbits.symmetry import (
+    TOLERANCE,
+    mirrors,
+    one_circle,
+    one_period,
+    shifts,
+    widest_gap,
+)
 
 #: Sets of lost satellites that are looked at one by one.
 MOST_SUBSETS = 20_000
@@ -42,30 +50,21 @@ class Span:
         Whether what holds in it holds for ever, in two-body motion.
     reason
         Why, in words.
+    mismatch
+        Angle by which what happens at another time may differ from what happens in the span,
+        radians: by so much the symmetries that carry one into the other are missed.
     """
 
     start: float
     stop: float
     for_all_time: bool
     reason: str
+    mismatch: float = 0.0
 
 
-def one_period(constellation: Constellation) -> bool:
-    """Whether all orbits have the same period, after which everything repeats."""
-    a = constellation.semi_major_axis
-    return a.size == 0 or bool(np.all(a == a[0]))
-
-
-def one_circle(constellation: Constellation) -> bool:
-    """Whether all orbits are circles of one radius, so that all caps are alike for ever."""
-    return constellation.is_circular and one_period(constellation)
-
-
-def phase_steps(pattern: Pattern) -> int:
-    """Into how many equal parts of a revolution a pattern repeats up to a turn about the pole."""
-    if pattern.kind == "walker-star":
-        return pattern.per_plane
-    return pattern.satellites // gcd(pattern.planes, pattern.phasing)
+#: Revolutions of the fastest satellite that a stretch of time may have. Each costs the same, for
+#: a dozen satellites about a second for each thing that is settled.
+MOST_REVOLUTIONS = 500.0
 
 
 def shortest_span(
@@ -81,21 +80,34 @@ def shortest_span(
         Where.
     duration
         Seconds from the epoch to look at instead; without it, orbits of different periods and
-        regions that turn with Mars get the repeat period of the ground tracks.
+        regions that turn with Mars get the repeat period of the ground tracks. One that reaches
+        past the time after which all repeats decides about all time.
 
     Raises
     ------
     ArgumentError
-        The duration is not positive.
+        The duration is not positive, or longer than `MOST_REVOLUTIONS` where nothing repeats.
     """
-    if duration is not None:
-        if not (np.isfinite(duration) and duration > 0):
-            raise ArgumentError(f"duration = {duration:g} s: must be positive and finite")
-        return Span(0.0, duration, False, "over the duration asked for")
+    if duration is not None and not (np.isfinite(duration) and duration > 0):
+        raise ArgumentError(f"duration = {duration:g} s: must be positive and finite")
     if constellation.size == 0:
         return Span(0.0, 0.0, True, "no satellite, nothing changes")
     if region.mars_fixed or not one_period(constellation):
-        track = repeat_period(constellation)
+        return _stretch(constellation, duration)
+    span = _deciding(constellation, region)
+    if duration is None:
+        return span
+    repeats = _repeats(constellation, region)
+    if duration < repeats:
+        return Span(0.0, duration, False, "over the duration asked for")
+    reason = f"the duration asked for reaches past {repeats / 3600:.4g} h, after which all repeats"
+    return Span(span.start, span.stop, True, f"{reason}; {span.reason}", span.mismatch)
+
+
+def _stretch(c: Constellation, duration: float | None) -> Span:
+    """The time asked for, or that of the ground tracks, where nothing repeats for sure."""
+    if duration is None:
+        track = repeat_period(c)
         return Span(
             0.0,
             track.duration,
@@ -103,35 +115,87 @@ def shortest_span(
             f"over {track.sidereal_days} rotation(s) of Mars, after which the ground tracks "
             f"repeat to {np.degrees(track.closure):.3g} deg",
         )
-    period = float(orbital_period(constellation.semi_major_axis[0], constellation.gm))
-    if not constellation.is_circular:
+    most = MOST_REVOLUTIONS * 2 * np.pi / float(c.mean_motion.max())
+    if duration > most:
+        raise ArgumentError(
+            f"duration = {duration / 3600:g} h: nothing repeats here, and every revolution must be "
+            f"looked at; allowed up to {most / 3600:.6g} h, {MOST_REVOLUTIONS:g} revolutions of "
+            "the fastest satellite"
+        )
+    return Span(0.0, duration, False, "over the duration asked for")
+
+
+def _phases(c: Constellation, region: Region) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Phases after which circular orbits look alike, and those about which they run backwards."""
+    forwards, backwards = shifts(c).phase, mirrors(c).phase
+    if region.is_globe or region.is_mirrored:
+        return np.concatenate([forwards, forwards + np.pi]), backwards
+    # seen in the centre half a turn about a horizontal line keeps north where it is
+    return forwards, backwards + np.pi
+
+
+def _repeats(c: Constellation, region: Region) -> float:
+    """Time after which orbits of one period have shown all they ever show, seconds."""
+    period = float(orbital_period(c.semi_major_axis[0], c.gm))
+    return period if not c.is_circular else widest_gap(_phases(c, region)[0]) / (2 * np.pi) * period
+
+
+def _deciding(c: Constellation, region: Region) -> Span:
+    """Part of a revolution that decides about orbits of one period."""
+    period = float(orbital_period(c.semi_major_axis[0], c.gm))
+    if not c.is_circular:
         return Span(0.0, period, True, "all orbits have one period")
-    pattern = constellation.pattern
-    steps = phase_steps(pattern) if pattern else 1
-    mirrored = region.is_globe or region.is_mirrored
+    forwards, backwards = _phases(c, region)
+    gap = widest_gap(forwards)
+    steps, parts = (round(2 * np.pi / g) for g in (widest_gap(shifts(c).phase), gap))
+    mismatch = shifts(c).mismatch
     reason = f"turned about the pole it repeats after 1/{steps} of a revolution"
-    if not mirrored:
-        return Span(0.0, period / steps, True, reason)
-    parts = lcm(steps, 2)
-    reason += f", seen in the centre after 1/{parts}"
-    if pattern is None:
-        return Span(0.0, period / parts, True, reason)
-    first = 0.0
-    if pattern.kind == "walker-star":
-        first = -pattern.phasing * (pattern.planes - 1) / (2.0 * pattern.satellites) % (1.0 / parts)
+    if forwards.size > len(shifts(c)):
+        reason += f", seen in the centre after 1/{parts}"
+    if not backwards.size:
+        return Span(0.0, gap / (2 * np.pi) * period, True, reason, mismatch)
+    mismatch += mirrors(c).mismatch
     reason += f", and half a turn about a node line runs it backwards: 1/{2 * parts} decides"
-    return Span(first * period, (first + 0.5 / parts) * period, True, reason)
+    first = float(np.mod(-backwards[0] / 2, gap))
+    if gap - first < TOLERANCE:  # the remainder of minus nothing
+        mismatch += gap - first
+        first = 0.0
+    first, last = (theta / (2 * np.pi) * period for theta in (first, first + 0.5 * gap))
+    return Span(first, last, True, reason, mismatch)
+
+
+@dataclass(frozen=True)
+class Alike:
+    """Sets of satellites, sorted by what is left without them.
+
+    Attributes
+    ----------
+    sets
+        One of each kind and the number of sets that it stands for.
+    mismatch
+        Angle by which what is left of sets of a kind may differ, radians.
+    """
+
+    sets: dict[tuple[int, ...], int]
+    mismatch: float
 
 
 def unlike_subsets(
-    constellation: Constellation, size: int, region: Region = GLOBE
-) -> dict[tuple[int, ...], int]:
+    constellation: Constellation,
+    size: int,
+    region: Region = GLOBE,
+    duration: float | None = None,
+) -> Alike:
     """Subsets of `size` satellites of which none is another turned, delayed or run backwards.
 
-    Returns
-    -------
-    subsets
-        One of each kind and the number of subsets that it stands for.
+    Of a limited time only turns are allowed: what comes later or backwards need not come in it.
+
+    Parameters
+    ----------
+    constellation, region, duration
+        As in `shortest_span`.
+    size
+        How many satellites a subset has.
 
     Raises
     ------
@@ -146,29 +210,29 @@ def unlike_subsets(
             f"losses = {size}: {comb(n, size)} sets of {size} among {n} satellites are more than "
             f"{MOST_SUBSETS}; ask for fewer losses"
         )
-    moves = np.array(list(_relabellings(constellation, region)))
+    moves, mismatch = _relabellings(constellation, region, duration)
     kinds: dict[tuple[int, ...], int] = {}
     for subset in combinations(range(n), size):
         images = np.sort(moves[:, list(subset)], axis=1)
         kind = tuple(int(i) for i in images[np.lexsort(images.T[::-1])[0]])
         kinds[kind] = kinds.get(kind, 0) + 1
-    return kinds
+    return Alike(kinds, mismatch)
 
 
-def _relabellings(constellation: Constellation, region: Region) -> Iterable[list[int]]:
-    """Permutations of the satellites that an isometry and a shift or reversal of time bring."""
-    pattern = constellation.pattern
-    if pattern is None or region.mars_fixed:
-        yield list(range(constellation.size))
-        return
-    p, s, f = pattern.planes, pattern.per_plane, pattern.phasing
-    cells = [(k, j) for k in range(p) for j in range(s)]
-    turns = range(1) if pattern.kind == "walker-star" else range(p)
-    backwards = pattern.kind != "walker-star" and (region.is_globe or region.is_mirrored)
-    for turn in turns:
-        for slot in range(s):
-            moved = [((k + turn) % p, (j + slot + f * ((k + turn) // p)) % s) for k, j in cells]
-            yield [k * s + j for k, j in moved]
-            if backwards:
-                # plane k goes to plane -k; past plane 0 its slots count from f on
-                yield [(-k % p) * s + (-j - (f if k else 0)) % s for k, j in moved]
+def _relabellings(
+    c: Constellation, region: Region, duration: float | None
+) -> tuple[NDArray[np.int64], float]:
+    """Satellites that take each other's places, shape (m, n), in all that the time shows."""
+    still = np.arange(c.size)[np.newaxis], 0.0
+    if region.mars_fixed or not one_circle(c):
+        return still
+    forwards, backwards = shifts(c), mirrors(c)
+    period = float(orbital_period(c.semi_major_axis[0], c.gm))
+    if duration is None or duration >= period:
+        return (
+            np.concatenate([forwards.image, backwards.image]),
+            forwards.mismatch + backwards.mismatch,
+        )
+    delay = np.abs(np.mod(forwards.phase + np.pi, 2 * np.pi) - np.pi)
+    turns = delay <= TOLERANCE
+    return forwards.image[turns], forwards.mismatch + float(delay[turns].max())

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.design import Design
 from compass.frames import Figure
 from compass.handover.instants import iso, utc
-from compass.inputs import Design
 from compass.orbits import orbital_period, positions_mcmf
 from compass.orbits.motion import AnyMotion
 

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from compass.coverage.cap import cap
 from compass.coverage.gap import gap, gap_polygons, spherical_polygon
+from compass.design import Design
 from compass.frames import latitude_longitude
 from compass.handover.instants import iso, tdb
-from compass.inputs import Design
 from compass.orbits import positions_mcmf
 from compass.orbits.motion import AnyMotion
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import compass
+from compass.design import Design
 from compass.frames import mci_from_icrf
 from compass.handover.instants import iso, tdb
-from compass.inputs import Design
 from compass.orbits import states_mci
 from compass.orbits.motion import AnyMotion, as_motion
 

@@ -6,11 +6,12 @@ from datetime import timedelta
 
 import numpy as np
 
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import J2000, Figure
-from compass.inputs import Design
 from compass.inputs.design import KM
 from compass.orbits import Constellation, areosynchronous_radius
+from compass.orbits.constellation import from_pattern
 from compass.sites import Mask, Site
 
 _NO_MASK = Mask()
@@ -56,7 +57,7 @@ def constellation_toml(
     figure
         Reference figure of Mars.
     mask, fold, source, paper, stations
-        As in `inputs.Design`.
+        As in `compass.design.Design`.
 
     Raises
     ------
@@ -80,7 +81,7 @@ def constellation_toml(
         epoch = J2000 + timedelta(seconds=c.epoch)
         lines.append(f"epoch = {epoch.isoformat()} # TDB")
     lines += ["", "[constellation]"]
-    lines += _elements(c) if c.pattern is None else _pattern(c, figure)
+    lines += _pattern(c, figure) if _is_laid_out(c) else _elements(c)
     lines += ["", "[coverage]", *_mask(mask), f"fold = {fold}"]
     for site in stations:
         lines += [
@@ -95,20 +96,25 @@ def constellation_toml(
     return "\n".join([*lines, ""])
 
 
+def _is_laid_out(c: Constellation) -> bool:
+    """Whether the numbers of a pattern give every element and name back to the last bit."""
+    if c.pattern is None or abs(c.pattern.raan) > 2 * np.pi:
+        return False
+    radius = float(c.semi_major_axis[0])
+    return from_pattern(c.pattern, radius, name=c.name, epoch=c.epoch, gm=c.gm) == c
+
+
 def _pattern(c: Constellation, figure: Figure) -> list[str]:
     pattern = c.pattern
     assert pattern is not None
-    third = (
-        f"phasing = {pattern.phasing % pattern.planes}"
-        if pattern.multiplier is None
-        else f'multiplier = "{pattern.multiplier}"'
-    )
     return [
         f"pattern = {_text(pattern.kind)}",
         f"satellites = {pattern.satellites}",
         f"planes = {pattern.planes}",
-        third,
+        f"phasing = {pattern.phasing}",
         f"inclination_deg = {_degrees(pattern.inclination)}",
+        *(f"raan_deg = {_degrees(pattern.raan)}" for _ in range(pattern.raan != 0.0)),
+        *(f"phase_deg = {_degrees(pattern.phase)}" for _ in range(pattern.phase != 0.0)),
         _orbit(float(c.semi_major_axis[0]), figure),
     ]
 

@@ -1,7 +1,5 @@
 """Design files: read, check across fields, and turn into a constellation, a mask and sites."""
 
-import hashlib
-from dataclasses import dataclass, field
 from datetime import datetime
 from fractions import Fraction
 from pathlib import Path
@@ -10,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from compass.bodies import SOLAR_DAY
-from compass.contacts.radio import Radio
-from compass.contacts.survey import Wanted
+from compass.design import Design, Radio, Wanted
 from compass.errors import ArgumentError, DesignError
 from compass.frames import FIGURES, Figure, planetocentric_latitude, seconds_past_j2000
 from compass.inputs.faults import fault
@@ -30,75 +27,18 @@ from compass.inputs.oem import read_ephemerides
 from compass.inputs.reading import parse, read_text
 from compass.orbits import (
     Constellation,
-    areosynchronous_radius,
-    from_elements,
+    keplerian,
     rosette,
     walker_delta,
     walker_star,
 )
-from compass.orbits.constellation import check_counts
-from compass.orbits.motion import Motion
-from compass.orbits.rosette import walker_phasing
+from compass.orbits.kinds import WALKER_DELTA, check_counts, walker_phasing
 from compass.orbits.states import from_states
 from compass.orbits.trajectory import Trajectory
 from compass.saving import readable
 from compass.sites import Mask, Site
 
 KM = 1e3
-
-
-@dataclass(frozen=True)
-class Design:
-    """A design file, read.
-
-    Attributes
-    ----------
-    name, source
-        As written.
-    paper
-        Key of the source paper whose printed values the design is compared with, or None.
-    figure
-        Reference figure of Mars.
-    constellation
-        The orbits.
-    mask
-        Elevation mask of users on the surface.
-    fold
-        Satellites that must be in view at once.
-    stations
-        Named sites.
-    access
-        What to link besides.
-    access_duration
-        Span over which to look for access, seconds.
-    conjunction
-        Sun-Earth-Mars angle below which links to the Earth are lost, radians.
-    radios
-        Radio links.
-    text, digest
-        The file's text and its SHA-256 in hexadecimal, for provenance.
-    label
-        The file's name as given.
-    motion
-        How the satellites move.
-    """
-
-    name: str
-    source: str
-    paper: str | None
-    figure: Figure
-    constellation: Constellation
-    mask: Mask
-    fold: int
-    stations: tuple[Site, ...]
-    access: Wanted
-    access_duration: float
-    conjunction: float
-    radios: tuple[Radio, ...]
-    text: str
-    digest: str
-    label: str
-    motion: Motion = field(default_factory=Motion)
 
 
 def read_design(path: str | Path) -> Design:
@@ -132,7 +72,6 @@ def read_design_text(text: str, label: str = "design") -> Design:
         conjunction=float(np.radians(file.access.conjunction_deg)),
         radios=tuple(_radio(link) for link in file.link),
         text=text,
-        digest=hashlib.sha256(text.encode()).hexdigest(),
         label=label,
         motion=motion,
     )
@@ -171,7 +110,7 @@ def _constellation(
     if isinstance(table, ElementsTable):
         shapes = [_shape(s.model_dump(), figure) for s in table.satellite]
         axes, eccentricities = np.array(shapes).T
-        return from_elements(
+        return keplerian(
             axes * KM,
             eccentricities,
             np.radians([s.inclination_deg for s in table.satellite]),
@@ -182,33 +121,21 @@ def _constellation(
             epoch=epoch,
             satellite_names=[s.name for s in table.satellite],
         )
-    if table.radius_km is not None:
-        radius = table.radius_km * KM
-    elif table.altitude_km is not None:
-        radius = table.altitude_km * KM + figure.equatorial_radius
-    else:
-        radius = areosynchronous_radius()
-    inclination = float(np.radians(table.inclination_deg))
+    orbit: dict[str, Any] = {
+        "inclination_deg": table.inclination_deg,
+        "radius_km": table.radius_km,
+        "altitude_km": table.altitude_km,
+        "orbit": table.orbit,
+        "raan_deg": table.raan_deg,
+        "phase_deg": table.phase_deg,
+        "figure": figure,
+        "name": file.name,
+        "epoch": epoch,
+    }
     if isinstance(table, RosetteTable):
-        return rosette(
-            table.satellites,
-            table.planes,
-            Fraction(table.multiplier),
-            inclination=inclination,
-            radius=radius,
-            name=file.name,
-            epoch=epoch,
-        )
-    make = walker_delta if table.pattern == "walker-delta" else walker_star
-    return make(
-        table.satellites,
-        table.planes,
-        table.phasing,
-        inclination=inclination,
-        radius=radius,
-        name=file.name,
-        epoch=epoch,
-    )
+        return rosette(table.satellites, table.planes, Fraction(table.multiplier), **orbit)
+    make = walker_delta if table.pattern == WALKER_DELTA.name else walker_star
+    return make(table.satellites, table.planes, table.phasing, **orbit)
 
 
 def _shape(satellite: dict[str, Any], figure: Figure) -> tuple[float, float]:

@@ -6,6 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
+from compass.design import LinkEnd
+
 SatelliteCount = Annotated[int, Field(ge=1, le=10_000)]
 Inclination = Annotated[float, Field(ge=0, le=180)]
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
@@ -43,7 +45,16 @@ class CircularOrbit(Table):
     )
 
 
-class WalkerTable(CircularOrbit):
+class Placement(CircularOrbit):
+    """Where a pattern of circular orbits stands: its first satellite at the epoch."""
+
+    raan_deg: float = Field(0.0, ge=-360, le=360, description="node of the first plane, degrees")
+    phase_deg: float = Field(
+        0.0, ge=-360, le=360, description="argument of latitude of the first satellite, degrees"
+    )
+
+
+class WalkerTable(Placement):
     """``i: t/p/f``."""
 
     pattern: Literal["walker-delta", "walker-star"] = Field(description="kind of pattern")
@@ -53,7 +64,7 @@ class WalkerTable(CircularOrbit):
     inclination_deg: Inclination = Field(description="inclination, 0 to 180 degrees")
 
 
-class RosetteTable(CircularOrbit):
+class RosetteTable(Placement):
     """``(N, P, m)``."""
 
     pattern: Literal["rosette"] = Field(description="kind of pattern")
@@ -161,9 +172,6 @@ class StationTable(Table):
     )
 
 
-NodeKind = Literal["station", "satellite", "moon", "earth"]
-
-
 class AccessTable(Table):
     """What to link for `compass access`, beside the stations."""
 
@@ -189,7 +197,7 @@ class AccessTable(Table):
 class LinkTable(Table):
     """A radio link between two kinds of nodes."""
 
-    between: Annotated[list[NodeKind], Field(min_length=2, max_length=2)] = Field(
+    between: Annotated[list[LinkEnd], Field(min_length=2, max_length=2)] = Field(
         description='two of "station", "satellite", "moon", "earth"'
     )
     frequency_mhz: float = Field(gt=0, le=1e6, description="carrier, MHz")

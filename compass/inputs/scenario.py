@@ -31,7 +31,7 @@ from compass.inputs.scenario_models import (
     OrbiterTable,
     ScenarioFile,
 )
-from compass.orbits import Constellation, from_elements, states_mci
+from compass.orbits import Constellation, keplerian, states_mci
 from compass.orbits.states import from_states
 from compass.saving import readable
 
@@ -332,7 +332,7 @@ def _circles(tables: list[OrbiterTable], model: EntryModel) -> Constellation:
         [[o.altitude_km, o.inclination_deg, o.raan_deg, o.latitude_argument_deg] for o in tables],
         dtype=float,
     ).T
-    return from_elements(
+    return keplerian(
         model.planet_radius + rows[0] * KM,
         0.0,
         np.radians(rows[1]),

@@ -9,10 +9,11 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.design import Design
 from compass.digest import digest_of
 from compass.errors import CompassError, DesignError
 from compass.frames import FIGURES, Figure
-from compass.inputs.design import Design, read_design
+from compass.inputs.design import read_design
 from compass.inputs.merit import MERITS
 from compass.inputs.reading import parse, read_text
 from compass.inputs.scenario import Scenario, read_scenario

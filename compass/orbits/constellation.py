@@ -1,66 +1,24 @@
-"""A constellation: the orbits of its satellites, and the pattern they form, if any."""
+"""A constellation: the orbits of its satellites."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from fractions import Fraction
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.bodies import MARS_GM
 from compass.errors import ArgumentError
+from compass.orbits.pattern import Pattern, find_pattern
 
 
-@dataclass(frozen=True)
-class Pattern:
-    """How a symmetric constellation of circular orbits is built; satellites in plane order.
-
-    Plane k has its ascending node at ``k node_spread / planes``; its satellite j has argument
-    of latitude ``2 pi j / per_plane + 2 pi phasing k / satellites``.
-
-    Attributes
-    ----------
-    kind
-        ``walker-delta``, ``walker-star`` or ``rosette``.
-    satellites, planes
-        Totals t and p.
-    phasing
-        Walker's F.
-    inclination
-        Radians.
-    multiplier
-        Ballard's m of a rosette, an integer multiple of planes/satellites; else None.
-    """
-
-    kind: str
-    satellites: int
-    planes: int
-    phasing: int
-    inclination: float
-    multiplier: Fraction | None = None
-
-    @property
-    def per_plane(self) -> int:
-        """Satellites in a plane."""
-        return self.satellites // self.planes
-
-    @property
-    def node_spread(self) -> float:
-        """Angle over which the ascending nodes are spread, radians: pi for a star, else 2 pi."""
-        return np.pi if self.kind == "walker-star" else 2.0 * np.pi
-
-    @property
-    def notation(self) -> str:
-        """The field's short name, such as ``45°: 15/5/1`` or ``(12, 3, 1/4)``."""
-        if self.multiplier is not None:
-            return f"({self.satellites}, {self.planes}, {self.multiplier})"
-        degrees = f"{np.degrees(self.inclination):.6g}"
-        return f"{degrees}°: {self.satellites}/{self.planes}/{self.phasing}"
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Constellation:
     """Orbits of n satellites about Mars: osculating or mean elements at an epoch.
+
+    Constellations compare and hash by value: elements, epoch, names and GM. Two of them join
+    by ``+``. The arrays are read-only copies.
 
     Attributes
     ----------
@@ -72,8 +30,6 @@ class Constellation:
         TDB seconds past J2000.
     satellite_names
         One name a satellite.
-    pattern
-        The symmetric pattern that made the elements, or None for explicit ones.
     gm
         Gravitational parameter, m^3/s^2.
     """
@@ -87,13 +43,66 @@ class Constellation:
     mean_anomaly: NDArray[np.float64]
     epoch: float = 0.0
     satellite_names: tuple[str, ...] = ()
-    pattern: Pattern | None = None
     gm: float = MARS_GM.value
+
+    def __post_init__(self) -> None:
+        for name in ELEMENTS:
+            values = np.array(getattr(self, name), dtype=float)
+            values.flags.writeable = False
+            object.__setattr__(self, name, values)
+
+    def _value(self) -> tuple:
+        """Everything that makes it what it is, hashable."""
+        return tuple(
+            value.tobytes() if isinstance(value, np.ndarray) else value
+            for value in (getattr(self, field.name) for field in fields(self))
+        )
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Constellation) and self._value() == other._value()
+
+    def __hash__(self) -> int:
+        return hash(self._value())
+
+    def __add__(self, other: "Constellation") -> "Constellation":
+        """Both together, at the epoch and about the Mars that they share.
+
+        Raises
+        ------
+        ArgumentError
+            Different epochs or gravitational parameters, or a satellite's name twice.
+        """
+        if not isinstance(other, Constellation):
+            return NotImplemented
+        if (self.epoch, self.gm) != (other.epoch, other.gm):
+            raise ArgumentError(
+                f"{self.name} + {other.name}: different epochs or gravitational parameters; give "
+                "both the same"
+            )
+        names = self.satellite_names + other.satellite_names
+        if len(set(names)) < len(names):
+            twice = next(name for name in names if names.count(name) > 1)
+            raise ArgumentError(
+                f"{self.name} + {other.name}: two satellites are called {twice}; give each its "
+                "own name"
+            )
+        both: dict[str, Any] = {
+            e: np.concatenate([getattr(self, e), getattr(other, e)]) for e in ELEMENTS
+        }
+        return replace(self, name=f"{self.name} + {other.name}", satellite_names=names, **both)
 
     @property
     def size(self) -> int:
         """Number of satellites."""
         return int(self.semi_major_axis.size)
+
+    @cached_property
+    def pattern(self) -> Pattern | None:
+        """The symmetric pattern that the elements form, found in them and verified, or None."""
+        if not self.size or not self.is_circular or np.ptp(self.semi_major_axis) != 0.0:
+            return None
+        along = self.argument_of_periapsis + self.mean_anomaly
+        return find_pattern(self.inclination, self.raan, along)
 
     @property
     def is_circular(self) -> bool:
@@ -116,23 +125,34 @@ class Constellation:
         return self.semi_major_axis * (1.0 + self.eccentricity)
 
     def without(self, lost: Sequence[int]) -> "Constellation":
-        """Return the constellation after the loss of the satellites with these indices."""
-        kept = np.setdiff1d(np.arange(self.size), np.asarray(lost, dtype=int))
-        return from_elements(
-            self.semi_major_axis[kept],
-            self.eccentricity[kept],
-            self.inclination[kept],
-            self.raan[kept],
-            self.argument_of_periapsis[kept],
-            self.mean_anomaly[kept],
-            name=self.name,
-            epoch=self.epoch,
-            satellite_names=tuple(self.satellite_names[k] for k in kept),
-            gm=self.gm,
-        )
+        """Return the constellation after the loss of the satellites with these indices.
+
+        Raises
+        ------
+        ArgumentError
+            There is no satellite with such an index.
+        """
+        gone = np.asarray(lost, dtype=int)
+        for k in gone[(gone < 0) | (gone >= self.size)]:
+            allowed = f"allowed 0 to {self.size - 1}" if self.size else "there are no satellites"
+            raise ArgumentError(f"lost = {k}: {allowed}")
+        kept = np.setdiff1d(np.arange(self.size), gone)
+        left: dict[str, Any] = {e: getattr(self, e)[kept] for e in ELEMENTS}
+        return replace(self, satellite_names=tuple(self.satellite_names[k] for k in kept), **left)
 
 
-def from_elements(
+#: The names of the six elements, in order.
+ELEMENTS = (
+    "semi_major_axis",
+    "eccentricity",
+    "inclination",
+    "raan",
+    "argument_of_periapsis",
+    "mean_anomaly",
+)
+
+
+def keplerian(
     semi_major_axis: ArrayLike,
     eccentricity: ArrayLike,
     inclination: ArrayLike,
@@ -143,37 +163,34 @@ def from_elements(
     name: str = "constellation",
     epoch: float = 0.0,
     satellite_names: Sequence[str] = (),
-    pattern: Pattern | None = None,
     gm: float = MARS_GM.value,
 ) -> Constellation:
-    """Make a constellation from Keplerian elements; scalars stand for every satellite.
+    """Make a constellation from elements in metres and radians; scalars stand for every satellite.
+
+    `compass.from_elements` is the same in kilometres and degrees.
 
     Parameters
     ----------
     semi_major_axis, eccentricity, inclination, raan, argument_of_periapsis, mean_anomaly
-        Broadcast to a common shape (n,); metres and radians.
-    name, epoch, satellite_names, pattern, gm
+        Broadcast to a common shape (n,).
+    name, epoch, satellite_names, gm
         As in `Constellation`; satellites without names are numbered.
 
     Raises
     ------
     ArgumentError
-        An element that is not finite, a semi-major axis that is not positive, or an
-        eccentricity outside [0, 1).
+        An element that is not finite, a semi-major axis that is not positive, an eccentricity
+        outside [0, 1), names that are too few, too many or used twice.
     """
-    elements = np.broadcast_arrays(
-        *(
-            np.atleast_1d(np.asarray(value, dtype=float))
-            for value in (
-                semi_major_axis,
-                eccentricity,
-                inclination,
-                raan,
-                argument_of_periapsis,
-                mean_anomaly,
-            )
-        )
+    given = (
+        semi_major_axis,
+        eccentricity,
+        inclination,
+        raan,
+        argument_of_periapsis,
+        mean_anomaly,
     )
+    elements = np.broadcast_arrays(*(np.atleast_1d(np.asarray(x, dtype=float)) for x in given))
     a, e = elements[0], elements[1]
     if not all(np.isfinite(element).all() for element in elements):
         raise ArgumentError("orbital elements: every element must be a finite number")
@@ -181,29 +198,11 @@ def from_elements(
         raise ArgumentError(f"semi_major_axis = {a.min()} m: must be positive")
     if np.any((e < 0) | (e >= 1)):
         raise ArgumentError(f"eccentricity = {e[(e < 0) | (e >= 1)][0]}: allowed 0 up to below 1")
-    frozen = [_read_only(element) for element in elements]
     names = tuple(satellite_names) or tuple(f"S{k + 1:02d}" for k in range(a.size))
     if len(names) != a.size:
         raise ArgumentError(f"satellite_names: {len(names)} names for {a.size} satellites")
-    return Constellation(
-        name,
-        frozen[0],
-        frozen[1],
-        frozen[2],
-        frozen[3],
-        frozen[4],
-        frozen[5],
-        epoch=epoch,
-        satellite_names=names,
-        pattern=pattern,
-        gm=gm,
-    )
-
-
-def _read_only(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    copy = np.array(values)
-    copy.flags.writeable = False
-    return copy
+    laid: dict[str, Any] = dict(zip(ELEMENTS, elements, strict=True))
+    return Constellation(name, epoch=epoch, satellite_names=names, gm=gm, **laid)
 
 
 def from_pattern(
@@ -215,37 +214,16 @@ def from_pattern(
     gm: float = MARS_GM.value,
 ) -> Constellation:
     """Lay out a symmetric pattern on circular orbits of one radius (metres)."""
-    plane = np.repeat(np.arange(pattern.planes), pattern.per_plane)
-    slot = np.tile(np.arange(pattern.per_plane), pattern.planes)
-    raan = plane * pattern.node_spread / pattern.planes
-    latitude_argument = (
-        2 * np.pi * slot / pattern.per_plane
-        + 2 * np.pi * pattern.phasing * plane / pattern.satellites
-    )
-    return from_elements(
+    raan, along = pattern.angles()
+    return keplerian(
         radius,
         0.0,
         pattern.inclination,
         raan,
         0.0,
-        np.mod(latitude_argument, 2 * np.pi),
+        along,
         name=name or pattern.notation,
         epoch=epoch,
-        satellite_names=[f"P{p + 1}S{s + 1}" for p, s in zip(plane, slot, strict=True)],
-        pattern=pattern,
+        satellite_names=pattern.satellite_names(),
         gm=gm,
     )
-
-
-def check_counts(satellites: int, planes: int) -> None:
-    """Raise `ArgumentError` unless the satellites divide evenly into the planes."""
-    if satellites < 1 or planes < 1:
-        raise ArgumentError(
-            f"satellites = {satellites}, planes = {planes}: both must be at least 1"
-        )
-    if satellites % planes:
-        divisors = [str(d) for d in range(1, satellites + 1) if satellites % d == 0]
-        raise ArgumentError(
-            f"planes = {planes}: {satellites} satellites do not divide into {planes} planes; "
-            f"use one of {', '.join(divisors)}"
-        )

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from compass.bodies import MARS_GM
 from compass.errors import ArgumentError
-from compass.orbits.constellation import Constellation, from_elements
+from compass.orbits.constellation import Constellation, keplerian
 
 
 def from_states(
@@ -72,7 +72,7 @@ def from_states(
     big_e = 2.0 * np.arctan2(
         np.sqrt(1.0 - eccentricity) * np.sin(half), np.sqrt(1.0 + eccentricity) * np.cos(half)
     )
-    return from_elements(
+    return keplerian(
         axis,
         eccentricity,
         inclination,

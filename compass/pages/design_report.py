@@ -11,8 +11,8 @@ from compass.api.map import MapResult
 from compass.api.reproduce import comparison_table
 from compass.api.show import ShowResult, show
 from compass.coverage.site import site_coverage
+from compass.design import Design
 from compass.document.blocks import Section, Table, arranged
-from compass.inputs import Design
 from compass.pages.access import access_section
 from compass.pages.coverage import fold_pictures, map_pictures
 from compass.pages.fold import fold_section

@@ -1,5 +1,6 @@
 """Report section on continuous coverage: worst moment, fold over time, margin by inclination."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,13 +11,14 @@ from compass.coverage.fold import caps_of, fold_extremes
 from compass.coverage.gdop import gdop_availability, gdop_percentile
 from compass.coverage.margin import CoveringRadius, covering_radius, highest_mask
 from compass.coverage.share import mean_fold_shares
-from compass.coverage.symmetry import Span, one_circle, shortest_span
+from compass.coverage.symmetry import Span, shortest_span
 from compass.coverage.witness import Witness
+from compass.design import Design
 from compass.document.blocks import Picture, Section, Table, arranged
 from compass.frames import direction, latitude_longitude, mcmf_from_mci, prime_meridian_angle
-from compass.inputs import Design
-from compass.orbits import Constellation, orbital_period, positions_mcmf, walker_delta, walker_star
-from compass.orbits.constellation import Pattern
+from compass.orbits import Constellation, Pattern, orbital_period, positions_mcmf
+from compass.orbits.constellation import from_pattern
+from compass.orbits.symmetry import one_circle
 from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture, steps_of
 
 if TYPE_CHECKING:
@@ -237,9 +239,8 @@ def _neighbours(pattern: Pattern) -> list[Pattern]:
     """Patterns that differ in phasing alone, the design's first; at most eight."""
     others = [f for f in range(pattern.planes) if f != pattern.phasing % pattern.planes]
     near = sorted(others, key=lambda f: (abs(f - pattern.phasing), f))[:7]
-    kind = "walker-star" if pattern.kind == "walker-star" else "walker-delta"
     return [
-        Pattern(kind, pattern.satellites, pattern.planes, f, pattern.inclination)
+        Pattern(pattern.kind, pattern.satellites, pattern.planes, f, pattern.inclination)
         for f in [pattern.phasing, *near]
     ]
 
@@ -254,12 +255,9 @@ def _margin_by_inclination(
     with look():
         axes = figure.add_subplot()
         for k, other in enumerate(_neighbours(pattern)):
-            make = walker_star if other.kind == "walker-star" else walker_delta
             masks = []
             for angle in angles:
-                tried = make(
-                    other.satellites, other.planes, other.phasing, inclination=angle, radius=radius
-                )
+                tried = from_pattern(replace(other, inclination=angle), radius)
                 found = covering_radius(tried, fold, tolerance=2e-3)
                 cap = 0.5 * (found.radius + found.at_least)
                 masks.append(np.arctan2(np.cos(cap) - sphere / radius, np.sin(cap)))

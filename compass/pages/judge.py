@@ -4,10 +4,10 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from compass.api.judge import filter_table, ranking_table, surface_table, unknown_air
+from compass.design import Design
 from compass.document.blocks import Section, arranged
 from compass.entry.arrivals import draw_arrivals
 from compass.entry.campaign import Campaign
-from compass.inputs import Design
 from compass.inputs.scenario import Scenario, provenance
 from compass.pages.page import render
 from compass.pictures.judge import bound_distributions, bound_map

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from compass.coverage.cap import cap_radius
 from compass.coverage.gap import gap, gap_outline, gap_polygons
+from compass.design import Design
 from compass.document.blocks import Picture
 from compass.frames import latitude_longitude
-from compass.inputs import Design
 from compass.orbits import orbital_period, positions_mci, positions_mcmf, repeat_period
 from compass.pictures.mars_map import MarsMap
 from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture

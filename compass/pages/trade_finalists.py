@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 
 from compass.coverage.certificate import prove_fold
+from compass.design import Design
 from compass.document.blocks import Section, Table, arranged
 from compass.handover.czml import czml
 from compass.handover.geojson import geojson
 from compass.handover.instants import sample_times
 from compass.handover.oem import oem
 from compass.handover.toml import constellation_toml
-from compass.inputs import Design, read_design_text
+from compass.inputs import read_design_text
 from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.pages.judge import judge_section, surface_section

@@ -5,8 +5,10 @@ from fractions import Fraction
 import numpy as np
 
 from compass.coverage.margin import CoveringRadius, covering_radius, lowest_altitude
-from compass.coverage.symmetry import phase_steps
-from compass.orbits import Constellation, from_elements, rosette
+from compass.orbits import Constellation, Pattern, keplerian
+from compass.orbits.constellation import from_pattern
+from compass.orbits.kinds import walker_phasing
+from compass.orbits.symmetry import phase_steps
 from compass.papers.verdict import Row, compare, judge_claim, printed_tolerance
 from compass.study.search import optimal_inclination, patterns
 
@@ -74,9 +76,11 @@ def best_rosette(
     satellites: int, planes: int, multiplier: Fraction, fold: int = 1
 ) -> tuple[float, CoveringRadius]:
     """Optimum inclination (radians) of a rosette and its covering radius there."""
+    phasing = walker_phasing(satellites, planes, multiplier)
 
     def make(inclination: float) -> Constellation:
-        return rosette(satellites, planes, multiplier, inclination=inclination, radius=ANY_RADIUS)
+        pattern = Pattern("walker-delta", satellites, planes, phasing, inclination)
+        return from_pattern(pattern, ANY_RADIUS)
 
     inclination = optimal_inclination(make(0.0), fold, resolution=1e-6)
     assert inclination is not None
@@ -87,7 +91,7 @@ def polar_network(planes: int, per_plane: int, spacing: float) -> Constellation:
     """Polar orbits `spacing` (radians) apart, each half a slot ahead of the one before."""
     plane = np.repeat(np.arange(planes), per_plane)
     slot = np.tile(np.arange(per_plane), planes)
-    return from_elements(
+    return keplerian(
         ANY_RADIUS,
         0.0,
         np.pi / 2,
@@ -150,9 +154,9 @@ def _table_1(
     """Rows of one line of Table I."""
     name = f"({n}, {p}, {m})"
     best, covering = best_rosette(n, p, Fraction(m))
-    c = rosette(n, p, Fraction(m), inclination=best, radius=ANY_RADIUS)
-    assert c.pattern is not None
-    steps = np.lcm(phase_steps(c.pattern), 2)
+    pattern = Pattern("walker-delta", n, p, walker_phasing(n, p, Fraction(m)), best)
+    c = from_pattern(pattern, ANY_RADIUS)
+    steps = np.lcm(phase_steps(c), 2)
     phase = float(np.degrees(covering.time * c.mean_motion[0]))
     height = lowest_altitude(covering.radius, 1.0, np.radians(10.0))
     rounded = lowest_altitude(np.radians(float(reach)), 1.0, np.radians(10.0))

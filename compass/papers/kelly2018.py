@@ -14,10 +14,12 @@ from compass.coverage.grid import equal_angle_grid
 from compass.coverage.view import view
 from compass.orbits import (
     Constellation,
+    Pattern,
     areosynchronous_radius,
     orbital_period,
     walker_delta,
 )
+from compass.orbits.constellation import from_pattern
 from compass.papers import kelly2018_access, kelly2018_smallest
 from compass.papers.verdict import Row, compare, judge_claim, printed_tolerance
 
@@ -39,7 +41,7 @@ _COPY = "the row repeats a number of another table; the text's own formula gives
 def constellation(sphere_radius: float = ORBIT_RADIUS) -> Constellation:
     """The paper's 15 satellites: 45 deg: 15/5/1, at an orbit radius in metres."""
     return walker_delta(
-        15, 5, 1, inclination=np.radians(45.0), radius=sphere_radius, name="COMPASS 15/5/1"
+        15, 5, 1, inclination_deg=45.0, radius_km=sphere_radius / 1e3, name="COMPASS 15/5/1"
     )
 
 
@@ -223,7 +225,9 @@ def _roundings(g: Geometry) -> list[Geometry]:
     near = [(orbit + ORBIT_ROUNDING, sphere), (orbit, sphere + RADIUS_ROUNDING)]
     made = [
         pattern_geometry(
-            walker_delta(g.planes * g.per_plane, g.planes, 0, inclination=g.inclination, radius=r),
+            from_pattern(
+                Pattern("walker-delta", g.planes * g.per_plane, g.planes, 0, g.inclination), r
+            ),
             s,
         )
         for r, s in near

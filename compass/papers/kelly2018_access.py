@@ -32,7 +32,7 @@ FIGURE = FIGURES["kelly2018-sphere"]
 
 def constellation() -> Constellation:
     """Return the 15/5/1 at 45 degrees (Table 1, whose altitude is the radius of Table 2)."""
-    return walker_delta(15, 5, 1, inclination=np.radians(45.0), radius=20427e3)
+    return walker_delta(15, 5, 1, inclination_deg=45.0, radius_km=20427)
 
 
 def rows() -> list[Row]:

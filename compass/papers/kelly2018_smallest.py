@@ -21,7 +21,7 @@ RADIUS = 20427e3
 def rows() -> list[Row]:
     """Rows on continuous fourfold coverage and on the smallest population."""
     sphere = FIGURES["kelly2018-sphere"].equatorial_radius
-    design = walker_delta(15, 5, 1, inclination=np.radians(45.0), radius=RADIUS)
+    design = walker_delta(15, 5, 1, inclination_deg=45.0, radius_km=RADIUS / 1e3)
     certificate = prove_fold(design, 4, sphere_radius=sphere)
     least, greatest = fold_range(design, sphere_radius=sphere)
     cap = float(np.degrees(covering_radius(design, 4).radius))

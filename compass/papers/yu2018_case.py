@@ -11,7 +11,7 @@ from compass.entry.model import EntryModel, Rotation
 from compass.entry.state import state_from_cartesian
 from compass.entry.trajectory import Trajectory, fly
 from compass.entry.vehicle import Vehicle
-from compass.orbits import from_elements, states_mci
+from compass.orbits import keplerian, states_mci
 
 GM, RADIUS, OMEGA = 4.282829e13, 3397.2e3, 7.088218e-5
 ALTITUDE = 725e3
@@ -71,6 +71,6 @@ def ground_beacons(places: NDArray[np.float64] | None = None) -> Beacons:
 def orbiters(angles: NDArray[np.float64] = TABLE_6) -> Beacons:
     """Orbiters at node, inclination and argument of latitude (rad, (n, 3)); by default Table 6."""
     node, inclination, argument = angles.T
-    orbits = from_elements(RADIUS + ALTITUDE, 0.0, inclination, node, 0.0, argument, gm=GM)
+    orbits = keplerian(RADIUS + ALTITUDE, 0.0, inclination, node, 0.0, argument, gm=GM)
     r, v = states_mci(orbits, TIMES)
     return orbiting_beacons(r, v, TIMES, omega=OMEGA, planet_radius=RADIUS)

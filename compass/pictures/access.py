@@ -6,11 +6,12 @@ import numpy as np
 
 from compass.bodies import SOLAR_DAY
 from compass.contacts.nodes import find_node
-from compass.contacts.radio import Radio, carrier_to_noise
+from compass.contacts.radio import carrier_to_noise
 from compass.contacts.record import pair_track
 from compass.contacts.spans import any_of
 from compass.contacts.survey import Survey
 from compass.contacts.windows import Windows
+from compass.design import Radio
 from compass.document.blocks import Picture
 from compass.pictures.style import CYCLE, FAINT, INK, look, new_figure, picture
 
@@ -106,7 +107,9 @@ def served(found: Survey, radio: Radio) -> list[Windows]:
         w
         for w in found.windows
         if w.count
-        and radio.serves(find_node(found.nodes, w.first), find_node(found.nodes, w.second))
+        and radio.serves(
+            find_node(found.nodes, w.first).kind, find_node(found.nodes, w.second).kind
+        )
     ]
 
 

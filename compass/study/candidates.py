@@ -7,18 +7,24 @@ it is the same in every run, on every machine and in every study.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 from hashlib import blake2b
-from math import gcd
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.errors import DesignError
 from compass.inputs.study import Free, Study
-from compass.orbits import Constellation, rosette, walker_delta, walker_star
+from compass.orbits import Constellation, Pattern
+from compass.orbits.constellation import from_pattern
+from compass.orbits.kinds import (
+    KIND_NAMES,
+    ROSETTE,
+    WALKER_DELTA,
+    WALKER_STAR,
+    least_multiplier,
+)
 
-PATTERNS = ("walker-delta", "walker-star", "rosette")
+PATTERNS = KIND_NAMES
 
 #: A candidate: index into `PATTERNS`, Walker's t/p/f, degrees, kilometres, degrees.
 ROW = np.dtype(
@@ -50,12 +56,9 @@ def make_constellation(row: np.void) -> Constellation:
     """Return the constellation of a candidate."""
     t, p, f = int(row["satellites"]), int(row["planes"]), int(row["phasing"])
     inclination, radius = float(np.radians(row["inclination_deg"])), float(row["radius_km"]) * 1e3
-    kind = PATTERNS[row["pattern"]]
-    if kind == "rosette":
-        numerator = next(c for c in range(f, t + f, p) if gcd(c, t // p) == 1)
-        return rosette(t, p, Fraction(numerator * p, t), inclination=inclination, radius=radius)
-    make = walker_delta if kind == "walker-delta" else walker_star
-    return make(t, p, f, inclination=inclination, radius=radius)
+    star = PATTERNS[row["pattern"]] == WALKER_STAR.name
+    kind = WALKER_STAR if star else WALKER_DELTA
+    return from_pattern(Pattern(kind.name, t, p, f, inclination), radius)
 
 
 def described(row: np.void) -> str:
@@ -70,7 +73,7 @@ def described(row: np.void) -> str:
 def pattern_columns(rows: NDArray) -> tuple[NDArray, ...]:
     """Candidates as kernels take patterns: star or not, t, p, f, inclination (rad), (n,) each."""
     counts = (rows[name].astype(np.int64) for name in ("satellites", "planes", "phasing"))
-    star = rows["pattern"] == PATTERNS.index("walker-star")
+    star = rows["pattern"] == PATTERNS.index(WALKER_STAR.name)
     return star, *counts, np.radians(rows["inclination_deg"])
 
 
@@ -102,7 +105,7 @@ def blocks(study: Study) -> list[Block]:
                     f
                     for f in range(p)
                     if (space.phasing is None or f in space.phasing)
-                    and (kind != "rosette" or _is_rosette(t, p, f))
+                    and (kind != ROSETTE.name or least_multiplier(t, p, f) is not None)
                 ]
                 if phasings:
                     found.append(Block(PATTERNS.index(kind), t, p, tuple(phasings)))
@@ -113,11 +116,6 @@ def blocks(study: Study) -> list[Block]:
             "divide satellites, phasing must be below planes"
         )
     return found
-
-
-def _is_rosette(t: int, p: int, f: int) -> bool:
-    """Whether a multiplier gives Walker's t/p/f."""
-    return any(gcd(c, t // p) == 1 for c in range(f, t, p))
 
 
 def _few(values: tuple[int, ...]) -> str:

@@ -64,8 +64,6 @@ def notation(c: Constellation) -> str:
     if c.pattern is None:
         return f"{c.size} satellites by their elements"
     kind = c.pattern.kind.removeprefix("walker-")
-    if c.pattern.multiplier is not None:  # whose notation leaves the inclination out
-        kind += f" {np.degrees(c.pattern.inclination):.6g}°:"
     return f"{kind} {c.pattern.notation}, {c.semi_major_axis[0] / 1e3:.0f} km"
 
 

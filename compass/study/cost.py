@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.bodies import MARS_GM
 from compass.inputs.study_models import CostTable
+from compass.orbits.kinds import WALKER_STAR
 from compass.orbits.period import secular_rates
 from compass.study.candidates import PATTERNS
 
@@ -101,7 +102,7 @@ def cost_figures(
     """
     t, p = rows["satellites"].astype(float), rows["planes"].astype(float)
     radius, inclination = rows["radius_km"] * 1e3, np.radians(rows["inclination_deg"])
-    star = rows["pattern"] == PATTERNS.index("walker-star")
+    star = rows["pattern"] == PATTERNS.index(WALKER_STAR.name)
     transfer = hohmann(sphere_radius + table.parking_altitude_km * 1e3, radius)
     # nodes k spread/p, k = 0 ... p - 1, turned the shorter way: the farthest and the sum
     spread = np.where(star, np.pi, 2 * np.pi)

@@ -11,9 +11,9 @@ import compass
 from compass.coverage.grid import Grid, make_grid
 from compass.coverage.maps import coverage_map
 from compass.coverage.view import View, view
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
-from compass.inputs import Design
 from compass.orbits import RepeatPeriod, repeat_period
 from compass.orbits.motion import MotionModel
 from compass.sites import Mask

@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from compass.design import Design
 from compass.errors import ArgumentError
-from compass.inputs import Design
 from compass.inputs.scenario import Scenario
 from compass.study.judge import campaign_of, check_lander, judge_entries
 from compass.study.judge_filter import NOT_RUN, judge_filter

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from compass.design import Design
 from compass.entry.campaign import Campaign
 from compass.errors import ArgumentError
-from compass.inputs import Design
 from compass.inputs.scenario import Scenario
 from compass.orbits import Constellation
 from compass.study.judge import judge_entries

@@ -3,8 +3,6 @@
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from fractions import Fraction
-from math import gcd
 from typing import Any
 
 import numpy as np
@@ -16,9 +14,9 @@ from compass.coverage.gdop import gdop_percentile
 from compass.coverage.margin import covering_radius
 from compass.coverage.symmetry import shortest_span
 from compass.errors import ArgumentError
-from compass.orbits import Constellation, rosette, walker_delta, walker_star
-
-KINDS = ("walker-delta", "walker-star", "rosette")
+from compass.orbits import Constellation, Pattern
+from compass.orbits.constellation import from_pattern
+from compass.orbits.kinds import ROSETTE, WALKER_DELTA, WALKER_STAR, kind_of, least_multiplier
 
 #: Sizes that a search can take on in reasonable time.
 MOST_SATELLITES = 64
@@ -76,24 +74,18 @@ def patterns(
     """Makers of every pattern of a kind with `smallest` to `largest` satellites.
 
     Each takes an inclination in radians. Walker phasings run from 0 to planes - 1; rosettes are
-    those of them that a multiplier gives, under the least multiplier.
+    those deltas that a multiplier gives.
     """
     for t in range(smallest, largest + 1):
         for p in (p for p in range(1, t + 1) if t % p == 0):
-            if kind == "rosette":
-                seen = set()
-                for c in range(t):
-                    if gcd(c, t // p) == 1 and c % p not in seen:
-                        seen.add(c % p)
-                        yield _maker(rosette, t, p, Fraction(c * p, t), radius)
-            else:
-                make = walker_delta if kind == "walker-delta" else walker_star
-                for f in range(p):
-                    yield _maker(make, t, p, f, radius)
+            for f in range(p):
+                if kind != ROSETTE.name or least_multiplier(t, p, f) is not None:
+                    yield _maker(kind, t, p, f, radius)
 
 
-def _maker(make: Callable, t: int, p: int, third: Any, radius: float) -> Callable:
-    return lambda inclination: make(t, p, third, inclination=inclination, radius=radius)
+def _maker(kind: str, t: int, p: int, f: int, radius: float) -> Callable:
+    layout = WALKER_STAR.name if kind == WALKER_STAR.name else WALKER_DELTA.name
+    return lambda inclination: from_pattern(Pattern(layout, t, p, f, inclination), radius)
 
 
 def search(
@@ -122,7 +114,7 @@ def search(
     largest
         Largest number of satellites.
     kind
-        One of `KINDS`.
+        Name of one of `compass.orbits.kinds.KINDS`.
     finalists
         How many of the best get a certificate and their GDOP.
     workers
@@ -135,8 +127,7 @@ def search(
     ArgumentError
         Something out of range.
     """
-    if kind not in KINDS:
-        raise ArgumentError(f"pattern = {kind!r}: allowed {', '.join(KINDS)}")
+    kind_of(kind)
     if not 1 <= largest <= MOST_SATELLITES:
         raise ArgumentError(f"max_satellites = {largest}: allowed 1 to {MOST_SATELLITES}")
     if fold < 1:

@@ -12,7 +12,7 @@ from compass.coverage.grid import make_grid
 from compass.coverage.margin import highest_mask
 from compass.coverage.symmetry import Span, shortest_span
 from compass.coverage.view import view
-from compass.inputs import Design
+from compass.design import Design
 from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.orbits import Constellation

@@ -13,7 +13,7 @@ from compass.sites import Mask, Site
 
 DURATION = 30 * SOLAR_DAY.value
 STEP = 10.0
-CONSTELLATION = walker_delta(15, 5, 1, inclination=np.radians(45), radius=20427e3)
+CONSTELLATION = walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
 SITES = [
     Site(f"S{k}", np.radians(lat), np.radians(lon), mask=Mask.constant(np.radians(5)))
     for k, (lat, lon) in enumerate([(90, 0), (45, 80), (0, 137), (-20, 250), (-60, 300)])

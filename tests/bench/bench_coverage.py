@@ -23,7 +23,7 @@ RADIUS, ORBIT, EPOCHS = 3396.2e3, 20427e3, 96
 
 @pytest.fixture(scope="module")
 def case():
-    c = walker_delta(15, 5, 1, inclination=np.radians(45), radius=ORBIT)
+    c = walker_delta(15, 5, 1, inclination_deg=45, radius_km=ORBIT / 1e3)
     grid = equal_angle_grid(np.radians(1.0))
     seen = view(c, np.arange(EPOCHS) * 88642.66 / EPOCHS, RADIUS)
     points = direction(grid.latitude[:, None], grid.longitude).reshape(-1, 3)

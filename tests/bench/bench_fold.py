@@ -33,7 +33,7 @@ def best(function, times=30):
 
 def exact(size):
     """Exact least fold of a constellation at one epoch, as a call without arguments."""
-    c = walker_delta(size, size // 5, 1, inclination=np.radians(55), radius=ORBIT)
+    c = walker_delta(size, size // 5, 1, inclination_deg=55, radius_km=ORBIT / 1e3)
     u, radius = caps_of(c, R, 0.0, 100.0)
     cosines, nothing = np.cos(radius), (np.empty((0, 3)), np.empty(0))
     return lambda: extreme_fold(u, cosines, *nothing, True, True, -1)
@@ -45,7 +45,7 @@ def grid():
 
 
 def test_exact_fold_against_the_count_kernel_at_one_epoch(grid):
-    c = walker_delta(15, 3, 1, inclination=np.radians(55), radius=ORBIT)
+    c = walker_delta(15, 3, 1, inclination_deg=55, radius_km=ORBIT / 1e3)
     u, radius = caps_of(c, R, 0.0, 100.0)
     cosines = np.cos(radius)
     out = np.empty((1, grid.latitude.size, grid.longitude.size), np.int16)
@@ -88,7 +88,7 @@ def test_cost_grows_no_faster_than_the_cube(tmp_path_factory):
 
 
 def test_a_certificate_takes_milliseconds(benchmark):
-    c = walker_delta(15, 5, 1, inclination=np.radians(45), radius=ORBIT)
+    c = walker_delta(15, 5, 1, inclination_deg=45, radius_km=ORBIT / 1e3)
     found = benchmark(prove_fold, c, 4, sphere_radius=R, mask=np.radians(6.2))
     assert found.outcome == "proven"
     assert benchmark.stats.stats.min < 0.02

@@ -36,7 +36,10 @@ def seed():
 
 def candidates(count):
     angles = np.radians(np.linspace(30, 70, count))
-    return [walker_delta(15, 5, 1, inclination=float(i), radius=20427e3) for i in angles]
+    return [
+        walker_delta(15, 5, 1, inclination_deg=np.degrees(float(i)), radius_km=20427)
+        for i in angles
+    ]
 
 
 def test_judged_candidates_a_second(lander, seed, benchmark):

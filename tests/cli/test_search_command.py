@@ -24,7 +24,7 @@ def one_pattern(monkeypatch):
 
     def patterns(_kind, _largest, radius, smallest):
         assert smallest == 2
-        yield lambda i: walker_delta(5, 5, 1, inclination=i, radius=radius)
+        yield lambda i: walker_delta(5, 5, 1, inclination_deg=np.degrees(i), radius_km=radius / 1e3)
 
     monkeypatch.setattr(module, "patterns", patterns)
     monkeypatch.setattr(

@@ -5,8 +5,9 @@ import pytest
 
 from compass.bodies import SPEED_OF_LIGHT
 from compass.contacts.nodes import earth_node, satellite_nodes, station_node
-from compass.contacts.radio import Radio, carrier_to_noise, free_space_loss, track
-from compass.orbits import from_elements
+from compass.contacts.radio import carrier_to_noise, free_space_loss, track
+from compass.design import Radio
+from compass.orbits import keplerian
 from compass.sites import Site
 
 
@@ -25,7 +26,7 @@ def test_carrier_to_noise_adds_up():
 
 
 def test_range_rate_is_the_rate_of_range():
-    c = from_elements(1.2e7, 0.4, 1.0, 0.2, 0.3, 0.4)
+    c = keplerian(1.2e7, 0.4, 1.0, 0.2, 0.3, 0.4)
     (satellite,) = satellite_nodes(c)
     duration, step = 30000.0, 0.5
     times = np.linspace(100.0, duration - 100, 40)
@@ -39,8 +40,8 @@ def test_range_rate_is_the_rate_of_range():
 
 def test_radios_serve_their_kinds():
     radio = Radio(("satellite", "station"), 1e9, 0.0, 0.0, 0.0)
-    (satellite,) = satellite_nodes(from_elements(1e7, 0, 0, 0, 0, 0))
+    (satellite,) = satellite_nodes(keplerian(1e7, 0, 0, 0, 0, 0))
     station = station_node(Site("s", 0.0, 0.0), 0.0, 1.0)
-    assert radio.serves(station, satellite)
-    assert radio.serves(satellite, station)
-    assert not radio.serves(satellite, satellite)
+    assert radio.serves(station.kind, satellite.kind)
+    assert radio.serves(satellite.kind, station.kind)
+    assert not radio.serves(satellite.kind, satellite.kind)

@@ -5,7 +5,6 @@ import pytest
 
 from compass.bodies import SOLAR_DAY, SUN_RADIUS
 from compass.contacts.dataset import windows_dataset
-from compass.contacts.radio import Radio
 from compass.contacts.record import (
     MAX_MAIL_STATIONS,
     earth_record,
@@ -18,14 +17,15 @@ from compass.contacts.record import (
 )
 from compass.contacts.relay import contacts, reach
 from compass.contacts.spans import all_of, any_of, total
-from compass.contacts.survey import Wanted, survey
+from compass.contacts.survey import survey
+from compass.design import Radio, Wanted
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
 from compass.orbits import areosynchronous_radius, walker_delta
 from compass.sites import Site
 
 DURATION = 2 * SOLAR_DAY.value
-RELAY = walker_delta(3, 1, 0, inclination=0.0, radius=areosynchronous_radius())
+RELAY = walker_delta(3, 1, 0, inclination_deg=0.0, orbit="areosynchronous")
 SITES = (Site("East", 0.1, 1.0), Site("West", -0.1, -2.0))
 
 
@@ -66,7 +66,7 @@ def test_stations_reach_the_earth_through_the_ring(full):
 
 def test_reach_is_the_union_of_all_chains():
     """Station, satellite, Earth: any of the satellites whose two links are both up, or direct."""
-    c = walker_delta(4, 2, 1, inclination=1.0, radius=5e6)
+    c = walker_delta(4, 2, 1, inclination_deg=57.3, radius_km=5000)
     found = survey(c, SITES[:1], DURATION, Wanted(earth=True))
     up, down = found.of("East"), found.of("Earth")
     chains = [all_of([a.spans, b.spans]) for a, b in zip(up, down, strict=True)]
@@ -84,7 +84,7 @@ def test_conjunction_takes_its_share_of_the_earth():
     from compass.frames import seconds_past_j2000
 
     epoch = seconds_past_j2000(datetime(2023, 11, 17))
-    ring = walker_delta(3, 1, 0, inclination=0.0, radius=areosynchronous_radius(), epoch=epoch)
+    ring = walker_delta(3, 1, 0, inclination_deg=0.0, orbit="areosynchronous", epoch=epoch)
     found = survey(ring, SITES, DURATION, Wanted(earth=True))
     record = earth_record(found, epoch, np.radians(2.0))
     assert [entry["share_outside_conjunction"] for entry in record["stations"]] == [0.0, 0.0]
@@ -120,7 +120,7 @@ def test_tracks_stay_inside_the_windows(full):
 
 def test_two_stations_on_one_satellite_wait_for_each_other():
     """A single low polar satellite carries mail between the poles in half a revolution."""
-    c = walker_delta(1, 1, 0, inclination=np.pi / 2, radius=3.9e6)
+    c = walker_delta(1, 1, 0, inclination_deg=90.0, radius_km=3900)
     poles = (Site("North", np.pi / 2, 0.0), Site("South", -np.pi / 2, 0.0))
     found = survey(c, poles, DURATION)
     half = np.pi / c.mean_motion[0]
@@ -169,7 +169,7 @@ def test_an_equatorial_ring_is_eclipsed_near_the_equinox():
     start = seconds_past_j2000(datetime(2029, 1, 1))
     sun = sun_earth_mci(start, days)[0]
     epoch = start + days[np.abs(sun[:, 2] / np.linalg.norm(sun[:, :3], axis=1)).argmin()]
-    ring = walker_delta(3, 1, 0, inclination=0.0, radius=areosynchronous_radius(), epoch=epoch)
+    ring = walker_delta(3, 1, 0, inclination_deg=0.0, orbit="areosynchronous", epoch=epoch)
     found = survey(ring, SITES, DURATION)
     records = eclipse_records(found, epoch, FIGURES["iau-sphere"])
     plain = 2 * np.arcsin(FIGURES["iau-sphere"].equatorial_radius / areosynchronous_radius())

@@ -13,7 +13,7 @@ from compass.core.horizon import horizon_clear, horizon_state, profile_elevation
 from compass.core.motion import mover_bounds, mover_state
 from compass.core.sight import ECLIPSE, ELEVATION, LIMB
 from compass.frames import FIGURES
-from compass.orbits import from_elements
+from compass.orbits import keplerian
 from compass.sites import Mask, Site
 
 A, B = FIGURES["iau-ellipsoid"].equatorial_radius, FIGURES["iau-ellipsoid"].polar_radius
@@ -26,9 +26,7 @@ angle = st.floats(0, 2 * np.pi)
 @st.composite
 def satellites(draw):
     q, e = draw(st.floats(3.5e6, 3e7)), draw(st.floats(0, 0.7))
-    c = from_elements(
-        q / (1 - e), e, draw(st.floats(0, np.pi)), draw(angle), draw(angle), draw(angle)
-    )
+    c = keplerian(q / (1 - e), e, draw(st.floats(0, np.pi)), draw(angle), draw(angle), draw(angle))
     return satellite_nodes(c, draw(st.sampled_from(["two-body", "j2"])))[0]
 
 

@@ -3,14 +3,14 @@ import pytest
 
 from compass.core.judging import hermite, horizon
 from compass.entry.beacons import orbiting_beacons
-from compass.orbits import from_elements, states_mci
+from compass.orbits import keplerian, states_mci
 
 R = 3396.19e3
 
 
 @pytest.mark.parametrize("radius", [3696e3, 20428e3])
 def test_interpolation_is_as_good_as_its_docstring_says(radius):
-    c = from_elements(radius, 0.0, 0.7, 0.4, 0.0, 1.0)
+    c = keplerian(radius, 0.0, 0.7, 0.4, 0.0, 1.0)
     step, times = 30.0, np.linspace(0.0, 90.0, 37)
     omega = 7.0882e-5
 

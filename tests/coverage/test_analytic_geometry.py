@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from pyproj import Geod
 from scipy.integrate import quad
 
-from compass import Site, from_elements, walker_delta
+from compass import Site, walker_delta
 from compass.coverage.cap import cap, cap_radius, mask_for_cap, published_cap_area
 from compass.coverage.gap import (
     gap,
@@ -17,7 +17,7 @@ from compass.coverage.gap import (
 from compass.coverage.geometry import pattern_geometry
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
-from compass.orbits import positions_mcmf
+from compass.orbits import keplerian, positions_mcmf
 
 R, ORBIT = 3396.2e3, 20427e3
 masks = st.floats(0.0, 1.4)
@@ -109,7 +109,7 @@ def test_planes_that_do_not_close_have_no_polygons():
 def test_polygons_hold_the_exact_area_and_no_satellite_of_their_plane(inclination_deg):
     from shapely import Point
 
-    c = walker_delta(6, 2, 1, inclination=np.radians(inclination_deg), radius=ORBIT)
+    c = walker_delta(6, 2, 1, inclination_deg=inclination_deg, radius_km=ORBIT / 1e3)
     r = positions_mcmf(c, [1234.0])[:, 0]
     shapes = gap_polygons(c, r, R)
     exact = gap(ORBIT, R, 3).area
@@ -133,14 +133,14 @@ def test_polygons_hold_the_exact_area_and_no_satellite_of_their_plane(inclinatio
 
 
 def test_explicit_elements_have_no_gap_polygons():
-    c = from_elements(ORBIT, 0, 0.5, [0, 1, 2], 0, 0)
+    c = keplerian(ORBIT, 0, 0.5, [0, 1, 2], 0, 0)
     with pytest.raises(ArgumentError, match="use a pattern"):
         gap_polygons(c, positions_mcmf(c, [0.0])[:, 0], R)
     assert pattern_geometry(c, R) is None
 
 
 def test_planes_without_polygons_give_no_polygons():
-    c = walker_delta(4, 2, 1, inclination=0.7, radius=ORBIT)
+    c = walker_delta(4, 2, 1, inclination_deg=40.1, radius_km=ORBIT / 1e3)
     assert gap_polygons(c, positions_mcmf(c, [0.0])[:, 0], R) == []
     g = pattern_geometry(c, R)
     assert g.gap is None
@@ -150,7 +150,7 @@ def test_planes_without_polygons_give_no_polygons():
 
 
 def test_neighbours_overlap_equals_the_lens_of_two_caps():
-    g = pattern_geometry(walker_delta(15, 5, 1, inclination=0.7, radius=ORBIT), R)
+    g = pattern_geometry(walker_delta(15, 5, 1, inclination_deg=40.1, radius_km=ORBIT / 1e3), R)
     lam, apart = g.cap.half_arc, 2 * np.pi / 3
     # lens of two equal caps: twice (sector - isosceles triangle), by spherical trigonometry
     half = np.arccos(np.tan(apart / 2) / np.tan(lam))  # angle at a centre
@@ -158,5 +158,5 @@ def test_neighbours_overlap_equals_the_lens_of_two_caps():
     sector = 2 * half * (1 - np.cos(lam))
     triangle = 2 * half + 2 * corner - np.pi
     assert g.neighbour_overlap == pytest.approx(2 * (sector - triangle) * R**2, rel=1e-9)
-    six = pattern_geometry(walker_delta(6, 1, 0, inclination=0.7, radius=ORBIT), R)
+    six = pattern_geometry(walker_delta(6, 1, 0, inclination_deg=40.1, radius_km=ORBIT / 1e3), R)
     assert six.neighbour_overlap is None

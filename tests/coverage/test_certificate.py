@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from compass.core.certificate import caps_at
 from compass.coverage import witness
 from compass.coverage.certificate import fold_range, prove_fold
-from compass.coverage.fold import caps_of, in_view
+from compass.coverage.fold import caps_of, clearances, in_view
 from compass.coverage.motion import motion_of
 from compass.coverage.region import GLOBE, read_region
 from compass.coverage.symmetry import Span, shortest_span
@@ -16,7 +16,7 @@ from compass.coverage.witness import find_witness
 from compass.errors import ArgumentError
 from compass.frames import direction, mcmf_from_mci, prime_meridian_angle
 from compass.orbits import (
-    from_elements,
+    keplerian,
     orbital_period,
     positions_mci,
     positions_mcmf,
@@ -29,14 +29,12 @@ DEGREE = np.radians(1.0)
 
 
 def seed_design():
-    return walker_delta(15, 5, 1, inclination=45 * DEGREE, radius=20428e3)
+    return walker_delta(15, 5, 1, inclination_deg=45, radius_km=20428)
 
 
 def ellipses(n=5, e=0.3, a=14000e3):
     k = np.arange(n)
-    return from_elements(
-        a, e, 50 * DEGREE, k * 2 * np.pi / n, 1.0, -k * 4 * np.pi / n, name="ellipses"
-    )
+    return keplerian(a, e, 50 * DEGREE, k * 2 * np.pi / n, 1.0, -k * 4 * np.pi / n, name="ellipses")
 
 
 def random_view(constellation, mask, span, count=4000, seed=0):
@@ -96,7 +94,7 @@ def test_the_reduced_span_decides_as_the_whole_period_does(mask_deg):
     seed=st.integers(0, 1000),
 )
 def test_no_random_sample_contradicts_a_proof(t, inclination, mask, seed):
-    c = walker_delta(*t, inclination=inclination * DEGREE, radius=20428e3)
+    c = walker_delta(*t, inclination_deg=inclination, radius_km=20428)
     least, greatest = fold_range(c, sphere_radius=R, mask=mask * DEGREE, max_intervals=300)
     period = Span(0.0, float(orbital_period(20428e3)), True, "")
     fold = (random_view(c, mask * DEGREE, period, 400, seed) >= 0).sum(axis=1)
@@ -174,7 +172,7 @@ def test_a_band_has_more_in_view_than_the_globe():
 
 def test_a_claim_on_the_edge_is_undecided_not_wrong():
     # five satellites whose caps just close at the worst moment: no proof, no counter-example
-    c = walker_delta(5, 5, 1, inclination=43.66 * DEGREE, radius=20428e3)
+    c = walker_delta(5, 5, 1, inclination_deg=43.66, radius_km=20428)
     worst = shortest_span(c).stop
     u, _ = caps_of(c, R, 0.0, worst)
     # the exact covering radius of that moment from its critical triangle
@@ -208,14 +206,14 @@ def test_giving_up_says_what_is_left():
 
 
 def test_too_few_satellites_are_refuted_at_once():
-    c = walker_delta(3, 3, 1, inclination=1.0, radius=20428e3)
+    c = walker_delta(3, 3, 1, inclination_deg=57.3, radius_km=20428)
     found = prove_fold(c, 4, sphere_radius=R)
     assert found.outcome == "refuted"
     assert found.witness.fold < 4
 
 
 def test_an_empty_constellation():
-    c = walker_delta(2, 1, 0, inclination=1.0, radius=20428e3).without([0, 1])
+    c = walker_delta(2, 1, 0, inclination_deg=57.3, radius_km=20428).without([0, 1])
     assert fold_range(c, sphere_radius=R) == ((0, 0), (0, 0))
     found = prove_fold(c, 1, sphere_radius=R)
     assert (found.outcome, found.witness.satellites) == ("refuted", ())
@@ -228,11 +226,11 @@ def test_a_witness_in_a_narrow_valley_is_found_soon(monkeypatch):
     def counted(*arguments):
         nonlocal calls
         calls += 1
-        return in_view(*arguments)
+        return clearances(*arguments)
 
-    monkeypatch.setattr(witness, "in_view", counted)
+    monkeypatch.setattr(witness, "clearances", counted)
     sixth = np.radians(30.0) * np.arange(6)
-    c = from_elements(2e7, 0.8, np.radians(100.0), sixth, -np.pi / 2, 2 * sixth)
+    c = keplerian(2e7, 0.8, np.radians(100.0), sixth, -np.pi / 2, 2 * sixth)
     assert prove_fold(c, 1, sphere_radius=R).outcome == "refuted"
     halvings = np.ceil(np.log2(0.05 / 1e-7))
     assert calls <= 2 + halvings * (1 + witness.MOVES)
@@ -258,8 +256,8 @@ def test_bad_arguments(change, message):
 
 
 def test_rosettes_are_proven_like_the_deltas_they_are():
-    c = rosette(8, 8, 6, inclination=61.86 * DEGREE, radius=20428e3)
-    d = walker_delta(8, 8, 6, inclination=61.86 * DEGREE, radius=20428e3)
+    c = rosette(8, 8, 6, inclination_deg=61.86, radius_km=20428)
+    d = walker_delta(8, 8, 6, inclination_deg=61.86, radius_km=20428)
     masks = (20 * DEGREE, 30 * DEGREE)
     outcomes = [[prove_fold(x, 1, sphere_radius=R, mask=m).outcome for m in masks] for x in (c, d)]
     assert outcomes == [["proven", "refuted"]] * 2
@@ -269,7 +267,7 @@ def test_rosettes_are_proven_like_the_deltas_they_are():
 def test_draims_four_satellites_cover_the_planet():
     """Draim 1987: four eccentric orbits of one period suffice for single coverage, always."""
     k = np.arange(4)
-    c = from_elements(
+    c = keplerian(
         24453e3,
         0.263,
         31.3 * DEGREE,

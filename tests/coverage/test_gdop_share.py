@@ -13,7 +13,7 @@ R = 3396.2e3
 
 
 def design():
-    return walker_delta(15, 5, 1, inclination=np.radians(45), radius=20428e3)
+    return walker_delta(15, 5, 1, inclination_deg=45, radius_km=20428)
 
 
 def plain_gdop(r, place, mask):
@@ -108,7 +108,7 @@ def test_percentile_and_availability_against_many_samples():
 
 
 def test_same_seed_same_number():
-    c = walker_delta(6, 3, 1, inclination=1.0, radius=20428e3)
+    c = walker_delta(6, 3, 1, inclination_deg=57.3, radius_km=20428)
     one, other = (
         gdop_availability(c, 6.0, sphere_radius=R, repetitions=2, start=4, levels=2)
         for _ in range(2)

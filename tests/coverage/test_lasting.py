@@ -20,7 +20,7 @@ from compass.coverage.symmetry import Span
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY as DAY
 from compass.frames import seconds_past_j2000
-from compass.orbits import from_elements, walker_delta
+from compass.orbits import keplerian, walker_delta
 from compass.orbits.forces import ForceModel
 from compass.orbits.motion import Motion
 
@@ -30,7 +30,7 @@ NOON_2030 = seconds_past_j2000(datetime(2030, 1, 1, 12))
 
 def few(radius=20427.7e3, epoch=0.0):
     """Five satellites that keep one in view everywhere, with 11 degrees to spare."""
-    return walker_delta(5, 5, 1, inclination=np.radians(43.66), radius=radius, epoch=epoch)
+    return walker_delta(5, 5, 1, inclination_deg=43.66, radius_km=radius / 1e3, epoch=epoch)
 
 
 def drifting():
@@ -38,7 +38,7 @@ def drifting():
     axes = np.full(5, 20427.7e3)
     axes[2] += 480e3
     c = few()
-    return from_elements(axes, 0.0, c.inclination, c.raan, 0.0, c.mean_anomaly)
+    return keplerian(axes, 0.0, c.inclination, c.raan, 0.0, c.mean_anomaly)
 
 
 def path_of(constellation, days, model="two-body"):
@@ -51,7 +51,7 @@ def test_the_published_constellation_loses_four_fold_coverage_on_day_31():
 
     Two independent programs found the loss between day 30.5 and 31.5, by stepping.
     """
-    c = walker_delta(15, 5, 1, inclination=np.pi / 4, radius=20427.7e3, epoch=NOON_2030)
+    c = walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427.7, epoch=NOON_2030)
     path = Motion("numerical", ForceModel(radiation=0.026)).trajectory(c, 0.0, 40 * DAY)
     found = prove_span(path, 4, sphere_radius=SPHERE)
     assert found.outcome is Outcome.REFUTED
@@ -178,7 +178,7 @@ def about(axis, angle, x):
 
 
 OVAL = path_of(
-    from_elements([9e6, 15e6, 22e6], [0.3, 0.1, 0.6], [0.4, 1.0, 2.0], 0.3, 0.2, [0.0, 1.0, 2.0]),
+    keplerian([9e6, 15e6, 22e6], [0.3, 0.1, 0.6], [0.4, 1.0, 2.0], 0.3, 0.2, [0.0, 1.0, 2.0]),
     0.6,
 )
 

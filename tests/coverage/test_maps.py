@@ -4,7 +4,7 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compass import Mask, Site, from_elements, walker_delta
+from compass import Mask, Site, walker_delta
 from compass.coverage.count import count_map
 from compass.coverage.files import write_map
 from compass.coverage.grid import equal_angle_grid, make_grid
@@ -13,13 +13,14 @@ from compass.coverage.site import site_coverage
 from compass.coverage.view import view
 from compass.errors import ArgumentError
 from compass.frames import FIGURES, direction
+from compass.orbits import keplerian
 
 R, ORBIT = 3396.2e3, 20427e3
 COARSE = make_grid("equal-angle", 15)
 
 
 def seed(inclination_deg=45.0, **more):
-    return walker_delta(15, 5, 1, inclination=np.radians(inclination_deg), radius=ORBIT, **more)
+    return walker_delta(15, 5, 1, inclination_deg=inclination_deg, radius_km=ORBIT / 1e3, **more)
 
 
 def brute(seen, grid, mask_deg=0.0):
@@ -127,7 +128,7 @@ def test_mean_fold_is_the_sum_of_the_caps():
 def test_turning_every_node_turns_the_map(columns):
     c, grid = seed(), make_grid("equal-area", 30)
     turn = columns * 2 * np.pi / grid.columns
-    turned = from_elements(c.semi_major_axis, 0, c.inclination, c.raan + turn, 0, c.mean_anomaly)
+    turned = keplerian(c.semi_major_axis, 0, c.inclination, c.raan + turn, 0, c.mean_anomaly)
     one, other = (view(x, [0.0], R) for x in (c, turned))
     different = np.roll(count_map(one, grid), columns, axis=2) != count_map(other, grid)
     # rounding may move a cell centre that lies on a rim, and no other
@@ -146,7 +147,7 @@ def test_number_of_threads_does_not_change_a_bit():
 
 def test_gaps_and_response_time_of_one_satellite_in_view_half_the_time():
     # a low satellite over the equator, in and out of view every hour or so
-    c = from_elements(6e6, 0, 0.0, 0.0, 0, 0.0)
+    c = keplerian(6e6, 0, 0.0, 0.0, 0, 0.0)
     period = 8.0 * 3600
     seen = view(c, np.arange(8) * 3600.0, R)
     made = coverage_map(seen, COARSE, period=period, fold=1)
@@ -188,7 +189,7 @@ def test_azimuth_dependent_mask_equals_sites_one_by_one():
 
 
 def test_elliptical_orbits_have_caps_that_breathe():
-    c = from_elements(8e6, 0.4, 0.6, [0, 2, 4], 0.3, [0, 1, 2])
+    c = keplerian(8e6, 0.4, 0.6, [0, 2, 4], 0.3, [0, 1, 2])
     seen = view(c, np.linspace(0, 9e3, 4), R)
     assert np.ptp(seen.cos_cap, axis=0).min() > 0.05
     counts, _ = brute(seen, COARSE)
@@ -201,7 +202,7 @@ def test_draims_four_satellites_cover_mars_always_and_just_so(designs):
 
     c = compass.read_design(designs / "draim-four.toml").constellation
     for radii, least in ((7.2, 1), (6.6, 0)):
-        scaled = from_elements(
+        scaled = keplerian(
             radii * 3396.19e3, c.eccentricity, c.inclination, c.raan,
             c.argument_of_periapsis, c.mean_anomaly,
         )  # fmt: skip

@@ -11,18 +11,18 @@ from compass.coverage.margin import after_losses, covering_radius, highest_mask,
 from compass.coverage.region import read_region
 from compass.coverage.symmetry import Span
 from compass.errors import ArgumentError
-from compass.orbits import from_elements, positions_mci, walker_delta
+from compass.orbits import keplerian, positions_mci, walker_delta
 
 R = 3396.2e3
 DEGREE = np.radians(1.0)
 
 
 def seed_design():
-    return walker_delta(15, 5, 1, inclination=45 * DEGREE, radius=20428e3)
+    return walker_delta(15, 5, 1, inclination_deg=45, radius_km=20428)
 
 
 def small_design():
-    return walker_delta(6, 3, 1, inclination=52 * DEGREE, radius=20428e3)
+    return walker_delta(6, 3, 1, inclination_deg=52, radius_km=20428)
 
 
 @pytest.mark.slow
@@ -64,18 +64,18 @@ def test_no_sample_is_farther():
 
 def test_known_covering_radii():
     fixed = Span(0.0, 0.0, False, "")
-    six = from_elements(
+    six = keplerian(
         1e7, 0.0, [0, 0, 0, 0, 1.5707963267948966, 1.5707963267948966], 0.0, 0.0,
         np.radians([0, 90, 180, 270, 90, 270]),
     )  # fmt: skip
     octahedron = np.arccos(1 / np.sqrt(3))
     assert covering_radius(six, 1, span=fixed).at_least == pytest.approx(octahedron, abs=1e-12)
-    one = walker_delta(1, 1, 0, inclination=1.0, radius=1e7)
+    one = walker_delta(1, 1, 0, inclination_deg=57.3, radius_km=10000)
     assert covering_radius(one, 1, span=fixed).at_least == pytest.approx(np.pi)
-    two = walker_delta(2, 1, 0, inclination=1.0, radius=1e7)
+    two = walker_delta(2, 1, 0, inclination_deg=57.3, radius_km=10000)
     assert covering_radius(two, 1, span=fixed).at_least == pytest.approx(np.pi / 2)
     assert covering_radius(two, 2, span=fixed).at_least == pytest.approx(np.pi)
-    apart = from_elements(1e7, 0.0, 0.0, 0.0, 0.0, [0.0, 1.0])
+    apart = keplerian(1e7, 0.0, 0.0, 0.0, 0.0, [0.0, 1.0])
     # far midpoint of two satellites a radian apart
     assert covering_radius(apart, 1, span=fixed).at_least == pytest.approx(np.pi - 0.5)
     assert covering_radius(apart, 3, span=fixed).radius == np.inf
@@ -109,7 +109,7 @@ def test_highest_mask_of_a_region_by_halving():
 
 def test_no_mask_will_do():
     # both satellites on one side for ever: even through the ground not everyone sees two
-    c = from_elements([1e7, 1e7], 0.1, 0.0, 0.0, 0.0, [0.0, 0.1])
+    c = keplerian([1e7, 1e7], 0.1, 0.0, 0.0, 0.0, [0.0, 0.1])
     mask = highest_mask(c, 1, sphere_radius=9.0e6 - 1.0, tolerance=0.02)
     assert mask is None or mask < 0
 

@@ -74,7 +74,7 @@ def test_a_sliver_that_rounds_below_zero_is_none():
 @pytest.mark.slow
 def test_mean_fold_of_the_seed_design():
     # 15 caps of 41.687 % (specification, section 1)
-    c = walker_delta(15, 5, 1, inclination=np.radians(45), radius=20427e3)
+    c = walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
     found = mean_fold_shares(c, sphere_radius=3396.2e3)
     assert found.share @ np.arange(16) == pytest.approx(15 * 0.416870, abs=2e-5)
     assert found.share.nonzero()[0].tolist() == [4, 5, 6, 7, 8, 9]
@@ -91,7 +91,7 @@ def test_mean_fold_of_the_seed_design():
 
 
 def test_shares_over_time_sum_to_one():
-    c = walker_delta(4, 2, 1, inclination=1.0, radius=20428e3)
+    c = walker_delta(4, 2, 1, inclination_deg=57.3, radius_km=20428)
     found = mean_fold_shares(c, sphere_radius=3396.2e3, tolerance=1e-2)
     assert found.share.sum() == pytest.approx(1.0, abs=1e-9)
     cap = np.arccos(3396.2 / 20428)

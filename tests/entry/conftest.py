@@ -9,7 +9,7 @@ from compass.entry.model import EntryModel
 from compass.entry.state import state_from_cartesian
 from compass.entry.trajectory import fly
 from compass.entry.vehicle import Vehicle
-from compass.orbits import from_elements, states_mci
+from compass.orbits import keplerian, states_mci
 
 GM, RADIUS, OMEGA = 4.282829e13, 3397.2e3, 7.088218e-5
 
@@ -64,7 +64,7 @@ def orbiter_beacons():
 
     def make(omega=OMEGA):
         times = np.arange(241.0)
-        orbits = from_elements(RADIUS + 725e3, 0, inclination, node, 0, anomaly, gm=GM)
+        orbits = keplerian(RADIUS + 725e3, 0, inclination, node, 0, anomaly, gm=GM)
         r, v = states_mci(orbits, times)
         return orbiting_beacons(r, v, times, omega=omega, planet_radius=RADIUS)
 

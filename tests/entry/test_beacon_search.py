@@ -12,7 +12,7 @@ from compass.entry.observability import observability
 from compass.entry.trajectory import fly
 from compass.entry.visible_area import VisibleArea, horizon
 from compass.errors import ArgumentError
-from compass.orbits import from_elements, states_mci
+from compass.orbits import keplerian, states_mci
 
 RADIUS, GM, OMEGA = 3397.2e3, 4.282829e13, 7.088218e-5
 
@@ -134,7 +134,7 @@ def test_the_orbiter_search_beats_the_chapter(orbiter_flight):
     assert np.all((inclination >= 0) & (inclination <= np.pi))
     # rebuilt from the elements by the orbit and observability modules
     times = orbiter_flight.times
-    orbits = from_elements(RADIUS + 725e3, 0, inclination, node, 0, argument, gm=GM)
+    orbits = keplerian(RADIUS + 725e3, 0, inclination, node, 0, argument, gm=GM)
     r, v = states_mci(orbits, times)
     beacons = orbiting_beacons(r, v, times, omega=OMEGA, planet_radius=RADIUS)
     assert in_view(beacons, orbiter_flight.states, RADIUS).all()

@@ -16,7 +16,7 @@ from compass.entry.beacons import (
     surface_beacons,
 )
 from compass.errors import ArgumentError
-from compass.orbits import from_elements, states_mci
+from compass.orbits import keplerian, states_mci
 
 RADIUS = 3397.2e3
 
@@ -69,7 +69,7 @@ def test_mask_hides_the_low_sky_of_surface_beacons_only():
 
 def test_orbiters_turn_backwards_in_mars_fixed_axes():
     omega = 7.088218e-5
-    orbit = from_elements(4122.2e3, 0.1, 0.6, 1.0, 2.0, 3.0)
+    orbit = keplerian(4122.2e3, 0.1, 0.6, 1.0, 2.0, 3.0)
     times = np.array([0.0, 100.0, 100.0 + 1e-2])
     r, v = states_mci(orbit, times)
     beacons = orbiting_beacons(r, v, times, omega=omega, angle=0.4, planet_radius=RADIUS)
@@ -87,7 +87,7 @@ def test_orbiters_turn_backwards_in_mars_fixed_axes():
 def test_beacons_under_the_surface_are_refused():
     with pytest.raises(ArgumentError, match=r"beacon deep: height = -1 km: under the surface"):
         surface_beacons(0.0, 0.0, [0.0], planet_radius=RADIUS, height=-1e3, names=["deep"])
-    r, v = states_mci(from_elements(3.4e6, 0.2, 0.1, 0, 0, 0), [0.0])
+    r, v = states_mci(keplerian(3.4e6, 0.2, 0.1, 0, 0, 0), [0.0])
     with pytest.raises(ArgumentError, match="beacon O1: comes down to radius 2720 km, under"):
         orbiting_beacons(r, v, [0.0], omega=0.0, planet_radius=RADIUS)
 

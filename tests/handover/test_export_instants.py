@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from compass.errors import ArgumentError
 from compass.frames import seconds_past_j2000
 from compass.handover.instants import MOST_STATES, default_step, iso, sample_times, tdb, utc
-from compass.orbits import from_elements, repeat_period, walker_delta
+from compass.orbits import keplerian, repeat_period, walker_delta
 
-COMPASS = walker_delta(15, 5, 1, inclination=0.8, radius=20427e3)
+COMPASS = walker_delta(15, 5, 1, inclination_deg=45.8, radius_km=20427)
 
 
 @pytest.mark.parametrize(
@@ -60,8 +60,8 @@ def test_by_default_one_repeat_period_in_whole_steps():
 
 
 def test_the_step_follows_the_fastest_satellite_at_periapsis():
-    both = from_elements([9e6, 9e6], [0.0, 0.5], 0.5, 0.0, 0.0, 0.0)
-    circle = from_elements(9e6, 0.0, 0.5, 0.0, 0.0, 0.0)
+    both = keplerian([9e6, 9e6], [0.0, 0.5], 0.5, 0.0, 0.0, 0.0)
+    circle = keplerian(9e6, 0.0, 0.5, 0.0, 0.0, 0.0)
     assert default_step(circle) / default_step(both) == pytest.approx(1.5**0.5 / 0.5**1.5, rel=0.02)
 
 

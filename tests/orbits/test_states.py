@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compass.errors import ArgumentError
-from compass.orbits import from_elements, states_mci
+from compass.orbits import keplerian, states_mci
 from compass.orbits.states import from_states
 
 
@@ -21,7 +21,7 @@ from compass.orbits.states import from_states
 )
 def test_states_survive_the_round_trip(a, e, i, node, argument, anomaly):
     times = [0.0, 1000.0]
-    r, v = states_mci(from_elements(a, e, i, node, argument, anomaly), times)
+    r, v = states_mci(keplerian(a, e, i, node, argument, anomaly), times)
     again = from_states(r[:, 0], v[:, 0])
     r2, v2 = states_mci(again, times)
     np.testing.assert_allclose(r2, r, atol=1e-7 * a)

@@ -12,7 +12,7 @@ from scipy.special import lpmv
 from compass.core.motion import mover_state
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
-from compass.orbits import from_elements, states_mci
+from compass.orbits import keplerian, states_mci
 from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import built_in_field
 from compass.orbits.trajectory import integrate
@@ -23,7 +23,7 @@ GM = built_in_field().gm
 
 
 def circle(radius=20427.7e3, inclination=45.0, u=0.0, e=0.0, gm=GM):
-    c = from_elements(radius, e, np.radians(inclination), 0.3, 0.2, np.radians(u), gm=gm)
+    c = keplerian(radius, e, np.radians(inclination), 0.3, 0.2, np.radians(u), gm=gm)
     r, v = states_mci(c, [0.0])
     return r[:, 0], v[:, 0]
 

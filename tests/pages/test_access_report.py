@@ -6,11 +6,10 @@ import pytest
 
 import compass
 from compass.bodies import SOLAR_DAY
-from compass.contacts.radio import Radio
-from compass.contacts.survey import Wanted
+from compass.design import Radio, Wanted
 from compass.errors import ArgumentError
 from compass.inputs import read_design
-from compass.orbits import from_elements
+from compass.orbits import keplerian
 from compass.pages.access import access_section
 from compass.pictures.access import MAX_ROWS
 
@@ -50,7 +49,7 @@ def test_every_node_has_its_timeline(design):
 
 
 def test_a_large_constellation_is_cut_and_said_so(design):
-    many = from_elements(1e7, 0.0, 0.5, [0.1 * k for k in range(MAX_ROWS + 3)], 0.0, 0.0)
+    many = keplerian(1e7, 0.0, 0.5, [0.1 * k for k in range(MAX_ROWS + 3)], 0.0, 0.0)
     crowd = replace(
         design, constellation=many, stations=design.stations[:1], access=Wanted(),
         access_duration=0.1 * SOLAR_DAY.value,

@@ -19,7 +19,7 @@ fold = {fold}
 """
 
 ELEMENTS = """
-name = "two opposite circles"
+name = "two circles"
 [constellation]
 pattern = "elements"
 [[constellation.satellite]]
@@ -30,6 +30,7 @@ inclination_deg = 60
 name = "B"
 semi_major_axis_km = 12000
 inclination_deg = 60
+raan_deg = 20
 mean_anomaly_deg = 180
 [coverage]
 fold = {fold}
@@ -76,7 +77,7 @@ def test_ellipses_have_no_shares_and_no_smallest_cap(designs):
 def test_neighbours_start_with_the_design():
     from compass.orbits import rosette
 
-    c = rosette(12, 12, 5, inclination=1.0, radius=2e7)
+    c = rosette(12, 12, 5, inclination_deg=57.3, radius_km=20000)
     near = _neighbours(c.pattern)
     assert [p.phasing for p in near] == [5, 4, 6, 3, 7, 2, 8, 1]
     assert {p.kind for p in near} == {"walker-delta"}

@@ -19,7 +19,7 @@ from compass.papers.ballard1980 import (
 
 def sampled_radius(n, m, inclination_deg, moments=90):
     """Covering radius from a dense grid of places and moments: from below."""
-    c = rosette(n, n, m, inclination=np.radians(inclination_deg), radius=ANY_RADIUS)
+    c = rosette(n, n, m, inclination_deg=inclination_deg, radius_km=ANY_RADIUS / 1e3)
     period = float(orbital_period(ANY_RADIUS))
     r = positions_mci(c, np.linspace(0, period / n, moments)) / ANY_RADIUS
     k = np.arange(40000) + 0.5
@@ -67,7 +67,7 @@ def test_rows_compare_what_is_computed(monkeypatch):
     shift = 0.0
 
     def best(n, p, m, fold=1):
-        c = paper.rosette(n, p, m, inclination=1.0, radius=ANY_RADIUS)
+        c = rosette(n, p, m, inclination_deg=57.3, radius_km=ANY_RADIUS / 1e3)
         b, r = {3: ("58.56", "84.88"), 4: ("68.38", "85.31"), 2: ("61.81", "75.97")}.get(
             fold
         ) or printed[n, m]

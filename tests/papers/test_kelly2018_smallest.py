@@ -23,7 +23,7 @@ def test_fifteen_is_not_the_minimum():
 
 @pytest.mark.parametrize(("size", "verdict"), [(13, "erratum"), (15, "reproduced")])
 def test_the_verdict_follows_the_search(monkeypatch, size, verdict):
-    best = walker_delta(size, size, 2, inclination=0.8, radius=paper.RADIUS)
+    best = walker_delta(size, size, 2, inclination_deg=45.8, radius_km=paper.RADIUS / 1e3)
     found = [Candidate(best, 1.34, 0.05, 0.5, proven=True)]
     monkeypatch.setattr(paper, "search", lambda *_args, **_options: found)
     monkeypatch.setattr(paper, "fold_range", lambda *_args, **_options: ((4, 4), (9, 9)))

@@ -70,7 +70,11 @@ def test_numbers_of_the_specification(rows, item, computed, rel, verdict):
 def test_another_constellation_differs_from_the_paper(seed_design):
     from compass import walker_delta
 
-    other = pattern_geometry(walker_delta(12, 4, 1, inclination=0.7, radius=18000e3), 3396.2e3)
+    other = pattern_geometry(
+        walker_delta(12, 4, 1, inclination_deg=40.1, radius_km=18000), 3396.2e3
+    )
     assert any(not row.holds for row in kelly2018.geometry_rows(other))
-    single = pattern_geometry(walker_delta(4, 4, 1, inclination=0.7, radius=18000e3), 3396.2e3)
+    single = pattern_geometry(
+        walker_delta(4, 4, 1, inclination_deg=40.1, radius_km=18000), 3396.2e3
+    )
     assert kelly2018.geometry_rows(single) == []

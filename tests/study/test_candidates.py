@@ -96,7 +96,7 @@ def test_rosettes_are_the_patterns_of_their_multipliers():
     for row in rows[::7]:
         c = make_constellation(row)
         again = rosette(12, c.pattern.planes, Fraction(c.pattern.multiplier),
-                        inclination=c.pattern.inclination, radius=row["radius_km"] * 1e3)  # fmt: skip
+                        inclination_deg=np.degrees(c.pattern.inclination), radius_km=(row["radius_km"] * 1e3) / 1e3)  # fmt: skip
         assert c.pattern.phasing == row["phasing"]
         assert np.array_equal(c.mean_anomaly, again.mean_anomaly)
     # (12, 3, m) with m c multiple of 1/4: multipliers 1/4, 3/4, ... with odd numerators

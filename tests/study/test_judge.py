@@ -13,7 +13,7 @@ from compass.entry.fisher import cramer_rao_bound
 from compass.entry.trajectory import Trigger
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
-from compass.orbits import from_elements, walker_delta
+from compass.orbits import keplerian, walker_delta
 from compass.sites import Mask
 from compass.study.judge import _FLOWN, MOST_FLOWN, campaign_of, judge, judge_entries
 from compass.study.judge_filter import entry_beacons, judge_filter
@@ -31,7 +31,7 @@ def scenario(short):
 
 @pytest.fixture(scope="module")
 def five():
-    return walker_delta(5, 5, 1, inclination=np.radians(50), radius=AREOSYNCHRONOUS)
+    return walker_delta(5, 5, 1, inclination_deg=50, radius_km=AREOSYNCHRONOUS / 1e3)
 
 
 def entries(constellation, scenario, samples=4, mask=0.0, **options):
@@ -83,7 +83,7 @@ def test_loss_is_judging_without_the_satellite(scenario, five):
 )  # fmt: skip
 @settings(max_examples=10)
 def test_one_more_satellite_never_hurts(short, five, i, raan, anomaly, radius):
-    more = from_elements(
+    more = keplerian(
         np.append(five.semi_major_axis, radius),
         0.0,
         np.append(five.inclination, i),
@@ -142,7 +142,7 @@ def test_a_measurement_is_worth_its_probability_to_arrive(scenario, five):
 
 
 def test_without_satellites_the_prior_is_left(scenario):
-    nobody = from_elements([], 0, 0, 0, 0, 0)
+    nobody = keplerian([], 0, 0, 0, 0, 0)
     found = entries(nobody, scenario)
     figures = found.figures()
     assert figures["unobservable_share"] == 1
@@ -274,7 +274,7 @@ def test_what_the_bound_does_not_cover_is_refused(short, five, change, message):
 
 
 def test_satellites_under_the_surface_are_refused(scenario):
-    low = from_elements(3.5e6, 0.1, 0, 0, 0, 0)
+    low = keplerian(3.5e6, 0.1, 0, 0, 0, 0)
     with pytest.raises(ArgumentError, match="comes down to radius 3150 km"):
         entries(low, scenario)
 

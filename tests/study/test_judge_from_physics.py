@@ -14,7 +14,7 @@ from compass.core.entry_geometry import cartesian_of
 from compass.entry.navigation import run_filter
 from compass.entry.state import state_from_cartesian
 from compass.frames import FIGURES, prime_meridian_angle
-from compass.orbits import from_elements
+from compass.orbits import keplerian
 from compass.sites import Mask
 from compass.study.judge import campaign_of, judge_entries
 from compass.study.judge_filter import entry_beacons
@@ -131,7 +131,7 @@ def test_an_entry_from_the_physics(short):
     campaign = campaign_of(scenario, 2, density_sigma=DENSITY_SIGMA, lift_sigma=LIFT_SIGMA)
     figure = FIGURES["iau-sphere"]
     found = judge_entries(
-        from_elements(*ORBITS.T), campaign, scenario, figure=figure, mask=Mask.constant(MASK)
+        keplerian(*ORBITS.T), campaign, scenario, figure=figure, mask=Mask.constant(MASK)
     )
     for m in range(2):
         times = STEP * np.arange(campaign.stops[m] + 1)
@@ -150,7 +150,7 @@ def test_the_filter_ends_where_least_squares_do(short):
     scenario = short()
     campaign, figure = campaign_of(scenario, 1, electrons=None), FIGURES["iau-sphere"]
     found = judge_entries(
-        from_elements(*ORBITS.T), campaign, scenario, figure=figure, mask=Mask.constant(MASK)
+        keplerian(*ORBITS.T), campaign, scenario, figure=figure, mask=Mask.constant(MASK)
     )
     beacons, seen = entry_beacons(found, 0), found.seen[0]
     times, rng = beacons.times, np.random.default_rng(0)

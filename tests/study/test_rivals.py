@@ -114,7 +114,7 @@ def test_worst_entry_is_confirmed_by_flying_it(scenario):
     from compass.entry.arrivals import Arrivals
     from compass.orbits import repeat_period
 
-    c = walker_delta(5, 5, 1, inclination=np.radians(50), radius=20428e3)
+    c = walker_delta(5, 5, 1, inclination_deg=50, radius_km=20428)
     place = {"figure": FIGURE, "mask": Mask()}
     campaign = campaign_of(scenario, 64)
     start = judge_entries(c, campaign, scenario, **place)
@@ -155,7 +155,7 @@ def _entry_of(found, campaign: Campaign):
 
 def test_search_for_the_worst_stops_over_the_poles(scenario, monkeypatch):
     monkeypatch.setattr(judge_worst, "MOMENTS", 0)
-    c = walker_delta(2, 2, 1, inclination=1.0, radius=20428e3)
+    c = walker_delta(2, 2, 1, inclination_deg=57.3, radius_km=20428)
     campaign = campaign_of(scenario, 2)
     place = {"figure": FIGURE, "mask": Mask()}
     start = judge_entries(c, campaign, scenario, **place)
@@ -182,7 +182,7 @@ def test_rival_is_the_best_of_its_size(scenario, monkeypatch):
     def p95(c):
         return np.percentile(judge_entries(c, campaign, scenario, **place).position_sigma, 95)
 
-    assert p95(found) <= p95(walker_delta(3, 3, 1, inclination=np.radians(50), radius=20428e3))
+    assert p95(found) <= p95(walker_delta(3, 3, 1, inclination_deg=50, radius_km=20428))
     back = read_design_text(rival.rival_toml(found, own, "compass judge"))
     for key in ("kind", "satellites", "planes", "phasing"):
         assert getattr(back.constellation.pattern, key) == getattr(found.pattern, key)
@@ -230,7 +230,7 @@ def test_surface_quality_is_that_of_the_coverage_functions(monkeypatch):
 
     monkeypatch.setattr(module, "gdop_percentile", lambda _c, q, **_: Estimate(q, q / 100))
     monkeypatch.setattr(module, "gdop_availability", lambda *_, **__: Estimate(0.5, 0.1))
-    pair = walker_delta(2, 1, 0, inclination=0.0, radius=20428e3)
+    pair = walker_delta(2, 1, 0, inclination_deg=0.0, radius_km=20428)
     found = judge_surface(pair, fold=1, figure=FIGURE, mask=Mask())
     assert found["fold"] == {"wanted": 1, "outcome": "refuted"}
     # two satellites over the equator: a pole is 90 degrees away, below the horizon by asin(R/r)

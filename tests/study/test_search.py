@@ -29,11 +29,11 @@ def only(*makers):
 
 
 def five(inclination):
-    return walker_delta(5, 5, 1, inclination=inclination, radius=RADIUS)
+    return walker_delta(5, 5, 1, inclination_deg=np.degrees(inclination), radius_km=RADIUS / 1e3)
 
 
 def three(inclination):
-    return walker_delta(3, 3, 1, inclination=inclination, radius=RADIUS)
+    return walker_delta(3, 3, 1, inclination_deg=np.degrees(inclination), radius_km=RADIUS / 1e3)
 
 
 def test_counts_of_patterns():
@@ -80,16 +80,20 @@ def test_a_pattern_that_needs_more_than_its_caps_is_out(monkeypatch):
 @pytest.mark.slow
 def test_optimal_inclination_against_a_scan():
     for counts, fold in (((8, 8, 6), 1), ((10, 5, 2), 2), ((9, 3, 1), 1)):
-        c = walker_delta(*counts, inclination=0.0, radius=RADIUS)
+        c = walker_delta(*counts, inclination_deg=0.0, radius_km=RADIUS / 1e3)
         best = optimal_inclination(c, fold)
         scan = np.radians(np.arange(2.0, 90.0, 0.25))
         radii = [
             covering_radius(
-                walker_delta(*counts, inclination=i, radius=RADIUS), fold, tolerance=1e-4
+                walker_delta(*counts, inclination_deg=np.degrees(i), radius_km=RADIUS / 1e3),
+                fold,
+                tolerance=1e-4,
             ).at_least
             for i in scan
         ]
-        found = covering_radius(walker_delta(*counts, inclination=best, radius=RADIUS), fold)
+        found = covering_radius(
+            walker_delta(*counts, inclination_deg=np.degrees(best), radius_km=RADIUS / 1e3), fold
+        )
         assert found.radius <= min(radii) + 2e-5
         assert found.radius >= min(radii) - np.radians(0.26)
 
@@ -128,14 +132,18 @@ def test_the_phase_stands_for_time():
 
 
 def test_closest_approach_against_positions():
-    c = walker_delta(6, 3, 1, inclination=1.1, radius=RADIUS)
+    c = walker_delta(6, 3, 1, inclination_deg=63.0, radius_km=RADIUS / 1e3)
     r = positions_mci(c, np.linspace(0, 1e5, 4000)) / RADIUS
     nearest = max((r[i] * r[j]).sum(axis=-1).max() for i in range(6) for j in range(i))
     assert closest_approach(c) == pytest.approx(np.arccos(nearest), abs=1e-3)
     assert closest_approach(c.without(range(1, 6))) == np.pi
     # all six meet where their planes cross
     assert (
-        closest_approach(walker_delta(6, 6, 0, inclination=1.5707963267948966, radius=RADIUS))
+        closest_approach(
+            walker_delta(
+                6, 6, 0, inclination_deg=np.degrees(1.5707963267948966), radius_km=RADIUS / 1e3
+            )
+        )
         < 1e-7
     )
 

@@ -51,7 +51,9 @@ def study(satellites=6, fold=1, more=""):
 
 
 def make(star, *counts, inclination):
-    return (walker_star if star else walker_delta)(*counts, inclination=inclination, radius=ORBIT)
+    return (walker_star if star else walker_delta)(
+        *counts, inclination_deg=np.degrees(inclination), radius_km=ORBIT / 1e3
+    )
 
 
 @st.composite
@@ -188,7 +190,7 @@ def test_costs_that_are_not_allowed_end_it_at_once():
 @pytest.mark.slow
 def test_map_against_the_coverage_map():
     s = study(satellites=15, fold=4)
-    c = walker_delta(15, 5, 1, inclination=np.radians(45), radius=ORBIT)
+    c = walker_delta(15, 5, 1, inclination_deg=45, radius_km=ORBIT / 1e3)
     mask = np.radians(5)
     # the map is Mars-fixed, ours inertial: many epochs of a day average the difference out
     grid = equal_area_grid(np.radians(5))
@@ -251,7 +253,7 @@ def test_a_symmetric_pattern_that_fails_the_poles_is_found_out():
     # 24/8/4: near the poles all in view lie on a cone once a step, whatever the inclination
     text = study(satellites=24, fold=4).text.replace("step_deg = 15", "step_deg = 10")
     s = read_study_text(text.replace("epochs = 4", "epochs = 100"))
-    c = walker_delta(24, 8, 4, inclination=np.radians(50), radius=ORBIT)
+    c = walker_delta(24, 8, 4, inclination_deg=50, radius_km=ORBIT / 1e3)
     figures = map_figures(s, np.array([(0, 24, 8, 4, 50.0, ORBIT / 1e3, 5.0)], ROW))
     assert figures["gdop_p95"] < 3
     # the worst zone, sampled plainly: both hemispheres, random times of a whole revolution

@@ -1,0 +1,127 @@
+"""A design: a constellation, who uses it, and the stations and radios around it. No files."""
+
+from dataclasses import dataclass, field
+from hashlib import sha256
+from typing import Literal
+
+import numpy as np
+
+from compass.bodies import SOLAR_DAY
+from compass.frames import DEFAULT_FIGURE, Figure
+from compass.orbits.constellation import Constellation
+from compass.orbits.motion import Motion
+from compass.sites import Mask, Site
+
+#: What can stand at an end of a link.
+LinkEnd = Literal["station", "satellite", "moon", "earth"]
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What to link besides stations and satellites.
+
+    Attributes
+    ----------
+    moons
+        Names of the moons.
+    earth
+        Whether to link with the Earth.
+    crosslinks
+        Whether to link satellites with each other.
+    atmosphere_height
+        How far above the figure a ray between two nodes off the surface must pass, metres.
+    """
+
+    moons: tuple[str, ...] = ()
+    earth: bool = False
+    crosslinks: bool = False
+    atmosphere_height: float = 0.0
+
+
+@dataclass(frozen=True)
+class Radio:
+    """A radio link between two kinds of nodes.
+
+    Attributes
+    ----------
+    between
+        The two kinds, in either order.
+    frequency
+        Carrier, Hz.
+    eirp
+        Equivalent isotropic radiated power of the sender, dBW.
+    figure_of_merit
+        G/T of the receiver, dB/K.
+    required
+        C/N0 at which the link is usable, dB Hz.
+    """
+
+    between: tuple[LinkEnd, LinkEnd]
+    frequency: float
+    eirp: float
+    figure_of_merit: float
+    required: float
+
+    def serves(self, one: str, two: str) -> bool:
+        """Whether the link is for nodes of these kinds."""
+        return sorted(self.between) == sorted((one, two))
+
+
+@dataclass(frozen=True)
+class Design:
+    """A constellation and what it is for. Two are equal if all their values are.
+
+    Attributes
+    ----------
+    name
+        What to call it.
+    constellation
+        The orbits.
+    source
+        Where it comes from.
+    paper
+        Key of the source paper whose printed values the design is compared with, or None.
+    figure
+        Reference figure of Mars.
+    mask
+        Elevation mask of users on the surface.
+    fold
+        Satellites that must be in view at once.
+    stations
+        Named sites.
+    access
+        What to link besides.
+    access_duration
+        Span over which to look for access, seconds.
+    conjunction
+        Sun-Earth-Mars angle below which links to the Earth are lost, radians.
+    radios
+        Radio links.
+    motion
+        How the satellites move.
+    text
+        Of the file it was read from, for provenance; empty without one.
+    label
+        The file's name as given.
+    """
+
+    name: str
+    constellation: Constellation
+    source: str = ""
+    paper: str | None = None
+    figure: Figure = DEFAULT_FIGURE
+    mask: Mask = field(default_factory=Mask)
+    fold: int = 4
+    stations: tuple[Site, ...] = ()
+    access: Wanted = field(default_factory=Wanted)
+    access_duration: float = 10 * SOLAR_DAY.value
+    conjunction: float = float(np.radians(2.0))
+    radios: tuple[Radio, ...] = ()
+    motion: Motion = field(default_factory=Motion)
+    text: str = ""
+    label: str = "design"
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the text in hexadecimal, for provenance."""
+        return sha256(self.text.encode()).hexdigest()

@@ -1,0 +1,312 @@
+"""Constellations as people write them: patterns and elements in degrees and kilometres."""
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compass.bodies import MARS_GM
+from compass.errors import ArgumentError
+from compass.frames import DEFAULT_FIGURE, Figure
+from compass.orbits.constellation import Constellation, from_pattern, keplerian
+from compass.orbits.kinds import (
+    WALKER_DELTA,
+    WALKER_STAR,
+    PatternKind,
+    check_counts,
+    walker_phasing,
+)
+from compass.orbits.pattern import Pattern, rosette_notation
+from compass.orbits.period import areosynchronous_radius
+
+KM = 1e3
+
+
+def walker_delta(
+    satellites: int,
+    planes: int,
+    phasing: int,
+    *,
+    inclination_deg: float,
+    radius_km: float | None = None,
+    altitude_km: float | None = None,
+    orbit: str | None = None,
+    raan_deg: float = 0.0,
+    phase_deg: float = 0.0,
+    figure: Figure = DEFAULT_FIGURE,
+    name: str = "",
+    epoch: float = 0.0,
+    gm: float = MARS_GM.value,
+) -> Constellation:
+    """Walker delta pattern i: t/p/f on circular orbits.
+
+    Plane k has ``RAAN = raan + 2 pi k / p``; satellite j of it has argument of latitude
+    ``phase + 2 pi j / s + 2 pi f k / t`` with ``s = t/p``.
+
+    Parameters
+    ----------
+    satellites, planes, phasing
+        t, p and f; f is meant modulo p.
+    inclination_deg
+        0 to 180 degrees.
+    radius_km, altitude_km, orbit
+        One of them: radius from Mars's centre, altitude over the figure's equator, or
+        ``"areosynchronous"``.
+    raan_deg, phase_deg
+        Node and argument of latitude of the first satellite, degrees.
+    figure
+        The figure whose equator `altitude_km` counts from, and which orbits must clear.
+    name, epoch, gm
+        As in `Constellation`.
+
+    Raises
+    ------
+    ArgumentError
+        The satellites do not divide into the planes, an inclination out of range, an orbit that
+        is not above the surface, none or several of radius_km, altitude_km and orbit.
+
+    References
+    ----------
+    Walker 1970, Circular Orbit Patterns Providing Continuous Whole Earth Coverage, RAE TR 70211.
+
+    Examples
+    --------
+    >>> import compass
+    >>> c = compass.walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
+    >>> c.pattern.notation, c.size
+    ('45°: 15/5/1', 15)
+    """
+    radius = orbit_radius(radius_km, altitude_km, orbit, figure)
+    pattern = _walker(
+        WALKER_DELTA, satellites, planes, phasing, inclination_deg, raan_deg, phase_deg
+    )
+    return from_pattern(pattern, radius, name=name, epoch=epoch, gm=gm)
+
+
+def walker_star(
+    satellites: int,
+    planes: int,
+    phasing: int,
+    *,
+    inclination_deg: float,
+    radius_km: float | None = None,
+    altitude_km: float | None = None,
+    orbit: str | None = None,
+    raan_deg: float = 0.0,
+    phase_deg: float = 0.0,
+    figure: Figure = DEFAULT_FIGURE,
+    name: str = "",
+    epoch: float = 0.0,
+    gm: float = MARS_GM.value,
+) -> Constellation:
+    """Walker star pattern: as `walker_delta` but with ``RAAN = raan + pi k / p``.
+
+    Neighbouring planes go the same way but for the first and the last, where the satellites
+    meet head-on (the seam); with near-polar inclination this is the pattern of Iridium.
+
+    References
+    ----------
+    Walker 1970, Circular Orbit Patterns Providing Continuous Whole Earth Coverage, RAE TR 70211.
+
+    Examples
+    --------
+    >>> import compass
+    >>> compass.walker_star(66, 6, 2, inclination_deg=86.4, altitude_km=780).pattern.kind
+    'walker-star'
+    """
+    radius = orbit_radius(radius_km, altitude_km, orbit, figure)
+    pattern = _walker(
+        WALKER_STAR, satellites, planes, phasing, inclination_deg, raan_deg, phase_deg
+    )
+    return from_pattern(pattern, radius, name=name, epoch=epoch, gm=gm)
+
+
+def rosette(
+    satellites: int,
+    planes: int,
+    multiplier: Fraction | float | str,
+    *,
+    inclination_deg: float,
+    radius_km: float | None = None,
+    altitude_km: float | None = None,
+    orbit: str | None = None,
+    raan_deg: float = 0.0,
+    phase_deg: float = 0.0,
+    figure: Figure = DEFAULT_FIGURE,
+    name: str = "",
+    epoch: float = 0.0,
+    gm: float = MARS_GM.value,
+) -> Constellation:
+    """Ballard's rosette (N, P, m) on circular orbits: the Walker delta pattern with ``F = m N/P``.
+
+    Parameters
+    ----------
+    satellites, planes
+        N and P.
+    multiplier
+        m: an integer 0 ... N-1 for P = N, else a multiple of P/N such as ``"1/4"`` or 1.75.
+    inclination_deg, radius_km, altitude_km, orbit, raan_deg, phase_deg, figure, name, epoch, gm
+        As in `walker_delta`.
+
+    Raises
+    ------
+    ArgumentError
+        As `walker_delta` and `compass.orbits.kinds.walker_phasing`.
+
+    References
+    ----------
+    Ballard 1980, Rosette Constellations of Earth Satellites, IEEE Trans. Aerosp. Electron. Syst.
+    AES-16(5):656-673, doi 10.1109/TAES.1980.308932.
+
+    Examples
+    --------
+    >>> import compass
+    >>> c = compass.rosette(12, 3, "1/4", inclination_deg=50.73, orbit="areosynchronous")
+    >>> c.name, c.pattern.notation
+    ('(12, 3, 1/4)', '50.73°: 12/3/1')
+    """
+    phasing = walker_phasing(satellites, planes, multiplier)
+    exact = Fraction(multiplier).limit_denominator(10**6)
+    return walker_delta(
+        satellites,
+        planes,
+        phasing,
+        inclination_deg=inclination_deg,
+        radius_km=radius_km,
+        altitude_km=altitude_km,
+        orbit=orbit,
+        raan_deg=raan_deg,
+        phase_deg=phase_deg,
+        figure=figure,
+        name=name or rosette_notation(satellites, planes, exact),
+        epoch=epoch,
+        gm=gm,
+    )
+
+
+def from_elements(
+    *,
+    semi_major_axis_km: ArrayLike,
+    eccentricity: ArrayLike = 0.0,
+    inclination_deg: ArrayLike,
+    raan_deg: ArrayLike = 0.0,
+    argument_of_periapsis_deg: ArrayLike = 0.0,
+    mean_anomaly_deg: ArrayLike = 0.0,
+    figure: Figure = DEFAULT_FIGURE,
+    name: str = "constellation",
+    epoch: float = 0.0,
+    satellite_names: Sequence[str] = (),
+    gm: float = MARS_GM.value,
+) -> Constellation:
+    """Make a constellation from Keplerian elements; scalars stand for every satellite.
+
+    Parameters
+    ----------
+    semi_major_axis_km, eccentricity, inclination_deg, raan_deg, argument_of_periapsis_deg, \
+    mean_anomaly_deg
+        Broadcast to a common shape (n,); kilometres and degrees.
+    figure
+        The figure that orbits must clear.
+    name, epoch, satellite_names, gm
+        As in `Constellation`; satellites without names are numbered.
+
+    Raises
+    ------
+    ArgumentError
+        An element that is not finite or that no orbit can have, an orbit that meets the surface.
+
+    Examples
+    --------
+    >>> import compass
+    >>> compass.from_elements(semi_major_axis_km=[9000, 12000], inclination_deg=30).size
+    2
+    """
+    a = np.asarray(semi_major_axis_km, dtype=float) * KM
+    e, i = np.asarray(eccentricity, dtype=float), np.asarray(inclination_deg, dtype=float)
+    _check_inclination(i)
+    made = keplerian(
+        a,
+        e,
+        np.radians(i),
+        np.radians(raan_deg),
+        np.radians(argument_of_periapsis_deg),
+        np.radians(mean_anomaly_deg),
+        name=name,
+        epoch=epoch,
+        satellite_names=satellite_names,
+        gm=gm,
+    )
+    for k in np.flatnonzero(made.periapsis_radius <= figure.equatorial_radius):
+        raise ArgumentError(
+            f"semi_major_axis_km = {made.semi_major_axis[k] / KM:g}: periapsis radius "
+            f"{made.periapsis_radius[k] / KM:g} km is not above the surface "
+            f"({figure.equatorial_radius / KM:g} km); raise the axis or lower the eccentricity"
+        )
+    return made
+
+
+def orbit_radius(
+    radius_km: float | None,
+    altitude_km: float | None,
+    orbit: str | None,
+    figure: Figure = DEFAULT_FIGURE,
+) -> float:
+    """Radius of circular orbits, metres, of the one of the three that is given.
+
+    Raises
+    ------
+    ArgumentError
+        None or several of them, an orbit of another name, a radius that is not above the surface.
+    """
+    options = {"radius_km": radius_km, "altitude_km": altitude_km, "orbit": orbit}
+    given = [name for name, value in options.items() if value is not None]
+    if len(given) != 1:
+        raise ArgumentError(
+            "orbit: needs exactly one of radius_km, altitude_km and orbit; found "
+            f"{' and '.join(given) or 'none'}"
+        )
+    if orbit is not None:
+        if orbit != "areosynchronous":
+            raise ArgumentError(f"orbit = {orbit!r}: allowed areosynchronous")
+        return areosynchronous_radius()
+    surface = figure.equatorial_radius
+    radius = radius_km * KM if radius_km is not None else (altitude_km or 0.0) * KM + surface
+    if not (np.isfinite(radius) and radius > surface):
+        least = surface / KM if radius_km is not None else 0.0
+        hint = " (an altitude goes under altitude_km)" if radius_km is not None else ""
+        raise ArgumentError(
+            f"{given[0]} = {options[given[0]]:g}: is not above the surface; must be more than "
+            f"{least:g} km{hint}"
+        )
+    return float(radius)
+
+
+def _walker(
+    kind: PatternKind,
+    satellites: int,
+    planes: int,
+    phasing: int,
+    inclination_deg: float,
+    raan_deg: float,
+    phase_deg: float,
+) -> Pattern:
+    check_counts(satellites, planes)
+    _check_inclination(np.asarray(inclination_deg, dtype=float))
+    return Pattern(
+        kind.name,
+        satellites,
+        planes,
+        phasing % planes,
+        float(np.radians(inclination_deg)),
+        float(np.radians(raan_deg)),
+        float(np.mod(np.radians(phase_deg), 2 * np.pi)),
+    )
+
+
+def _check_inclination(degrees: NDArray[np.float64]) -> None:
+    wrong = ~((degrees >= 0) & (degrees <= 180))
+    if np.any(wrong):
+        raise ArgumentError(
+            f"inclination_deg = {degrees[wrong].flat[0]:g}: allowed 0 to 180 degrees"
+        )
