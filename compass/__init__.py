@@ -32,6 +32,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
         walker_delta,
         walker_star,
     )
+    from compass.pages.report import report
     from compass.sites import Mask, Site
 
 __version__ = "0.1.0"
@@ -55,6 +56,7 @@ __all__ = [
     "read_design",
     "read_scenario",
     "read_study",
+    "report",
     "reproduce",
     "rosette",
     "search",
@@ -91,6 +93,7 @@ _HOMES = {
     "read_design": "compass.inputs",
     "read_scenario": "compass.inputs.scenario",
     "read_study": "compass.inputs.study",
+    "report": "compass.pages.report",
     "rosette": "compass.orbits",
     "walker_delta": "compass.orbits",
     "walker_star": "compass.orbits",
