@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.access import access
+    from compass.api.drift import drift
     from compass.api.export import export
     from compass.api.fold import fold
     from compass.api.judge import judge
@@ -45,6 +46,7 @@ __all__ = [
     "__version__",
     "access",
     "areosynchronous_radius",
+    "drift",
     "ephemeris",
     "export",
     "fold",
@@ -69,6 +71,7 @@ __all__ = [
 #: The commands, each in the file of `compass.api` that has its name.
 _COMMANDS = (
     "access",
+    "drift",
     "export",
     "fold",
     "judge",

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from compass.conventions import in_conventions
 from compass.errors import OutputError
 
 if TYPE_CHECKING:
@@ -178,10 +179,14 @@ def netcdf_file(path: Path) -> Iterator["h5netcdf.File"]:
 def put_dataset(
     file: "h5netcdf.File", dataset: "xr.Dataset", group: str | None = None, **options: Any
 ) -> None:
-    """Put a dataset into a netCDF-4 file, with options as of `xarray.Dataset.to_netcdf`."""
+    """Put a dataset, as CF-1.11 wants it, into a netCDF-4 file.
+
+    With options as of `xarray.Dataset.to_netcdf`.
+    """
     from xarray.backends import H5NetCDFStore
 
-    dataset.dump_to_store(H5NetCDFStore(file, group=group, mode="a"), **options)
+    made = in_conventions(dataset)
+    made.dump_to_store(H5NetCDFStore(file, group=group, mode="a"), **options)
 
 
 def save_netcdf(

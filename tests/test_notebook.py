@@ -58,7 +58,10 @@ def test_the_readmes_jobs(tmp_path, monkeypatch):
 def test_it_needs_nothing_from_a_subpackages_inside():
     tree = ast.parse(Path(__file__).read_text())
     names = [
-        alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names
+        alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import)
+        for alias in node.names
     ]
     froms = [node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
     assert not [name for name in names + froms if name.startswith("compass.")]

@@ -14,6 +14,7 @@ from compass.bodies import SOLAR_DAY
 from compass.contacts.dataset import windows_dataset
 from compass.contacts.record import survey_record
 from compass.contacts.survey import Survey, survey
+from compass.conventions import epoch_text
 from compass.design import Design, Wanted
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
@@ -59,7 +60,7 @@ class AccessResult(Result):
             title=f"Access windows of {self.design.name}",
             design=self.design.text,
             design_sha256=self.design.digest,
-            epoch_tdb_s_past_j2000=self.design.constellation.epoch,
+            epoch_tdb=epoch_text(self.design.constellation.epoch),
             source=f"compass {compass.__version__}",
         )
 

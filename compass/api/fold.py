@@ -1,22 +1,27 @@
 """Continuous k-fold coverage: proven, or refuted with a witness, and how far from failing."""
 
 from dataclasses import dataclass, field
-from math import degrees, isfinite
+from math import degrees, inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from compass.api.given import given_design, given_mask
+from compass.api.lasting import LastingResult
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.coverage.certificate import Outcome
 from compass.coverage.continuous import ContinuousCoverage, continuous_coverage
+from compass.coverage.lasting import prove_span
 from compass.coverage.region import GLOBE, read_region
 from compass.design import Design
 from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block, facts
 from compass.document.plain import plain
-from compass.frames import latitude_longitude, mcmf_from_mci, prime_meridian_angle
+from compass.errors import ArgumentError
+from compass.frames import SECONDS_PER_DAY, latitude_longitude, mcmf_from_mci, prime_meridian_angle
+from compass.orbits.motion import Motion, MotionModel
 from compass.quantities import quantity
+from compass.sites import Mask
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -280,8 +285,11 @@ def fold(
     losses: int = 0,
     region: str | None = None,
     duration_h: float | None = None,
+    days: float | None = None,
+    start_day: float = 0.0,
+    motion: MotionModel | None = None,
     progress: bool = False,
-) -> FoldResult:
+) -> FoldResult | LastingResult:
     """Prove continuous k-fold coverage, or refute it with a witness; no grid, no time steps.
 
     Parameters
@@ -296,6 +304,11 @@ def fold(
         ``lat:MIN:MAX`` or ``polygon:LAT,LON;LAT,LON;...``, degrees; else everywhere.
     duration_h
         Hours from the epoch to look at; else all time where symmetry allows it.
+    days, start_day
+        Prove it for so many days from a day after the epoch on, along the satellites' paths and
+        without symmetry; needed where the motion is not two-body.
+    motion
+        ``two-body``, ``j2`` or ``numerical``; else the design's.
     progress
         Show bars on stderr.
 
@@ -316,6 +329,11 @@ def fold(
     read = given_design(design)
     wanted = read.fold if fold is None else fold
     mask = given_mask(mask_deg, read)
+    chosen = read.motion.or_of(motion)
+    if days is not None or chosen.model != "two-body" or start_day:
+        return _over_days(
+            read, wanted, mask, region, days, duration_h, start_day, losses, chosen, progress
+        )
     found = continuous_coverage(
         read.constellation,
         wanted,
@@ -328,6 +346,53 @@ def fold(
     )
     region_name = found.certificate.region.name
     return FoldResult(read, wanted, degrees(found.mask), region_name, found)
+
+
+def _over_days(
+    design: Design,
+    wanted: int,
+    mask: Mask,
+    region: str | None,
+    days: float | None,
+    duration_h: float | None,
+    start_day: float,
+    losses: int,
+    motion: Motion,
+    progress: bool,
+) -> LastingResult:
+    """Settle the claim along the paths of a motion."""
+    if losses:
+        raise ArgumentError(
+            f"losses = {losses}: looked at for all time of two-body orbits only; leave it out with "
+            "days"
+        )
+    if days is None and duration_h is not None:
+        days = duration_h / 24.0
+    if days is None:
+        raise ArgumentError(
+            f"days: missing; under {motion.title} nothing is for ever: give the days to prove"
+        )
+    if not 0 < days <= 36525:
+        raise ArgumentError(f"days = {days:g}: allowed above 0 to 36525, a century")
+    if not 0 <= start_day < inf:
+        raise ArgumentError(f"start_day = {start_day:g}: must be 0 or more days")
+    start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY
+    path = motion.trajectory(
+        design.constellation,
+        start,
+        stop,
+        progress=lambda parts: bar(progress, "orbits", parts),
+    )
+    found = prove_span(
+        path,
+        wanted,
+        sphere_radius=design.figure.equatorial_radius,
+        mask=mask.highest,
+        region=GLOBE if region is None else read_region(region),
+        start=start,
+        stop=stop,
+    )
+    return LastingResult(design, degrees(mask.highest), motion.title, found)
 
 
 def _settled(bounds: tuple[int, int]) -> int | None:

@@ -6,7 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from compass.api.given import given_scenario
-from compass.api.land_flight import assess_scenario, entry_facts, entry_section
+from compass.api.land_flight import (
+    assess_scenario,
+    check_cost,
+    claim_sentence,
+    entry_facts,
+    entry_section,
+)
 from compass.api.land_fusion import fusion_facts, fusion_section
 from compass.api.results import Result
 from compass.document import Page, Picture, Section, Verdict
@@ -24,6 +30,9 @@ if TYPE_CHECKING:
 
 MOST_RUNS = 100_000
 
+#: Filter runs that take longer (s) are announced.
+LONG = 10.0
+
 
 @dataclass(frozen=True, repr=False)
 class LandResult(Result):
@@ -39,12 +48,20 @@ class LandResult(Result):
         The filters compared, if the scenario has a table [fusion].
     command
         For the provenance.
+    strict
+        Whether an inconsistent filter makes the claim fail.
     """
 
     scenario: Scenario = field(repr=False)
     assessment: Assessment = field(repr=False)
     fused: FusionRuns | None = field(repr=False, default=None)
     command: str = ""
+    strict: bool = False
+
+    @property
+    def holds(self) -> bool:
+        """Whether the filter is consistent, if that was asked for."""
+        return not self.strict or self.assessment.consistency.holds
 
     @property
     def dataset(self) -> "xr.Dataset":
@@ -60,22 +77,14 @@ class LandResult(Result):
         return plain(known | {"provenance": provenance(self.scenario, self.command)})
 
     def document(self) -> Page:
-        """The error at the end in a sentence, then the flight and the filters."""
-        words = Verdict("", self._in_a_sentence())
-        flight, *fused = self.sections(pictures=False)
+        """Knowledge and delivery in a sentence, then the flight and the filters."""
+        words = Verdict("", claim_sentence(self.assessment))
+        flight, *fused = self.sections(pictures=False, claim=False)
         return Page(self.scenario.name, (words, *flight.blocks, *fused))
 
-    def _in_a_sentence(self) -> str:
-        mc, bound = self.assessment.monte_carlo, self.assessment.bound
-        return (
-            f"position known to {mc.position_rms[-1]:.3g} m (rms of {len(mc.errors)} runs; no "
-            f"filter can do better than {bound.position_sigma[-1]:.3g} m), velocity to "
-            f"{mc.velocity_rms[-1]:.3g} m/s, {self.assessment.flight.times[-1]:g} s after entry"
-        )
-
-    def sections(self, *, pictures: bool = True) -> tuple[Section, ...]:
+    def sections(self, *, pictures: bool = True, claim: bool = True) -> tuple[Section, ...]:
         """The flight with one filter on it, then the filters compared if there are any."""
-        flight = entry_section(self.scenario, self.assessment, pictures=pictures)
+        flight = entry_section(self.scenario, self.assessment, pictures=pictures, claim=claim)
         if self.fused is None:
             return (flight,)
         return flight, fusion_section(self.fused, pictures=pictures)
@@ -114,6 +123,7 @@ def land(
     scenario: Scenario | str | Path,
     *,
     runs: int | None = None,
+    strict: bool = False,
     command: str = "",
     progress: bool = False,
     notice: Callable[[str], object] = lambda words: None,
@@ -129,6 +139,8 @@ def land(
         A scenario, or the path of its file.
     runs
         Monte Carlo runs; else the scenario's.
+    strict
+        Whether `LandResult.holds` is false where the filter is inconsistent.
     command
         What to write into the files' history.
     progress
@@ -154,6 +166,9 @@ def land(
     plan = fusion_plan(read)
     for words in plan.case.visibility_report() if plan else ():
         notice(words)
+    seconds = check_cost(read, read.runs if runs is None else runs)
+    if seconds > LONG:
+        notice(f"filter runs: about {seconds:.0f} s")
     found = assess_scenario(read, runs)
     fused = run_fusion(plan, runs, progress=progress) if plan else None
-    return LandResult(read, found, fused, command)
+    return LandResult(read, found, fused, command, strict)

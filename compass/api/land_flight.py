@@ -5,16 +5,17 @@ from typing import Any
 import numpy as np
 
 from compass.document.blocks import Picture, Section, Table, arranged
+from compass.entry.accuracy import Spread
 from compass.entry.assess import Assessment, assess
 from compass.entry.state import longitude_degrees
-from compass.entry.trajectory import Trajectory, fly, trajectory_dataset
+from compass.entry.trajectory import Trajectory, fly, loads
 from compass.errors import ArgumentError
 from compass.inputs.scenario import Scenario
 
 KM = 1e3
 
-#: Nearer to the polar axis than so many sigmas, a filter of longitudes goes astray.
-NEAR_POLE = 10.0
+#: Filter runs that would take longer (s), or have more epochs in all, are refused.
+MOST_SECONDS, MOST_STEPS = 3600.0, 100_000_000
 
 
 def assess_scenario(scenario: Scenario, runs: int | None = None) -> Assessment:
@@ -25,6 +26,8 @@ def assess_scenario(scenario: Scenario, runs: int | None = None) -> Assessment:
     ArgumentError
         A flight that ends before its second time, or a beacon at the lander's place.
     """
+    many = scenario.runs if runs is None else runs
+    check_cost(scenario, many)
     flight = fly(scenario.truth, scenario.state, scenario.times, triggers=scenario.triggers)
     if flight.times.size < 2:
         raise ArgumentError(f"{scenario.label}: {flight.ending}; nothing to navigate")
@@ -34,37 +37,65 @@ def assess_scenario(scenario: Scenario, runs: int | None = None) -> Assessment:
         scenario.beacons(flight.times),
         scenario.measurements,
         scenario.settings,
-        mask=scenario.mask,
-        runs=scenario.runs if runs is None else runs,
+        deployment=scenario.deployment,
+        runs=many,
         seed=scenario.seed,
     )
 
 
-def entry_section(scenario: Scenario, found: Assessment, *, pictures: bool = True) -> Section:
-    """Text, pictures and tables of one scenario."""
+def check_cost(scenario: Scenario, runs: int) -> float:
+    """Seconds that the filter runs will take, about; refused beyond `MOST_SECONDS`.
+
+    Raises
+    ------
+    ArgumentError
+        So many runs of so many epochs that they would take hours.
+    """
+    beacons = len(scenario.surface_names) + sum(o.constellation.size for o in scenario.orbiters)
+    steps = runs * scenario.times.size
+    seconds = steps * (2e-6 + 0.4e-6 * beacons)
+    if seconds > MOST_SECONDS or steps > MOST_STEPS:
+        raise ArgumentError(
+            f"{scenario.label}: {runs} runs of {scenario.times.size} epochs past {beacons} beacons "
+            f"would take about {seconds / 60:.0f} minutes and {steps * 80 / 1e9:.0f} GB of memory; "
+            "give a longer entry.step_s or fewer runs"
+        )
+    return seconds
+
+
+def entry_section(
+    scenario: Scenario, found: Assessment, *, pictures: bool = True, claim: bool = True
+) -> Section:
+    """Text, pictures and tables of one scenario; `claim` puts the answer first."""
     drawn: tuple[Picture, ...] = ()
     if pictures:
         from compass.pictures.entry import entry_pictures
 
         drawn = entry_pictures(found)
     paragraphs = [" ".join(scenario.source.split())] if scenario.source.strip() else []
-    words = (*paragraphs, *findings(scenario, found))
-    return arranged(f"Entry: {scenario.name}", words, drawn, entry_tables(found))
+    words = [*([claim_sentence(found)] if claim else []), *paragraphs, *findings(scenario, found)]
+    return arranged(f"Entry: {scenario.name}", tuple(words), drawn, entry_tables(found))
 
 
 def findings(scenario: Scenario, found: Assessment) -> list[str]:
     """What is to be known of a flight and its filter, in sentences."""
-    flight, mc = found.flight, found.monte_carlo
+    flight = found.flight
     last = flight.times[-1]
     count = found.seen.sum(axis=1)
     words = [
+        found.consistency.sentence,
+        accuracy_sentence(found),
         f"The lander flies {last:g} s, from {flight.altitude[0] / KM:.1f} km and "
-        f"{flight.states[0, 3]:.0f} m/s to {flight.altitude[-1] / KM:.1f} km and "
-        f"{flight.states[-1, 3]:.0f} m/s. Between {count.min()} and {count.max()} of "
-        f"{found.beacons.size} beacons are in view."
+        f"{flight.speed[0]:.0f} m/s to {flight.altitude[-1] / KM:.1f} km and "
+        f"{flight.speed[-1]:.0f} m/s. Between {count.min()} and {count.max()} of "
+        f"{found.beacons.size} beacons are in view.",
     ]
     if flight.ending:
         words.append(f"The flight ended early: {flight.ending}.")
+    if flight.missed:
+        words.append(f"Not reached: {'; '.join(flight.missed)}.")
+    if scenario.notes:
+        words.append(f"Note: {'; '.join(scenario.notes)}.")
     when = f"at {flight.times[found.blind_epoch]:g} s"
     if found.blind.words:
         hidden = "; ".join(found.blind.words)
@@ -79,27 +110,38 @@ def findings(scenario: Scenario, found: Assessment) -> list[str]:
         )
     if not found.taken.any():
         words.append("No beacon is ever measured: the errors are those of the first estimate.")
-    if mc.diverged.any():
-        words.append(f"{mc.diverged.sum()} of {len(mc.errors)} runs diverged and are left out.")
-    if mc.broken.any():
-        words.append(
-            f"In {mc.broken.sum()} of {len(mc.errors)} runs the filter's covariance did not stay "
-            "positive definite: the NEES is undefined from there on, and the filter not to be "
-            "trusted."
-        )
-    # metres from the polar axis, against those by which the estimate may be off
-    r, latitude = flight.states[:, 0], flight.states[:, 2]
-    axis, unsure = r * np.cos(latitude), found.bound.position_sigma.copy()
-    spread = np.diag(scenario.settings.covariance0)[:3] * [1.0, axis[0] ** 2, r[0] ** 2]
-    unsure[0] = np.sqrt(spread.sum())  # before the first measurement
-    if (near := axis < NEAR_POLE * unsure).any():
-        first = int(np.argmax(near))
-        words.append(
-            f"At {flight.times[first]:g} s the lander is {axis[first] / KM:.3g} km from the polar "
-            f"axis, its position known to {unsure[first] / KM:.3g} km: the filter estimates "
-            "longitude and heading, which are undefined at a pole, so its errors say little."
-        )
     return words
+
+
+def claim_sentence(found: Assessment) -> str:
+    """What a landing comes to: knowledge, if it may be claimed, and delivery."""
+    at, claim = found.accuracy, found.claim_m
+    where = f"At {at.name} ({at.time:.1f} s)"
+    if claim is None:
+        known = f"{where} no accuracy is claimed, for the filter is inconsistent."
+    else:
+        known = f"{where} the lander knows its place to {claim:.3g} m (1 sigma, all axes)."
+    ellipse = at.delivery.ellipse
+    return (
+        f"{known} Unguided it comes down within {ellipse.semi_major / KM:.3g} by "
+        f"{ellipse.semi_minor / KM:.3g} km (95 % ellipse, half axes, major axis "
+        f"{np.degrees(ellipse.azimuth):.0f} deg from north), half of the time within "
+        f"{at.delivery.cep / KM:.3g} km."
+    )
+
+
+def accuracy_sentence(found: Assessment) -> str:
+    """Knowledge and delivery along, across and down."""
+    at = found.accuracy
+    known, comes = (
+        ", ".join(f"{sigma:.3g}" for sigma in spread.along_cross_down)
+        for spread in (at.knowledge, at.delivery)
+    )
+    when = "at the moment of the event" if at.projected else "at that time"
+    return (
+        f"Linear covariance there, along, across and down: known to {known} m, delivered to "
+        f"{comes} m (1 sigma, {when})."
+    )
 
 
 def event_table(flight: Trajectory) -> Table:
@@ -124,19 +166,14 @@ def event_table(flight: Trajectory) -> Table:
 
 def entry_tables(found: Assessment) -> tuple[Table, ...]:
     """Events, loads, view, and navigation at some times."""
-    flight, data = found.flight, trajectory_dataset(found.flight)
+    flight, borne = found.flight, loads(found.flight)
     peaks = [
-        (
-            str(data[name].attrs["long_name"]),
-            float(data[name].max()),
-            unit,
-            float(data[name].idxmax()),
-        )
-        for name, unit in (
-            ("g_load", "g"),
-            ("dynamic_pressure", "Pa"),
-            ("heat_flux", "W/m^2"),
-            ("heat_load", "J/m^2"),
+        (title, *borne.largest(name)[:1], unit, borne.largest(name)[1])
+        for name, title, unit in (
+            ("g_load", "aerodynamic acceleration in standard gravities", "g"),
+            ("dynamic_pressure", "dynamic pressure", "Pa"),
+            ("heat_flux", "stagnation-point convective heat flux", "W/m^2"),
+            ("heat_load", "heat flux integrated", "J/m^2"),
         )
     ]
     view = [
@@ -227,6 +264,24 @@ def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
             "hidden": list(found.blind.words),
             "weakest": found.blind.weakest,
         },
+        "landing": {
+            "at": found.accuracy.name,
+            "time_s": found.accuracy.time,
+            "projected": found.accuracy.projected,
+            "claim_m": found.claim_m,
+            "knowledge": _spread_facts(found.accuracy.knowledge),
+            "delivery": _spread_facts(found.accuracy.delivery),
+        },
+        "consistency": {
+            "consistent": found.consistency.holds,
+            "sentence": found.consistency.sentence,
+            "ratio": found.consistency.ratio,
+            "nees_worst": found.consistency.nees[found.consistency.worst],
+            "worst_time_s": flight.times[found.consistency.worst],
+            "nees_interval": [found.consistency.low, found.consistency.high],
+        },
+        "missed_triggers": list(flight.missed),
+        "notes": list(scenario.notes),
         "navigation": {
             "time_s": flight.times,
             "position_bound_m": bound.position_sigma,
@@ -238,4 +293,19 @@ def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
             "diverged": int(mc.diverged.sum()),
             "broken": int(mc.broken.sum()),
         },
+    }
+
+
+def _spread_facts(spread: Spread) -> dict[str, Any]:
+    """One spread as plain values."""
+    ellipse = spread.ellipse
+    return {
+        "along_m": spread.along_cross_down[0],
+        "cross_m": spread.along_cross_down[1],
+        "down_m": spread.along_cross_down[2],
+        "semi_major_m": ellipse.semi_major,
+        "semi_minor_m": ellipse.semi_minor,
+        "ellipse_level": ellipse.level,
+        "azimuth_deg": np.degrees(ellipse.azimuth),
+        "cep_m": spread.cep,
     }

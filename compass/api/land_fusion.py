@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.document.blocks import Picture, Section, Table, arranged
-from compass.entry.consistency import error_ellipse
+from compass.entry.accuracy import error_ellipse
 from compass.entry.faults import Fault
 from compass.study.fusion import SETTLING, TITLES, FusionRuns
 

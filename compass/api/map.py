@@ -1,5 +1,6 @@
 """Satellite counts and dilution of precision over the sphere and a period."""
 
+import math
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ from compass.api.given import given_design
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.coverage.files import write_map
+from compass.coverage.gaps import next_prime
 from compass.coverage.maps import DOPS
 from compass.design import Design
 from compass.document import Page, Sentence, Table, Value, Verdict
@@ -66,8 +68,35 @@ class MapResult(Result):
         )
         return Page(
             self.design.name,
-            (Verdict("" if met else "missed", claim, met), *self.tables(), Sentence(how)),
+            (
+                Verdict("" if met else "missed", claim, met),
+                *self.tables(),
+                Sentence(how),
+                *self._between_epochs(),
+            ),
         )
+
+    def _between_epochs(self) -> list[Sentence]:
+        """How well gaps are known, and whether the epochs are too few for the quickest pass."""
+        attrs = self.dataset.attrs
+        ends = "go on at its start" if attrs["gap_span_repeats"] else "are cut there"
+        told = [
+            Sentence(
+                f"gaps are followed every {attrs['gap_step_s']:.3g} s and known to that; those at "
+                f"the end of the span {ends}"
+            )
+        ]
+        step, quickest = attrs["period_s"] / attrs["epochs"], attrs["shortest_pass_s"]
+        if step > quickest / 4:
+            enough = next_prime(math.ceil(4 * attrs["period_s"] / quickest))
+            told.append(
+                Sentence(
+                    f"WARNING: the epochs are {step / 60:.3g} min apart, and the quickest "
+                    f"satellite crosses overhead in {quickest / 60:.3g} min: shares and "
+                    f"percentiles can be far off; ask for {enough} epochs or more"
+                )
+            )
+        return told
 
     def tables(self) -> tuple[Table, ...]:
         """Satellites in view, and dilution of precision, over area and time."""

@@ -23,7 +23,7 @@ from compass.study.judge import check_lander
 from compass.study.results import first_front, read_results, write_results
 from compass.study.store import Store
 from compass.study.trade import Summary, run_trade
-from compass.study.workers import Here, Processes, Workers
+from compass.study.workers import Processes, Workers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -115,8 +115,8 @@ class TradeResult(Result):
         if s.unfinished:
             more = ["..."] if s.unfinished > len(s.lethal) else []
             notes.append(
-                f"{s.unfinished} candidate(s) left out, whose workers died; the same command "
-                "tries them again:\n  " + "\n  ".join(s.lethal + more)
+                f"{s.unfinished} candidate(s) left out, whose workers died or had too little "
+                "memory; the same command tries them again:\n  " + "\n  ".join(s.lethal + more)
             )
         errors = [text for text in self.dataset.error.values if text]
         if errors:
@@ -197,8 +197,8 @@ def trade(
     with Store(folder, read) as store:
         if store.damaged:
             notice(
-                f"{store.path}: {store.damaged} damaged line(s) ignored; candidates that no other "
-                "line has are computed again"
+                f"{store.path}: {len(store.damaged)} damaged line(s) ignored ({store.damaged[0]}); "
+                "candidates that no other line has are computed again"
             )
         check_writable(folder / "trade.nc")
         team = _team(read, workers, scheduler, tls)
@@ -239,4 +239,4 @@ def _team(study: Study, workers: int | None, scheduler: str | None, tls: Tls | N
     if scheduler is not None:
         return Cluster(study, scheduler, tls)
     count = workers or os.cpu_count() or 1
-    return Here(study) if count == 1 else Processes(study, count)
+    return Processes(study, count)  # one too: a candidate may kill whoever looks at it

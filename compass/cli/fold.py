@@ -1,6 +1,7 @@
 """``compass fold``: continuous k-fold coverage, proven or refuted with a witness."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -16,16 +17,15 @@ from compass.cli.shared import announce_compilation, design_argument, json_optio
     "--region", help="lat:MIN:MAX or polygon:LAT,LON;LAT,LON;..., degrees; else everywhere."
 )
 @click.option("--duration-h", type=float, help="Hours from the epoch to look at, not all time.")
+@click.option("--days", type=float, help="Days to prove it for, along the satellites' paths.")
+@click.option("--start-day", type=float, default=0.0, help="Day after the epoch to begin at.")
+@click.option(
+    "--motion",
+    type=click.Choice(["two-body", "j2", "numerical"]),
+    help="How the satellites move; else as the design says.",
+)
 @json_option
-def command(
-    design: Path,
-    fold: int | None,
-    mask_deg: float | None,
-    losses: int,
-    region: str | None,
-    duration_h: float | None,
-    as_json: bool,
-) -> None:
+def command(design: Path, as_json: bool, **options: Any) -> None:
     """Prove continuous k-fold coverage, or refute it with a witness; no grid, no time steps.
 
     Exit status 0 proven, 1 refuted or undecided, 2 bad input.
@@ -33,13 +33,4 @@ def command(
     announce_compilation()
     import compass
 
-    found = compass.fold(
-        design,
-        fold=fold,
-        mask_deg=mask_deg,
-        losses=losses,
-        region=region,
-        duration_h=duration_h,
-        progress=True,
-    )
-    print_result(found, as_json)
+    print_result(compass.fold(design, progress=True, **options), as_json)

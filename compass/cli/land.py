@@ -20,9 +20,15 @@ from compass.cli.shared import (
     "--figures", type=click.Path(path_type=Path), help="Folder to write the pictures (PNG) into."
 )
 @click.option("--runs", type=click.IntRange(1, 100_000), help="Monte Carlo runs, 1 to 100000.")
+@click.option("--strict", is_flag=True, help="Exit with 1 if the filter is inconsistent.")
 @json_option
 def command(
-    scenario: Path, output: Path | None, figures: Path | None, runs: int | None, as_json: bool
+    scenario: Path,
+    output: Path | None,
+    figures: Path | None,
+    runs: int | None,
+    strict: bool,
+    as_json: bool,
 ) -> None:
     """Fly a SCENARIO and navigate it: trajectory, view, observability, bound and filter.
 
@@ -38,7 +44,9 @@ def command(
         check_writable(output, [scenario])
     if figures:
         check_folder(figures)
-    found = compass.land(scenario, runs=runs, command=command_line(), progress=True, notice=say)
+    found = compass.land(
+        scenario, runs=runs, strict=strict, command=command_line(), progress=True, notice=say
+    )
     if output:
         found.write(output)
         say(f"wrote {output}")

@@ -34,8 +34,21 @@ def command(study: Path, as_json: bool, **options: Any) -> None:
     announce_compilation()
     import compass
 
+    if options["scheduler"] is not None:
+        _silence_the_cluster()
     found = compass.trade(study, **options, progress=True, notice=say)
     if as_json:
         for words in found.notes():
             say(words)
     print_result(found, as_json)
+
+
+def _silence_the_cluster() -> None:
+    """Keep the cluster's own messages from stderr: what matters is said here."""
+    import logging
+    from contextlib import suppress
+
+    with suppress(ImportError):  # as the cluster says
+        import distributed  # noqa: F401  # which sets its loggers' levels itself
+    for name in ("distributed", "distributed.client", "tornado.application"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)

@@ -40,5 +40,5 @@ def windows_dataset(found: Sequence[Windows], **attributes: object) -> "xr.Datas
             "first": ("pair", [w.first for w in found], {"long_name": "one end of the link"}),
             "second": ("pair", [w.second for w in found], {"long_name": "other end of the link"}),
         },
-        attrs={"Conventions": "CF-1.11", "duration_s": found[0].duration, **attributes},
+        attrs={"duration_s": found[0].duration, **attributes},
     )

@@ -134,8 +134,8 @@ def scaled_nees(error, cov, factor, work):
 def fly(dt, world, normals, uniforms, trace):
     """Fly the truth and measure it: write `truth`, `z` and `arrived` of the trace.
 
-    A range that does not arrive reads 0. The bank angle at an epoch holds over the step to the
-    next one, at whose end the accelerometers are read.
+    A range that does not arrive reads 0. The bank angle at an epoch holds from it to the next one;
+    at a switch the accelerometers read the new one.
 
     Parameters
     ----------
@@ -158,6 +158,7 @@ def fly(dt, world, normals, uniforms, trace):
     for k in range(1, epochs):
         p[BANK] = world.bank[k - 1]
         rk4_step(true, p, dt, moved)
+        p[BANK] = world.bank[k]
         for i in range(TRUTH_STATES):
             true[i] = moved[i] + world.noise[i] * normals[place + i]
             trace.truth[k, i] = true[i]
@@ -200,16 +201,16 @@ def track(algorithm, settings, belief, x0, bank_angles, beacons, alive, trace):
     n, size = settings.states, x0.size
     bank, work = make_bank(n, size, m), make_work(n, size, m, belief.p.size)
     start_bank(bank, x0, belief.p0)
-    p, arrived = belief.p.copy(), np.ones(ACCELERATIONS + m, dtype=np.bool_)
+    p, here, arrived = belief.p.copy(), belief.p.copy(), np.ones(ACCELERATIONS + m, dtype=np.bool_)
     if not start(algorithm, settings, bank, work):
         return 0
     for k in range(epochs):
         if k > 0:
-            p[BANK] = bank_angles[k - 1]
+            p[BANK], here[BANK] = bank_angles[k - 1], bank_angles[k]
             for i in range(arrived.size):
                 arrived[i] = trace.arrived[k, i] or belief.trusts
             gate = settings.gate if k * settings.dt >= settings.gate_start else math.inf
-            epoch = Epoch(p, beacons[k], trace.z[k], arrived, alive[k], gate)
+            epoch = Epoch(p, here, beacons[k], trace.z[k], arrived, alive[k], gate)
             if not step(algorithm, settings, epoch, bank, work):
                 return k
         trace.x[k] = bank.x

@@ -9,8 +9,10 @@ from compass.core.jit import kernel
 #: Histogram bins an octave: a bin is 1/2048 of an octave's lower end wide, so a quantile is
 #: known to a relative 4.9e-4 at worst and, with values spread evenly inside a bin, far better.
 BITS = 11
-#: Octaves from 2^-4 to 2^20; below and above are clamped, infinity has a bin of its own.
-LOWEST, HIGHEST = -4, 20
+#: Octaves from 2^-8 to 2^24, infinity has a bin of its own. No dilution of precision lies outside:
+#: each is at least ``1/sqrt(n)``, and n satellites are fewer than 2^16; and near PDOP 4e6, below
+#: 2^22, geometry counts as singular (`compass.core.dop.dops`).
+LOWEST, HIGHEST = -8, 24
 BINS = (HIGHEST - LOWEST) << BITS
 
 

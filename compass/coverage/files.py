@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     import h5netcdf
     import xarray as xr
 
-CONVENTIONS = "CF-1.11"
-
 
 def write_map(
     dataset: "xr.Dataset",
@@ -66,7 +64,6 @@ def with_grid_mapping(dataset: "xr.Dataset", figure: Figure) -> "xr.Dataset":
     sphere = figure.name if figure.is_sphere else "iau-sphere"
     mapping = mars_crs(sphere).to_cf()
     mapped = dataset.assign(mars=xr.DataArray(np.int32(0), attrs=mapping))
-    mapped.attrs["Conventions"] = CONVENTIONS
     for variable in mapped.data_vars.values():
         if {"lat", "lon"} <= set(variable.dims):
             variable.attrs["grid_mapping"] = "mars"

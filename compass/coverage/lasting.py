@@ -186,7 +186,7 @@ def least_margins(
     sphere_radius: float,
     mask: float = 0.0,
     region: Region = GLOBE,
-    tolerance: float = 2e-4,
+    tolerance: float = 1e-4,
 ) -> NDArray[np.float64]:
     """Least margin between each moment and the next: proven bounds, radians, shape (t - 1, 2)."""
     seconds = np.asarray(edges, dtype=float)

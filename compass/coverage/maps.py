@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.coverage_map import empty_histograms, map_row
+from compass.coverage.gaps import Gaps
 from compass.coverage.grid import Grid
 from compass.coverage.view import View
 from compass.errors import ArgumentError
@@ -35,16 +36,16 @@ def coverage_map(
     view: View,
     grid: Grid,
     *,
-    period: float,
     fold: int = 4,
+    gaps: Gaps | None = None,
     pdop_threshold: float = 6.0,
     workers: int | None = None,
     progress: Callable[[int], None] = lambda rows: None,
 ) -> "xr.Dataset":
     """Everything a map says about each cell, zone and epoch, and about the whole sphere.
 
-    The epochs of `view` are taken as equally spaced over a period after which everything
-    repeats, each with weight 1/epochs: a gap at the end goes on at the start.
+    The epochs of `view` are taken as equally spaced over the time that counts, each with weight
+    1/epochs.
     A dilution of precision is infinite with fewer than four satellites in view or with singular
     geometry; infinities count in every percentile and against availability.
 
@@ -54,10 +55,10 @@ def coverage_map(
         The constellation at the epochs.
     grid
         Cells; areas are exact, so global and zonal numbers are area- and time-weighted.
-    period
-        Seconds that the epochs stand for.
     fold
-        Satellites wanted at once: gaps and response times are about it.
+        Satellites wanted at once.
+    gaps
+        Of the same grid and fold, to be told beside the rest.
     pdop_threshold
         A cell is available while ``PDOP <= pdop_threshold``.
     workers
@@ -69,10 +70,10 @@ def coverage_map(
     -------
     xarray.Dataset
         Over (lat, lon): ``count_min``, ``count_mean``, ``count_max``, ``fold_share`` (by fold),
-        ``gdop`` ... ``tdop`` (by percentile, nearest rank), ``availability``, ``longest_gap``,
-        ``mean_gap``, ``mean_response_time``; over lat: ``fold_share_lat``; over time:
-        ``count_min_time``, ``count_mean_time``, ``count_max_time``; global: ``global_dop`` (dop,
-        global_percentile; relative error at most 4.9e-4), ``global_fold_share``,
+        ``gdop`` ... ``tdop`` (by percentile, nearest rank), ``availability``, and with `gaps`
+        ``longest_gap``, ``mean_gap``, ``mean_response_time``; over lat: ``fold_share_lat``; over
+        time: ``count_min_time``, ``count_mean_time``, ``count_max_time``; global: ``global_dop``
+        (dop, global_percentile; relative error at most 4.9e-4), ``global_fold_share``,
         ``global_count_mean``, ``global_availability``.
 
     Raises
@@ -84,7 +85,7 @@ def coverage_map(
         raise ArgumentError(f"fold = {fold}: must be at least 1")
     if not pdop_threshold > 0:
         raise ArgumentError(f"pdop_threshold = {pdop_threshold}: must be positive")
-    cells = _Cells(view, grid, fold, period)
+    cells = _Cells(view, grid, fold, gaps)
     latitude, longitude = grid.latitude, grid.longitude
     columns = np.cos(longitude), np.sin(longitude), float(longitude[0])
     epochs = view.times.size
@@ -93,6 +94,7 @@ def coverage_map(
 
     def one_block(rows: NDArray[np.int64]) -> tuple[NDArray, NDArray, NDArray]:
         tallies = empty_histograms(view.r.shape[1], epochs)
+        dop = np.empty((len(DOPS), grid.columns, epochs), np.float32)
         for i in rows:
             map_row(
                 view.r,
@@ -102,19 +104,18 @@ def coverage_map(
                 np.sin(latitude[i]),
                 np.cos(latitude[i]),
                 *columns,
-                fold,
                 pdop_threshold,
-                ranks,
                 grid.cell_share[i] / epochs,
                 cells.count_min[i],
                 cells.count_mean[i],
                 cells.count_max[i],
                 cells.share[:, i],
-                cells.percentiles[:, :, i],
                 cells.availability[i],
-                cells.gaps[:, i],
+                dop,
                 *tallies,
             )
+            dop.sort(axis=-1)
+            cells.percentiles[:, :, i] = np.moveaxis(dop[..., ranks], -1, 1)
         return tallies
 
     totals = empty_histograms(view.r.shape[1], epochs)
@@ -134,9 +135,8 @@ def coverage_map(
 class _Cells:
     """The arrays that the row kernel fills, and the dataset made of them."""
 
-    def __init__(self, view: View, grid: Grid, fold: int, period: float) -> None:
-        self.view, self.grid, self.fold = view, grid, fold
-        self.step = period / view.times.size
+    def __init__(self, view: View, grid: Grid, fold: int, gaps: Gaps | None) -> None:
+        self.view, self.grid, self.fold, self.gaps = view, grid, fold, gaps
         shape = (grid.rows, grid.columns)
         self.kept = min(view.r.shape[1], MAX_FOLD_KEPT)
         self.count_min = np.empty(shape, np.int16)
@@ -145,7 +145,6 @@ class _Cells:
         self.availability = np.empty(shape, np.float32)
         self.share = np.empty((self.kept, *shape), np.float32)
         self.percentiles = np.empty((len(DOPS), len(CELL_PERCENTILES), *shape), np.float32)
-        self.gaps = np.empty((3, *shape), np.float32)
 
     def dataset(
         self, totals: tuple[NDArray, NDArray, NDArray], pdop_threshold: float
@@ -185,15 +184,16 @@ class _Cells:
                 self.percentiles[k],
                 _attrs(f"{LONG_NAMES[dop]}, percentile over time (nearest rank, inf counts)"),
             )
-        for k, (name, text) in enumerate(
-            {
-                "longest_gap": "longest time with fewer than the wanted satellites",
-                "mean_gap": "mean time with fewer than the wanted satellites, a gap",
-                "mean_response_time": "mean wait from a random moment for the wanted satellites",
-            }.items()
-        ):
-            seconds = self.gaps[k] * np.float32(self.step)
-            data[name] = (by_cell, seconds, _attrs(text, "s"))
+        if self.gaps is not None:
+            for name, (seconds, text) in {
+                "longest_gap": (self.gaps.longest, "longest time with too few satellites"),
+                "mean_gap": (self.gaps.mean, "mean time with too few satellites, a gap"),
+                "mean_response_time": (
+                    self.gaps.response,
+                    "mean wait from a random moment for the satellites wanted",
+                ),
+            }.items():
+                data[name] = (by_cell, seconds, _attrs(text, "s"))
         data |= {
             "fold_share_lat": (
                 ("fold", "lat"),
@@ -265,6 +265,8 @@ class _Cells:
             "epochs": self.view.times.size,
             "grid": f"{grid.kind}, {grid.rows} by {grid.columns} cells",
         }
+        if self.gaps is not None:
+            attrs |= {"gap_step_s": self.gaps.step, "gap_span_repeats": int(self.gaps.ring)}
         return xr.Dataset(data, coords, attrs)
 
 

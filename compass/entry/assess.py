@@ -6,12 +6,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.entry.beacons import Beacons, Measurements, check_apart, in_view
-from compass.entry.fisher import Bound, cramer_rao_bound
+from compass.entry.accuracy import Accuracy, accuracy
+from compass.entry.beacons import Beacons
+from compass.entry.consistency import Consistency, consistency
+from compass.entry.covariance import Bound, linear_covariance
 from compass.entry.model import EntryModel
 from compass.entry.navigation import Filter, MonteCarlo, run_monte_carlo
 from compass.entry.observability import BlindSpots, Observability, blind_spots, observability
-from compass.entry.trajectory import Trajectory, trajectory_dataset
+from compass.entry.schedule import Measurements, check_apart, in_view
+from compass.entry.trajectory import Trajectory, Trigger, trajectory_dataset
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,9 +39,13 @@ class Assessment:
     blind_epoch
         Index of that epoch.
     bound
-        Cramer-Rao bound with the filter's prior and process noise.
+        Linear covariance with the filter's prior and process noise: the Cramer-Rao bound.
     monte_carlo
         The filter, many times.
+    consistency
+        Whether its errors are what it claims.
+    accuracy
+        Knowledge and delivery at deployment.
     """
 
     flight: Trajectory
@@ -51,6 +58,23 @@ class Assessment:
     blind_epoch: int
     bound: Bound
     monte_carlo: MonteCarlo
+    consistency: Consistency
+    accuracy: Accuracy
+
+    @property
+    def claim_m(self) -> float | None:
+        """Position error (m, 1 sigma, 3-D) that may be claimed at deployment, or None.
+
+        The worse of the linear covariance and the filter's own errors at the last epoch before; an
+        inconsistent filter makes no claim.
+        """
+        if not self.consistency.holds:
+            return None
+        k = int(np.searchsorted(self.flight.times, self.accuracy.time, side="right")) - 1
+        linear = float(np.linalg.norm(self.accuracy.knowledge.along_cross_down))
+        return linear * max(
+            1.0, float(self.monte_carlo.position_rms[k] / self.bound.position_sigma[k])
+        )
 
 
 def assess(
@@ -60,7 +84,7 @@ def assess(
     measurements: Measurements,
     settings: Filter,
     *,
-    mask: float | None = None,
+    deployment: Trigger | None = None,
     runs: int = 500,
     seed: int = 0,
 ) -> Assessment:
@@ -74,8 +98,10 @@ def assess(
         The true trajectory.
     beacons
         At the flight's times.
-    measurements, settings, mask, runs, seed
-        As in `compass.entry.navigation.run_monte_carlo` and `compass.entry.beacons.in_view`.
+    measurements, settings, runs, seed
+        As in `compass.entry.navigation.run_monte_carlo`.
+    deployment
+        The trigger at which the landing is judged; the last time flown if left out.
 
     Raises
     ------
@@ -83,7 +109,7 @@ def assess(
         A beacon at the lander's own place.
     """
     check_apart(beacons, flight.states)
-    seen = in_view(beacons, flight.states, flight.model.planet_radius, mask)
+    seen = in_view(beacons, flight.states, flight.model.planet_radius)
     taken = measurements.taken(seen, flight.times)
     ranges, rates = measurements.range_sigma is not None, measurements.rate_sigma is not None
     degrees = {
@@ -100,6 +126,20 @@ def assess(
     }
     scaled = degrees["nondimensional"]
     worst = int(np.lexsort((scaled.degree, scaled.rank))[0])
+    layout = settings.layout(beacons.size)
+    bound = linear_covariance(
+        flight.model,
+        flight.path,
+        beacons,
+        taken,
+        measurements,
+        settings.covariance0,
+        settings.noise,
+        layout,
+    )
+    runs_made = run_monte_carlo(
+        model, flight, beacons, taken, measurements, settings, runs=runs, seed=seed
+    )
     return Assessment(
         flight,
         beacons,
@@ -117,26 +157,10 @@ def assess(
             rates=rates,
         ),
         worst,
-        cramer_rao_bound(
-            flight.model,
-            flight.states,
-            beacons,
-            taken,
-            measurements,
-            settings.covariance0,
-            settings.noise,
-        ),
-        run_monte_carlo(
-            model,
-            flight.states[0],
-            beacons,
-            taken,
-            measurements,
-            settings,
-            runs=runs,
-            seed=seed,
-            truth=flight.model,
-        ),
+        bound,
+        runs_made,
+        consistency(runs_made.nees, flight.times, 6, runs_made.diverged),
+        accuracy(flight, bound, layout, settings.covariance0, settings.noise, deployment),
     )
 
 

@@ -32,8 +32,8 @@ class Atmosphere:
     scale_height
         h of ``rho0 exp((r0 - r)/h)``, metres; unused where a table is given.
     table_radius, table_density
-        A tabulated profile, metres and kg/m^3, or empty; exponential between its rows. The
-        whole profile is scaled to `reference_density` at `reference_radius`.
+        A tabulated profile, metres and kg/m^3, or empty; exponential between its rows, and taken
+        as it is: `reference_density` becomes what it has at `reference_radius`.
     temperature
         Kelvin, for the speed of sound of an isothermal CO2 atmosphere.
     """
@@ -58,6 +58,11 @@ class Atmosphere:
             raise ArgumentError("atmosphere table: altitudes must increase strictly")
         if any(not 0 < density < float("inf") for density in self.table_density):
             raise ArgumentError("atmosphere table: every density must be positive")
+        if self.table_radius:
+            head = np.zeros(7)
+            tail = [*self.table_radius, *np.log(self.table_density)]
+            here, _ = log_density_ratio(self.reference_radius, np.concatenate([head, tail]))
+            object.__setattr__(self, "reference_density", float(np.exp(here)))
 
     @property
     def log_reference_density(self) -> float:
@@ -88,6 +93,15 @@ class Atmosphere:
         ratio = np.array([log_density_ratio(value, p)[0] for value in r.ravel()])
         return self.reference_density * np.exp(ratio).reshape(r.shape)
 
+    def of_density(self, reference_density: float) -> "Atmosphere":
+        """Return the atmosphere with another density at its reference radius, a table scaled."""
+        share = reference_density / self.reference_density
+        return replace(
+            self,
+            reference_density=reference_density,
+            table_density=tuple(share * density for density in self.table_density),
+        )
+
     def changed(
         self, *, density_bias: float = 0.0, scale_height_factor: float = 1.0
     ) -> "Atmosphere":
@@ -112,6 +126,7 @@ class Atmosphere:
         return replace(
             self,
             reference_density=self.reference_density * (1.0 + density_bias),
+            table_density=tuple(density * (1.0 + density_bias) for density in self.table_density),
             scale_height=self.scale_height * scale_height_factor,
             table_radius=tuple(r0 + scale_height_factor * (r - r0) for r in self.table_radius),
         )

@@ -1,12 +1,11 @@
-"""Radio beacons: where they are, when they are in view, when they are measured."""
+"""Radio beacons: who transmits, and where they are at any time."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.entry_geometry import cartesian_of
 from compass.errors import ArgumentError
 from compass.frames import direction, mcmf_from_mci
 
@@ -25,6 +24,9 @@ class Beacons:
         Position (m) and velocity relative to the rotating planet (m/s), shape (t, n, 3).
     moving
         Whether a beacon orbits, shape (n,).
+    masks
+        Elevation masks, radians, shape (n,): of the lander over the horizontal of a beacon at
+        rest, of an orbiting beacon over the lander's limb; nan for line of sight alone.
     """
 
     names: tuple[str, ...]
@@ -32,6 +34,13 @@ class Beacons:
     r: NDArray[np.float64]
     v: NDArray[np.float64]
     moving: NDArray[np.bool_]
+    masks: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+
+    def __post_init__(self) -> None:
+        if not self.masks.size:
+            object.__setattr__(self, "masks", np.full(len(self.names), np.nan))
+        if self.masks.shape != (len(self.names),):
+            raise ArgumentError(f"masks: {self.masks.size} for {len(self.names)} beacons")
 
     @property
     def size(self) -> int:
@@ -48,7 +57,12 @@ class Beacons:
             np.concatenate([self.r, other.r], axis=1),
             np.concatenate([self.v, other.v], axis=1),
             np.concatenate([self.moving, other.moving]),
+            np.concatenate([self.masks, other.masks]),
         )
+
+    def above(self, mask: float) -> "Beacons":
+        """Return the beacons, all with this elevation mask (radians)."""
+        return replace(self, masks=np.full(self.size, mask))
 
     def chosen(self, index: ArrayLike) -> "Beacons":
         """Return the beacons with these indices (or this mask)."""
@@ -60,6 +74,7 @@ class Beacons:
             self.r[:, kept],
             self.v[:, kept],
             self.moving[kept],
+            self.masks[kept],
         )
 
 
@@ -157,123 +172,3 @@ def orbiting_beacons(
         np.ascontiguousarray(np.moveaxis(fixed_v, 0, 1)),
         np.ones(r.shape[0], dtype=bool),
     )
-
-
-def in_view(
-    beacons: Beacons, states: ArrayLike, planet_radius: float, mask: float | None = None
-) -> NDArray[np.bool_]:
-    """Whether the lander is in view of each beacon, shape (t, n).
-
-    Line of sight past the sphere (eqs. 58 to 60 of Yu et al. 2018):
-    ``theta < acos(R/|r|) + acos(R/|r_B|)``, theta the central angle; for a beacon on the surface
-    that is eq. 52, the lander above its horizon.
-
-    Parameters
-    ----------
-    beacons
-        Beacons at the times of `states`.
-    states
-        Entry states, shape (t, >= 6).
-    planet_radius
-        R, metres.
-    mask
-        Elevation (radians) the lander must have over the horizontal of a beacon at rest, if more
-        than line of sight is needed.
-    """
-    lander = cartesian_of(states)[:, None, :3]
-    far_lander = np.linalg.norm(lander, axis=2)
-    far_beacon = np.linalg.norm(beacons.r, axis=2)
-    cosine = (lander * beacons.r).sum(axis=2) / (far_lander * far_beacon)
-    limit = np.arccos(np.minimum(1.0, planet_radius / far_lander)) + np.arccos(
-        np.minimum(1.0, planet_radius / far_beacon)
-    )
-    seen = np.arccos(np.clip(cosine, -1.0, 1.0)) < limit
-    if mask is not None:
-        line = lander - beacons.r
-        length = np.linalg.norm(line, axis=2)
-        sine = (line * beacons.r).sum(axis=2) / (far_beacon * np.where(length > 0, length, 1.0))
-        seen &= beacons.moving | (sine >= np.sin(mask))
-    return seen
-
-
-def above_horizon(beacons: Beacons, states: ArrayLike) -> NDArray[np.bool_]:
-    """Eq. 52 of Yu et al. 2018: the lander stands above each beacon's horizontal, shape (t, n).
-
-    ``arccos(n_B . n_C) < pi/2`` with n_C from beacon to lander, as eq. 51 prints it (the words
-    around it say the reverse).
-    """
-    line = cartesian_of(states)[:, None, :3] - beacons.r
-    return (line * beacons.r).sum(axis=2) > 0.0
-
-
-@dataclass(frozen=True)
-class Measurements:
-    """What is measured, how well and when.
-
-    Attributes
-    ----------
-    range_sigma
-        One sigma of the range noise, m; None if ranges are not measured.
-    rate_sigma
-        One sigma of the range-rate noise, m/s; None if rates are not measured.
-    interval
-        Seconds between measurements, a multiple of the time step.
-    start, stop
-        Seconds between which measurements are taken; the first at the first epoch from `start` on.
-    in_turn
-        Whether the lander hears one beacon at a time, in turn, rather than all at once.
-    """
-
-    range_sigma: float | None = 50.0
-    rate_sigma: float | None = None
-    interval: float = 1.0
-    start: float = 0.0
-    stop: float = float("inf")
-    in_turn: bool = False
-
-    def __post_init__(self) -> None:
-        for name, unit in (("range_sigma", "m"), ("rate_sigma", "m/s")):
-            sigma = getattr(self, name)
-            if sigma is not None and not 0 < sigma < float("inf"):
-                raise ArgumentError(f"{name} = {sigma} {unit}: must be positive")
-        if self.range_sigma is None and self.rate_sigma is None:
-            raise ArgumentError("measurements: give range_sigma, rate_sigma or both")
-        if not self.interval > 0:
-            raise ArgumentError(f"interval = {self.interval} s: must be positive")
-
-    def taken(self, seen: NDArray[np.bool_], times: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Which beacons in view are measured, shape (t, n), given `seen` of that shape.
-
-        In turn, the k-th measurement time goes to the next beacon in view after the last heard.
-        """
-        due = (times >= self.start - 1e-9) & (times <= self.stop + 1e-9)
-        since = times - times[due].min() if due.any() else times
-        due &= np.abs(np.mod(since / self.interval + 0.5, 1.0) - 0.5) * self.interval < 1e-6
-        taken = seen & due[:, None]
-        if self.in_turn and seen.shape[1]:
-            heard = -1
-            for row in taken:  # a few hundred rows; each depends on the one before
-                order = (heard + 1 + np.arange(row.size)) % row.size
-                ready = order[row[order]]
-                row[:] = False
-                if ready.size:
-                    heard = int(ready[0])
-                    row[heard] = True
-        return taken
-
-
-def check_apart(beacons: Beacons, states: ArrayLike) -> None:
-    """Refuse beacons at the lander's place, where the direction is undefined.
-
-    Raises
-    ------
-    ArgumentError
-        A beacon within a metre of the trajectory.
-    """
-    distance = np.linalg.norm(cartesian_of(states)[:, None, :3] - beacons.r, axis=2)
-    if distance.size and distance.min() < 1.0:
-        t, k = np.unravel_index(int(distance.argmin()), distance.shape)
-        raise ArgumentError(
-            f"beacon {beacons.names[k]}: at the lander's own place at {beacons.times[t]:g} s "
-            f"({distance[t, k]:.3g} m apart); its direction is undefined, move it"
-        )

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import Bounds, OptimizeResult, minimize
 
-from compass.core.entry_filter import posterior_bound
-from compass.core.entry_geometry import cartesian_jacobian, cartesian_of
+from compass.core.entry_geometry import cartesian_of
 from compass.core.entry_search import determinants, minimum_degree, position_series
-from compass.entry.beacons import Measurements
-from compass.entry.fisher import noise_variances
+from compass.entry.beacons import Beacons
+from compass.entry.covariance import linear_covariance
+from compass.entry.schedule import Measurements
 from compass.entry.search import Optimum, Start, multistart
 from compass.entry.trajectory import Trajectory
 from compass.entry.visible_area import VisibleArea
@@ -101,7 +101,7 @@ def best_ground_beacons(
         if covariance0 is None:
             raise ArgumentError("covariance0: missing; bound-trace needs a prior")
         coarse = _bound_objective(
-            flight, banks, p, measurements or Measurements(), np.array(covariance0), places, count
+            flight, measurements or Measurements(), np.array(covariance0), places, count
         )
         fine = coarse
 
@@ -149,8 +149,6 @@ def _exponentiated(found: Optimum) -> Optimum:
 
 def _bound_objective(
     flight: Trajectory,
-    banks: NDArray,
-    p: NDArray,
     measurements: Measurements,
     covariance0: NDArray,
     places: Callable[[NDArray], NDArray],
@@ -158,28 +156,14 @@ def _bound_objective(
 ) -> Callable[[NDArray], float]:
     epochs = len(flight.times)
     taken = measurements.taken(np.ones((epochs, count), dtype=bool), flight.times)
-    jacobians = np.empty((epochs, 6, 6))
-    for t in range(epochs):
-        cartesian_jacobian(flight.states[t], jacobians[t])
+    names, still = tuple(f"B{k + 1}" for k in range(count)), np.zeros(count, dtype=bool)
 
     def objective(x: NDArray) -> float:
-        covariance = np.empty((epochs, 6, 6))
         r = np.repeat(places(x)[None], epochs, axis=0)
-        posterior_bound(
-            flight.states,
-            covariance0,
-            p,
-            banks,
-            flight.times,
-            np.zeros(6),
-            r,
-            np.zeros_like(r),
-            taken,
-            noise_variances(measurements),
-            covariance,
+        beacons = Beacons(names, flight.times, r, np.zeros_like(r), still)
+        found = linear_covariance(
+            flight.model, flight.path, beacons, taken, measurements, covariance0
         )
-        rows = jacobians[:, :3]
-        trace = np.einsum("tia,tab,tib->t", rows, covariance, rows, optimize=True)
-        return float(np.sqrt(trace.mean()))
+        return float(np.sqrt((found.position_sigma**2).mean()))
 
     return objective

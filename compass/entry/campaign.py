@@ -129,7 +129,7 @@ def fly_campaign(
         ``[r, lon, lat, V, gamma, psi]`` of the entry; radius, speed and flight-path angle are
         kept everywhere.
     covariance0
-        Of `state`, (6, 6), SI.
+        Of the first position and velocity, (6, 6), SI, Mars-fixed.
     times
         Seconds, evenly spaced from 0, shape (t,).
     arrivals
@@ -260,9 +260,7 @@ def _moved_spreads(state: Array, covariance: Array, starts: Array) -> Array:
     jacobians = np.empty((len(starts), 6, 6))
     for k, start in enumerate(starts):
         cartesian_jacobian(start, jacobians[k])
-    jacobian = np.empty((6, 6))
-    cartesian_jacobian(state, jacobian)
-    own = vehicle_axes(state) @ jacobian
+    own = vehicle_axes(state)
     there = own @ covariance @ own.T
     scale = np.sqrt(np.diag(there))
     try:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.core.entry_dynamics import STATES, rk4_step
 from compass.core.montecarlo import World
-from compass.entry.beacons import Beacons, in_view
+from compass.entry.beacons import Beacons
 from compass.entry.faults import Fault, fault_tables
 from compass.entry.imu import Imu
 from compass.entry.model import EntryModel
@@ -21,6 +21,7 @@ from compass.entry.radio import (
     check_probabilities,
     electron_density,
 )
+from compass.entry.schedule import Measurements, in_view
 from compass.errors import ArgumentError
 from compass.orbits import states_mci
 from compass.orbits.states import from_states
@@ -54,6 +55,8 @@ class NavigationCase:
         (density as ln rho0). Needed wherever the consistency of a filter is judged.
     arrival
         Probability that a range gets through the plasma, shape (K+1, m) or (K+1, 1); 1 if None.
+    measurements
+        When ranges are taken; at every epoch if None.
     """
 
     name: str
@@ -64,6 +67,7 @@ class NavigationCase:
     imu: Imu = field(default_factory=Imu)
     process_noise: Array = field(default_factory=lambda: np.zeros(STATES))
     arrival: Array | None = None
+    measurements: Measurements | None = None
 
     def __post_init__(self) -> None:
         m, times = self.beacons.size, self.beacons.times
@@ -157,7 +161,10 @@ class NavigationCase:
         """
         tables = fault_tables(faults, self.times, self.beacons.names)
         arrival = np.ones(self.visible.shape) if self.arrival is None else self.arrival
-        open_path = ~tables.lost if see_through else self.visible & ~tables.lost
+        open_path = np.ones(self.visible.shape, dtype=bool) if see_through else self.visible
+        if self.measurements is not None:
+            open_path = self.measurements.taken(open_path, self.times)
+        open_path = open_path & ~tables.lost
         return World(
             x0=self.truth.full_state(self.start),
             p=self.truth.parameters(),

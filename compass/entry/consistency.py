@@ -1,4 +1,4 @@
-"""Whether a filter's claims hold: chi-square bounds of the NEES, error ellipses."""
+"""Whether a filter's claims hold: consistent or not, by how much, in a sentence."""
 
 from dataclasses import dataclass
 
@@ -33,55 +33,118 @@ def nees_bounds(states: int, runs: int, level: float = 0.95) -> tuple[float, flo
     return float(low), float(high)
 
 
+#: A consistent filter is called inconsistent once in so many flights.
+FALSE_ALARM = 1e-3
+
+
 @dataclass(frozen=True)
-class Ellipse:
-    """Horizontal error ellipse.
+class Consistency:
+    """Whether the errors of a filter are what it claims, at every epoch of a flight.
 
     Attributes
     ----------
-    east, north
-        Centre, metres from the true point.
-    semi_major, semi_minor
-        Metres.
-    azimuth
-        Of the major axis, clockwise from north, radians in [0, pi).
-    level
-        Probability inside, for Gaussian errors.
+    times
+        Epochs, s, shape (t,).
+    nees
+        Mean normalised error squared over the runs, shape (t,).
+    states
+        Its value if the filter is consistent.
+    low, high
+        What every epoch's mean of a consistent filter lies between, but for one flight in
+        1 / `FALSE_ALARM`.
+    runs, lost, broken
+        Runs; those that did not stay finite; those whose covariance did not stay positive
+        definite.
     """
 
-    east: float
-    north: float
-    semi_major: float
-    semi_minor: float
-    azimuth: float
-    level: float
+    times: NDArray[np.float64]
+    nees: NDArray[np.float64]
+    states: int
+    low: float
+    high: float
+    runs: int
+    lost: int
+    broken: int
 
-    def outline(self, points: int = 181) -> NDArray[np.float64]:
-        """East and north of points around the ellipse, metres, shape (points, 2)."""
-        angle = np.linspace(0, 2 * np.pi, points)
-        along, across = self.semi_major * np.cos(angle), self.semi_minor * np.sin(angle)
-        s, c = np.sin(self.azimuth), np.cos(self.azimuth)
-        return np.stack(
-            [self.east + along * s + across * c, self.north + along * c - across * s], axis=-1
+    @property
+    def worst(self) -> int:
+        """Index of the epoch whose mean is farthest from what it should be, as a ratio."""
+        off = np.abs(np.log(np.maximum(self.nees, 1e-300) / self.states))
+        return int(np.nanargmax(off)) if np.isfinite(off).any() else 0
+
+    @property
+    def ratio(self) -> float:
+        """Errors there over what the filter claims: ``sqrt(NEES / states)``."""
+        return float(np.sqrt(self.nees[self.worst] / self.states))
+
+    @property
+    def holds(self) -> bool:
+        """Whether the filter is consistent."""
+        within = (self.nees >= self.low) & (self.nees <= self.high)
+        return bool(within.all()) and not self.lost and not self.broken
+
+    @property
+    def sentence(self) -> str:
+        """What to tell, with the likely cause."""
+        if self.lost == self.runs:
+            return f"The filter is inconsistent: all {self.runs} runs diverged."
+        worst = self.nees[self.worst]
+        where = (
+            f"{'worst ' if self.holds else ''}NEES {worst:.3g} at {self.times[self.worst]:g} s, "
+            f"where {self.low:.2f} to {self.high:.2f} is right for {self.runs} runs"
         )
+        if self.holds:
+            return f"The filter is consistent: its errors are what it claims ({where})."
+        said = []
+        if self.lost:
+            said.append(f"{self.lost} of {self.runs} runs diverged")
+        if self.broken:
+            said.append(
+                f"in {self.broken} of {self.runs} runs its covariance did not stay positive "
+                "definite"
+            )
+        if worst > self.high:
+            said.append(
+                f"its errors are {self.ratio:.3g} times what it claims ({where}): it is too sure "
+                "of itself, as with a nonlinearity or a world other than it knows"
+            )
+        elif worst < self.low:
+            said.append(
+                f"its errors are {self.ratio:.2g} times what it claims ({where}): it is too "
+                "cautious, as with too much process noise"
+            )
+        return f"The filter is inconsistent and makes no claim of accuracy: {'; '.join(said)}."
 
 
-def error_ellipse(
-    mean: NDArray[np.float64], covariance: NDArray[np.float64], level: float = 0.95
-) -> Ellipse:
-    """Ellipse of east and north errors that holds `level` of a Gaussian distribution.
+def consistency(
+    nees: NDArray[np.float64], times: NDArray[np.float64], states: int, diverged: NDArray[np.bool_]
+) -> Consistency:
+    """Judge the normalised errors of many runs.
+
+    The mean over independent runs is compared, at every epoch, with the chi-square interval that
+    all epochs together leave once in 1 / `FALSE_ALARM` flights at most (Bonferroni).
 
     Parameters
     ----------
-    mean
-        East and north, metres, shape (2,).
-    covariance
-        Shape (2, 2), m^2.
-    level
-        Probability inside: radius ``sqrt(-2 ln(1 - level))`` sigma.
+    nees
+        Normalised errors squared, (runs, t); nan where a covariance is not positive definite.
+    times
+        Seconds, (t,).
+    states
+        Dimension of the error.
+    diverged
+        Runs that did not stay finite, (runs,).
     """
-    values, vectors = np.linalg.eigh(covariance)
-    radius = np.sqrt(-2 * np.log(1 - level))
-    major, minor = radius * np.sqrt(np.maximum(values[::-1], 0.0))
-    azimuth = float(np.mod(np.arctan2(vectors[0, 1], vectors[1, 1]), np.pi))
-    return Ellipse(float(mean[0]), float(mean[1]), float(major), float(minor), azimuth, level)
+    kept = nees[~diverged]
+    whole = kept[np.isfinite(kept).all(axis=1)]
+    low, high = nees_bounds(states, max(1, len(whole)), 1.0 - FALSE_ALARM / times.size)
+    return Consistency(
+        times,
+        whole.mean(axis=0) if len(whole) else np.full(times.size, np.nan),
+        states,
+        low,
+        high,
+        len(nees),
+        int(diverged.sum()),
+        len(kept) - len(whole),
+    )

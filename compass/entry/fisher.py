@@ -1,14 +1,9 @@
 """Fisher information of radio beacons: what it is, how large it can be, what it bounds."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.entry_filter import posterior_bound, spread
-from compass.core.entry_geometry import cartesian_jacobian
-from compass.entry.beacons import Beacons, Measurements
-from compass.entry.model import EntryModel
+from compass.entry.schedule import Measurements
 from compass.errors import ArgumentError
 
 #: Angle of the cone on which equally spaced directions form a tight frame: acos(1/sqrt 3), rad.
@@ -176,99 +171,6 @@ def rate_variance_bound(sigma: ArrayLike, speed: float, distances: ArrayLike) ->
     """
     r = np.atleast_1d(np.asarray(distances, dtype=float))
     return float(9.0 / (_weights(sigma, r.size) * speed**2 / r**2).sum())
-
-
-@dataclass(frozen=True)
-class Bound:
-    """Cramer-Rao bound along a trajectory.
-
-    Attributes
-    ----------
-    covariance
-        Of the six states after each epoch's measurements, shape (t, 6, 6), SI.
-    position_sigma, velocity_sigma
-        Root of the trace of the Cartesian position (m) and velocity (m/s) covariance, (t,).
-    """
-
-    covariance: NDArray[np.float64]
-    position_sigma: NDArray[np.float64]
-    velocity_sigma: NDArray[np.float64]
-
-
-def initial_covariance(
-    state: ArrayLike, position_sigma: float, velocity_sigma: float
-) -> NDArray[np.float64]:
-    """Covariance (6, 6) of the states for one sigma per Cartesian axis of position and velocity.
-
-    Parameters
-    ----------
-    state
-        Where, shape (>= 6,).
-    position_sigma, velocity_sigma
-        Metres and metres a second.
-    """
-    for name, sigma in (("position_sigma", position_sigma), ("velocity_sigma", velocity_sigma)):
-        if not 0 < sigma < float("inf"):
-            raise ArgumentError(f"{name} = {sigma}: must be positive")
-    jacobian = np.empty((6, 6))
-    cartesian_jacobian(np.asarray(state, dtype=float), jacobian)
-    inverse = np.linalg.inv(jacobian)
-    variances = np.repeat([position_sigma**2, velocity_sigma**2], 3)
-    covariance = (inverse * variances) @ inverse.T
-    return 0.5 * (covariance + covariance.T)
-
-
-def cramer_rao_bound(
-    model: EntryModel,
-    states: ArrayLike,
-    beacons: Beacons,
-    taken: ArrayLike,
-    measurements: Measurements,
-    covariance0: ArrayLike,
-    noise: ArrayLike = 0.0,
-) -> Bound:
-    """Posterior Cramer-Rao bound with prior and process noise, along the true trajectory.
-
-    Without process noise it is exact for the linearised problem; with it, Phi and H are taken on
-    the given trajectory rather than averaged over its scatter.
-
-    Parameters
-    ----------
-    model
-        The world.
-    states
-        Trajectory at the beacons' times, shape (t, 6) or (t, 8).
-    beacons, taken, measurements
-        What is measured: `taken` has shape (t, n).
-    covariance0
-        Prior at the first time, (6, 6), SI.
-    noise
-        Process noise variance per second of the six states, scalar or (6,).
-
-    References
-    ----------
-    Tichavsky, Muravchik and Nehorai 1998, IEEE Trans. Signal Process. 46:1386, eq. 21.
-    """
-    x = np.ascontiguousarray(model.full_state(states))
-    covariance = np.empty((len(x), 6, 6))
-    posterior_bound(
-        x,
-        np.array(covariance0, dtype=float),
-        model.parameters(),
-        model.vehicle.bank(beacons.times),
-        beacons.times,
-        np.broadcast_to(np.asarray(noise, dtype=float), (6,)).copy(),
-        beacons.r,
-        beacons.v,
-        np.asarray(taken, dtype=bool),
-        noise_variances(measurements),
-        covariance,
-    )
-    sigmas, jacobian = np.empty((len(x), 2)), np.empty((6, 6))
-    for t in range(len(x)):
-        cartesian_jacobian(x[t], jacobian)
-        spread(covariance[t], jacobian, sigmas[t])
-    return Bound(covariance, sigmas[:, 0], sigmas[:, 1])
 
 
 def noise_variances(measurements: Measurements) -> NDArray[np.float64]:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.bodies import MARS_EQUATORIAL_RADIUS, MARS_GM, MARS_ROTATION_RATE
+from compass.core.entry.rates import TABLE
 from compass.core.entry_dynamics import CENTRIFUGAL, CORIOLIS, SWAPPED
 from compass.entry.atmosphere import Atmosphere
 from compass.entry.vehicle import Vehicle
@@ -79,6 +80,23 @@ class EntryModel:
             _TERMS[self.rotation],
         ]
         return np.concatenate([head, air.table_parameters()])
+
+    def flight_parameters(self) -> NDArray[np.float64]:
+        """Parameter array of `compass.core.entry.rates`."""
+        air, craft = self.atmosphere, self.vehicle
+        head = np.zeros(TABLE)
+        head[:] = [
+            self.gm,
+            0.0,
+            self.omega,
+            _TERMS[self.rotation],
+            air.log_reference_density,
+            air.reference_radius,
+            air.scale_height,
+            craft.drag_area_per_mass,
+            craft.lift_to_drag,
+        ]
+        return np.concatenate([head, air.table_radius, np.log(air.table_density)])
 
     def full_state(self, state: ArrayLike) -> NDArray[np.float64]:
         """State of eight: ``[r, lon, lat, V, gamma, psi]`` with ln rho0 and L/D put behind."""

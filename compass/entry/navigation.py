@@ -7,10 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.entry_filter import filter_run, measure, monte_carlo
-from compass.entry.beacons import Beacons, Measurements
-from compass.entry.fisher import noise_variances
+from compass.core.entry.filter import filter_run
+from compass.core.entry.measure import ranges_and_rates
+from compass.core.entry.runs import monte_carlo
+from compass.entry.beacons import Beacons
+from compass.entry.covariance import LONGEST_STEP, beacon_states, noise_roots
+from compass.entry.layout import Layout, Part
 from compass.entry.model import EntryModel
+from compass.entry.schedule import Measurements
+from compass.entry.trajectory import Trajectory, fly
+from compass.entry.views import spherical_of
 from compass.errors import ArgumentError
 
 #: Runs handed to a thread at once.
@@ -19,21 +25,24 @@ BLOCK = 20
 
 @dataclass(frozen=True)
 class Filter:
-    """An extended Kalman filter on ``[r, lon, lat, V, gamma, psi]``.
+    """An extended Kalman filter on Mars-fixed position and velocity, and on further blocks.
 
     Attributes
     ----------
     covariance0
-        Covariance of the first estimate, (6, 6), SI.
+        Covariance of the first position and velocity, (6, 6), SI.
     noise
-        Process noise variance per second of the six states, (6,).
+        Process noise variance per second of the six spherical numbers, (6,).
     iterations
         Passes of each update: 1 is the plain filter, more the iterated one.
+    parts
+        Further blocks, estimated or considered.
     """
 
     covariance0: NDArray[np.float64]
     noise: NDArray[np.float64]
     iterations: int = 1
+    parts: tuple[Part, ...] = ()
 
     def __post_init__(self) -> None:
         if self.iterations < 1:
@@ -41,17 +50,31 @@ class Filter:
         if np.any(~(np.asarray(self.noise) >= 0)):
             raise ArgumentError("process noise: every variance must be 0 or more")
         try:
-            np.linalg.cholesky(self.covariance0)
+            _root(np.asarray(self.covariance0, dtype=float))
         except np.linalg.LinAlgError as error:
             raise ArgumentError(
                 "initial covariance: not positive definite; every sigma must be above 0"
             ) from error
 
+    def layout(self, beacons: int) -> Layout:
+        """Where the blocks of the state stand, for so many beacons."""
+        return Layout(self.parts, beacons)
 
-def ideal_measurements(states: ArrayLike, beacons: Beacons) -> NDArray[np.float64]:
-    """Ranges (m) and range rates (m/s) without noise, shape (t, n, 2)."""
+
+def _root(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Cholesky factor, of the correlation matrix scaled back: metres beside radians cost none."""
+    scale = np.sqrt(np.diag(covariance))
+    if not np.all(scale > 0):
+        raise np.linalg.LinAlgError("a variance is not positive")
+    factor: NDArray[np.float64] = np.linalg.cholesky(covariance / np.outer(scale, scale))
+    return scale[:, None] * factor
+
+
+def ideal_measurements(path: ArrayLike, beacons: Beacons) -> NDArray[np.float64]:
+    """Ranges (m) and range rates (m/s) without noise, (t, n, 2), from states (t, 6)."""
     out = np.empty((*beacons.r.shape[:2], 2))
-    measure(np.ascontiguousarray(states, dtype=float), beacons.r, beacons.v, out)
+    flown = np.ascontiguousarray(path, dtype=float)
+    ranges_and_rates(flown, beacon_states(beacons), out)
     return out
 
 
@@ -64,14 +87,14 @@ def run_filter(
     settings: Filter,
     z: ArrayLike,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """States (t, 6) and covariances (t, 6, 6) after each epoch's measurements.
+    """States (t, s) and covariances (t, s, s) after each epoch's measurements.
 
     Parameters
     ----------
     model
         The world as the filter knows it.
     estimate
-        First estimate, (6,) or (8,).
+        First estimate of position and velocity, (6,), Mars-fixed; further blocks begin at 0.
     beacons, taken, measurements
         What is measured, `taken` of shape (t, n).
     settings
@@ -79,25 +102,41 @@ def run_filter(
     z
         Ranges and range rates, (t, n, 2); entries not taken are not looked at.
     """
-    count = beacons.times.size
-    states, covariances = np.empty((count, 6)), np.empty((count, 6, 6))
+    count, layout = beacons.times.size, settings.layout(beacons.size)
+    first = np.zeros(layout.size)
+    first[:6] = np.asarray(estimate, dtype=float)
+    states, covariances = (
+        np.empty((count, layout.size)),
+        np.empty((count, layout.size, layout.size)),
+    )
     filter_run(
-        model.full_state(estimate),
-        np.array(settings.covariance0, dtype=float),
-        model.parameters(),
-        model.vehicle.bank(beacons.times),
-        beacons.times,
-        np.array(settings.noise, dtype=float),
-        beacons.r,
-        beacons.v,
-        np.asarray(taken, dtype=bool),
-        noise_variances(measurements),
-        np.asarray(z, dtype=float),
+        first,
+        layout.covariance(settings.covariance0),
+        model.flight_parameters(),
+        model.vehicle.bank_schedule(),
+        np.array(beacons.times, dtype=float),
+        LONGEST_STEP,
+        noise_roots(_expected(model, first[:6], beacons, settings), beacons.times, settings.noise),
+        np.zeros(layout.size),
+        beacon_states(beacons),
+        measurements.variances(np.asarray(taken, dtype=bool)),
+        np.array(z, dtype=float),
+        layout.numbers(),
         settings.iterations,
         states,
         covariances,
     )
     return states, covariances
+
+
+def _expected(
+    model: EntryModel, first: NDArray[np.float64], beacons: Beacons, settings: Filter
+) -> NDArray[np.float64]:
+    """Flight from the first estimate, along which process noise is turned to Cartesian axes."""
+    if not np.any(settings.noise):
+        return np.tile(first, (beacons.times.size, 1))
+    path = fly(model, spherical_of(first), beacons.times).path
+    return path[np.minimum(np.arange(beacons.times.size), len(path) - 1)]
 
 
 @dataclass(frozen=True)
@@ -109,19 +148,25 @@ class MonteCarlo:
     errors
         Estimate minus truth in Mars-fixed position (m) and relative velocity (m/s), (runs, t, 6).
     nees
-        Normalised estimation error squared of the six states, (runs, t); 6 on average if the
-        filter is consistent, nan where its covariance is not positive definite.
+        Normalised error squared of position and velocity, (runs, t); 6 on average if the filter is
+        consistent, nan where its covariance is not positive definite.
     sigmas
         What the filter claims: roots of the traces of its position and velocity covariance,
         (runs, t, 2).
     diverged
         Runs that did not stay finite; left out of the averages below.
+    nees_all
+        Normalised error squared of all states that are estimated, (runs, t).
+    estimated
+        How many these are.
     """
 
     errors: NDArray[np.float64]
     nees: NDArray[np.float64]
     sigmas: NDArray[np.float64]
     diverged: NDArray[np.bool_]
+    nees_all: NDArray[np.float64]
+    estimated: int = 6
 
     @property
     def position_rms(self) -> NDArray[np.float64]:
@@ -153,7 +198,7 @@ def _rms(errors: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def run_monte_carlo(
     model: EntryModel,
-    state: ArrayLike,
+    flight: Trajectory,
     beacons: Beacons,
     taken: ArrayLike,
     measurements: Measurements,
@@ -161,72 +206,72 @@ def run_monte_carlo(
     *,
     runs: int = 500,
     seed: int = 0,
-    truth: EntryModel | None = None,
     threads: int | None = None,
 ) -> MonteCarlo:
-    """Fly the truth and filter it `runs` times with independent errors and noise.
+    """Filter one true flight `runs` times with independent errors and noise.
 
-    The first estimate is drawn about the true first state with the filter's own covariance.
-    Each run has its own stream of ``numpy.random.SeedSequence(seed)``, so the numbers do not
-    depend on the number of threads, and more runs begin with the same ones.
+    The truth is the flight as it was flown, whatever the time between epochs; with process noise
+    it is moved on from its own shaken states. The first estimate is drawn about the true first
+    state with the filter's own covariance. Each run has its own stream of
+    ``numpy.random.SeedSequence(seed)``, so the numbers do not depend on the number of threads, and
+    more runs begin with the same ones.
 
     Parameters
     ----------
     model
-        The world as the filter knows it.
-    state
-        True first state, (6,) or (8,).
+        The world as the filter knows it; `flight.model` is the world as it is.
+    flight
+        The truth, at the times of `beacons`.
     beacons, taken, measurements, settings
         As in `run_filter`.
     runs, seed
         How many, and from which seed.
-    truth
-        The world as it is; `model` if left out.
     threads
         Threads; one a processor if left out.
     """
     if runs < 1:
         raise ArgumentError(f"runs = {runs}: must be at least 1")
-    count, n = beacons.times.size, beacons.size
-    world = truth or model
-    covariance0 = np.array(settings.covariance0, dtype=float)
-    scale = np.sqrt(np.diag(covariance0))
-    root = scale[:, None] * np.linalg.cholesky(covariance0 / np.outer(scale, scale))
-    errors, nees = np.empty((runs, count, 6)), np.empty((runs, count))
+    count, n, layout = beacons.times.size, beacons.size, settings.layout(beacons.size)
+    covariance0 = layout.covariance(np.asarray(settings.covariance0, dtype=float))
+    errors, squares = np.empty((runs, count, 6)), np.empty((runs, count, 2))
     sigmas = np.empty((runs, count, 2))
     streams = np.random.SeedSequence(seed).spawn(runs)
+    path = np.ascontiguousarray(flight.path)
     common = (
-        world.full_state(state),
-        world.parameters(),
-        model.full_state(state),
+        path,
+        flight.model.flight_parameters(),
+        _root(covariance0),
         covariance0,
-        root,
-        model.parameters(),
-        model.vehicle.bank(beacons.times),
-        beacons.times,
-        np.array(settings.noise, dtype=float),
-        beacons.r,
-        beacons.v,
-        np.asarray(taken, dtype=bool),
-        noise_variances(measurements),
+        model.flight_parameters(),
+        model.vehicle.bank_schedule(),
+        np.array(beacons.times, dtype=float),
+        LONGEST_STEP,
+        noise_roots(path, beacons.times, settings.noise),
+        np.zeros(layout.size),
+        beacon_states(beacons),
+        measurements.variances(np.asarray(taken, dtype=bool)),
+        layout.numbers(),
         settings.iterations,
     )
+    size, heard = layout.size, 2 * count * n
 
     def work(first: int) -> None:
         part = slice(first, min(first + BLOCK, runs))
-        size = 6 + count * (2 * n + 6)
-        drawn = np.stack([np.random.default_rng(s).standard_normal(size) for s in streams[part]])
+        total = size + heard + count * size
+        drawn = np.stack([np.random.default_rng(s).standard_normal(total) for s in streams[part]])
         monte_carlo(
             *common,
-            drawn[:, :6],
-            drawn[:, 6 : 6 + 2 * count * n].reshape(len(drawn), count, n, 2),
-            drawn[:, 6 + 2 * count * n :].reshape(len(drawn), count, 6),
+            drawn[:, :size].copy(),
+            drawn[:, size : size + heard].reshape(len(drawn), count, n, 2),
+            drawn[:, size + heard :].reshape(len(drawn), count, size),
             errors[part],
-            nees[part],
+            squares[part],
             sigmas[part],
         )
 
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
         list(pool.map(work, range(0, runs, BLOCK)))
     finite: NDArray[np.bool_] = np.asarray(np.isfinite(errors).all(axis=(1, 2)))
-    return MonteCarlo(errors, nees, sigmas, ~finite)
+    return MonteCarlo(
+        errors, squares[..., 0], sigmas, ~finite, squares[..., 1], int(layout.estimated)
+    )

@@ -53,15 +53,15 @@ def state_from_cartesian(r: ArrayLike, v: ArrayLike) -> NDArray[np.float64]:
     Raises
     ------
     ArgumentError
-        A vehicle at the centre or on the polar axis, or without velocity.
+        A vehicle at the centre, or without velocity.
     """
     position, velocity = np.asarray(r, dtype=float), np.asarray(v, dtype=float)
     radius, speed = float(np.linalg.norm(position)), float(np.linalg.norm(velocity))
     across = float(np.hypot(position[0], position[1]))
-    if across == 0.0 or speed == 0.0:
+    if radius == 0.0 or speed == 0.0:
         raise ArgumentError(
-            f"position {position.tolist()} m, velocity {velocity.tolist()} m/s: longitude or "
-            "heading is undefined; use a point off the polar axis and a speed above 0"
+            f"position {position.tolist()} m, velocity {velocity.tolist()} m/s: place or direction "
+            "is undefined; use a point off the centre and a speed above 0"
         )
     lon, lat = np.arctan2(position[1], position[0]), np.arctan2(position[2], across)
     up = position / radius

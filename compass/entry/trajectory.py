@@ -1,24 +1,26 @@
 """The flight itself: integrated, with events, loads and heating."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.bodies import Constant
-from compass.core.dop853 import (
+from compass.core.entry.dop853 import (
     ARRIVED,
     EVENT,
     STANDSTILL,
     VERTICAL,
+    WATCH_RADIUS,
+    WATCH_SPEED,
     dop853_flight,
-    rk4_flight,
 )
-from compass.core.entry_dynamics import STATES
 from compass.entry.model import EntryModel
 from compass.entry.state import longitude_degrees
+from compass.entry.views import cartesian_of, spherical_of
 from compass.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -32,9 +34,12 @@ SUTTON_GRAVES_MARS = Constant(
     "Sutton and Graves 1971, NASA TR R-376: stagnation-point convection in Mars's gas mixture",
 )
 
-#: Local error allowed in a step: relative, and absolute in m, rad and m/s.
+#: Local error allowed in a step: relative to the lengths of position and velocity, and absolute.
 RELATIVE_TOLERANCE = 1e-13
-ABSOLUTE_TOLERANCE = np.array([1e-7, 1e-14, 1e-14, 1e-10, 1e-14, 1e-14])
+ABSOLUTE_TOLERANCE = np.array([1e-7, 1e-7, 1e-7, 1e-10, 1e-10, 1e-10])
+
+#: Seconds between the points at which loads are looked for, and the most points.
+LOAD_STEP, LOAD_POINTS = 0.25, 40_000
 
 
 @dataclass(frozen=True)
@@ -75,24 +80,53 @@ class Trajectory:
         The world it was flown in.
     times
         Seconds, shape (t,): those asked for that were reached.
-    states
-        ``[r, lon, lat, V, gamma, psi, ln_rho0, kappa]``, shape (t, 8), SI, psi from north.
+    path
+        Mars-fixed position (m) and velocity relative to the planet (m/s), shape (t, 6).
+    constants
+        ``ln_rho0`` and lift-to-drag ratio that were flown.
+    longitude0
+        Longitude at which `states` begin, radians; they go on past a turn.
     events
         In order of time.
+    missed
+        Names of the triggers whose levels were never fallen to, with the reason.
     ending
         Empty if every time asked for was reached, else why not, when and where.
     """
 
     model: EntryModel
     times: NDArray[np.float64]
-    states: NDArray[np.float64]
+    path: NDArray[np.float64]
+    constants: tuple[float, float]
+    longitude0: float
     events: tuple[Event, ...]
+    missed: tuple[str, ...]
     ending: str
+
+    @cached_property
+    def states(self) -> NDArray[np.float64]:
+        """``[r, lon, lat, V, gamma, psi, ln_rho0, kappa]``, shape (t, 8), SI, psi from north."""
+        return _viewed(self.path, self.constants, self.longitude0)
 
     @property
     def altitude(self) -> NDArray[np.float64]:
         """Height over the planet's sphere, metres, shape (t,)."""
-        return self.states[:, 0] - self.model.planet_radius
+        return np.linalg.norm(self.path[:, :3], axis=1) - self.model.planet_radius
+
+    @property
+    def speed(self) -> NDArray[np.float64]:
+        """Speed relative to the planet, m/s, shape (t,)."""
+        return np.linalg.norm(self.path[:, 3:], axis=1)
+
+
+def _viewed(
+    path: NDArray[np.float64], constants: tuple[float, float], longitude0: float
+) -> NDArray[np.float64]:
+    """Spherical states (t, 8), their longitudes without jumps, the first nearest `longitude0`."""
+    six = spherical_of(path)
+    longitude = np.unwrap(np.concatenate([[longitude0], six[:, 1]]))[1:]
+    six[:, 1] = longitude
+    return np.concatenate([six, np.broadcast_to(constants, (len(six), 2))], axis=1)
 
 
 def fly(
@@ -101,14 +135,14 @@ def fly(
     times: ArrayLike,
     *,
     triggers: Sequence[Trigger] = (),
-    method: Literal["dop853", "rk4"] = "dop853",
-    substeps: int = 1,
 ) -> Trajectory:
     """Integrate the equations of motion from the first of `times` through all of them.
 
-    The flight ends early at the ground, or where the speed or the cosine of the flight-path
-    angle comes to zero; what was flown is kept and `Trajectory.ending` says what happened. A
-    rise back through the starting radius (a skip out of the atmosphere) is noted as an event.
+    Adaptive steps (Dormand-Prince 8(5,3)) in Mars-fixed Cartesian axes, which begin anew at every
+    switch of the bank: the times asked for decide nothing about the flight. It ends early at the
+    ground, at rest, or where the velocity becomes vertical with lift; what was flown is kept and
+    `Trajectory.ending` says what happened. A rise back through the starting radius (a skip out of
+    the atmosphere) is noted as an event.
 
     Parameters
     ----------
@@ -119,68 +153,71 @@ def fly(
     times
         Seconds, strictly increasing, shape (t,).
     triggers
-        What to notice (with ``dop853``).
-    method
-        ``dop853``: adaptive Dormand-Prince 8(5,3); ``rk4``: classical Runge-Kutta steps.
-    substeps
-        Runge-Kutta steps between two times.
+        What to notice.
 
     Raises
     ------
     ArgumentError
-        Times that do not increase, a start that is not above the ground, without speed,
-        vertical or at a pole.
+        Times that do not increase, a start that is not above the ground, without speed, or
+        vertical.
     """
     seconds = np.atleast_1d(np.asarray(times, dtype=float))
-    given = np.asarray(state, dtype=float)
-    x0 = given.copy() if given.size == STATES else model.full_state(given)
+    x0 = model.full_state(state) if np.size(state) < 8 else np.array(state, dtype=float)
     if seconds.size < 1 or not np.isfinite(seconds).all() or np.any(np.diff(seconds) <= 0):
         raise ArgumentError("times: must be finite numbers of seconds that increase strictly")
     check_start(model, x0)
     switches = [t for t in model.vehicle.bank_times if seconds[0] < t < seconds[-1]]
     grid = np.union1d(seconds, switches)
-    banks, p = model.vehicle.bank(grid), model.parameters()
-    states = np.empty((grid.size, STATES))
-    if method == "rk4":
-        count = rk4_flight(x0, p, grid, banks, substeps, states)
-        below = np.flatnonzero(states[:count, 0] < model.planet_radius)
-        ending = ""
-        if below.size:
-            count = int(below[0])
-            ending = _ending("reached the ground", grid[count], states[count])
-        elif count < grid.size:
-            ending = _ending("left the domain of the equations", grid[count - 1], states[count - 1])
-        kept = np.isin(grid[:count], seconds)
-        return Trajectory(model, grid[:count][kept], states[:count][kept], (), ending)
-
     names, watch = _watch_list(model, x0, triggers)
-    event_times, event_states = np.empty(len(names)), np.empty((len(names), STATES))
+    path = np.empty((grid.size, 6))
+    event_times, event_paths = np.empty(len(names)), np.empty((len(names), 6))
     status, count, when = dop853_flight(
-        x0,
-        p,
+        cartesian_of(x0[:6]),
+        x0[6] - model.atmosphere.log_reference_density,
+        x0[7],
+        model.flight_parameters(),
         grid,
-        banks,
+        model.vehicle.bank_schedule(),
         RELATIVE_TOLERANCE,
         ABSOLUTE_TOLERANCE,
         watch,
-        states,
+        path,
         event_times,
-        event_states,
+        event_paths,
     )
-    happened = [
-        Event(names[e], float(event_times[e]), event_states[e])
-        for e in np.argsort(event_times, kind="stable")
-        if np.isfinite(event_times[e])
-    ]
+    constants, lon0 = (float(x0[6]), float(x0[7])), float(x0[1])
+    order = [e for e in np.argsort(event_times) if np.isfinite(event_times[e])]
+    happened = tuple(
+        Event(names[e], float(event_times[e]), state)
+        for e, state in zip(order, _viewed(event_paths[order], constants, lon0), strict=True)
+    )
     kept = np.isin(grid[:count], seconds)
-    last = happened[-1].state if status == EVENT else states[count - 1]
+    flown = Trajectory(
+        model, grid[:count][kept], path[:count][kept], constants, lon0, happened, (), ""
+    )
+    last = happened[-1].state if status == EVENT else _viewed(path[count - 1 :], constants, lon0)[0]
     reason = {
         EVENT: "reached the ground",
-        STANDSTILL: "came to a standstill, where the heading is undefined",
-        VERTICAL: "became vertical, where the heading is undefined",
+        STANDSTILL: "came to a standstill, where the direction of flight is undefined",
+        VERTICAL: "became vertical, where the side of the lift is undefined",
     }.get(status, "could not be integrated any further")
-    ending = "" if status == ARRIVED else _ending(reason, when, last)
-    return Trajectory(model, grid[:count][kept], states[:count][kept], tuple(happened), ending)
+    return replace(
+        flown,
+        missed=_missed(triggers, happened, when),
+        ending="" if status == ARRIVED else _ending(reason, when, last),
+    )
+
+
+def _missed(triggers: Sequence[Trigger], happened: Sequence[Event], end: float) -> tuple[str, ...]:
+    """Sentences on triggers that did not happen."""
+    met = {event.name for event in happened}
+    units = {"altitude": "m", "speed": "m/s", "mach": ""}
+    return tuple(
+        f"{trigger.name}: {trigger.quantity} {trigger.level:g} {units[trigger.quantity]}".rstrip()
+        + f" is not fallen to by {end:.6g} s"
+        for trigger in triggers
+        if trigger.name not in met
+    )
 
 
 def check_start(model: EntryModel, x: NDArray[np.float64]) -> None:
@@ -199,11 +236,6 @@ def check_start(model: EntryModel, x: NDArray[np.float64]) -> None:
             f"entry.flight_path_deg = {np.degrees(x[4]):g}: vertical, the heading is undefined; "
             "must be strictly between -90 and 90"
         )
-    if abs(np.cos(x[2])) < 1e-9:
-        raise ArgumentError(
-            f"entry.latitude_deg = {np.degrees(x[2]):g}: at a pole the longitude is undefined; "
-            "move away"
-        )
 
 
 def _watch_list(
@@ -211,15 +243,23 @@ def _watch_list(
 ) -> tuple[list[str], NDArray[np.float64]]:
     """Names of the events, and what the kernel needs to find them."""
     names = ["ground", "skip-out"]
-    watch = [(0.0, model.planet_radius, -1.0, 1.0), (0.0, x0[0], 1.0, 0.0)]
+    watch = [
+        (WATCH_RADIUS, model.planet_radius, -1.0, 1.0),
+        (WATCH_RADIUS, float(x0[0]), 1.0, 0.0),
+    ]
     for trigger in triggers:
         names.append(trigger.name)
-        if trigger.quantity == "altitude":
-            watch.append((0.0, model.planet_radius + trigger.level, -1.0, 0.0))
-        else:
-            unit = model.atmosphere.speed_of_sound if trigger.quantity == "mach" else 1.0
-            watch.append((3.0, trigger.level * unit, -1.0, 0.0))
-    return names, np.array(watch)
+        what, level = watched_level(model, trigger)
+        watch.append((what, level, -1.0, 0.0))
+    return names, np.array(watch, dtype=float)
+
+
+def watched_level(model: EntryModel, trigger: Trigger) -> tuple[int, float]:
+    """Return what the kernels watch for a trigger, and the level in m or m/s."""
+    if trigger.quantity == "altitude":
+        return WATCH_RADIUS, model.planet_radius + trigger.level
+    unit = model.atmosphere.speed_of_sound if trigger.quantity == "mach" else 1.0
+    return WATCH_SPEED, trigger.level * unit
 
 
 def _ending(reason: str, time: float, state: NDArray[np.float64]) -> str:
@@ -230,39 +270,92 @@ def _ending(reason: str, time: float, state: NDArray[np.float64]) -> str:
     )
 
 
-def trajectory_dataset(flight: Trajectory) -> "xr.Dataset":
-    """States, loads and heating over time, with units.
+@dataclass(frozen=True)
+class Loads:
+    """What the vehicle bears, along a flight.
+
+    Attributes
+    ----------
+    times
+        Seconds, shape (t,).
+    density, drag, g_load, dynamic_pressure, heat_flux, heat_load
+        kg/m^3, m/s^2, standard gravities, Pa, W/m^2 and J/m^2, shape (t,).
+    """
+
+    times: NDArray[np.float64]
+    density: NDArray[np.float64]
+    drag: NDArray[np.float64]
+    g_load: NDArray[np.float64]
+    dynamic_pressure: NDArray[np.float64]
+    heat_flux: NDArray[np.float64]
+    heat_load: NDArray[np.float64]
+
+    def largest(self, name: str) -> tuple[float, float]:
+        """Largest value of a load and when: the parabola through the largest of the points."""
+        values: NDArray[np.float64] = getattr(self, name)
+        k = int(np.argmax(values))
+        if not 0 < k < values.size - 1:
+            return float(values[k]), float(self.times[k])
+        a, b, c = np.polyfit(self.times[k - 1 : k + 2] - self.times[k], values[k - 1 : k + 2], 2)
+        if not a < 0:
+            return float(values[k]), float(self.times[k])
+        return float(c - b * b / (4 * a)), float(self.times[k] - b / (2 * a))
+
+
+def loads(flight: Trajectory) -> Loads:
+    """Loads and heating from the flight itself, not from where it was written out.
 
     Deceleration ``sqrt(D^2 + L^2)`` in standard gravities; convective heat flux at the
-    stagnation point ``k sqrt(rho/R_n) V^3`` (Sutton and Graves 1971) and its integral.
+    stagnation point ``k sqrt(rho/R_n) V^3`` (Sutton and Graves 1971) and its integral. Points
+    are `LOAD_STEP` apart: a peak of half-width 10 s is met to 1e-7 by its parabola.
     """
+    first, last = flight.times[0], flight.times[-1]
+    count = int(np.clip(np.ceil((last - first) / LOAD_STEP), 1, LOAD_POINTS)) + 1
+    times = np.union1d(np.linspace(first, last, count), flight.times)
+    model, craft, air = flight.model, flight.model.vehicle, flight.model.atmosphere
+    path = fly(model, flight.states[0], times).path if last > first else flight.path
+    times = times[: len(path)]
+    thicker = flight.constants[0] - air.log_reference_density
+    density = air.density(np.linalg.norm(path[:, :3], axis=1)) * np.exp(thicker)
+    speed = np.linalg.norm(path[:, 3:], axis=1)
+    pressure = 0.5 * density * speed**2
+    drag = pressure * craft.drag_area_per_mass
+    heat = SUTTON_GRAVES_MARS.value * np.sqrt(density / craft.nose_radius) * speed**3
+    steps = 0.5 * (heat[1:] + heat[:-1]) * np.diff(times)
+    return Loads(
+        times,
+        density,
+        drag,
+        drag * np.hypot(1.0, flight.constants[1]) / STANDARD_GRAVITY.value,
+        pressure,
+        heat,
+        np.concatenate([[0.0], np.cumsum(steps)]),
+    )
+
+
+def trajectory_dataset(flight: Trajectory) -> "xr.Dataset":
+    """States, loads (see `loads`) and heating over time, with units."""
     import xarray as xr
 
-    model, x = flight.model, flight.states
-    air = model.atmosphere
-    density = air.density(x[:, 0]) * np.exp(x[:, 6]) / air.reference_density
-    speed = x[:, 3]
-    drag = 0.5 * density * model.vehicle.drag_area_per_mass * speed**2
-    heat = SUTTON_GRAVES_MARS.value * np.sqrt(density / model.vehicle.nose_radius) * speed**3
-    steps = 0.5 * (heat[1:] + heat[:-1]) * np.diff(flight.times)
-    load = drag * np.hypot(1.0, x[:, 7]) / STANDARD_GRAVITY.value
+    model, x, borne = flight.model, flight.states, loads(flight)
+    at = np.searchsorted(borne.times, flight.times)
     columns = {
         "radius": (x[:, 0], "m", "distance from Mars's centre"),
         "altitude": (flight.altitude, "m", "height over the sphere"),
         "longitude": (np.degrees(x[:, 1]), "degrees_east", "east longitude"),
         "latitude": (np.degrees(x[:, 2]), "degrees_north", "planetocentric latitude"),
-        "speed": (speed, "m s-1", "speed relative to the rotating planet"),
+        "speed": (x[:, 3], "m s-1", "speed relative to the rotating planet"),
         "flight_path_angle": (np.degrees(x[:, 4]), "degree", "flight-path angle, positive up"),
         "azimuth": (np.degrees(x[:, 5]), "degree", "azimuth clockwise from north"),
         "bank": (np.degrees(model.vehicle.bank(flight.times)), "degree", "bank angle commanded"),
-        "density": (density, "kg m-3", "density of the air"),
-        "drag": (drag, "m s-2", "drag acceleration"),
-        "lift": (x[:, 7] * drag, "m s-2", "lift acceleration"),
-        "g_load": (load, "1", "aerodynamic acceleration in standard gravities"),
-        "mach": (speed / air.speed_of_sound, "1", "Mach number"),
-        "dynamic_pressure": (0.5 * density * speed**2, "Pa", "dynamic pressure"),
-        "heat_flux": (heat, "W m-2", "stagnation-point convective heat flux"),
-        "heat_load": (np.concatenate([[0.0], np.cumsum(steps)]), "J m-2", "heat flux integrated"),
+        "density": (borne.density[at], "kg m-3", "density of the air"),
+        "drag": (borne.drag[at], "m s-2", "drag acceleration"),
+        "lift": (x[:, 7] * borne.drag[at], "m s-2", "lift acceleration"),
+        "g_load": (borne.g_load[at], "1", "aerodynamic acceleration in standard gravities"),
+        "mach": (x[:, 3] / model.atmosphere.speed_of_sound, "1", "Mach number"),
+        "dynamic_pressure": (borne.dynamic_pressure[at], "Pa", "dynamic pressure"),
+        "heat_flux": (borne.heat_flux[at], "W m-2", "stagnation-point convective heat flux"),
+        "heat_load": (borne.heat_load[at], "J m-2", "heat flux integrated"),
     }
     return xr.Dataset(
         {

@@ -54,6 +54,10 @@ class Vehicle:
         """``m / (C_D S)``, kg/m^2."""
         return 1.0 / self.drag_area_per_mass if self.drag_area_per_mass else float("inf")
 
+    def bank_schedule(self) -> NDArray[np.float64]:
+        """Times and angles as the flight's kernels take them, shape (k, 2)."""
+        return np.column_stack([self.bank_times, self.bank_angles])
+
     def bank(self, times: ArrayLike) -> NDArray[np.float64]:
         """Bank angle in force at times (s, any shape), radians."""
         index = np.searchsorted(self.bank_times, np.asarray(times, dtype=float), side="right") - 1

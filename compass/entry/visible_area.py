@@ -6,6 +6,7 @@ from scipy.optimize import minimize
 
 from compass.core.entry_geometry import cartesian_of
 from compass.entry.trajectory import Trajectory
+from compass.entry.views import local_axes
 from compass.errors import ArgumentError
 
 #: Beacons are placed this fraction of the way to the edge at most, to be strictly in view.
@@ -50,9 +51,8 @@ class VisibleArea:
                 "low; shorten duration_s or use orbiters"
             )
         self.centre: NDArray[np.float64] = found.x / np.linalg.norm(found.x)
-        east = np.cross([0.0, 0.0, 1.0], self.centre)
-        east /= np.linalg.norm(east)
-        self._axes = np.array([np.cross(self.centre, east), east])
+        east, north, _ = local_axes(self.centre)
+        self._axes = np.array([north, east])
 
     def points(self, polar: ArrayLike) -> NDArray[np.float64]:
         """Return unit vectors, shape (n, 3), inside the area.
@@ -83,8 +83,7 @@ def horizon(flight: Trajectory, epoch: int, count: int = 181) -> NDArray[np.floa
     distance = float(np.linalg.norm(position))
     up = position / distance
     cap = np.arccos(min(1.0, flight.model.planet_radius / distance))
-    east = np.cross([0.0, 0.0, 1.0], up)
-    east /= np.linalg.norm(east)
+    east, north, _ = local_axes(up)
     angle = np.linspace(0.0, 2 * np.pi, count)[:, None]
-    around = np.cos(angle) * np.cross(up, east) + np.sin(angle) * east
+    around = np.cos(angle) * north + np.sin(angle) * east
     return np.cos(cap) * up + np.sin(cap) * around

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.entry.atmosphere import read_atmosphere_table
+from compass.entry.beacons import Beacons
 from compass.entry.case import NavigationCase
 from compass.entry.faults import Fault
 from compass.entry.filters import SCALE, FilterSettings
@@ -72,11 +73,7 @@ def fusion_plan(scenario: "Scenario") -> FusionPlan | None:
 
 def _plan(scenario: "Scenario", table: FusionTable) -> FusionPlan:
     beacons = scenario.beacons()
-    if len(table.range_sigma_m) != beacons.size:
-        raise ArgumentError(
-            f"range_sigma_m: {len(table.range_sigma_m)} values for {beacons.size} beacons "
-            f"({', '.join(beacons.names)}); give one each"
-        )
+    sigma = _range_sigma(scenario, table, beacons)
     n = len(table.process_noise_si)
     if len(table.p0_si) != n:
         raise ArgumentError(
@@ -85,7 +82,7 @@ def _plan(scenario: "Scenario", table: FusionTable) -> FusionPlan:
     noise = np.zeros(8)
     if table.noisy_truth:
         noise[: min(n, 8)] = table.process_noise_si[:8]
-    sigma = np.array(table.range_sigma_m)
+    step = float(scenario.times[1] - scenario.times[0])
     bias = table.acceleration_bias_m_s2
     case = NavigationCase(
         scenario.name,
@@ -94,8 +91,16 @@ def _plan(scenario: "Scenario", table: FusionTable) -> FusionPlan:
         beacons,
         sigma,
         Imu((table.acceleration_sigma_m_s2,) * 3, (bias[0], bias[1], bias[2])),
-        noise,
+        noise * step,
+        measurements=scenario.measurements,
     )
+    for time in scenario.model.vehicle.bank_times:
+        if 0 < time < scenario.times[-1] and abs(time / step - round(time / step)) > 1e-9:
+            raise ArgumentError(
+                f"vehicle.bank_deg: a switch at {time:g} s is no epoch; with [fusion], whose "
+                "filters step from one to the next, give whole numbers of "
+                f"entry.step_s = {step:g}"
+            )
     electrons = _electrons(table.radio, Path(scenario.label).parent)
     if electrons is not None:
         case = case.through_plasma(electrons)
@@ -108,7 +113,7 @@ def _plan(scenario: "Scenario", table: FusionTable) -> FusionPlan:
             model,
             start,
             table.p0_si,
-            table.process_noise_si,
+            np.array(table.process_noise_si) * step,
             np.full(3, assumed**2),
             sigma**2,
             random_start=table.random_start,
@@ -132,6 +137,20 @@ def _plan(scenario: "Scenario", table: FusionTable) -> FusionPlan:
     )
 
 
+def _range_sigma(scenario: "Scenario", table: FusionTable, beacons: Beacons) -> NDArray[np.float64]:
+    """Range noise of each beacon, m: the table's own, or that of the measurements."""
+    common = scenario.measurements.range_sigma
+    if table.range_sigma_m is None and common is None:
+        raise ArgumentError("range_sigma_m: missing, and [measurements] has none either; give one")
+    given = table.range_sigma_m or [common or 0.0] * beacons.size
+    if len(given) != beacons.size:
+        raise ArgumentError(
+            f"range_sigma_m: {len(given)} values for {beacons.size} beacons "
+            f"({', '.join(beacons.names)}); give one each"
+        )
+    return np.array(given)
+
+
 def _electrons(table: RadioTable | None, folder: Path) -> ElectronModel | ElectronTable | None:
     if table is None:
         return None
@@ -149,7 +168,7 @@ def _assumed(model: "EntryModel", table: EstimateTable) -> "EntryModel":
     """Return the model with the density, L/D and C_D S/m that the filters assume."""
     air, craft = model.atmosphere, model.vehicle
     if table.reference_density_kg_m3 is not None:
-        air = replace(air, reference_density=table.reference_density_kg_m3)
+        air = air.of_density(table.reference_density_kg_m3)
     if table.lift_to_drag is not None:
         craft = replace(craft, lift_to_drag=table.lift_to_drag)
     if table.drag_area_per_mass_m2_kg is not None:

@@ -81,7 +81,7 @@ class FusionTable(Table):
         "then accelerometer biases"
     )
     process_noise_si: StateVariances = Field(
-        description="variances added in a step, as many as p0_si"
+        description="variances added a second, as many as p0_si"
     )
     noisy_truth: bool = Field(
         False, description="the truth takes the process noise too: needed to judge consistency"
@@ -103,8 +103,10 @@ class FusionTable(Table):
     assumed_acceleration_sigma_m_s2: Positive | None = Field(
         None, description="what the filters take it for, m/s^2; the true one if left out"
     )
-    range_sigma_m: Annotated[list[Positive], Field(min_length=1, max_length=1000)] = Field(
-        description="range noise, m: one number a beacon, [[beacon]] first, then [[orbiter]]"
+    range_sigma_m: Annotated[list[Positive], Field(min_length=1, max_length=1000)] | None = Field(
+        None,
+        description="range noise, m: one number a beacon, [[beacon]] first, then [[orbiter]]; "
+        "measurements.range_sigma_m for all if left out",
     )
     see_through_planet: bool = Field(
         False, description="let ranges pass through the planet, as sources do that do not check"

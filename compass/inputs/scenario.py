@@ -10,14 +10,17 @@ from numpy.typing import ArrayLike, NDArray
 
 import compass
 from compass.bodies import MARS_EQUATORIAL_RADIUS, MARS_GM, MARS_ROTATION_RATE
+from compass.conventions import epoch_text
 from compass.entry.atmosphere import Atmosphere, read_atmosphere_table
-from compass.entry.beacons import Beacons, Measurements, orbiting_beacons, surface_beacons
-from compass.entry.fisher import initial_covariance
+from compass.entry.beacons import Beacons, orbiting_beacons, surface_beacons
+from compass.entry.covariance import axes_covariance
 from compass.entry.model import EntryModel
 from compass.entry.navigation import Filter
+from compass.entry.schedule import Measurements
 from compass.entry.state import azimuth_from_heading, state_from_cartesian
 from compass.entry.trajectory import Trigger, check_start
 from compass.entry.vehicle import Vehicle
+from compass.entry.views import cartesian_of, spherical_jacobian
 from compass.errors import ArgumentError, CompassError, DesignError
 from compass.frames import prime_meridian_angle
 from compass.inputs.design import read_design
@@ -31,11 +34,15 @@ from compass.inputs.scenario_models import (
     OrbiterTable,
     ScenarioFile,
 )
+from compass.inputs.scenario_notes import scenario_notes
 from compass.orbits import Constellation, keplerian, states_mci
 from compass.orbits.states import from_states
 from compass.saving import readable
 
 KM = 1e3
+
+#: Cosine of a latitude below which sigmas of longitude and heading say nothing.
+POLAR = 1e-9
 
 
 @dataclass(frozen=True)
@@ -50,11 +57,15 @@ class Orbiters:
         Seconds after the constellation's epoch at which the entry begins.
     angle
         Angle from the inertial x axis to the prime meridian when the entry begins, radians.
+    mask
+        Elevation that a satellite must have over the lander's limb, radians; nan for line of
+        sight alone.
     """
 
     constellation: Constellation
     start: float
     angle: float
+    mask: float = float("nan")
 
 
 @dataclass(frozen=True)
@@ -96,6 +107,8 @@ class Scenario:
         `compass.inputs.fusion.fusion_plan`.
     text, digest, label
         The file's text, its SHA-256 and its name as given.
+    notes
+        What is to be told of it before it is flown.
     """
 
     name: str
@@ -119,6 +132,15 @@ class Scenario:
     text: str
     digest: str
     label: str
+    notes: tuple[str, ...] = ()
+
+    @property
+    def deployment(self) -> Trigger | None:
+        """The trigger whose name speaks of a parachute, if there is one."""
+        for trigger in self.triggers:
+            if "parachute" in trigger.name.lower():
+                return trigger
+        return None
 
     def beacons(self, times: ArrayLike | None = None) -> Beacons:
         """All beacons at `times` (s; the scenario's own if left out), surface first.
@@ -133,7 +155,7 @@ class Scenario:
         lat, lon, height = self.surface.T
         found = surface_beacons(
             lat, lon, seconds, planet_radius=radius, height=height, names=self.surface_names
-        )
+        ).above(np.nan if self.mask is None else self.mask)
         for orbiters in self.orbiters:
             r, v = states_mci(orbiters.constellation, orbiters.start + seconds)
             found = found.with_others(
@@ -145,7 +167,7 @@ class Scenario:
                     angle=orbiters.angle,
                     planet_radius=radius,
                     names=orbiters.constellation.satellite_names,
-                )
+                ).above(orbiters.mask)
             )
         return found
 
@@ -226,6 +248,7 @@ def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenar
         text=text,
         digest=hashlib.sha256(text.encode()).hexdigest(),
         label=label,
+        notes=scenario_notes(file),
     )
 
 
@@ -247,9 +270,10 @@ def _model(file: ScenarioFile, folder: Path) -> EntryModel:
             craft.nose_radius_m,
         ),
         Atmosphere(
-            air.reference_density_kg_m3,
-            air.reference_radius_km * KM,
-            air.scale_height_km * KM,
+            # beside a table these three only name a level; the table is flown as it is
+            1.0 if air.table else air.reference_density_kg_m3 or 0.0,
+            radius + 40.0 * KM if air.table else (air.reference_radius_km or 0.0) * KM,
+            1.0 * KM if air.table else (air.scale_height_km or 0.0) * KM,
             tuple(radius + altitude for altitude in altitudes),
             densities,
             air.temperature_k,
@@ -285,7 +309,7 @@ def _state(table: EntryTable, model: EntryModel) -> NDArray[np.float64]:
 
 def _filter(table: FilterTable, state: NDArray[np.float64]) -> Filter:
     if table.position_sigma_m is not None and table.velocity_sigma_m_s is not None:
-        covariance = initial_covariance(state, table.position_sigma_m, table.velocity_sigma_m_s)
+        covariance = axes_covariance(table.position_sigma_m, table.velocity_sigma_m_s)
     else:
         degrees = np.radians(
             [
@@ -296,7 +320,15 @@ def _filter(table: FilterTable, state: NDArray[np.float64]) -> Filter:
             ]
         )
         radius, speed = table.radius_sigma_m or 0.0, table.speed_sigma_m_s or 0.0
-        covariance = np.diag([radius, *degrees[:2], speed, *degrees[2:]]) ** 2
+        if abs(np.cos(state[2])) < POLAR:
+            raise ArgumentError(
+                f"entry.latitude_deg = {np.degrees(state[2]):g}: at a pole longitude and heading "
+                "are undefined, and so are sigmas of them; give filter.position_sigma_m and "
+                "filter.velocity_sigma_m_s"
+            )
+        jacobian = spherical_jacobian(cartesian_of(state[:6]))
+        root = jacobian * np.array([radius, *degrees[:2], speed, *degrees[2:]])
+        covariance = root @ root.T
     return Filter(
         covariance,
         np.array(table.process_noise_si or [0.0] * 6),
@@ -320,10 +352,11 @@ def _orbiters(file: ScenarioFile, model: EntryModel, folder: Path) -> tuple[Orbi
             )
             groups.append(Orbiters(constellation, 0.0, 0.0))
     if file.beacons.design is not None:
-        constellation = read_design(folder / file.beacons.design).constellation
+        design = read_design(folder / file.beacons.design)
+        constellation = design.constellation
         start = file.beacons.start_s
         angle = float(prime_meridian_angle(constellation.epoch, start))
-        groups.append(Orbiters(constellation, start, angle))
+        groups.append(Orbiters(constellation, start, angle, design.mask.highest))
     return tuple(groups)
 
 
@@ -349,7 +382,9 @@ def provenance(scenario: Scenario, command: str) -> dict[str, str]:
     """Return what a result was made from: global attributes of the CF convention, the scenario."""
     now = datetime.now(UTC).isoformat(timespec="seconds")
     return {
-        "Conventions": "CF-1.11",
+        "epoch_tdb": epoch_text(
+            max((o.constellation.epoch + o.start for o in scenario.orbiters), default=0.0)
+        ),
         "title": f"Entry navigation: {scenario.name}",
         "source": f"compass {compass.__version__}",
         "history": f"{now} {command}".strip(),

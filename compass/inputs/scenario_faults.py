@@ -17,6 +17,8 @@ _SPHERICAL = (
 _CARTESIAN = ("position_km", "velocity_m_s")
 _CIRCLE = ("altitude_km", "inclination_deg", "raan_deg", "latitude_argument_deg")
 _AXES = ("position_sigma_m", "velocity_sigma_m_s")
+#: An exponential atmosphere; a table stands in their place.
+EXPONENTIAL = ("reference_density_kg_m3", "reference_radius_km", "scale_height_km")
 _STATES = (
     "radius_sigma_m",
     "longitude_sigma_deg",
@@ -34,6 +36,8 @@ def scenario_faults(raw: dict[str, Any]) -> list[str]:
     if isinstance(vehicle, dict):
         keys = ("drag_area_per_mass_m2_kg", "ballistic_coefficient_kg_m2")
         faults += _exactly_one(vehicle, keys, "vehicle") + _bank_faults(vehicle.get("bank_deg"))
+    if isinstance(raw.get("atmosphere"), dict):
+        faults += _air_faults(raw["atmosphere"])
     if isinstance(entry, dict):
         faults += _entry_faults(entry)
     for k, trigger in enumerate(_tables(raw, "trigger"), start=1):
@@ -65,6 +69,17 @@ def scenario_faults(raw: dict[str, Any]) -> list[str]:
     ):
         faults.append("optimize.altitude_km: missing; needed to place orbiters")
     return faults
+
+
+def _air_faults(air: dict[str, Any]) -> list[str]:
+    """An atmosphere without a table that lacks one of its three numbers."""
+    if "table" in air:
+        return []
+    return [
+        f"atmosphere.{name}: missing; give it, or a table"
+        for name in EXPONENTIAL
+        if name not in air
+    ]
 
 
 def _tables(raw: dict[str, Any], key: str) -> list[dict[str, Any]]:

@@ -35,11 +35,12 @@ class PlanetTable(Table):
 class VehicleTable(Table):
     """The lander in its aeroshell."""
 
-    drag_area_per_mass_m2_kg: Annotated[float, Field(ge=0, le=1e3)] | None = Field(
-        None, description="C_D S / m, m^2/kg"
+    drag_area_per_mass_m2_kg: Annotated[float, Field(ge=0, le=1)] | None = Field(
+        None, description="C_D S / m, at most 1 m^2/kg"
     )
-    ballistic_coefficient_kg_m2: Positive | None = Field(
-        None, description="m / (C_D S), kg/m^2, instead of drag_area_per_mass_m2_kg"
+    ballistic_coefficient_kg_m2: Annotated[float, Field(ge=1, le=1e6)] | None = Field(
+        None,
+        description="m / (C_D S), at least 1 kg/m^2, instead of drag_area_per_mass_m2_kg",
     )
     lift_to_drag: float = Field(ge=-10, le=10, description="L/D")
     bank_deg: float | list[Pair] = Field(
@@ -51,11 +52,18 @@ class VehicleTable(Table):
 class AtmosphereTable(Table):
     """The air as the navigation filter knows it."""
 
-    reference_density_kg_m3: Positive = Field(description="density at reference_radius_km, kg/m^3")
-    reference_radius_km: Kilometres = Field(description="r0, km from Mars's centre")
-    scale_height_km: Positive = Field(description="h of rho0 exp((r0 - r)/h), km")
+    reference_density_kg_m3: Positive | None = Field(
+        None, description="density at reference_radius_km, kg/m^3"
+    )
+    reference_radius_km: Kilometres | None = Field(None, description="r0, km from Mars's centre")
+    scale_height_km: Annotated[float, Field(ge=0.1, le=100)] | None = Field(
+        None, description="h of rho0 exp((r0 - r)/h), 0.1 to 100 km"
+    )
     table: str | None = Field(
-        None, min_length=1, description="file of altitude (km) and density (kg/m^3) columns"
+        None,
+        min_length=1,
+        description="file of altitude (km) and density (kg/m^3) columns, flown as it is given, "
+        "instead of the three above",
     )
     temperature_k: Positive = Field(200.0, description="for the speed of sound, K")
 
@@ -78,7 +86,9 @@ class EntryTable(Table):
     radius_km: Distance | None = Field(None, description="distance from Mars's centre, km")
     longitude_deg: Longitude | None = Field(None, description="east longitude, degrees")
     latitude_deg: Latitude | None = Field(None, description="planetocentric latitude, degrees")
-    speed_m_s: Positive | None = Field(None, description="speed relative to the planet, m/s")
+    speed_m_s: Annotated[float, Field(ge=100, le=1e5)] | None = Field(
+        None, description="speed relative to the planet, 100 to 100000 m/s"
+    )
     flight_path_deg: Annotated[float, Field(gt=-90, lt=90)] | None = Field(
         None, description="flight-path angle, between -90 and 90 degrees, positive up"
     )
@@ -94,7 +104,7 @@ class EntryTable(Table):
     )
     duration_s: float = Field(gt=0, le=1e5, description="how long to fly, s")
     step_s: float = Field(
-        1.0, gt=0, le=30, description="time between outputs, and the filter's Runge-Kutta step, s"
+        1.0, gt=0, le=30, description="time between epochs: of outputs and of measurements, s"
     )
 
 
@@ -119,7 +129,9 @@ class BeaconsTable(Table):
         0.0, ge=-1e9, le=1e9, description="seconds after the design's epoch at which entry begins"
     )
     mask_deg: Annotated[float, Field(ge=0, lt=90)] | None = Field(
-        None, description="elevation the lander must have over a surface beacon's horizon, degrees"
+        None,
+        description="elevation the lander must have over a surface beacon's horizon, degrees; "
+        "satellites of a design have the design's mask",
     )
 
 

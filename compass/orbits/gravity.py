@@ -57,6 +57,17 @@ class GravityField:
     s: NDArray[np.float64]
     meridian: float = 0.0
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, GravityField) and self._values == other._values
+
+    def __hash__(self) -> int:
+        return hash(self._values)
+
+    @property
+    def _values(self) -> tuple[object, ...]:
+        numbers = (self.gm, self.radius, self.meridian, self.degree)
+        return (self.name, *numbers, self.c.tobytes(), self.s.tobytes())
+
     @property
     def degree(self) -> int:
         """Highest degree."""

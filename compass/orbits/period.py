@@ -83,7 +83,8 @@ class RepeatPeriod:
     sidereal_days, revolutions
         Mars rotations and orbits in it; for orbits of unequal period, those of the first.
     closure
-        Largest angle by which a satellite misses its old place over Mars, radians.
+        Largest angle by which a satellite can miss its old place in the sky of Mars's centre,
+        radians, wherever on its orbit the repeat begins.
     """
 
     duration: float
@@ -95,19 +96,22 @@ class RepeatPeriod:
 def repeat_period(constellation: Constellation, *, max_days: int = 10) -> RepeatPeriod:
     """Smallest whole number of Mars rotations after which the ground tracks (nearly) repeat.
 
-    Of 1 to `max_days` rotations, the first that closes to 1 degree for every satellite in
-    two-body motion; if none does, the one that closes best. The miss is reported either way.
-    An empty constellation repeats at once, after one rotation.
+    Of 1 to `max_days` rotations, or of as many as the slowest satellite needs for one and a half
+    revolutions, the first in which every satellite makes a revolution or more and comes back to
+    within 1 degree in two-body motion; if there is none, the one that closes best. The miss is
+    reported either way. An empty constellation repeats at once, after one rotation.
     """
     motion = constellation.mean_motion
-    days, closure = closing_days(motion, max_days)
+    slowest = 2 * np.pi / motion.min() / sidereal_day() if motion.size else 0.0
+    longest = max(max_days, int(np.ceil(1.5 * slowest)))
+    days, closure = closing_days(motion, longest, constellation.eccentricity)
     duration = int(days) * sidereal_day()
     revolutions = int(np.round(duration * motion[0] / (2 * np.pi))) if motion.size else 0
     return RepeatPeriod(duration, int(days), revolutions, float(closure))
 
 
 def closing_days(
-    mean_motion: ArrayLike, max_days: int = 10
+    mean_motion: ArrayLike, max_days: int = 10, eccentricity: ArrayLike = 0.0
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Rotations of Mars in the `repeat_period` of orbits of these mean motions, and its closure.
 
@@ -117,11 +121,40 @@ def closing_days(
         rad/s, shape (..., n): n satellites of each of many constellations.
     max_days
         Most rotations.
+    eccentricity
+        Of each, broadcast.
     """
     days = np.arange(1, max_days + 1)
     motion = np.asarray(mean_motion, dtype=float)[..., np.newaxis, :]
     turns = (days * sidereal_day())[:, np.newaxis] * motion / (2 * np.pi)
-    miss = 2 * np.pi * np.abs(turns - np.round(turns)).max(axis=-1, initial=0.0)
+    behind = 2 * np.pi * np.abs(turns - np.round(turns))
+    e = np.broadcast_to(eccentricity, np.shape(mean_motion))[..., np.newaxis, :]
+    each = np.where(turns >= 0.5, widest_miss(behind, e), np.inf)
+    miss = each.max(axis=-1, initial=0.0)
     close = miss <= np.radians(1.0)
     best = np.where(close.any(axis=-1), close.argmax(axis=-1), miss.argmin(axis=-1))
     return days[best], np.take_along_axis(miss, best[..., np.newaxis], axis=-1)[..., 0]
+
+
+def widest_miss(behind: ArrayLike, eccentricity: ArrayLike) -> NDArray[np.float64]:
+    """Widest angle in the sky between places on an orbit that mean anomalies set apart, radians.
+
+    The true anomaly runs fastest, and evenly to both sides, at periapsis: the widest angle is
+    ``2 nu(behind/2)``, with ``tan(nu/2) = sqrt((1 + e)/(1 - e)) tan(E/2)``.
+
+    Parameters
+    ----------
+    behind
+        Difference of mean anomalies, 0 to pi radians.
+    eccentricity
+        Broadcast against it.
+    """
+    half, e = np.broadcast_arrays(np.asarray(behind, dtype=float) / 2, eccentricity)
+    if not np.any(e > 0):
+        return 2 * half
+    low, high = half, np.minimum(half / (1 - e), np.pi)
+    for _ in range(60):  # E - e sin E grows with E
+        middle = 0.5 * (low + high)
+        short = middle - e * np.sin(middle) < half
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    return np.asarray(4 * np.arctan(np.sqrt((1 + e) / (1 - e)) * np.tan(high / 2)))

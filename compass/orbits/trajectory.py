@@ -60,6 +60,18 @@ class Trajectory:
     source: str
     estimated: str = ""
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Trajectory) and self._values == other._values
+
+    def __hash__(self) -> int:
+        return hash(self._values)
+
+    @property
+    def _values(self) -> tuple[object, ...]:
+        arrays = (self.breaks, self.paths, self.errors)
+        words = (self.satellite_names, self.source, self.estimated)
+        return (self.epoch, *words, *(array.tobytes() for array in arrays))
+
     @property
     def size(self) -> int:
         """Number of satellites."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from compass.api.access import access
-from compass.api.fold import fold
+from compass.api.fold import FoldResult, fold
 from compass.api.map import MapResult
 from compass.api.reproduce import comparison_table
 from compass.api.show import ShowResult, show
@@ -144,7 +144,9 @@ def _coverage(design: Design, mapped: DesignMap) -> Section:
 
 
 def _fold(design: Design) -> Section:
-    return fold_section(fold(design))
+    found = fold(design, motion="two-body")
+    assert isinstance(found, FoldResult)
+    return fold_section(found)
 
 
 def _access(design: Design) -> Section | None:
@@ -163,8 +165,7 @@ def _counts_at_epoch(mapped: DesignMap) -> Any:
 
     view = mapped.view
     first = replace(view, times=view.times[:1], r=view.r[:1], cos_cap=view.cos_cap[:1])
-    period = mapped.dataset.attrs["period_s"]
-    return coverage_map(first, mapped.grid, period=period).count_min.values
+    return coverage_map(first, mapped.grid).count_min.values
 
 
 def _stations(design: Design, mapped: DesignMap) -> Section | None:

@@ -219,7 +219,7 @@ def map_comparison(study: Study, shown: Sequence[Finalist | Yardstick]) -> Pictu
         # a prime number of epochs, between the moments of symmetry, meets none too often
         times = (np.arange(EPOCHS) + 0.5) * duration / EPOCHS
         seen = view(c, times, study.figure.equatorial_radius, mask)
-        data = coverage_map(seen, grid, period=duration, fold=study.fold)
+        data = coverage_map(seen, grid, fold=study.fold)
         fields.append(data.gdop.sel(percentile=95).values)
     everything = np.concatenate([f[np.isfinite(f)].ravel() for f in fields])
     low, high = (

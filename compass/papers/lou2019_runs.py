@@ -2,7 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from compass.entry.consistency import error_ellipse, nees_bounds
+from compass.entry.accuracy import error_ellipse
+from compass.entry.consistency import nees_bounds
 from compass.entry.faults import Fault
 from compass.entry.filters import Algorithm
 from compass.entry.montecarlo import monte_carlo

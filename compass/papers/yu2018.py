@@ -3,13 +3,13 @@
 import numpy as np
 
 from compass.core.entry_geometry import cartesian_of
-from compass.entry.beacons import in_view
 from compass.entry.fisher import (
     best_determinant,
     position_variance_bound,
     published_position_variance_bound,
     two_beacon_eigenvalues,
 )
+from compass.entry.schedule import in_view
 from compass.entry.trajectory import fly
 from compass.papers import yu2018_case as paper
 from compass.papers.verdict import Row, compare, judge_claim

@@ -7,19 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import spearmanr
 
-from compass.entry.beacons import Beacons, Measurements
+from compass.entry.beacons import Beacons
 from compass.entry.best_ground import best_ground_beacons
-from compass.entry.fisher import (
-    Bound,
-    cramer_rao_bound,
-)
-from compass.entry.navigation import Filter, run_monte_carlo
 from compass.entry.observability import observability
+from compass.entry.schedule import Measurements
 from compass.entry.trajectory import Trajectory
 from compass.entry.visible_area import VisibleArea
 from compass.frames import latitude_longitude
 from compass.papers import yu2018_case as paper
 from compass.papers.verdict import Row, judge_claim
+from compass.papers.yu2018_filter import Bound, Filter, cramer_rao_bound, run_monte_carlo
 
 
 @cache

@@ -5,17 +5,15 @@ from numpy.typing import NDArray
 from scipy.integrate import simpson
 
 from compass.core.entry_geometry import cartesian_of
-from compass.entry.beacons import Beacons, Measurements, in_view
+from compass.entry.beacons import Beacons
 from compass.entry.best_ground import best_ground_beacons
 from compass.entry.best_orbiters import best_orbiters
-from compass.entry.fisher import (
-    initial_covariance,
-)
-from compass.entry.navigation import Filter, MonteCarlo, run_monte_carlo
 from compass.entry.observability import observability
+from compass.entry.schedule import Measurements, in_view
 from compass.entry.trajectory import Trajectory, fly
 from compass.papers import yu2018_case as paper
 from compass.papers.verdict import Row, compare, judge_claim
+from compass.papers.yu2018_filter import Filter, MonteCarlo, initial_covariance, run_monte_carlo
 
 
 def orbiter_rows() -> list[Row]:

@@ -71,7 +71,9 @@ def draw_map(axes: Axes, flight: Trajectory, beacons: Beacons) -> None:
             axes.annotate(beacons.names[k], (x, y), place, textcoords="offset points", fontsize=8)
     axes.set_xlabel("east longitude, degrees")
     axes.set_ylabel("latitude, degrees")
-    axes.set_aspect(1 / np.cos(flight.states[:, 2].mean()), adjustable="datalim")
+    # near a pole degrees of longitude shrink to nothing: no wider than 20 to 1
+    narrow = max(0.05, float(np.cos(flight.states[:, 2].mean())))
+    axes.set_aspect(1 / narrow, adjustable="datalim")
     axes.grid(True)
     axes.set_title("Where the lander flies and who sees it")
 

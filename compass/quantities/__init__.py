@@ -13,13 +13,14 @@ from compass.quantities.access import ACCESS
 from compass.quantities.coverage import CONTINUOUS, MAPS
 from compass.quantities.design import DESIGN
 from compass.quantities.geometry import GEOMETRY
+from compass.quantities.lasting import LASTING
 from compass.quantities.record import Quantity
 
 __all__ = ["QUANTITIES", "Quantity", "quantity"]
 
 #: All quantities, by name.
 QUANTITIES: Mapping[str, Quantity] = {
-    q.name: q for q in (*DESIGN, *GEOMETRY, *CONTINUOUS, *MAPS, *ACCESS)
+    q.name: q for q in (*DESIGN, *GEOMETRY, *CONTINUOUS, *MAPS, *ACCESS, *LASTING)
 }
 
 

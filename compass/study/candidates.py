@@ -8,6 +8,7 @@ it is the same in every run, on every machine and in every study.
 from collections.abc import Iterator
 from dataclasses import dataclass
 from hashlib import blake2b
+from math import gcd, isqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,6 @@ from compass.orbits.kinds import (
     ROSETTE,
     WALKER_DELTA,
     WALKER_STAR,
-    least_multiplier,
 )
 
 PATTERNS = KIND_NAMES
@@ -42,6 +42,10 @@ ROW = np.dtype(
 
 #: Candidates of a grid that a run can come to the end of.
 MOST_CANDIDATES = 10**9
+
+#: Digits behind the point of what is drawn from a range, and by how much that may be beyond it.
+DIGITS = 6
+ROUNDING = 0.5 * 10.0**-DIGITS
 
 
 def identities(rows: NDArray) -> list[str]:
@@ -78,13 +82,31 @@ def pattern_columns(rows: NDArray) -> tuple[NDArray, ...]:
 
 
 @dataclass(frozen=True)
+class Phasings:
+    """Phasings below `planes` that leave, divided by `turn`, one of `remainders`; not kept.
+
+    A list of its own is one whole turn.
+    """
+
+    planes: int
+    turn: int
+    remainders: tuple[int, ...]
+
+    def __len__(self) -> int:
+        return self.planes // self.turn * len(self.remainders)
+
+    def __contains__(self, phasing: int) -> bool:
+        return 0 <= phasing < self.planes and phasing % self.turn in self.remainders
+
+
+@dataclass(frozen=True)
 class Block:
     """Candidates of one kind, size and number of planes, with the phasings they may have."""
 
     pattern: int
     satellites: int
     planes: int
-    phasings: tuple[int, ...]
+    phasings: Phasings
 
 
 def blocks(study: Study) -> list[Block]:
@@ -98,17 +120,12 @@ def blocks(study: Study) -> list[Block]:
     space, found = study.space, []
     for kind in space.patterns:
         for t in space.satellites:
-            for p in (p for p in range(1, t + 1) if t % p == 0):
+            for p in _divisors(t):
                 if space.planes is not None and p not in space.planes:
                     continue
-                phasings = [
-                    f
-                    for f in range(p)
-                    if (space.phasing is None or f in space.phasing)
-                    and (kind != ROSETTE.name or least_multiplier(t, p, f) is not None)
-                ]
-                if phasings:
-                    found.append(Block(PATTERNS.index(kind), t, p, tuple(phasings)))
+                phasings = _phasings(kind, t, p, space.phasing)
+                if len(phasings):
+                    found.append(Block(PATTERNS.index(kind), t, p, phasings))
     if not found:
         raise DesignError(
             f"{study.label}: study: no candidate: none of the satellites "
@@ -116,6 +133,71 @@ def blocks(study: Study) -> list[Block]:
             "divide satellites, phasing must be below planes"
         )
     return found
+
+
+def _divisors(number: int) -> list[int]:
+    """Divisors of a number, in order."""
+    small = [d for d in range(1, isqrt(number) + 1) if number % d == 0]
+    return small + [number // d for d in reversed(small) if d * d != number]
+
+
+def _phasings(kind: str, t: int, p: int, given: tuple[int, ...] | None) -> Phasings:
+    """Phasings of a kind, of those given.
+
+    A rosette's multiplier has a numerator c = f (mod p) prime to t/p. Of the primes of t/p, those
+    that do not divide p can be kept out of c by adding p; the others are in c where they are in
+    f: there is such a c if f is prime to what t/p and p share.
+    """
+    shared = gcd(t // p, p) if kind == ROSETTE.name else 1
+    if given is None:
+        return Phasings(p, shared, tuple(f for f in range(shared) if gcd(f, shared) == 1))
+    return Phasings(p, p, tuple(sorted({f for f in given if f < p and gcd(f, shared) == 1})))
+
+
+class Layouts:
+    """The blocks of a study as columns, to look many candidates up at once."""
+
+    def __init__(self, choices: list[Block]) -> None:
+        self.pattern, self.satellites, self.planes = np.array(
+            [(b.pattern, b.satellites, b.planes) for b in choices]
+        ).T
+        self.sizes = np.array([len(b.phasings) for b in choices])
+        self._turns = np.array([b.phasings.turn for b in choices])
+        self._counts = np.array([len(b.phasings.remainders) for b in choices])
+        self._starts = np.cumsum(self._counts) - self._counts
+        self._remainders = np.concatenate([np.array(b.phasings.remainders) for b in choices])
+
+    def phasing(self, block: NDArray[np.int64], place: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Phasings by their places in blocks."""
+        turn, rest = np.divmod(place, self._counts[block])
+        found: NDArray[np.int64] = (
+            turn * self._turns[block] + self._remainders[self._starts[block] + rest]
+        )
+        return found
+
+
+class Members:
+    """Tells which candidates are of a study, however they are chosen from it."""
+
+    def __init__(self, study: Study) -> None:
+        self._space = study.space
+        self._phasings = {(b.pattern, b.satellites, b.planes): b.phasings for b in blocks(study)}
+
+    def have(self, rows: NDArray) -> NDArray[np.bool_]:
+        """Whether each is one, shape (n,)."""
+        whole = rows[["pattern", "satellites", "planes", "phasing"]]
+        kinds, of = np.unique(whole, return_inverse=True)
+        known = [f in self._phasings.get((k, t, p), ()) for k, t, p, f in kinds.tolist()]
+        good = np.array(known, dtype=bool)[of]
+        for name in ("inclination_deg", "radius_km", "mask_deg"):
+            allowed = getattr(self._space, name)
+            if isinstance(allowed, Free):  # its ends rounded as `_draw` rounds
+                good &= (allowed.least - ROUNDING <= rows[name]) & (
+                    rows[name] <= allowed.most + ROUNDING
+                )
+            else:
+                good &= np.isin(rows[name], allowed)
+        return np.asarray(good)
 
 
 def _few(values: tuple[int, ...]) -> str:
@@ -143,7 +225,8 @@ class Grid:
             np.array(v, dtype=float) for v in values if not isinstance(v, Free)
         )
         self.each = self.inclinations.size * self.radii.size * self.masks.size
-        sizes = np.array([len(block.phasings) for block in self.blocks])
+        self._layouts = Layouts(self.blocks)
+        sizes = self._layouts.sizes
         if (count := int(sizes.sum()) * self.each) > MOST_CANDIDATES:
             raise DesignError(
                 f"{study.label}: study: {count} candidates on the grid, more than "
@@ -152,8 +235,6 @@ class Grid:
             )
         self.ends = np.cumsum(sizes) * self.each
         self.starts = self.ends - sizes * self.each
-        self._numbers = np.array([(b.pattern, b.satellites, b.planes) for b in self.blocks])
-        self._phasings = np.concatenate([np.array(b.phasings) for b in self.blocks])
 
     def __len__(self) -> int:
         return int(self.ends[-1])
@@ -162,12 +243,13 @@ class Grid:
         """Candidates number `start` up to `stop`, shape (stop - start,), of dtype `ROW`."""
         number = np.arange(start, min(stop, len(self)))
         block = np.searchsorted(self.ends, number, side="right")
-        phasing, rest = np.divmod(number, self.each)
+        place, rest = np.divmod(number - self.starts[block], self.each)
         inclination, rest = np.divmod(rest, self.radii.size * self.masks.size)
         radius, mask = np.divmod(rest, self.masks.size)
         found = np.empty(number.size, ROW)
-        found["pattern"], found["satellites"], found["planes"] = self._numbers[block].T
-        found["phasing"] = self._phasings[phasing]
+        known = self._layouts
+        found["pattern"], found["satellites"] = known.pattern[block], known.satellites[block]
+        found["planes"], found["phasing"] = known.planes[block], known.phasing(block, place)
         found["inclination_deg"] = self.inclinations[inclination]
         found["radius_km"] = self.radii[radius]
         found["mask_deg"] = self.masks[mask]
@@ -201,20 +283,18 @@ def pick(study: Study, choices: list[Block], share: NDArray[np.float64]) -> NDAr
     share
         In [0, 1): of kinds, sizes, planes, phasings, inclinations, radii and masks; shape (n, 7).
     """
-    pattern = np.array([b.pattern for b in choices])
-    satellites = np.array([b.satellites for b in choices])
+    known = Layouts(choices)
+    pattern, satellites = known.pattern, known.satellites
     # blocks come kind by kind, and in each size by size: runs of equal neighbours
     size_starts = _run_starts(pattern, satellites)
     kind_starts = _run_starts(pattern[size_starts])
     kind = _choose(np.array([kind_starts.size]), share[:, 0])
     size = kind_starts[kind] + _choose(_lengths(kind_starts, size_starts.size)[kind], share[:, 1])
     block = size_starts[size] + _choose(_lengths(size_starts, pattern.size)[size], share[:, 2])
-    counts = np.array([len(b.phasings) for b in choices])
-    phasing = (np.cumsum(counts) - counts)[block] + _choose(counts[block], share[:, 3])
     found = np.empty(len(share), ROW)
     found["pattern"], found["satellites"] = pattern[block], satellites[block]
-    found["planes"] = np.array([b.planes for b in choices])[block]
-    found["phasing"] = np.concatenate([np.array(b.phasings) for b in choices])[phasing]
+    found["planes"] = known.planes[block]
+    found["phasing"] = known.phasing(block, _choose(known.sizes[block], share[:, 3]))
     found["inclination_deg"] = _draw(study.space.inclination_deg, share[:, 4])
     found["radius_km"] = _draw(study.space.radius_km, share[:, 5])
     found["mask_deg"] = _draw(study.space.mask_deg, share[:, 6])
@@ -238,7 +318,7 @@ def _choose(counts: NDArray[np.int64], share: NDArray[np.float64]) -> NDArray[np
 
 def _draw(values: tuple[float, ...] | Free, share: NDArray[np.float64]) -> NDArray[np.float64]:
     if isinstance(values, Free):
-        return np.round(values.least + share * (values.most - values.least), 6)
+        return np.round(values.least + share * (values.most - values.least), DIGITS)
     return np.array(values)[_choose(np.array([len(values)]), share)]
 
 

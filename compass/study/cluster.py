@@ -8,10 +8,10 @@ miss; its tasks go to others.
 """
 
 import asyncio
-import logging
 import pickle
 import queue
 import ssl
+import sys
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -25,11 +25,15 @@ from numpy.typing import NDArray
 import compass
 from compass.errors import ArgumentError, CompassError
 from compass.inputs.study import Study
+from compass.study.errand import ByValue, able, work
 from compass.study.stages import Found, evaluate
 from compass.study.workers import Result
 
 #: Batches on their way for each thread of a cluster.
 AHEAD = 2
+
+#: Workers that cannot do the work that are named.
+NAMED = 5
 
 #: Seconds that a scheduler has to answer at the start, and then to have a worker.
 PATIENCE = 15.0
@@ -79,17 +83,9 @@ class Tls:
             ) from error
 
 
-def _remote(version: str, stage: str, study: bytes, rows: NDArray) -> Found:
-    """Work on a cluster, which must run the client's version.
-
-    The study comes pickled, so that its version is looked at before it is unpacked.
-    """
-    if version != compass.__version__:
-        raise CompassError(
-            f"the cluster runs compass {compass.__version__}, this is {version}; "
-            f"install the same version on both; {_STORED}"
-        )
-    return evaluate(stage, _unpacked(study), rows)
+def evaluated(stage: str, study: bytes, rows: bytes) -> Found:
+    """As `compass.study.stages.evaluate`, of a study and candidates that come pickled."""
+    return evaluate(stage, _unpacked(study), pickle.loads(rows))
 
 
 @lru_cache(maxsize=4)
@@ -105,7 +101,7 @@ class Cluster:
     ------
     ArgumentError
         The extra is not installed, the files of TLS are no good, or the scheduler does not
-        answer, is none, or has no workers.
+        answer, is none, has no workers, or one that cannot do the work.
     """
 
     def __init__(self, study: Study, address: str, tls: Tls | None = None) -> None:
@@ -113,8 +109,6 @@ class Cluster:
             from distributed import Client, Security
         except ImportError as error:
             raise ArgumentError("--scheduler: needs Dask; install compass-mars[cluster]") from error
-        for name in ("distributed", "distributed.client", "tornado.application"):
-            logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said here
         self._study, self._option = pickle.dumps(study), f"--scheduler = {address}"
         address = self._checked(address, tls)
         security = Security()  # of Dask's own configuration
@@ -144,8 +138,39 @@ class Cluster:
             raise ArgumentError(
                 f"{self._option}: has no worker; start `dask worker {address}`"
             ) from error
-        self.count, self._attended = 1, time.monotonic()
-        self._look()
+        self._work = ByValue(work)
+        try:
+            self._check_workers()
+            self.count, self._attended = 1, time.monotonic()
+            self._look()
+        except BaseException:
+            self.close()
+            raise
+
+    def _check_workers(self) -> None:
+        """Refuse workers that cannot do the work, which would lose them."""
+        try:
+            versions = self._client.get_versions()["workers"]
+            here = ".".join(map(str, sys.version_info[:2]))
+            unfit = {
+                where: f"Python {theirs}, this is {here}"
+                for where, found in versions.items()
+                if (theirs := ".".join(found["host"]["python"].split(".")[:2])) != here
+            }
+            alike = [where for where in versions if where not in unfit]
+            for where, found in self._client.run(ByValue(able), workers=alike).items():
+                if found != compass.__version__:
+                    said = found if " " in found else f"compass {found}"
+                    unfit[where] = f"{said}, this is {compass.__version__}"
+        except OSError as error:
+            raise self._lost() from error
+        if unfit:
+            named = "; ".join(f"{where}: {why}" for where, why in sorted(unfit.items())[:NAMED])
+            raise ArgumentError(
+                f"{self._option}: {len(unfit)} of {len(versions)} worker(s) cannot do the work: "
+                f"{named}; they are left as they are: install compass-mars {compass.__version__} "
+                "with the same Python there, or end them"
+            )
 
     def _checked(self, address: str, tls: Tls | None) -> str:
         """Return the address as Dask wants it."""
@@ -237,9 +262,8 @@ class Cluster:
         from distributed.client import ClosedClientError
 
         try:
-            return self._client.submit(
-                _remote, compass.__version__, stage, self._study, rows, pure=False
-            )
+            arguments = compass.__version__, stage, self._study, pickle.dumps(rows)
+            return self._client.submit(self._work, *arguments, pure=False)
         except ClosedClientError as error:
             raise self._lost() from error
 
@@ -258,8 +282,8 @@ class Cluster:
         except Exception as error:  # what the work itself raises is in `Found`
             raise CompassError(
                 f"{self._option}: cannot do the work ({_why(error)}); have compass "
-                f"{compass.__version__} and the same Python and Dask on the scheduler and every "
-                f"worker, and run the same command; {_STORED}"
+                f"{compass.__version__} and the same Python and Dask on every worker, and run the "
+                f"same command; {_STORED}"
             ) from error
         return found
 

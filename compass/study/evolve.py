@@ -15,7 +15,7 @@ from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.study.candidates import blocks, identities, pick
 from compass.study.stages import passing
-from compass.study.store import Store, figures_in, read_lines, rows_of
+from compass.study.store import Store, read_lines
 
 VARIABLES = ("kind", "size", "planes", "phasing", "inclination", "radius", "mask")
 
@@ -26,8 +26,8 @@ STEPS = 10_000
 class Known:
     """All figures in a store, of the few candidates of an optimiser; each line is read once."""
 
-    def __init__(self, store: Store) -> None:
-        self._path, self._end = store.path, 0
+    def __init__(self, store: Store, study: Study) -> None:
+        self._path, self._study, self._end = store.path, study, 0
         self._values: dict[str, NDArray[np.float64]] = {}
 
     def figures(self, keys: list[str]) -> dict[str, NDArray[np.float64]]:
@@ -40,14 +40,14 @@ class Known:
     def _read(self) -> None:
         """Take in what was added since."""
         names = list(MERITS)
-        for record, end in read_lines(self._path, self._end):
-            self._end = end
-            if record is None or "stage" not in record:
+        for line in read_lines(self._path, self._study, self._end):
+            self._end = line.end
+            if line.batch is None:
                 continue
-            found = figures_in(record)
+            found = line.batch.found.figures
             columns = [names.index(name) for name in found]
             values = np.column_stack(list(found.values()))
-            for key, row in zip(identities(rows_of(record)), values, strict=True):
+            for key, row in zip(identities(line.batch.rows), values, strict=True):
                 self._values.setdefault(key, np.full(len(names), np.nan))[columns] = row
 
 
@@ -93,7 +93,7 @@ def evolve(
         name: Integer(bounds=(0, STEPS - 1)) if k < 4 else Real(bounds=(0.0, 1.0))
         for k, name in enumerate(VARIABLES)
     }
-    known = Known(store)
+    known = Known(store, study)
     with bars("generation", generations, 0) as bar:
 
         class _Problem(Problem):

@@ -16,7 +16,7 @@ from compass.entry.arrivals import draw_arrivals
 from compass.entry.campaign import Campaign, check_sigmas, fly_campaign
 from compass.entry.fisher import noise_variances
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
-from compass.entry.trajectory import Trigger, fly
+from compass.entry.trajectory import fly
 from compass.errors import ArgumentError
 from compass.frames import Figure, prime_meridian_angle
 from compass.inputs.scenario import Scenario
@@ -81,7 +81,7 @@ def _fly(request: _Request) -> Campaign:
             scenario.settings.covariance0,
             scenario.times,
             arrivals,
-            trigger=deployment_trigger(scenario),
+            trigger=scenario.deployment,
             electrons=request.electrons,
             density_sigma=request.density_sigma,
             lift_sigma=request.lift_sigma,
@@ -113,14 +113,6 @@ def campaign_of(
         As in `compass.entry.campaign.fly_campaign`.
     """
     return _flown(_Request(scenario, electrons, samples, seed, density_sigma, lift_sigma))
-
-
-def deployment_trigger(scenario: Scenario) -> Trigger | None:
-    """Return the scenario's trigger whose name speaks of a parachute, if there is one."""
-    for trigger in scenario.triggers:
-        if "parachute" in trigger.name.lower():
-            return trigger
-    return None
 
 
 def judge(

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from compass.entry.beacons import Beacons, orbiting_beacons
 from compass.entry.navigation import MonteCarlo, run_monte_carlo
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
+from compass.entry.trajectory import fly
+from compass.entry.views import cartesian_of, spherical_jacobian
 from compass.errors import ArgumentError
 from compass.frames import Figure, prime_meridian_angle
 from compass.inputs.scenario import Scenario
@@ -147,8 +149,15 @@ def _run(
     """Run the filter in one entry, each run with arrivals of its own."""
     campaign, beacons = found.campaign, entry_beacons(found, entry)
     count = beacons.times.size
-    spread = campaign.spreads[entry, :6]
+    start = campaign.states[entry, 0]
+    spread = spherical_jacobian(cartesian_of(start[:6])) @ campaign.spreads[entry, :6]
     settings = replace(scenario.settings, covariance0=spread @ spread.T)
+    truth = fly(scenario.truth, start[:6], beacons.times)
+    if truth.times.size < count:
+        raise ArgumentError(
+            f"{scenario.label}: entry {entry + 1}: {truth.ending}, before its deployment at "
+            f"{beacons.times[-1]:g} s in the air that the filter knows"
+        )
     possible = found.seen[entry, :count] & due(scenario, beacons.times)[:, None]
     parts = []
     for own in stream.spawn(runs):
@@ -157,17 +166,25 @@ def _run(
         parts.append(
             run_monte_carlo(
                 scenario.model,
-                campaign.states[entry, 0],
+                truth,
                 beacons,
                 taken,
                 scenario.measurements,
                 settings,
                 runs=1,
                 seed=int(own.generate_state(1, np.uint64)[0]),
-                truth=scenario.truth,
                 threads=1,
             )
         )
+
+    def joined(name: str) -> NDArray[Any]:
+        return np.concatenate([getattr(part, name) for part in parts])
+
     return MonteCarlo(
-        *(np.concatenate([getattr(part, name) for part in parts]) for name in vars(parts[0]))
+        joined("errors"),
+        joined("nees"),
+        joined("sigmas"),
+        joined("diverged"),
+        joined("nees_all"),
+        parts[0].estimated,
     )

@@ -1,5 +1,6 @@
 """From a design to its coverage map, with the provenance that the map carries."""
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -8,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import compass
+from compass.conventions import epoch_text
+from compass.coverage.gaps import coverage_gaps, shortest_pass
 from compass.coverage.grid import Grid, make_grid
 from compass.coverage.maps import coverage_map
 from compass.coverage.view import View, view
@@ -15,7 +18,7 @@ from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits import RepeatPeriod, repeat_period
-from compass.orbits.motion import MotionModel
+from compass.orbits.motion import Motion, MotionModel
 from compass.sites import Mask
 
 if TYPE_CHECKING:
@@ -23,6 +26,9 @@ if TYPE_CHECKING:
 
 MAX_EPOCHS = 100_000
 MAX_DURATION_H = 1e6
+
+# Bytes, as measured: a satellite at an epoch, a cell, an epoch of a cell in the row at work.
+POSITION_BYTES, CELL_BYTES, ROW_BYTES = 100, 180, 25
 
 
 @dataclass(frozen=True)
@@ -114,12 +120,27 @@ def make_map(
     times += chosen.start_day * SECONDS_PER_DAY
     motion = design.motion.or_of(chosen.motion)
     grid = make_grid(chosen.grid, chosen.step_deg)
-    seen = view(design.constellation, times, design.figure.equatorial_radius, mask, motion)
+    check_memory(design.constellation.size, chosen.epochs, grid, workers)
+    sphere = design.figure.equatorial_radius
+    fold = design.fold if chosen.fold is None else chosen.fold
+    seen = view(design.constellation, times, sphere, mask, motion)
+    gaps = coverage_gaps(
+        design.constellation,
+        grid,
+        sphere_radius=sphere,
+        span=duration,
+        ring=chosen.duration_h is None and closes(motion, repeat),
+        fold=fold,
+        mask=mask,
+        model=motion,
+        start=float(times[0]),
+        workers=workers,
+    )
     dataset = coverage_map(
         seen,
         grid,
-        period=duration,
-        fold=design.fold if chosen.fold is None else chosen.fold,
+        fold=fold,
+        gaps=gaps,
         pdop_threshold=chosen.pdop_max,
         workers=workers,
         progress=progress,
@@ -129,9 +150,45 @@ def make_map(
         "motion_model": motion.model,
         "start_day": chosen.start_day,
         "period_s": duration,
+        "shortest_pass_s": shortest_pass(design.constellation, sphere, mask.highest),
         "repeat_miss_deg": float(np.degrees(repeat.closure)),
     }
     return DesignMap(dataset, grid, seen, repeat)
+
+
+def check_memory(satellites: int, epochs: int, grid: Grid, workers: int | None) -> None:
+    """Refuse a map that does not fit into this machine's memory.
+
+    Counted are the positions of every satellite at every epoch with what is made on the way to
+    them, the figures of every cell, and the dilutions of a row that each thread sorts.
+
+    Raises
+    ------
+    ArgumentError
+        With how much it would take and how much there is.
+    """
+    threads = workers or (os.cpu_count() or 1)
+    needed = (
+        POSITION_BYTES * satellites * epochs
+        + CELL_BYTES * grid.rows * grid.columns
+        + ROW_BYTES * threads * grid.columns * epochs
+    )
+    there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    if needed > 0.9 * there:
+        raise ArgumentError(
+            f"map: {satellites} satellites at {epochs} epochs on {grid.rows} by {grid.columns} "
+            f"cells would take {needed / 1e9:.3g} GB, this machine has {there / 1e9:.3g}; ask for "
+            "fewer epochs or larger cells"
+        )
+
+
+def closes(motion: Motion, repeat: RepeatPeriod) -> bool:
+    """Whether the repeat of the ground tracks is one, so that its end goes on at its start.
+
+    It is in two-body motion, if these close to a tenth of a degree: less than a satellite moves
+    over Mars from one epoch to the next.
+    """
+    return motion.model == "two-body" and repeat.closure <= np.radians(0.1)
 
 
 def option_mask(mask_deg: float) -> Mask:
@@ -155,6 +212,7 @@ def provenance(design: Design, command: str) -> dict[str, str]:
         "source": f"compass {compass.__version__}",
         "history": f"{now} {command}".strip(),
         "references": " ".join(design.source.split()),
+        "epoch_tdb": epoch_text(design.constellation.epoch),
         "design_file": design.label,
         "design_text": design.text,
         "design_sha256": design.digest,

@@ -12,7 +12,8 @@ from compass.inputs.merit import MERITS, STAGES
 from compass.inputs.study import Study
 from compass.study.candidates import PATTERNS, ROW, identities
 from compass.study.pareto import fronts
-from compass.study.store import FILE, check_header, figures_in, read_lines, rows_of
+from compass.study.record import Batch
+from compass.study.store import FILE, read_lines
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,13 +45,11 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
         raise ArgumentError(
             f"{path}: no such store; run `compass trade {study.label}` first, or say where it is"
         )
-    batches: dict[str, list[dict[str, Any]]] = {stage: [] for stage in STAGES}
-    for number, (record, _) in enumerate(read_lines(path)):
-        if number == 0:
-            check_header(record, study, path)
-        elif record is not None:
-            batches[record["stage"]].append(record)
-    rows = np.unique(np.concatenate([np.empty(0, ROW), *map(rows_of, batches["screen"])]))
+    batches: dict[str, list[Batch]] = {stage: [] for stage in STAGES}
+    for line in read_lines(path, study):
+        if line.batch is not None:
+            batches[line.batch.stage].append(line.batch)
+    rows = np.unique(np.concatenate([np.empty(0, ROW), *(b.rows for b in batches["screen"])]))
     if not rows.size:
         raise ArgumentError(
             f"{path}: no candidate is finished yet; run `compass trade {study.label}` again"
@@ -60,16 +59,16 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
     figures = {name: np.full(rows.size, np.nan) for name in MERITS}
     stage, error = np.zeros(rows.size, "i1"), np.full(rows.size, "", dtype=object)
     for level, name in enumerate(STAGES):
-        for record in batches[name]:
+        for batch in batches[name]:
             # -1: the line with its screening is damaged, and not yet computed again
-            where = np.array([place.get(key, -1) for key in identities(rows_of(record))])
+            where = np.array([place.get(key, -1) for key in identities(batch.rows)])
             there = where >= 0
             stage[where[there]] = level
-            for figure, values in figures_in(record).items():
+            for figure, values in batch.found.figures.items():
                 figures[figure][where[there]] = values[there]
-            for k, text in record["errors"].items():
-                if there[int(k)]:
-                    error[where[int(k)]] = text
+            for k, text in batch.found.errors.items():
+                if there[k]:
+                    error[where[k]] = text
     feasible = error == ""
     for c in study.constraints:
         feasible &= c.holds(figures[c.figure])

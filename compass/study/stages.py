@@ -41,11 +41,21 @@ class Found:
         Text of the error of each candidate that raised one, by its place in the batch.
     seconds
         Time spent.
+    left
+        Places in the batch of candidates for which memory ran out: nothing is known of them.
     """
 
     figures: dict[str, NDArray[np.float64]]
     errors: dict[int, str]
     seconds: float
+    left: tuple[int, ...] = ()
+
+    def without_left(self, rows: NDArray) -> tuple[NDArray, "Found"]:
+        """Return the candidates of a batch of which something is known, and what."""
+        kept = np.setdiff1d(np.arange(rows.size), self.left)
+        figures = {name: values[kept] for name, values in self.figures.items()}
+        errors = {k: self.errors[place] for k, place in enumerate(kept) if place in self.errors}
+        return rows[kept], Found(figures, errors, self.seconds)
 
 
 def evaluate(stage: str, study: Study, rows: NDArray) -> Found:
@@ -53,6 +63,7 @@ def evaluate(stage: str, study: Study, rows: NDArray) -> Found:
     began = time.perf_counter()
     find = FINDERS[stage]
     errors: dict[int, str] = {}
+    left: list[int] = []
     try:
         figures = find(study, rows)
     except Exception:
@@ -60,12 +71,14 @@ def evaluate(stage: str, study: Study, rows: NDArray) -> Found:
         for k in range(rows.size):
             try:
                 single = find(study, rows[k : k + 1])
+            except MemoryError:  # says nothing of the candidate: another time there may be enough
+                left.append(k)
             except Exception as error:
                 errors[k] = f"{type(error).__name__}: {error}"
             else:
                 for name, value in single.items():
                     figures[name][k] = value[0]
-    return Found(figures, errors, time.perf_counter() - began)
+    return Found(figures, errors, time.perf_counter() - began, tuple(left))
 
 
 def figures_of(stage: str) -> list[str]:

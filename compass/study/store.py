@@ -1,141 +1,125 @@
 """The durable store of a study: a file to which every finished batch is added at once.
 
-One line a batch: the CRC-32 of a JSON object, a space, the object. A line is one `write`, then
-an `fsync`, so after a kill or a power cut the file holds every batch reported as stored and at
-most one torn line, which its checksum gives away. Appending never rewrites what is there, which
-is why this is neither Parquet nor Zarr: both keep an index (footer, chunk metadata) whose update
-and the data's are two writes, and a part file a batch would make 10^5 files of a large study.
-The finished study is also exported as one netCDF file for other programs.
+One line a batch (`compass.study.record`). A line is one `write`, then an `fsync`, so after a kill
+or a power cut the file holds every batch reported as stored and at most one torn line, which its
+checksum gives away. Appending never rewrites what is there, which is why this is neither Parquet
+nor Zarr: both keep an index (footer, chunk metadata) whose update and the data's are two writes,
+and a part file a batch would make 10^5 files of a large study. The finished study is also exported
+as one netCDF file for other programs.
 
 A lock on the file refuses a second run; the first line says which study and which version of
-the program the numbers are from, and a store of another is refused.
+the program the numbers are from, and a store of another is refused. So does every other line, so
+that a damaged first one costs nothing.
 """
 
-import json
 import os
 import stat
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Any
-from zlib import crc32
 
-import numpy as np
 from numpy.typing import NDArray
 
 import compass
 from compass.errors import ArgumentError, OutputError
 from compass.inputs.study import Study
-from compass.study.candidates import PATTERNS, ROW, identities
+from compass.study.candidates import Members, identities
+from compass.study.record import (
+    FORMAT,
+    Batch,
+    DamagedError,
+    as_line,
+    batch_of,
+    batch_record,
+    from_line,
+    header,
+)
 from compass.study.stages import Found
 
 FILE = "candidates.jsonl"
-FORMAT = 1
 
 
-def batch_record(stage: str, rows: NDArray, found: Found) -> dict[str, Any]:
-    """What is kept of a batch, as plain values."""
-    columns: dict[str, Any] = {name: rows[name].tolist() for name in ROW.names or ()}
-    columns["pattern"] = [PATTERNS[code] for code in columns["pattern"]]
-    return {
-        "stage": stage,
-        "candidates": columns,
-        "figures": {name: _plain(values) for name, values in found.figures.items()},
-        "errors": {str(k): text for k, text in found.errors.items()},
-        "seconds": round(found.seconds, 6),
-    }
+@dataclass(frozen=True)
+class Line:
+    """A line of a store's file: its number, what it says or why it is damaged, where it ends.
+
+    The first, which says whose the store is, has neither batch nor damage.
+    """
+
+    number: int
+    batch: Batch | None
+    damage: str
+    end: int
 
 
-def _plain(values: NDArray[np.float64]) -> list[float | str | None]:
-    """Values for JSON, which has neither nan (null) nor infinity (a word)."""
-    plain = values.astype(object)
-    plain[np.isnan(values)], plain[np.isinf(values)] = None, "inf"
-    return list(plain)
+def read_lines(path: Path, study: Study, start: int = 0) -> Iterator[Line]:
+    """Lines of a study's store, the first of them at byte `start`.
 
-
-def rows_of(record: dict[str, Any]) -> NDArray:
-    """Candidates of a stored batch, of dtype `ROW`."""
-    columns = record["candidates"]
-    rows = np.empty(len(columns["satellites"]), ROW)
-    for name in ROW.names or ():
-        values = columns[name]
-        rows[name] = [PATTERNS.index(v) for v in values] if name == "pattern" else values
-    return rows
-
-
-def figures_in(record: dict[str, Any]) -> dict[str, NDArray[np.float64]]:
-    """Figures of a stored batch, shape (n,) each; null is nan."""
-    return {
-        name: np.array([np.nan if v is None else float(v) for v in values])
-        for name, values in record["figures"].items()
-    }
-
-
-def read_lines(path: Path, start: int = 0) -> Iterator[tuple[dict[str, Any] | None, int]]:
-    """Objects of a store's file and where each line ends; None for a line that is damaged.
+    Where the first line is damaged, the others still say whose they are.
 
     Raises
     ------
     OutputError
         It cannot be read, or is not there any more.
+    ArgumentError
+        It is of another study or another version, or no line is of a store of this study.
     """
-    end = start
+    end, members, known = start, Members(study), start > 0
     try:
         with path.open("rb") as file:
             file.seek(start)
-            for line in file:
-                end += len(line)
-                yield _parse(line), end
+            for number, text in enumerate(file, start=1):
+                end += len(text)
+                batch, damage = None, ""
+                try:
+                    record = from_line(text)
+                    if end == len(text):
+                        check_header(record, study, path)
+                    else:
+                        batch = batch_of(record, study, members)
+                    known = True
+                except DamagedError as error:
+                    damage = str(error)
+                yield Line(number, batch, damage, end)
     except OSError as error:
         raise OutputError(f"{path}: cannot be read: {error.strerror}") from error
+    if end > start and not known:
+        raise ArgumentError(
+            f"{path}: not a store of candidates, or its first line is damaged and no other is of "
+            f"this study; {_REMEDY}"
+        )
 
 
-def _line(record: dict[str, Any]) -> bytes:
-    text = json.dumps(record, allow_nan=False, separators=(",", ":")).encode()
-    return b"%08x %s\n" % (crc32(text), text)
+_REMEDY = "give another folder (trade -o, report --store), or move this one away"
 
 
-def _parse(line: bytes) -> dict[str, Any] | None:
-    checksum, _, text = line[:-1].partition(b" ")
-    if not line.endswith(b"\n") or checksum != b"%08x" % crc32(text):
-        return None
-    found = json.loads(text)
-    return found if isinstance(found, dict) else None
-
-
-def header(study: Study) -> dict[str, Any]:
-    """First line of a store."""
-    return {
-        "format": FORMAT,
-        "version": compass.__version__,
-        "study": study.digest,
-        "name": study.name,
-    }
-
-
-def check_header(found: dict[str, Any] | None, study: Study, path: Path) -> None:
+def check_header(found: dict[str, Any], study: Study, path: Path) -> None:
     """Refuse a store of another study or of another version.
 
     Raises
     ------
     ArgumentError
-        It is; or the file is no store at all.
+        It is.
+    DamagedError
+        The line is no first line of a store.
     """
-    remedy = "give another folder (trade -o, report --store), or move this one away"
-    if found is None or "format" not in found:
-        raise ArgumentError(
-            f"{path}: not a store of candidates, or its first line is damaged; {remedy}"
-        )
+    if set(found) != set(header(study)) or not all(
+        type(found[key]) is type(value) for key, value in header(study).items()
+    ):
+        raise DamagedError("not a first line of a store")
     if found["format"] != FORMAT or found["version"] != compass.__version__:
         raise ArgumentError(
-            f"{path}: made by compass {found['version']}, this is {compass.__version__}, whose "
-            f"numbers may differ; {remedy}, or go on with that version"
+            f"{path}: made by compass {found['version']:.20}, format {found['format']}, this is "
+            f"{compass.__version__}, format {FORMAT}, whose numbers may differ; {_REMEDY}, or go "
+            "on with that version"
         )
     if found["study"] != study.digest:
         raise ArgumentError(
-            f"{path}: the store of another study ({found['name']!r}, or {study.label} or a file "
-            f"that it names has changed since); {remedy}"
+            f"{path}: the store of another study ({found['name']!r:.80}, or {study.label} or a "
+            f"file that it names has changed since); {_REMEDY}"
         )
 
 
@@ -147,7 +131,8 @@ class Store:
     done
         Identities of the candidates that each stage has finished.
     damaged
-        Lines that were torn or spoilt, and ignored: their candidates are computed again.
+        Lines that were torn or spoilt, or that no run has written, with why; they are ignored, and
+        their candidates computed again.
 
     Raises
     ------
@@ -160,7 +145,8 @@ class Store:
     def __init__(self, folder: Path, study: Study) -> None:
         self.path = folder / FILE
         self.done: dict[str, set[str]] = {}
-        self.damaged = 0
+        self.damaged: list[str] = []
+        self._study = study
         self._end = 0
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -195,21 +181,19 @@ class Store:
 
     def _open(self, study: Study) -> None:
         """Learn what is there, and drop what is after the last good line."""
-        first = _line(header(study))
+        first = as_line(header(study))
         beginning = os.pread(self._file, len(first), 0)
         if len(beginning) < len(first) and first.startswith(beginning):
             self._truncate()  # new, or killed while its first line was written
             self._append(header(study))
             return
-        for number, (record, end) in enumerate(read_lines(self.path)):
-            if number == 0:
-                check_header(record, study, self.path)
-            elif record is None:
-                self.damaged += 1
-            else:
-                self._note(record["stage"], rows_of(record))
-            if record is not None:
-                self._end = end
+        for line in read_lines(self.path, study):
+            if line.damage:
+                self.damaged.append(f"line {line.number}: {line.damage}")
+                continue
+            if line.batch is not None:
+                self._note(line.batch.stage, line.batch.rows)
+            self._end = line.end
         self._truncate()  # or the rest would spoil the next line
 
     def _truncate(self) -> None:
@@ -223,12 +207,12 @@ class Store:
 
     def add(self, stage: str, rows: NDArray, found: Found) -> None:
         """Store a finished batch; it is on the disk when this returns."""
-        self._append(batch_record(stage, rows, found))
+        self._append(batch_record(self._study, stage, rows, found))
         self._note(stage, rows)
 
     def _append(self, record: dict[str, Any]) -> None:
         self._check_place()
-        line = _line(record)
+        line = as_line(record)
         try:
             written = 0
             while written < len(line):
@@ -258,11 +242,11 @@ class Store:
         """Candidates that have been through the first stage."""
         return len(self.done.get("screen", ()))
 
-    def records(self, stage: str) -> Iterator[dict[str, Any]]:
+    def batches(self, stage: str) -> Iterator[Batch]:
         """Stored batches of a stage."""
-        for record, _ in read_lines(self.path):
-            if record is not None and record.get("stage") == stage:
-                yield record
+        for line in read_lines(self.path, self._study):
+            if line.batch is not None and line.batch.stage == stage:
+                yield line.batch
 
     def close(self) -> None:
         """Give the store free."""

@@ -16,8 +16,8 @@ from compass.inputs.merit import MERITS, STAGES
 from compass.inputs.study import Study
 from compass.study.candidates import ROW, batches, candidates, described, identities
 from compass.study.pareto import best
-from compass.study.stages import passing
-from compass.study.store import Store, figures_in, rows_of
+from compass.study.stages import figures_of, passing
+from compass.study.store import Store
 from compass.study.workers import Workers
 
 #: Candidates left out that are named.
@@ -54,7 +54,8 @@ class Summary:
     reached, computed, failed
         By stage: candidates that came to it; of these computed in this run; raised an error.
     unfinished
-        Candidates left out because their workers died; the same command tries them again.
+        Candidates left out because their workers died or had too little memory; the same command
+        tries them again.
     lethal
         What the first few of these are.
     seconds
@@ -122,10 +123,12 @@ def _stage(
     computed, failed = 0, 0
     with bars(stage, total or 0, already) if bars else _Silent() as bar:
         for batch, found in workers.run(stage, missing):
-            if found is None:
-                summary.unfinished += batch.size
-                summary.lethal = [*summary.lethal, *map(described, batch)][:NAMED]
+            lost = batch if found is None else batch[list(found.left)]
+            summary.unfinished += lost.size
+            summary.lethal = [*summary.lethal, *map(described, lost[:NAMED])][:NAMED]
+            if lost.size == batch.size or found is None:
                 continue
+            batch, found = found.without_left(batch) if lost.size else (batch, found)
             store.add(stage, batch, found)
             computed += batch.size
             failed += len(found.errors)
@@ -160,13 +163,13 @@ def _missing(rows: Iterable[NDArray], done: set[str]) -> Iterator[NDArray]:
 def passed(study: Study, store: Store, stage: str) -> NDArray:
     """Candidates that meet every constraint up to and with this stage, in the order of rows."""
     found = [np.empty(0, ROW)]
-    for record in store.records(stage):
-        figures = figures_in(record)
+    for batch in store.batches(stage):
+        figures = batch.found.figures
         keep = passing(study, stage, figures)
         if stage == "screen":
             keep &= passing(study, "cost", figures)
-        keep[[int(k) for k in record["errors"]]] = False
-        found.append(rows_of(record)[keep])
+        keep[list(batch.found.errors)] = False
+        found.append(batch.rows[keep])
     return np.unique(np.concatenate(found))
 
 
@@ -193,15 +196,12 @@ def gather(store: Store, keys: list[str], names: set[str]) -> dict[str, NDArray[
     place = {key: k for k, key in enumerate(keys)}
     found = {name: np.full(len(keys), np.nan) for name in names}
     for stage in STAGES[1:]:
-        for record in store.records(stage):
-            own = names & set(record["figures"])
-            if not own:
-                continue
-            figures = figures_in(record)
-            ids = identities(rows_of(record))
+        own = names & set(figures_of(stage))
+        for batch in store.batches(stage) if own else ():
+            ids = identities(batch.rows)
             pairs = [(place[key], k) for k, key in enumerate(ids) if key in place]
             if pairs:
                 there, here = np.array(pairs).T
                 for name in own:
-                    found[name][there] = figures[name][here]
+                    found[name][there] = batch.found.figures[name][here]
     return found

@@ -10,6 +10,7 @@ through, its candidates are tried one by one. Only one that kills again comes ba
 import os
 import signal
 import threading
+import time
 from collections import deque
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -27,6 +28,11 @@ ATTEMPTS = 3
 
 #: Batches that a process has at once: one that it works on, and one so that it need not wait.
 HELD = 2
+
+#: Seconds between two signs of life of a process, and for how long one that gives none is waited
+#: for: a stopped process is not dead, and would be waited for without end. A process that works
+#: gives its signs beside its work; until the first it is loading what it needs.
+BEAT, SILENCE, LOADING = 5.0, 60.0, 600.0
 
 Result = tuple[NDArray, Found | None]
 
@@ -60,21 +66,28 @@ class Here:
         """Nothing to let go."""
 
 
-def _serve(end: connection.Connection, study: Study) -> None:
-    """Work in a process of its own: leave ^C to the client, and end when it ends."""
+def _serve(end: connection.Connection, study: Study, beat: float) -> None:
+    """Work in a process of its own: leave ^C to the client, give signs of life, end with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = parent_process()
+    parent, sending = parent_process(), threading.Lock()
     assert parent is not None
 
+    def send(what: Found | None) -> None:
+        with sending:
+            end.send(what)
+
     def watch() -> None:
-        connection.wait([parent.sentinel])
+        with suppress(OSError):  # the client is gone
+            send(None)
+            while not connection.wait([parent.sentinel], timeout=beat):
+                send(None)
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
     try:
         while True:
             stage, rows = end.recv()
-            end.send(evaluate(stage, study, rows))
+            send(evaluate(stage, study, rows))
     except (EOFError, OSError):
         pass  # the client is gone
 
@@ -96,9 +109,10 @@ class _Process:
     def __init__(self, study: Study) -> None:
         context = get_context("spawn")
         self.held: deque[tuple[NDArray, int]] = deque()
+        self.silent, self.heard = 0.0, False  # for so many seconds; and whether ever
         try:
             self.end, its = context.Pipe()
-            self._process = context.Process(target=_serve, args=(its, study), daemon=True)
+            self._process = context.Process(target=_serve, args=(its, study, BEAT), daemon=True)
             with _interrupts_held_back():
                 self._process.start()
         except OSError as error:  # too many open files or processes
@@ -108,6 +122,11 @@ class _Process:
             ) from error
         its.close()  # so that its death is the end of the connection
 
+    @property
+    def is_lost(self) -> bool:
+        """Whether it has been silent for too long."""
+        return self.silent >= (SILENCE if self.heard else LOADING)
+
     def give(self, stage: str, rows: NDArray, deaths: int) -> None:
         """Add a batch to what it has."""
         self.held.append((rows, deaths))
@@ -115,11 +134,17 @@ class _Process:
             self.end.send((stage, rows))
 
     def take(self) -> Found | None:
-        """What it found of the first batch that it has; None if it died."""
+        """What it found of the first batch that it has; None for a sign of life.
+
+        Raises
+        ------
+        OSError
+            It died.
+        """
         try:
-            found: Found = self.end.recv()
-        except (EOFError, OSError):
-            return None
+            found: Found | None = self.end.recv()
+        except EOFError as error:
+            raise BrokenPipeError from error
         return found
 
     def stop(self) -> str:
@@ -142,7 +167,7 @@ class Processes:
         self.count = count
         self._study = study
         self._team: list[_Process] = []  # begun when there is something to do
-        self._deaths, self._proven = 0, False
+        self._deaths, self._proven, self._round = 0, False, time.monotonic()
 
     def run(self, stage: str, batches: Iterable[NDArray]) -> Iterator[Result]:
         """As `Workers.run`.
@@ -166,14 +191,17 @@ class Processes:
             ends: dict[Any, _Process] = {w.end: w for w in self._team if w.held}
             if not ends:
                 return
-            for end in connection.wait(list(ends)):
-                worker = ends[end]
-                found = worker.take()
-                rows, deaths = worker.held.popleft()
-                if found is not None:
+            for worker in self._heard(ends):
+                try:
+                    if worker.is_lost:
+                        raise TimeoutError
+                    if (found := worker.take()) is None:
+                        continue
                     self._proven = True
-                    yield rows, found
+                    yield worker.held.popleft()[0], found
                     continue
+                except OSError:
+                    rows, deaths = worker.held.popleft()
                 again += worker.held  # which are not to blame
                 self._bury(worker)
                 if deaths + 1 < ATTEMPTS:
@@ -182,6 +210,20 @@ class Processes:
                     again += [(rows[k : k + 1], ATTEMPTS - 1) for k in range(rows.size)]
                 else:
                     yield rows, None
+
+    def _heard(self, ends: dict[Any, _Process]) -> list[_Process]:
+        """Those that say something, or have been silent too long.
+
+        Time for which this process was stopped itself, as with all of a terminal, is none in which
+        others were silent: a round counts for no more than it may wait.
+        """
+        ready = connection.wait(list(ends), timeout=BEAT)
+        now = time.monotonic()
+        passed, self._round = min(now - self._round, BEAT), now
+        for end, worker in ends.items():
+            worker.silent = 0.0 if end in ready else worker.silent + passed
+            worker.heard |= end in ready
+        return [worker for end, worker in ends.items() if end in ready or worker.is_lost]
 
     def _freest(self) -> _Process:
         """The worker with the least to do, a new one if all have something."""
@@ -198,8 +240,9 @@ class Processes:
         self._deaths += 1
         if not self._proven and self._deaths >= ATTEMPTS * (self.count + 1):
             raise CompassError(
-                f"worker processes die before they find anything ({how}); --workers 1 shows what "
-                "they die of; every finished candidate is stored"
+                f"worker processes die before they find anything ({how}); see whether the system "
+                "has killed them for their memory, and give fewer with --workers; every finished "
+                "candidate is stored"
             )
 
     def close(self) -> None:

@@ -8,11 +8,12 @@ import pytest
 from compass.core.entry_dynamics import entry_rates, rk4_step
 from compass.core.entry_geometry import cartesian, cartesian_jacobian
 from compass.entry.atmosphere import Atmosphere
-from compass.entry.beacons import Measurements, surface_beacons
-from compass.entry.fisher import initial_covariance
+from compass.entry.beacons import surface_beacons
+from compass.entry.covariance import axes_covariance
 from compass.entry.model import EntryModel
 from compass.entry.navigation import Filter, run_monte_carlo
 from compass.entry.observability import observability
+from compass.entry.schedule import Measurements
 from compass.entry.trajectory import fly
 from compass.entry.vehicle import Vehicle
 
@@ -117,13 +118,11 @@ def test_monte_carlo_of_500_runs_and_240_steps(benchmark, case):
     model, flight, beacons = case
     measurements = Measurements(50.0)
     taken = measurements.taken(np.ones((241, 3), bool), flight.times)
-    covariance0 = initial_covariance(flight.states[0], 1000.0, 0.5)
+    covariance0 = axes_covariance(1000.0, 0.5)
     settings = Filter(covariance0, np.zeros(6))
 
     def runs():
-        return run_monte_carlo(
-            model, flight.states[0], beacons, taken, measurements, settings, runs=500
-        )
+        return run_monte_carlo(model, flight, beacons, taken, measurements, settings, runs=500)
 
     assert not benchmark(runs).diverged.any()
     seconds = best_of(runs, 3)

@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compass.entry.beacons import in_view, orbiting_beacons
-from compass.entry.fisher import cramer_rao_bound
+from compass.entry.beacons import orbiting_beacons
+from compass.entry.schedule import in_view
 from compass.frames import prime_meridian_angle
 from compass.inputs import read_design
 from compass.inputs.scenario import read_scenario
 from compass.orbits import states_mci, walker_delta
+from compass.papers.yu2018_filter import cramer_rao_bound
 from compass.study import judge as module
 from compass.study.judge import campaign_of, judge, judge_entries
 

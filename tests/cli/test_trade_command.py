@@ -7,7 +7,7 @@ import pytest
 
 from compass.pages import trade_pictures
 from compass.study import stages
-from compass.study.workers import Here
+from compass.study.workers import Here, Processes
 
 STUDY = """
 name = "Tiny <study>"
@@ -109,8 +109,9 @@ def test_candidates_that_raise_say_why(study, run, monkeypatch):
     def broken(study, rows):
         raise ZeroDivisionError("by nothing")
 
-    monkeypatch.setitem(stages.FINDERS, "map", broken)
-    status, out, err = run("trade", study(), "--workers", 1, "--json")
+    monkeypatch.setitem(stages.FINDERS, "map", broken)  # which a process of its own would not see
+    monkeypatch.setattr("compass.study.workers.Processes", lambda study, _: Here(study))
+    status, out, err = run("trade", study(), "--json")
     assert status == 1 and json.loads(out)["feasible"] == 0
     count = json.loads(out)["failed"]["map"]
     assert f"{count} candidate(s) raised an error" in err
@@ -208,19 +209,19 @@ def test_a_lander_that_cannot_be_judged_is_refused_at_once(study, run, tmp_path,
 
 
 def test_candidates_whose_workers_died_are_named(study, run, monkeypatch):
-    honest = Here.run
+    honest = Processes.run
 
     def lose_the_first(self, stage, batches):
         for k, (rows, found) in enumerate(honest(self, stage, batches)):
             yield rows, None if stage == "map" and k == 0 else found
 
-    monkeypatch.setattr(Here, "run", lose_the_first)
+    monkeypatch.setattr(Processes, "run", lose_the_first)
     status, out, err = run("trade", study(), "--workers", 1, "--json")
     result = json.loads(out)
     assert status == 1 and result["unfinished"] > len(result["lethal"]) == 5
     assert f"{result['unfinished']} candidate(s) left out, whose workers died" in err
     assert re.search(r"\n  walker-\w+ \d/\d/\d at \d+ deg, radius [\d.]+ km, mask 5 deg\n", err)
     assert err.endswith("\n  ...\n")
-    monkeypatch.setattr(Here, "run", honest)
+    monkeypatch.setattr(Processes, "run", honest)
     status, _, err = run("trade", study(), "--workers", 1)
     assert status == 0 and "left out" not in err

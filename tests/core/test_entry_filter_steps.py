@@ -57,7 +57,9 @@ def run(filter_settings: FilterSettings, count, z=Z, arrived=None, alive=None, a
     for k in range(1, count + 1):
         here = np.ones(7, bool) if arrived is None else arrived[k]
         works = np.ones(4, bool) if alive is None else alive[k]
-        epoch = Epoch(belief.p, CASE.beacons.r[k], z[k], here, works, kernel_settings.gate)
+        epoch = Epoch(
+            belief.p, belief.p, CASE.beacons.r[k], z[k], here, works, kernel_settings.gate
+        )
         ok = ok and steps.step(number, kernel_settings, epoch, bank, work)
     return bank, ok
 
@@ -210,7 +212,9 @@ def test_without_feedback_a_subsystem_comes_back_from_the_fused_estimate():
     _, s, belief = paper.recommended_filter("ekf").kernel_arguments(1.0)
     work = make_work(8, 8, 4, 7)
     only_its_own = np.array([True, True, True, False, True, False, False])
-    epoch = Epoch(belief.p, CASE.beacons.r[4], NOISY[4], only_its_own, np.ones(4, bool), np.inf)
+    epoch = Epoch(
+        belief.p, belief.p, CASE.beacons.r[4], NOISY[4], only_its_own, np.ones(4, bool), np.inf
+    )
     assert steps.step(steps.EKF, s, epoch, before, work)
     sigma = np.sqrt(np.diag(before.P))
     assert np.abs((after.local_x[1] - before.x) / sigma).max() < 1e-9
@@ -225,7 +229,7 @@ def test_a_covariance_that_is_none_is_said(algorithm, bad):
     for matrix in (bank.P, bank.local_cov, bank.Y):
         matrix *= bad
     works, here = np.ones(4, bool), np.ones(7, bool)
-    epoch = Epoch(belief.p, CASE.beacons.r[2], NOISY[2], here, works, np.inf)
+    epoch = Epoch(belief.p, belief.p, CASE.beacons.r[2], NOISY[2], here, works, np.inf)
     assert not steps.step(algorithm, s, epoch, bank, make_work(8, 8, 4, 7))
 
 

@@ -75,7 +75,7 @@ def test_map_equals_brute_force_in_every_cell(mask_deg):
     seen = view(seed(), np.linspace(0, 5e4, 3), R, Mask.constant(np.radians(mask_deg)))
     counts, dops = brute(seen, COARSE, mask_deg)
     np.testing.assert_array_equal(count_map(seen, COARSE), counts)
-    made = coverage_map(seen, COARSE, period=9e4)
+    made = coverage_map(seen, COARSE)
     np.testing.assert_array_equal(made.count_min, counts.min(0))
     np.testing.assert_array_equal(made.count_max, counts.max(0))
     np.testing.assert_allclose(made.count_mean, counts.mean(0), rtol=1e-6)
@@ -92,7 +92,7 @@ def test_map_equals_brute_force_in_every_cell(mask_deg):
 def test_global_numbers_are_weighted_by_area():
     seen = view(seed(), np.linspace(0, 5e4, 4), R)
     counts, dops = brute(seen, COARSE)
-    made = coverage_map(seen, COARSE, period=9e4)
+    made = coverage_map(seen, COARSE)
     weight = np.broadcast_to(COARSE.cell_share[None, :, None] / 4, counts.shape)
     assert float(made.global_count_mean) == pytest.approx((counts * weight).sum(), rel=1e-12)
     for k in (4, 6, 8):
@@ -118,7 +118,7 @@ def test_global_numbers_are_weighted_by_area():
 @pytest.mark.slow
 def test_mean_fold_is_the_sum_of_the_caps():
     seen = view(seed(), np.arange(8) * 11000.0, R)
-    made = coverage_map(seen, equal_angle_grid(np.radians(1.0)), period=88000.0)
+    made = coverage_map(seen, equal_angle_grid(np.radians(1.0)))
     expected = 15 * (1 - np.cos(np.radians(80.429542))) / 2
     assert float(made.global_count_mean) == pytest.approx(expected, abs=1e-3)
 
@@ -141,34 +141,15 @@ def test_turning_every_node_turns_the_map(columns):
 
 def test_number_of_threads_does_not_change_a_bit():
     seen = view(seed(), np.linspace(0, 5e4, 3), R)
-    one, other = (coverage_map(seen, COARSE, period=9e4, workers=n) for n in (1, 3))
+    one, other = (coverage_map(seen, COARSE, workers=n) for n in (1, 3))
     xr.testing.assert_identical(one, other)
-
-
-def test_gaps_and_response_time_of_one_satellite_in_view_half_the_time():
-    # a low satellite over the equator, in and out of view every hour or so
-    c = keplerian(6e6, 0, 0.0, 0.0, 0, 0.0)
-    period = 8.0 * 3600
-    seen = view(c, np.arange(8) * 3600.0, R)
-    made = coverage_map(seen, COARSE, period=period, fold=1)
-    counts = count_map(seen, COARSE)
-    i, j = np.argwhere((counts.sum(0) > 0) & (counts.sum(0) < 8))[0]
-    series = counts[:, i, j]
-    start = int(np.flatnonzero(series)[0])
-    runs = [len(r) for r in "".join(map(str, np.roll(series, -start))).split("1") if r]
-    cell = made.isel(lat=i, lon=j)
-    assert float(cell.longest_gap) == max(runs) * 3600
-    assert float(cell.mean_gap) == pytest.approx(np.mean(runs) * 3600)
-    assert float(cell.mean_response_time) == pytest.approx(sum(r * r for r in runs) / 16 * 3600)
-    never = made.where(made.count_max == 0).longest_gap
-    assert np.isinf(never.values[~np.isnan(never.values)]).all()
 
 
 def test_azimuth_dependent_mask_equals_sites_one_by_one():
     mask = Mask(tuple(np.radians([0, 90, 180, 270])), tuple(np.radians([5.0, 25, 5, 15])))
     times = np.array([0.0, 4000.0])
     seen = view(seed(), times, R, mask)
-    made = coverage_map(seen, COARSE, period=8e3)
+    made = coverage_map(seen, COARSE)
     for i, j in [(0, 0), (3, 11), (6, 20), (11, 5)]:
         site = Site(
             "x",
@@ -216,7 +197,7 @@ def test_draims_four_satellites_cover_mars_always_and_just_so(designs):
 )
 def test_impossible_options_are_refused(options, message):
     with pytest.raises(ArgumentError, match=message):
-        coverage_map(view(seed(), [0.0], R), COARSE, period=1.0, **options)
+        coverage_map(view(seed(), [0.0], R), COARSE, **options)
 
 
 @pytest.mark.parametrize("figure", list(FIGURES.values()), ids=lambda f: f.name)
@@ -224,7 +205,7 @@ def test_file_is_cf_with_mars_as_grid_mapping(tmp_path, figure):
     from pyproj import CRS
 
     seen = view(seed(), [0.0, 9000.0], R)
-    made = coverage_map(seen, COARSE, period=18000.0)
+    made = coverage_map(seen, COARSE)
     path = tmp_path / "map.nc"
     write_map(made, path, figure, series=(seen, COARSE))
     with xr.open_dataset(path, engine="h5netcdf") as back:

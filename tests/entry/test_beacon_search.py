@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from compass.core.entry_search import minimum_degree, position_series
-from compass.entry.beacons import Measurements, in_view, orbiting_beacons, surface_beacons
+from compass.entry.beacons import orbiting_beacons, surface_beacons
 from compass.entry.best_ground import best_ground_beacons
 from compass.entry.best_orbiters import best_orbiters
-from compass.entry.fisher import initial_covariance
+from compass.entry.covariance import axes_covariance
 from compass.entry.observability import observability
+from compass.entry.schedule import Measurements, in_view
 from compass.entry.trajectory import fly
 from compass.entry.visible_area import VisibleArea, horizon
 from compass.errors import ArgumentError
@@ -100,8 +101,8 @@ def test_threads_do_not_change_a_search(short_flight):
     assert len(ticks) == 2
 
 
-def test_bound_trace_is_smaller_for_more_beacons(short_flight, table2):
-    covariance0 = initial_covariance(table2, 1000.0, 0.5)
+def test_bound_trace_is_smaller_for_more_beacons(short_flight):
+    covariance0 = axes_covariance(1000.0, 0.5)
     values = [
         best_ground_beacons(
             short_flight,

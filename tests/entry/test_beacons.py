@@ -6,15 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compass.core.entry_geometry import cartesian_of
-from compass.entry.beacons import (
-    Beacons,
-    Measurements,
-    above_horizon,
-    check_apart,
-    in_view,
-    orbiting_beacons,
-    surface_beacons,
-)
+from compass.entry.beacons import Beacons, orbiting_beacons, surface_beacons
+from compass.entry.schedule import Measurements, above_horizon, check_apart, in_view
 from compass.errors import ArgumentError
 from compass.orbits import keplerian, states_mci
 
@@ -58,13 +51,30 @@ def test_below_the_sphere_a_lander_still_has_a_sky():
     assert in_view(high, state, RADIUS).all()
 
 
-def test_mask_hides_the_low_sky_of_surface_beacons_only():
+def test_mask_hides_the_low_sky_of_surface_beacons():
     state = np.array([[RADIUS + 50e3, 0.1, 0.0, 1.0, 0.0, 0.0]])
     beacon = surface_beacons(0.0, [0.0, 0.0999], [0.0], planet_radius=RADIUS)
     assert in_view(beacon, state, RADIUS).tolist() == [[True, True]]
-    assert in_view(beacon, state, RADIUS, np.radians(30.0)).tolist() == [[False, True]]
-    moving = Beacons(beacon.names, beacon.times, beacon.r, beacon.v, np.array([True, True]))
-    assert in_view(moving, state, RADIUS, np.radians(30.0)).all()
+    masked = beacon.above(np.radians(30.0))
+    assert in_view(masked, state, RADIUS).tolist() == [[False, True]]
+    both = beacon.with_others(masked).chosen([0, 2])
+    assert in_view(both, state, RADIUS).tolist() == [[True, False]]
+    with pytest.raises(ArgumentError, match="masks: 1 for 2 beacons"):
+        Beacons(*(getattr(beacon, n) for n in ("names", "times", "r", "v", "moving")), np.ones(1))
+
+
+def test_mask_hides_satellites_near_the_limb():
+    """A satellite so far over the lander's limb, found by angles between directions."""
+    height, mask = 60e3, np.radians(30.0)
+    state = np.array([[RADIUS + height, 0.0, 0.0, 1.0, 0.0, 0.0]])
+    limb = np.pi / 2 - np.arcsin(RADIUS / (RADIUS + height))  # below the horizontal
+    for over, seen in ((mask - 1e-6, False), (mask + 1e-6, True)):
+        elevation = over - limb
+        line = 1e7 * np.array([np.sin(elevation), np.cos(elevation), 0.0])
+        place = np.array([RADIUS + height, 0.0, 0.0]) + line
+        one = Beacons(("o",), np.zeros(1), place[None, None], np.zeros((1, 1, 3)), np.ones(1, bool))
+        assert in_view(one.above(mask), state, RADIUS).all() == seen
+        assert in_view(one, state, RADIUS).all()
 
 
 def test_orbiters_turn_backwards_in_mars_fixed_axes():

@@ -5,7 +5,7 @@ import pytest
 
 from compass.entry.arrivals import Arrivals, draw_arrivals
 from compass.entry.campaign import fly_campaign, vehicle_axes
-from compass.entry.fisher import initial_covariance
+from compass.entry.covariance import axes_covariance
 from compass.entry.trajectory import Trigger, fly
 from compass.errors import ArgumentError
 
@@ -14,7 +14,7 @@ TIMES = np.arange(0.0, 41.0, 2.0)
 
 @pytest.fixture
 def start(table5):
-    return table5, initial_covariance(table5, 1000.0, 0.5)
+    return table5, axes_covariance(1000.0, 0.5)
 
 
 def test_arrivals_are_even_and_reproducible():

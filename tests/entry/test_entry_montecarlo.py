@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compass.entry.accuracy import error_ellipse
 from compass.entry.beacons import Beacons
-from compass.entry.consistency import error_ellipse, nees_bounds
+from compass.entry.consistency import nees_bounds
 from compass.entry.faults import Fault
 from compass.entry.filters import DivergenceError, FilterSettings, run_filter
 from compass.entry.montecarlo import BLOCK, monte_carlo

@@ -64,6 +64,15 @@ def test_a_gravity_file_stands_beside_the_design(tmp_path):
     assert np.degrees(forces.field.meridian) == pytest.approx(-0.238)
 
 
+def test_motions_compare_by_value():
+    one, two = (with_motion('model = "numerical"') for _ in range(2))
+    assert (one == two) and hash(one) == hash(two)
+    assert one != with_motion('model = "numerical"\ngravity_degree = 7')
+    paths = [one.trajectory(read_design_text(DESIGN).constellation, 0.0, 1e4) for _ in range(2)]
+    assert paths[0] == paths[1] and hash(paths[0]) == hash(paths[1])
+    assert paths[0] != one
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -5,6 +5,7 @@ from compass import areosynchronous_radius, ephemeris, walker_delta
 from compass.bodies import MARS_GM, MARS_J2, MARS_ROTATION_RATE, sidereal_day
 from compass.errors import ArgumentError
 from compass.frames import latitude_longitude
+from compass.inputs import read_design
 from compass.orbits import keplerian, orbital_period, positions_mcmf, repeat_period, states_mci
 from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import built_in_field
@@ -161,3 +162,30 @@ def test_ephemeris_is_a_dataset_with_units():
 def test_unknown_model_is_refused():
     with pytest.raises(ArgumentError, match="allowed two-body, j2, numerical"):
         states_mci(one(), [0.0], "sgp4")
+
+
+def test_a_repeat_misses_in_the_sky_not_in_mean_anomaly(designs):
+    """Draim's four: 19.49 deg of mean anomaly are 34.41 deg where the satellite is fastest."""
+    c = read_design(designs / "draim-four.toml").constellation
+    repeat = repeat_period(c)
+    assert np.degrees(repeat.closure) == pytest.approx(34.41, abs=0.005)
+    starts = np.linspace(0, 2 * np.pi / c.mean_motion[0], 4001)
+    worst = 0.0
+    for shift in range(c.size):
+        here, _ = states_mci(c, starts)
+        there, _ = states_mci(c, starts + repeat.duration)
+        one, two = here[shift], there[shift]
+        cosine = (one * two).sum(-1) / np.linalg.norm(one, axis=-1) / np.linalg.norm(two, axis=-1)
+        worst = max(worst, np.degrees(np.arccos(np.clip(cosine, -1, 1))).max())
+    assert np.degrees(repeat.closure) == pytest.approx(worst, abs=0.01)
+
+
+def test_a_repeat_has_a_revolution_in_it():
+    """An orbit of 57 sols: one rotation of Mars, and no revolution, was a repeat."""
+    period = 57 * sidereal_day()
+    axis = (MARS_GM.value * (period / (2 * np.pi)) ** 2) ** (1 / 3)
+    repeat = repeat_period(one(a=axis, e=0.4))
+    assert (repeat.sidereal_days, repeat.revolutions) == (57, 1)
+    assert repeat.closure < 1e-6
+    mixed = keplerian([axis, 1e7], [0.4, 0.0], 1.0, 0.0, 0.0, 0.0)
+    assert repeat_period(mixed).sidereal_days >= 29

@@ -6,12 +6,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compass.api.land_flight import assess_scenario, entry_facts, entry_section
+from compass.api.land_flight import (
+    assess_scenario,
+    check_cost,
+    entry_facts,
+    entry_section,
+)
 from compass.api.optimize import OptimizeResult, search_scenario
 from compass.document import Table
+from compass.entry.consistency import consistency
 from compass.entry.search import Optimum, Start
 from compass.entry.trajectory import fly
-from compass.errors import OutputError
+from compass.errors import ArgumentError, OutputError
 from compass.inputs.scenario import read_scenario, read_scenario_text
 from compass.pictures.files import check_folder, write_pictures
 
@@ -57,36 +63,33 @@ def test_longitudes_stay_within_a_turn():
     assert entry_section(east, found).tables[0].rows[0][-1] == event["longitude_deg"]
 
 
-def test_diverged_runs_are_mentioned(coarse):
+def test_what_makes_a_filter_inconsistent_is_told_first(coarse):
     found = assess_scenario(coarse, 4)
-    lost = replace(found.monte_carlo, diverged=np.array([True, False, False, False]))
-    section = entry_section(coarse, replace(found, monte_carlo=lost))
-    assert any("1 of 4 runs diverged" in words for words in section.paragraphs)
-
-
-def test_runs_whose_covariance_breaks_are_mentioned(coarse):
-    found = assess_scenario(coarse, 4)
-    nees = found.monte_carlo.nees.copy()
+    mc, times = found.monte_carlo, found.flight.times
+    nees = mc.nees.copy()
     nees[2, 5:] = np.nan
-    broken = replace(found, monte_carlo=replace(found.monte_carlo, nees=nees))
-    assert any("In 1 of 4 runs" in words for words in entry_section(coarse, broken).paragraphs)
-    assert entry_facts(coarse, broken)["navigation"]["broken"] == 1
-    assert entry_facts(coarse, found)["navigation"]["broken"] == 0
+    for change, words in (
+        ({"diverged": np.array([True, False, False, False])}, "1 of 4 runs diverged"),
+        ({"nees": nees}, "in 1 of 4 runs its covariance did not stay positive definite"),
+        ({"nees": 40 * mc.nees}, "times what it claims"),
+        ({"nees": 1e-3 * mc.nees}, "too cautious"),
+        ({"diverged": np.ones(4, bool)}, "all 4 runs diverged"),
+    ):
+        runs = replace(mc, **change)
+        judged = consistency(runs.nees, times, 6, runs.diverged)
+        off = replace(found, monte_carlo=runs, consistency=judged)
+        first, _, second, *_ = entry_section(coarse, off).paragraphs
+        assert "no accuracy is claimed" in first
+        assert second.startswith("The filter is inconsistent") and words in second
+        facts = entry_facts(coarse, off)
+        assert facts["landing"]["claim_m"] is None
+        assert facts["consistency"]["consistent"] is False
 
 
-@pytest.mark.parametrize(("latitude", "mentioned"), [(-28.22, False), (89.99, True)])
-def test_a_pole_is_mentioned(latitude, mentioned):
-    text = (DESIGNS / "landing.toml").read_text()
-    text = text.replace("duration_s = 320", "duration_s = 20\nstep_s = 5")
-    text = text.replace('[beacons]\ndesign = "compass-15-5-1.toml"\n', "")
-    scenario = read_scenario_text(
-        text.replace("latitude_deg = -28.22", f"latitude_deg = {latitude}")
-    )
-    found = assess_scenario(scenario, 4)
-    said = any(
-        "from the polar axis" in words for words in entry_section(scenario, found).paragraphs
-    )
-    assert said is mentioned
+def test_cost_is_known_before(coarse):
+    assert check_cost(coarse, 4) < 1
+    with pytest.raises(ArgumentError, match="would take about"):
+        check_cost(replace(coarse, times=np.arange(100_000.0)), 100_000)
 
 
 @pytest.mark.slow
@@ -125,7 +128,5 @@ def test_pictures_into_impossible_places(tmp_path, monkeypatch):
 
 
 def test_scenarios_have_no_search_unless_they_say_so():
-    from compass.errors import ArgumentError
-
     with pytest.raises(ArgumentError, match=r"no \[optimize\] table"):
         search_scenario(read_scenario(DESIGNS / "entry-compass.toml"))

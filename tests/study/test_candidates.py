@@ -1,10 +1,12 @@
 """Candidates: the grid against plain loops, samples inside the space, identities that stay."""
 
 import struct
+import tracemalloc
 from dataclasses import replace
 from fractions import Fraction
 from hashlib import blake2b
 from itertools import product
+from math import gcd
 
 import numpy as np
 import pytest
@@ -17,6 +19,7 @@ from compass.study.candidates import (
     ROW,
     Grid,
     Listed,
+    Members,
     batches,
     blocks,
     candidates,
@@ -159,6 +162,65 @@ def test_points_of_the_cube_one_by_one(tiny):
         size = one([4, 6, 9], u[1])
         block = one([b for b in choices if (b.pattern, b.satellites) == (kind, size)], u[2])
         assert tuple(row) == (
-            kind, size, block.planes, one(block.phasings, u[3]),
+            kind, size, block.planes, one([f for f in range(block.planes) if f in block.phasings], u[3]),
             one(space.inclination_deg, u[4]), one(space.radius_km, u[5]), one(space.mask_deg, u[6]),
         )  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["walker-delta", "walker-star", "rosette"])
+@pytest.mark.parametrize("given", ["", "phasing = [0, 2, 3, 7]"])
+def test_phasings_are_those_of_the_definition(kind, given):
+    """A rosette's numerator is prime to t/p, as Ballard has it; any of f + kp will do."""
+    many = study(patterns=f'["{kind}"]', satellites="{least = 1, most = 40}", more=given)
+    found = candidates(many)
+    rows = found.rows(0, len(found))[:: found.each]
+    wanted = [
+        (t, p, f)
+        for t in range(1, 41)
+        for p in range(1, t + 1)
+        if t % p == 0
+        for f in range(p)
+        if (not given or f in (0, 2, 3, 7))
+        and (kind != "rosette" or any(gcd(c, t // p) == 1 for c in range(f, t, p)))
+    ]
+    assert rows[["satellites", "planes", "phasing"]].tolist() == wanted
+    members = Members(many)
+    assert members.have(found.rows(0, len(found))).all()
+    every = np.array(
+        [(0, t, p, f, 40.0, 10000.0, 0.0) for t in range(42) for p in range(42) for f in range(42)],
+        ROW,
+    )
+    every["pattern"] = PATTERNS.index(kind)
+    have = members.have(every)
+    assert every[have][["satellites", "planes", "phasing"]].tolist() == wanted
+
+
+def test_a_space_of_82_million_is_counted_in_little_memory():
+    """Sum over t to 10,000 of its divisors' sum: pi^2/12 t^2; in 31 bytes each it is 2.6 GB."""
+    wide = study(
+        satellites="{least = 1, most = 10000}", patterns='["walker-delta", "rosette"]',
+        inclination="40", radius="10000",
+    )  # fmt: skip
+    tracemalloc.start()
+    try:
+        found = candidates(wide)
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    delta = sum(10_000 // q * (10_000 // q + 1) // 2 for q in range(1, 10_001))  # of p, q times
+    assert 82e6 < delta < 83e6 and len(found) > delta * found.each
+    assert most < 200e6
+    last = found.rows(len(found) - 1, len(found))
+    assert last["satellites"] == last["planes"] == 10_000 and last["phasing"] == 9999
+
+
+def test_members_of_ranges_are_within_their_ends():
+    drawn = study(
+        inclination="{least = 40, most = 50}",
+        more='[sampling]\nmethod = "latin-hypercube"\nsamples = 50',
+    )
+    rows = candidates(drawn).rows(0, 50)
+    members = Members(drawn)
+    assert members.have(rows).all()
+    rows["inclination_deg"] += 10.001
+    assert not members.have(rows).any()

@@ -1,7 +1,12 @@
 """A Dask cluster as workers: the same numbers, and everything that may stand at its address."""
 
 import contextlib
+import logging
+import os
+import pickle
 import socket
+import subprocess
+import sys
 import threading
 import time
 from http.server import BaseHTTPRequestHandler, HTTPServer
@@ -9,8 +14,9 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 import pytest
 from trade_processes import DaskProcesses, Trade
 
+import compass
 from compass.errors import ArgumentError, CompassError
-from compass.study import cluster, trade
+from compass.study import cluster, errand, trade
 from compass.study.candidates import candidates, identities
 from compass.study.cluster import Cluster, Tls
 from compass.study.results import read_results
@@ -156,23 +162,78 @@ def test_a_scheduler_without_workers(tiny, monkeypatch, local):
         Cluster(tiny(), local(0).scheduler_address)
 
 
-def test_a_cluster_of_another_version_is_refused(tiny):
-    rows = candidates(tiny()).rows(0, 1)
-    with pytest.raises(CompassError, match="install the same version on both; every finished"):
-        cluster._remote("99", "screen", b"", rows)
+@pytest.mark.parametrize(
+    ("found", "why"),
+    [("no package numba", "no package numba, this is"), ("99", "compass 99, this is")],
+)
+def test_a_worker_that_cannot_do_the_work_is_named_and_left(tiny, monkeypatch, local, found, why):
+    monkeypatch.setattr(cluster, "able", lambda: found)
+    monkeypatch.setattr(cluster, "ByValue", lambda function: function)
+    made = local(1)
+    (worker,) = made.workers.values()
+    with pytest.raises(ArgumentError, match=f"1 of 1 .*{worker.address}: {why}.*left as they are"):
+        Cluster(tiny(), made.scheduler_address)
+    assert worker.status.name == "running"
 
 
-def test_a_worker_that_cannot_do_the_work(tiny, tmp_path, monkeypatch, local):
-    def missing(*_):
-        raise ModuleNotFoundError("No module named 'compass'")
-
-    monkeypatch.setattr(cluster, "_remote", missing)
+def test_a_worker_that_comes_later_and_cannot_is_named(tiny, tmp_path, local):
     team = Cluster(tiny(), local(1).scheduler_address)
+    team._work = lambda version, *rest: errand.work("99", *rest)
     try:
-        with pytest.raises(CompassError, match=r"cannot do the work .*No module named 'compass'"):
+        with pytest.raises(CompassError, match=r"tcp://[\d.:]+: compass [\d.]+, this is 99"):
             run(tiny(), tmp_path, team)
     finally:
         team.close()
+
+
+LACKING = """
+import sys
+class Lacking:
+    def find_spec(self, name, *_):
+        if name.partition(".")[0] == {!r}:
+            raise ModuleNotFoundError(f"No module named {{name}}", name={!r})
+sys.meta_path.insert(0, Lacking())
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("package", ["compass", "numba"])
+def test_a_real_worker_without_a_package_lives_on(tiny, tmp_path, monkeypatch, package):
+    monkeypatch.setattr(cluster, "PATIENCE", 60.0)
+    (tmp_path / "lacking.py").write_text(LACKING.format(package, package))
+    dask = DaskProcesses(tmp_path, dict(os.environ))
+    try:
+        # the scheduler lacks all of it: it need not know what the work is
+        _, address = dask.scheduler("--host", "127.0.0.1", "--preload", tmp_path / "lacking.py")
+        options = "--nthreads", 1, "--no-nanny", "--preload", tmp_path / "lacking.py"
+        worker = dask.launch("worker", address, *options)
+        for _ in range(2):
+            with pytest.raises(ArgumentError, match=rf"1 of 1 .*no package {package}"):
+                Cluster(tiny(), address)
+        assert worker.poll() is None
+    finally:
+        dask.end()
+
+
+def test_what_is_sent_needs_nothing_of_this_package():
+    for function in (errand.able, errand.work):
+        code = pickle.dumps(errand.ByValue(function))
+        script = (
+            "import pickle, sys\nsys.modules['compass'] = None\n"
+            "function = pickle.loads(sys.stdin.buffer.read())\n"
+            "print(function.__name__, function() if function.__code__.co_argcount == 0 else '')"
+        )
+        done = subprocess.run([sys.executable, "-c", script], input=code, capture_output=True)
+        assert done.stdout.decode().split()[0] == function.__name__, done.stderr
+    assert errand.able() == compass.__version__
+
+
+def test_the_loggers_of_a_host_are_left_alone(tiny, local):
+    levels = [logging.getLogger(name).level for name in ("distributed", "tornado.application")]
+    Cluster(tiny(), local(1).scheduler_address).close()
+    assert levels == [
+        logging.getLogger(name).level for name in ("distributed", "tornado.application")
+    ]
 
 
 def test_a_cluster_that_loses_all_its_workers(tiny, tmp_path, monkeypatch, local):

@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 from scipy.stats import chi2
 
 from compass.entry.arrivals import Arrivals
-from compass.entry.beacons import in_view
 from compass.entry.campaign import fly_campaign
-from compass.entry.fisher import cramer_rao_bound
+from compass.entry.schedule import in_view
 from compass.entry.trajectory import Trigger
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
 from compass.orbits import keplerian, walker_delta
+from compass.papers.yu2018_filter import cramer_rao_bound
 from compass.sites import Mask
 from compass.study.judge import _FLOWN, MOST_FLOWN, campaign_of, judge, judge_entries
 from compass.study.judge_filter import entry_beacons, judge_filter
@@ -344,13 +344,12 @@ def test_filter_reaches_the_bound(designs, seed_design):
 
 def test_deployment_is_the_trigger_named_so(short, designs):
     from compass.inputs.scenario import read_scenario
-    from compass.study.judge import deployment_trigger
 
-    assert deployment_trigger(short()) is None
-    trigger = deployment_trigger(read_scenario(designs / "landing.toml"))
+    assert short().deployment is None
+    trigger = read_scenario(designs / "landing.toml").deployment
     assert (trigger.quantity, trigger.level) == ("mach", 2.0)
     other = short(("[measurements]", '[[trigger]]\nname = "slow"\nmach = 3\n\n[measurements]'))
-    assert deployment_trigger(other) is None
+    assert other.deployment is None
 
 
 def test_steps_that_are_too_long_are_refused(designs):

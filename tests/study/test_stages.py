@@ -197,7 +197,7 @@ def test_map_against_the_coverage_map():
     from compass.sites import Mask
 
     seen = view(c, np.linspace(0, 88642.663, 48, endpoint=False), R, Mask.constant(mask))
-    data = coverage_map(seen, grid, period=88642.663, fold=4, workers=1)
+    data = coverage_map(seen, grid, fold=4, workers=1)
     dops = data.global_dop
     finer = read_study_text(
         s.text.replace("step_deg = 15", "step_deg = 5").replace("epochs = 4", "epochs = 40")

@@ -13,7 +13,7 @@ from compass.study import store as module
 from compass.study.candidates import candidates, identities
 from compass.study.results import read_results, write_results
 from compass.study.stages import Found, evaluate
-from compass.study.store import FILE, Store, figures_in, rows_of
+from compass.study.store import FILE, Store
 
 
 @pytest.fixture
@@ -23,33 +23,38 @@ def batch(tiny):
     return study, rows, evaluate("screen", study, rows)
 
 
+def cut(found, part):
+    """What was found of a part of a batch."""
+    return Found({name: values[part] for name, values in found.figures.items()}, {}, 0.0)
+
+
 def test_what_goes_in_comes_out(batch, tmp_path):
     study, rows, found = batch
-    found.figures["gdop_p50"] = np.full(10, np.inf)
+    found.figures["mask_margin_deg"][:3] = np.inf, -np.inf, np.nan
     with Store(tmp_path, study) as store:
         store.add("screen", rows, found)
         assert store.finished == 10
     with Store(tmp_path, study) as store:
-        assert store.done["screen"] == set(identities(rows)) and store.damaged == 0
-        (record,) = store.records("screen")
-        assert list(store.records("map")) == []
-    assert np.array_equal(rows_of(record), rows)
-    for name, values in figures_in(record).items():
+        assert store.done["screen"] == set(identities(rows)) and store.damaged == []
+        (stored,) = store.batches("screen")
+        assert list(store.batches("map")) == []
+    assert np.array_equal(stored.rows, rows)
+    for name, values in stored.found.figures.items():
         assert np.array_equal(values, found.figures[name], equal_nan=True)
 
 
 def test_every_torn_end_is_dropped(batch, tmp_path):
-    study, rows, _found = batch
+    study, rows, found = batch
     with Store(tmp_path, study) as store:
-        store.add("screen", rows[:5], Found({}, {}, 0.0))
+        store.add("screen", rows[:5], cut(found, slice(5)))
         safe = (tmp_path / FILE).stat().st_size
-        store.add("screen", rows[5:], Found({}, {}, 0.0))
+        store.add("screen", rows[5:], cut(found, slice(5, 10)))
     whole = (tmp_path / FILE).read_bytes()
     for end in range(safe, len(whole), 41):
         (tmp_path / FILE).write_bytes(whole[:end])
         with Store(tmp_path, study) as store:
             assert store.finished == 5
-            store.add("screen", rows[5:], Found({}, {}, 0.0))
+            store.add("screen", rows[5:], cut(found, slice(5, 10)))
         assert (tmp_path / FILE).read_bytes() == whole
 
 
@@ -63,16 +68,16 @@ def test_a_first_line_torn_begins_anew(tiny, tmp_path):
 
 
 def test_a_spoilt_line_in_the_middle_is_left_out(batch, tmp_path):
-    study, rows, _found = batch
+    study, rows, found = batch
     with Store(tmp_path, study) as store:
-        store.add("screen", rows[:5], Found({}, {}, 0.0))
+        store.add("screen", rows[:5], cut(found, slice(5)))
         end = (tmp_path / FILE).stat().st_size
-        store.add("screen", rows[5:], Found({}, {}, 0.0))
+        store.add("screen", rows[5:], cut(found, slice(5, 10)))
     data = bytearray((tmp_path / FILE).read_bytes())
     data[end - 20] ^= 1
     (tmp_path / FILE).write_bytes(data)
     with Store(tmp_path, study) as store:
-        assert store.damaged == 1
+        assert store.damaged == ["line 2: torn or spoilt"]
         assert store.done["screen"] == set(identities(rows[5:]))
 
 
@@ -89,7 +94,7 @@ def test_another_study_and_another_version_are_refused(tiny, tmp_path, monkeypat
     with pytest.raises(ArgumentError, match="the store of another study"):
         read_results(tiny(fold=2), tmp_path)
     monkeypatch.setattr(compass, "__version__", "99")
-    with pytest.raises(ArgumentError, match="this is 99, whose numbers may differ"):
+    with pytest.raises(ArgumentError, match="this is 99, format 2, whose numbers may differ"):
         Store(tmp_path, tiny())
 
 
@@ -125,7 +130,7 @@ def test_a_store_that_is_taken_away_ends_the_run(batch, tmp_path, gone):
         with pytest.raises(OutputError, match="deleted or moved while in use"):
             store.add("screen", rows, found)
         with pytest.raises(OutputError, match="cannot be read: No such file"):
-            next(store.records("screen"))
+            next(store.batches("screen"))
 
 
 def test_a_file_system_without_locks_is_not_another_run(tiny, tmp_path, monkeypatch):
@@ -139,7 +144,7 @@ def test_a_file_system_without_locks_is_not_another_run(tiny, tmp_path, monkeypa
 
 @pytest.mark.parametrize("part", [0, 30])
 def test_a_full_disk_takes_nothing_back(batch, tmp_path, monkeypatch, part):
-    study, rows, _found = batch
+    study, rows, found = batch
     honest = os.write
 
     def full(handle, data):
@@ -148,14 +153,14 @@ def test_a_full_disk_takes_nothing_back(batch, tmp_path, monkeypatch, part):
         raise OSError(errno.ENOSPC, "No space left on device")
 
     with Store(tmp_path, study) as store:
-        store.add("screen", rows[:5], Found({}, {}, 0.0))
+        store.add("screen", rows[:5], cut(found, slice(5)))
         before = (tmp_path / FILE).read_bytes()
         monkeypatch.setattr(module.os, "write", full)
         with pytest.raises(OutputError, match="No space left on device; all 5 finished"):
-            store.add("screen", rows[5:], Found({}, {}, 0.0))
+            store.add("screen", rows[5:], cut(found, slice(5, 10)))
         assert (tmp_path / FILE).read_bytes() == before
         monkeypatch.undo()
-        store.add("screen", rows[5:], Found({}, {}, 0.0))
+        store.add("screen", rows[5:], cut(found, slice(5, 10)))
     assert len(read_results(study, tmp_path).candidate) == 10
 
 

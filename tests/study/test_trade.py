@@ -3,6 +3,8 @@
 import contextlib
 import os
 import resource
+import signal
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +13,8 @@ import pytest
 from compass.errors import CompassError
 from compass.inputs.merit import MERITS
 from compass.inputs.study import Objective
-from compass.study import evolve, stages, trade, workers
+from compass.study import stages, trade, workers
+from compass.study import store as store_module
 from compass.study.candidates import candidates, identities
 from compass.study.choice import finalists_of
 from compass.study.evolve import Known, assess
@@ -126,7 +129,7 @@ def test_only_a_few_batches_are_on_their_way(tiny):
     assert taken == count == 20
 
 
-def serve_lethally(end, study):
+def serve_lethally(end, study, beat):
     """As a worker that dies of seven planes."""
     honest = workers.evaluate
 
@@ -136,7 +139,7 @@ def serve_lethally(end, study):
         return honest(stage, study, rows)
 
     workers.evaluate = evaluate
-    workers._serve(end, study)
+    workers._serve(end, study, beat)
 
 
 @pytest.fixture
@@ -158,6 +161,68 @@ def test_only_the_candidate_that_kills_its_workers_is_left_out(tiny, lethal):
         assert sorted(batch.size for batch, _ in found) == [1] * (good.size + 1) + [good.size] * 2
     finally:
         team.close()
+
+
+def test_a_worker_that_stands_still_is_replaced(tiny, monkeypatch):
+    """Stopped, not dead: it answers nothing, and nothing says so."""
+    monkeypatch.setattr(workers, "BEAT", 0.2)
+    monkeypatch.setattr(workers, "SILENCE", 2.0)
+    study = tiny()
+    rows = candidates(study).rows(0, 52)
+    team = Processes(study, 1)
+    try:
+        work = team.run("screen", [rows[:26], rows[26:39], rows[39:]])
+        found = [next(work)]
+        pid = team._team[0]._process.pid
+        os.kill(pid, signal.SIGSTOP)
+        found += work
+        assert team._team[0]._process.pid != pid and all(what for _, what in found)
+        assert np.array_equal(np.sort(np.concatenate([r for r, _ in found])), np.sort(rows))
+    finally:
+        team.close()
+
+
+def test_a_worker_with_much_to_do_is_waited_for(tiny, monkeypatch):
+    """Its signs come beside its work."""
+    monkeypatch.setattr(workers, "BEAT", 0.1)
+    monkeypatch.setattr(workers, "SILENCE", 2.0)
+    monkeypatch.setattr(workers, "_serve", serve_slowly)
+    team = Processes(tiny(), 1)
+    try:
+        found = list(team.run("screen", [candidates(tiny()).rows(0, k) for k in (1, 2)]))
+        assert len(found) == 2 and all(what for _, what in found) and team._deaths == 0
+    finally:
+        team.close()
+
+
+def serve_slowly(end, study, beat):
+    """As a worker that takes 4 s for everything."""
+    honest = workers.evaluate
+    workers.evaluate = lambda *arguments: time.sleep(4) or honest(*arguments)
+    workers._serve(end, study, beat)
+
+
+def test_a_candidate_for_which_memory_ran_out_is_tried_again(tiny, tmp_path, monkeypatch):
+    honest = stages.FINDERS["screen"]
+
+    def hungry(study, rows):
+        if 7 in rows["planes"]:
+            raise MemoryError
+        if 6 in rows["planes"]:
+            raise RuntimeError("six")
+        return honest(study, rows)
+
+    study = tiny()
+    monkeypatch.setitem(stages.FINDERS, "screen", hungry)
+    summary = run(study, tmp_path)
+    assert summary.unfinished == 14 and len(summary.lethal) == trade.NAMED
+    assert summary.computed["screen"] == 52 - 14 and summary.failed["screen"] == 12
+    assert set(read_results(study, tmp_path).planes.values) == {1, 2, 3, 5, 6}
+    monkeypatch.setitem(stages.FINDERS, "screen", honest)
+    again = run(study, tmp_path)
+    assert again.computed["screen"] == 14 and again.unfinished == 0
+    results = read_results(study, tmp_path)
+    assert set(results.planes.values[results.error == "RuntimeError: six"]) == {6}
 
 
 def test_workers_that_only_die_end_the_run(tiny, lethal):
@@ -250,7 +315,7 @@ def test_violations_count_stages_then_constraints(tiny, tmp_path):
         def stage(name, some):
             trade._stage(name, some, store, Here(study), None, summary)
 
-        values, violation = assess(study, Known(store), stage, rows)
+        values, violation = assess(study, Known(store, study), stage, rows)
         proven = np.isin(identities(rows), identities(passed(study, store, "screen")))
     assert np.array_equal(violation == 0, proven)
     assert np.all(violation[~proven] == 2.01)  # two stages missed, one constraint not met
@@ -260,10 +325,10 @@ def test_violations_count_stages_then_constraints(tiny, tmp_path):
 def test_what_is_known_is_read_once(tiny, tmp_path, monkeypatch):
     study = tiny()
     rows, read = candidates(study).rows(0, 52), []
-    honest = evolve.figures_in
-    monkeypatch.setattr(evolve, "figures_in", lambda record: read.append(1) or honest(record))
+    honest = store_module.batch_of
+    monkeypatch.setattr(store_module, "batch_of", lambda *a: read.append(1) or honest(*a))
     with Store(tmp_path, study) as store:
-        known = Known(store)
+        known = Known(store, study)
         assert np.isnan(known.figures(identities(rows))["fold_proven"]).all()
         for part in (rows[:5], rows[5:]):
             store.add("screen", part, stages.evaluate("screen", study, part))

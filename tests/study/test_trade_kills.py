@@ -44,7 +44,7 @@ def test_the_client_is_interrupted(trade, undisturbed):
     trade.start("--workers", 1).wait_for(500)
     trade.process.send_signal(signal.SIGINT)
     assert "interrupted" in trade.finish(130)
-    trade.check_resumed(undisturbed, trade.stored(), 1, "--workers", 1)
+    trade.check_resumed(undisturbed, trade.stored(), HELD + 1, "--workers", 1)
 
 
 def spawned(trade):
@@ -100,7 +100,7 @@ def test_the_disk_is_full(killed_study, small_disk, undisturbed):
     assert before["screen"] > 0
     assert f"all {before['screen']} finished candidates" in message
     subprocess.run(["mount", "-o", "remount,size=20m", small_disk], check=True)
-    trade.check_resumed(undisturbed, before, 1, "--workers", 1)
+    trade.check_resumed(undisturbed, before, HELD + 1, "--workers", 1)
 
 
 def test_the_quota_is_used_up(trade, undisturbed):
@@ -109,7 +109,7 @@ def test_the_quota_is_used_up(trade, undisturbed):
 
     message = trade.start("--workers", 1, preexec_fn=limit).finish(2)
     assert "File too large" in message and "safe" in message
-    trade.check_resumed(undisturbed, trade.stored(), 1, "--workers", 1)
+    trade.check_resumed(undisturbed, trade.stored(), HELD + 1, "--workers", 1)
 
 
 class TestCluster:

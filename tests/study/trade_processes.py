@@ -6,11 +6,13 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from contextlib import suppress
 from pathlib import Path
 
 from compass.inputs.study import read_study
+from compass.study.record import DamagedError, from_line
 from compass.study.results import read_results
-from compass.study.store import FILE, read_lines
+from compass.study.store import FILE
 from compass.study.trade import BATCH
 
 ROOT = Path(__file__).parents[2]
@@ -98,9 +100,11 @@ class Trade:
     def stored(self):
         """How many candidates the store holds, by stage."""
         counts = Counter()
-        for record, _ in read_lines(self.folder / FILE):
-            if record is not None and "stage" in record:
-                counts[record["stage"]] += len(record["candidates"]["satellites"])
+        for line in (self.folder / FILE).read_bytes().splitlines(keepends=True):
+            with suppress(DamagedError):
+                record = from_line(line)
+                if "stage" in record:
+                    counts[record["stage"]] += len(record["candidates"]["satellites"])
         return counts
 
     def evaluations(self):

@@ -47,12 +47,14 @@ class Settings(NamedTuple):
 class Epoch(NamedTuple):
     """What one step is given.
 
-    Parameters `p` of the dynamics (filter's side), `beacons` (m, 3) at the new epoch, the
-    measurements `z` (3 + m,), which of them `arrived` (3 + m,), which subsystems are `alive` (m,),
-    and the `gate` in force.
+    Parameters `p` of the dynamics (filter's side) over the step, and `here` with the bank that
+    holds from the new epoch on, by which the accelerometers are read; `beacons` (m, 3) at the new
+    epoch, the measurements `z` (3 + m,), which of them `arrived` (3 + m,), which subsystems are
+    `alive` (m,), and the `gate` in force.
     """
 
     p: Array
+    here: Array
     beacons: Array
     z: Array
     arrived: NDArray[np.bool_]
@@ -229,7 +231,7 @@ def add_noise(cov, q, factor):
 def linearise(settings, epoch, x, work):
     """Write the predicted measurements of `x` and their derivatives into `work`."""
     predict_measurements(
-        x, settings.states, epoch.p, settings.linear, epoch.beacons, work.h, work.big_h
+        x, settings.states, epoch.here, settings.linear, epoch.beacons, work.h, work.big_h
     )
 
 

@@ -8,7 +8,8 @@ import math
 
 import numpy as np
 
-from compass.core.entry_dynamics import BANK, STATES, entry_rates, rk4_step
+from compass.core.entry.flow import bank_at
+from compass.core.entry.rates import ROTATION, SWAPPED, acceleration
 from compass.core.jit import fast_kernel
 
 STAGES = 12
@@ -128,27 +129,31 @@ _E5 = np.array(
     ]
 )
 
-#: How a flight ended: at the last time asked for; at a terminal event; because the speed or the
-#: cosine of the flight-path angle came to zero, where the equations are singular; because no
+#: How a flight ended: at the last time asked for; at a terminal event; because the speed came to
+#: zero, or the velocity to the vertical with lift (both leave a direction undefined); because no
 #: step was small enough.
 ARRIVED, EVENT, STANDSTILL, VERTICAL, STUCK = range(5)
 
-#: Below this speed (m/s) and cosine the equations count as singular.
+#: What events watch: the distance from the centre, m, and the speed, m/s.
+WATCH_RADIUS, WATCH_SPEED = 0, 1
+
+#: Below this speed (m/s) and cosine a direction counts as undefined.
 LEAST_SPEED, LEAST_COSINE = 1e-3, 1e-6
 
 
 @fast_kernel
-def dop853_step(x, p, h, stages, out):
-    """One step of size `h`; fills `stages` (12 by 8, the rates) and `out`."""
-    stage = np.empty(STATES)
+def dop853_step(x, thicker, lift, p, cos_bank, sin_bank, h, stages, out):
+    """One step of size `h`; fills `stages` (12 by 6, the rates) and `out`."""
+    stage = np.empty(6)
     for s in range(STAGES):
-        for i in range(STATES):
+        for i in range(6):
             total = 0.0
             for j in range(s):
                 total += _A[s, j] * stages[j, i]
             stage[i] = x[i] + h * total
-        entry_rates(stage, p, stages[s])
-    for i in range(STATES):
+        stages[s, :3] = stage[3:]
+        acceleration(stage, thicker, lift, p, cos_bank, sin_bank, stages[s, 3:])
+    for i in range(6):
         total = 0.0
         for j in range(STAGES):
             total += _B[j] * stages[j, i]
@@ -164,7 +169,10 @@ def error_norm(x, ahead, h, stages, rtol, atol):
         for j in range(STAGES):
             e5 += _E5[j] * stages[j, i]
             e3 += _E3[j] * stages[j, i]
-        scale = atol[i] + rtol * max(abs(x[i]), abs(ahead[i]))
+        # by the length of the whole vector: what the axes are decides nothing
+        first = 3 * (i // 3)
+        size = x[first] ** 2 + x[first + 1] ** 2 + x[first + 2] ** 2
+        scale = atol[i] + rtol * math.sqrt(size)
         five += (e5 / scale) ** 2
         three += (e3 / scale) ** 2
     if five == 0.0 and three == 0.0:
@@ -173,49 +181,70 @@ def error_norm(x, ahead, h, stages, rtol, atol):
 
 
 @fast_kernel
-def _locate(x, p, h, index, level, stages, out):
-    """Part of the step `h` after which state `index` crosses `level`, by bisection and secant."""
+def watched(x, what):
+    """Distance from the centre or speed, as `what` says."""
+    first = 0 if what == WATCH_RADIUS else 3
+    return math.sqrt(x[first] ** 2 + x[first + 1] ** 2 + x[first + 2] ** 2)
+
+
+@fast_kernel
+def _locate(x, thicker, lift, p, cos_bank, sin_bank, h, what, level, stages, out):
+    """Part of the step `h` after which a quantity crosses `level`, by bisection and secant."""
     low, high = 0.0, h
-    g_low = x[index] - level
-    dop853_step(x, p, h, stages, out)
-    g_high = out[index] - level
+    g_low = watched(x, what) - level
+    dop853_step(x, thicker, lift, p, cos_bank, sin_bank, h, stages, out)
+    g_high = watched(out, what) - level
     for k in range(80):
         middle = 0.5 * (low + high)
         if k % 2 == 0 and g_high != g_low:
             middle = low - g_low * (high - low) / (g_high - g_low)
         if middle <= low or middle >= high:
             middle = 0.5 * (low + high)
-        dop853_step(x, p, middle, stages, out)
-        g = out[index] - level
+        dop853_step(x, thicker, lift, p, cos_bank, sin_bank, middle, stages, out)
+        g = watched(out, what) - level
         if g * g_low > 0.0:
             low, g_low = middle, g
         else:
             high, g_high = middle, g
         if g == 0.0 or high - low <= 1e-12 * h:
             break
-    dop853_step(x, p, high, stages, out)
+    dop853_step(x, thicker, lift, p, cos_bank, sin_bank, high, stages, out)
     return high
 
 
 @fast_kernel
-def dop853_flight(x0, p, times, banks, rtol, atol, watch, states, event_times, event_states):
+def vertical(x):
+    """Whether the velocity is along the radius, where the side of a lift is undefined."""
+    dot, r, v = 0.0, 0.0, 0.0
+    for i in range(3):
+        dot += x[i] * x[3 + i]
+        r += x[i] * x[i]
+        v += x[3 + i] * x[3 + i]
+    return not 1.0 - dot * dot / (r * v) > LEAST_COSINE * LEAST_COSINE
+
+
+@fast_kernel
+def dop853_flight(
+    x0, thicker, lift, p, times, bank, rtol, atol, watch, states, event_times, event_states
+):
     """Fly from `x0` through all `times`.
 
     Parameters
     ----------
-    x0, p
-        State and parameters of `entry_rates` (the bank angle in `p` is overwritten in a copy).
+    x0, thicker, lift, p
+        State (6) and parameters of `compass.core.entry.rates.acceleration`.
     times
-        Output times, s, increasing, shape (t,); `x0` holds at the first.
-    banks
-        Bank angle in force from each time to the next, rad, shape (t,).
+        Output times, s, increasing, shape (t,); `x0` holds at the first. Every switch of the bank
+        between the first and the last must be among them.
+    bank
+        Bank angles, as in `compass.core.entry.flow.advance`.
     rtol, atol
-        Relative tolerance, and absolute ones of the first six states.
+        Relative tolerance, of the lengths of position and velocity, and absolute ones (6).
     watch
-        Events, shape (e, 4): index of the state watched, level, direction (1 up, -1 down),
-        1 if the flight ends there.
+        Events, shape (e, 4): what is watched, level, direction (1 up, -1 down), 1 if the flight
+        ends there.
     states, event_times, event_states
-        Outputs, (t, 8), (e,) and (e, 8): only the first crossing of each event; nan where the
+        Outputs, (t, 6), (e,) and (e, 6): only the first crossing of each event; nan where the
         flight did not get so far.
 
     Returns
@@ -223,24 +252,25 @@ def dop853_flight(x0, p, times, banks, rtol, atol, watch, states, event_times, e
     status, count, time
         How it ended (`ARRIVED` ...), how many output times were reached, and when it ended.
     """
-    p = p.copy()
     states[:, :] = np.nan
     event_times[:] = np.nan
     event_states[:, :] = np.nan
-    stages = np.empty((STAGES, STATES))
-    x, ahead, crossing = x0.copy(), np.empty(STATES), np.empty(STATES)
+    stages = np.empty((STAGES, 6))
+    x, ahead, crossing = x0.copy(), np.empty(6), np.empty(6)
     t = times[0]
     states[0] = x
     wish = 1.0
+    sided = lift != 0.0 or p[ROTATION] == SWAPPED
     for n in range(1, times.size):
-        p[BANK] = banks[n - 1]
+        angle = bank[bank_at(times[n - 1], bank), 1]
+        cos_bank, sin_bank = math.cos(angle), math.sin(angle)
         while t < times[n]:
-            if not x[3] > LEAST_SPEED:
+            if not watched(x, WATCH_SPEED) > LEAST_SPEED:
                 return STANDSTILL, n, t
-            if not abs(math.cos(x[4])) > LEAST_COSINE:
+            if sided and vertical(x):
                 return VERTICAL, n, t
             h = min(wish, times[n] - t)
-            dop853_step(x, p, h, stages, ahead)
+            dop853_step(x, thicker, lift, p, cos_bank, sin_bank, h, stages, ahead)
             error = error_norm(x, ahead, h, stages, rtol, atol)
             if not error < 1.0:
                 wish = h * (max(0.2, 0.9 * error**-0.125) if math.isfinite(error) else 0.2)
@@ -249,13 +279,15 @@ def dop853_flight(x0, p, times, banks, rtol, atol, watch, states, event_times, e
                 continue
             end, last = -1, h
             for e in range(watch.shape[0]):
-                index, level = int(watch[e, 0]), watch[e, 1]
-                before, after = x[index] - level, ahead[index] - level
+                what, level = int(watch[e, 0]), watch[e, 1]
+                before, after = watched(x, what) - level, watched(ahead, what) - level
                 up = before < 0.0 and after >= 0.0 and watch[e, 2] > 0.0
                 down = before > 0.0 and after <= 0.0 and watch[e, 2] < 0.0
                 if not (up or down) or not math.isnan(event_times[e]):
                     continue
-                part = _locate(x, p, h, index, level, stages, crossing)
+                part = _locate(
+                    x, thicker, lift, p, cos_bank, sin_bank, h, what, level, stages, crossing
+                )
                 event_times[e] = t + part
                 event_states[e] = crossing
                 if watch[e, 3] > 0.0 and part <= last:
@@ -273,24 +305,3 @@ def dop853_flight(x0, p, times, banks, rtol, atol, watch, states, event_times, e
             x[:] = ahead
         states[n] = x
     return ARRIVED, times.size, t
-
-
-@fast_kernel
-def rk4_flight(x0, p, times, banks, substeps, states):
-    """Fly by fixed Runge-Kutta steps, `substeps` equal ones between output times; fill `states`.
-
-    Returns how many output times were reached before a state stopped being finite.
-    """
-    p = p.copy()
-    x = x0.copy()
-    states[:, :] = np.nan
-    states[0] = x
-    for n in range(1, times.size):
-        p[BANK] = banks[n - 1]
-        for _ in range(substeps):
-            rk4_step(x, p, (times[n] - times[n - 1]) / substeps, x)
-        for i in range(STATES):
-            if not math.isfinite(x[i]):
-                return n
-        states[n] = x
-    return times.size

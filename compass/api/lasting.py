@@ -1,0 +1,118 @@
+"""Coverage over a span of real paths: proven for so many days, or lost at a moment and a place."""
+
+from dataclasses import dataclass, field
+from math import degrees
+from typing import Any
+
+from compass.api.results import Result
+from compass.coverage.certificate import Outcome
+from compass.coverage.lasting import RESOLUTION, Lasting
+from compass.design import Design
+from compass.document import Page, Proven, Sentence, Value, Verdict
+from compass.document.blocks import Block, facts
+from compass.document.plain import plain
+from compass.quantities import quantity
+
+
+@dataclass(frozen=True, repr=False)
+class LastingResult(Result):
+    """Whether a design keeps its fold for so many days.
+
+    Attributes
+    ----------
+    design
+        What was asked about.
+    mask_deg, motion
+        Elevation mask, and under what motion.
+    lasting
+        What was found, SI.
+    """
+
+    design: Design = field(repr=False)
+    mask_deg: float
+    motion: str
+    lasting: Lasting
+
+    @property
+    def outcome(self) -> Outcome:
+        """Proven, refuted or undecided."""
+        return self.lasting.outcome
+
+    @property
+    def holds(self) -> bool:
+        """Whether the claim is proven for the whole span."""
+        return self.outcome is Outcome.PROVEN
+
+    @property
+    def days(self) -> float:
+        """Length of the span."""
+        return (self.lasting.stop - self.lasting.start) / 86400.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        found = self.lasting
+        return plain(
+            {
+                "design": self.design.name,
+                "outcome": self.outcome,
+                "fold": found.fold,
+                "mask_deg": self.mask_deg,
+                "region": found.region.name,
+                "motion": self.motion,
+                "start_day": found.start / 86400.0,
+                "days": self.days,
+                "days_proven": found.days_proven,
+                "first_loss_days": found.first_loss_days,
+                "lost_between_s": None
+                if found.lost_at is None
+                else [found.proven_until, found.lost_at],
+                "witness": found.witness.as_dict() if found.witness else None,
+                "unsettled_s": found.unsettled,
+                "intervals": found.intervals,
+                "estimated_error": found.estimated,
+            }
+        )
+
+    def document(self) -> Page:
+        """The verdict, the place of the loss, and how it was settled."""
+        return Page(self.design.name, self.blocks())
+
+    def blocks(self) -> tuple[Block, ...]:
+        """What other results show of it."""
+        found = self.lasting
+        holds = {Outcome.PROVEN: True, Outcome.REFUTED: False}.get(self.outcome)
+        claim = (
+            f"{found.fold} or more satellites above {self.mask_deg:g} deg, {found.region.name}, "
+            f"{self.days:.6g} days from day {found.start / 86400:g}"
+        )
+        given = f"given an estimated {found.estimated}" if found.estimated else ""
+        numbers = [
+            Value(quantity("days_proven"), found.days_proven, Proven(given)),
+            Value(quantity("first_loss_days"), found.first_loss_days, Proven(given)),
+        ]
+        how = (
+            f"{self.motion}; {found.intervals} interval(s) of time, no symmetry and no sample; "
+            f"a loss is found to {RESOLUTION:g} s" + (f"; {given}" if given else "")
+        )
+        return (
+            Verdict(self.outcome, claim, holds),
+            *([Sentence(self._loss())] if found.witness else []),
+            *([Sentence(self._open())] if found.unsettled else []),
+            facts("How long", numbers),
+            Sentence(how),
+        )
+
+    def _loss(self) -> str:
+        found = self.lasting
+        assert found.witness is not None
+        w = found.witness
+        names = ", ".join(w.satellites) or "none"
+        return (
+            f"lost on day {w.time / 86400:.6f}: {w.fold} in view ({names}) at latitude "
+            f"{degrees(w.latitude):.4f}, longitude {degrees(w.longitude):.4f} deg; proven up to "
+            f"day {found.proven_until / 86400:.6f}"
+        )
+
+    def _open(self) -> str:
+        parts = "; ".join(f"{a:.9g} to {b:.9g} s" for a, b in self.lasting.unsettled[:5])
+        return f"unsettled: {parts}"

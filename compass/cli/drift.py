@@ -1,0 +1,45 @@
+"""``compass drift``: a design left alone on real orbits; how long its coverage lasts."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from compass.cli.shared import announce_compilation, design_argument, json_option, print_result
+
+
+@click.command()
+@design_argument
+@click.option("--days", type=float, default=687.0, show_default=True, help="Length of the span.")
+@click.option(
+    "--start-day", type=float, default=0.0, show_default=True, help="Its begin after the epoch."
+)
+@click.option("--step-days", type=float, help="Between the moments that are listed.")
+@click.option("--fold", type=int, help="Satellites in view at once; else the design's.")
+@click.option("--mask-deg", type=float, help="Elevation mask, degrees; else the design's.")
+@click.option("--trim", "trimmed", is_flag=True, help="Trim the initial axes first.")
+@click.option(
+    "--radius-km", help="Also how long it lasts at other radii: FIRST..LAST:STEP, or A,B,C, km."
+)
+@click.option(
+    "--elements",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write the elements to inject as a design file (with --trim).",
+)
+@json_option
+def command(
+    design: Path, radius_km: str | None, elements: Path | None, as_json: bool, **options: Any
+) -> None:
+    """Follow a DESIGN that is left alone: margin and room over time, the first loss, proven.
+
+    Exit status 0 if the fold is proven for all the days, 1 if it is lost or undecided.
+    """
+    announce_compilation()
+    import compass
+    from compass.api.drift import read_radii, write_elements
+
+    radii = [] if radius_km is None else read_radii(radius_km)
+    found = compass.drift(design, radius_km=radii, progress=True, **options)
+    if elements is not None:
+        write_elements(found, elements, design)
+    print_result(found, as_json)

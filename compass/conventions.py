@@ -1,0 +1,61 @@
+"""Datasets as the CF conventions want them in files."""
+
+from datetime import datetime, timedelta
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+CONVENTIONS = "CF-1.11"
+
+#: What coordinates of these names are.
+_AXES = {
+    "lat": {"standard_name": "latitude", "units": "degrees_north", "axis": "Y"},
+    "lon": {"standard_name": "longitude", "units": "degrees_east", "axis": "X"},
+    "time": {"standard_name": "time", "axis": "T"},
+}
+_PLACES = {"latitude": "latitude", "longitude": "longitude"}
+
+
+def in_conventions(dataset: "xr.Dataset") -> "xr.Dataset":
+    """Return a dataset with what CF-1.11 asks of its variables, values untouched.
+
+    * Numbers along an axis have no fill value; names along one become a label variable beside
+      it, ``dop`` of the axis dop becoming ``dop_name``: an axis takes numbers.
+    * Latitude, longitude and time have their standard names and axes; seconds after an epoch
+      have it in their units, if the dataset has an attribute ``epoch_tdb`` (ISO 8601).
+    * Time, latitude and longitude come last among the dimensions, in this order.
+    * Every variable has a long name; one without is called by its own.
+    """
+    last = [name for name in ("time", "lat", "lon") if name in dataset.dims]
+    made = dataset.transpose(..., *last)
+    labels = [
+        str(name) for name in made.dims if name in made.coords and made[name].dtype.kind in "OUS"
+    ]
+    for name in labels:
+        text = made[name].astype(str)
+        made = made.drop_vars(name).assign_coords({f"{name}_name": (name, text.values, text.attrs)})
+    epoch = made.attrs.get("epoch_tdb")
+    for key in made.variables:
+        name, variable = str(key), made[key]
+        attrs = variable.attrs
+        if name in made.dims:
+            attrs.update({k: v for k, v in _AXES.get(name, {}).items() if k not in attrs})
+            variable.encoding["_FillValue"] = None
+            if name == "time" and epoch and attrs.get("units") == "s":
+                attrs |= {"units": f"seconds since {epoch}", "calendar": "standard"}
+                attrs["units_metadata"] = "leap_seconds: none"  # TDB has none
+        elif name in _PLACES:
+            attrs.setdefault("standard_name", _PLACES[name])
+        if variable.dtype.kind in "OUS":
+            attrs.pop("units", None)
+        if not {"long_name", "standard_name", "grid_mapping_name"} & set(attrs):
+            attrs["long_name"] = name.replace("_", " ")
+    made.attrs.setdefault("Conventions", CONVENTIONS)
+    return made
+
+
+def epoch_text(seconds_past_j2000: float) -> str:
+    """ISO 8601 date and time, TDB, of seconds past J2000."""
+    instant = datetime(2000, 1, 1, 12) + timedelta(microseconds=round(seconds_past_j2000 * 1e6))
+    return instant.isoformat()

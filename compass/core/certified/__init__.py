@@ -1,0 +1,1 @@
+"""Bounds of dilution of precision over boxes of latitude, longitude and time."""

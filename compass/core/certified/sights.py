@@ -1,0 +1,292 @@
+"""Lines of sight over a box of latitude, longitude and time: value, slope and bound of curvature.
+
+Within a box with centre c and half-widths h = (hb, hl, ht) a place and moment is c + h u with u in
+[-1, 1]^3. Lengths are in equatorial radii of the planet. All bounds are along the straight line
+from the centre, u(s) = s u with s from 0 to 1, dots are derivatives by s.
+
+User: geodetic latitude b, up n, place p on the ellipsoid (eccentricity squared e2) with meridian
+and normal radii ``M <= N <= F = 1/sqrt(1 - e2)``. With ``cm = max cos b, sm = max |sin b|``::
+
+    |n'|  <= v  = sqrt(hb^2 + cm^2 hl^2)            |p'|  <= F v
+    |n''| <= wn = sqrt(v^4 + (sm cm hl^2)^2 + (2 sm hb hl)^2)
+    |p''| <= wp = F sqrt(v^4 + (sm cm hl^2 + mu hb^2)^2 + (2 sm hb hl)^2),   |dM/db| <= mu F
+
+(parts along n, north and east; ``dM/db = 3 e2 sin b cos b M / (1 - e2 sin^2 b)``).
+
+Line of sight r e = q - p, satellite q with ``|q'| <= S, |q''| <= A ht^2``. With V = F v + S,
+Acc = wp + A ht^2 and rm = r - V the shortest it can become::
+
+    e'' = [(q'' - p'') across - 2 (r' along)(r' across)/r]/r - e |r' across|^2/r^2
+    |e''| <= D2 = sqrt((Acc/rm + V^2/rm^2)^2 + (V^2/rm^2)^2)       (2 |ab| <= a^2 + b^2)
+    |e(u) - e(0) - sum e_d u_d| <= D2/2
+    |e(u) - e(0)| <= D1 = min(|sum e_d u_d| + D2/2, V/rm)
+
+An error of the satellite's place up to `slack` moves e by slack/rm: it is added to D1 and,
+doubled, to D2. Horizontal and vertical DOP need the local vertical to stand still: along the line
+the frame is carried parallel, turned at ``w = n x n'``; then e' becomes ``e' - w x e``, D1 grows
+by v and D2 by ``2 v V/rm + v^2 + wn``.
+
+In sight where ``G = n.(q - p) - sin m |q - p| >= 0``; ``|G''|`` is at most
+``wn |q| + 2 v S + A ht^2 + |M - n.p| hb^2 + sin m (Acc + V^2/rm)``.
+"""
+
+import math
+
+from compass.core.jit import kernel
+from compass.core.kepler import eccentric_anomaly
+
+#: Columns of a satellite's row: line of sight, its three slopes, D1, D2, sight and its slopes for
+#: the highest and for the lowest mask that can apply, bound of the curvature of either.
+E, SLOPE, FIRST, SECOND, HIGH, LOW, BEND, WIDTH = 0, 3, 12, 13, 14, 18, 22, 24
+
+#: Columns of an orbit: semi-major axis, eccentricity, cosine and sine of inclination, node,
+#: periapsis, mean anomaly at time 0, the rates of these three, greatest speed and acceleration.
+ORBIT = 12
+
+#: What rounding can move a sight by, relative to the satellite's distance.
+SIGHT_ROUNDING = 1e-12
+
+
+@kernel
+def states(orbits, circles, t, q, dq):
+    """Positions and velocities of satellites at time t, filled in, shape (n, 3).
+
+    With `circles`, shape (n, 6), all go around at rate 1 in the plane of two vectors, seen from
+    a frame that turns about the pole at minus the first orbit's node rate.
+    """
+    n = orbits.shape[0]
+    if circles.shape[0]:
+        c, s = math.cos(t), math.sin(t)
+        rate = orbits[0, 7]
+        cw, sw = (math.cos(rate * t), math.sin(rate * t)) if rate != 0.0 else (1.0, 0.0)
+        for k in range(n):
+            x = c * circles[k, 0] + s * circles[k, 3]
+            y = c * circles[k, 1] + s * circles[k, 4]
+            z = c * circles[k, 2] + s * circles[k, 5]
+            vx = c * circles[k, 3] - s * circles[k, 0] - rate * y
+            vy = c * circles[k, 4] - s * circles[k, 1] + rate * x
+            vz = c * circles[k, 5] - s * circles[k, 2]
+            q[k, 0], q[k, 1], q[k, 2] = cw * x - sw * y, sw * x + cw * y, z
+            dq[k, 0], dq[k, 1], dq[k, 2] = cw * vx - sw * vy, sw * vx + cw * vy, vz
+        return
+    for k in range(n):
+        a, e, ci, si = orbits[k, 0], orbits[k, 1], orbits[k, 2], orbits[k, 3]
+        big_e = eccentric_anomaly(orbits[k, 6] + orbits[k, 9] * t, e)
+        ce, se = math.cos(big_e), math.sin(big_e)
+        root = math.sqrt(1.0 - e * e)
+        rate = orbits[k, 9] / (1.0 - e * ce)
+        fx, fy, gx, gy = a * (ce - e), a * root * se, -a * se * rate, a * root * ce * rate
+        w = orbits[k, 5] + orbits[k, 8] * t
+        co, so = math.cos(w), math.sin(w)
+        ux, uy = co * fx - so * fy, so * fx + co * fy
+        wx = co * gx - so * gy - orbits[k, 8] * uy
+        wy = so * gx + co * gy + orbits[k, 8] * ux
+        node = orbits[k, 4] + orbits[k, 7] * t
+        cn, sn = math.cos(node), math.sin(node)
+        q[k, 0], q[k, 1], q[k, 2] = cn * ux - sn * ci * uy, sn * ux + cn * ci * uy, si * uy
+        dq[k, 0] = cn * wx - sn * ci * wy - orbits[k, 7] * q[k, 1]
+        dq[k, 1] = sn * wx + cn * ci * wy + orbits[k, 7] * q[k, 0]
+        dq[k, 2] = si * wy
+
+
+@kernel
+def place(box, e2, user):
+    """Fill the user's up, place, their slopes and bounds; shape (25,).
+
+    0:3 up, 3:6 place, 6:9 and 9:12 slopes of up times hb, hl, 12:15 and 15:18 of the place,
+    then v, wn, wp, F v, bound of ``|M - n.p| hb^2``, largest ``|sin b|``, bound of the slope of
+    n.p by b (``N e2 sin b cos b``).
+    """
+    b, lon, hb, hl = box[0], box[1], box[3], box[4]
+    cb, sb, cl, sl = math.cos(b), math.sin(b), math.cos(lon), math.sin(lon)
+    flat = 1.0 - e2 * sb * sb
+    normal = 1.0 / math.sqrt(flat)
+    meridian = (1.0 - e2) * normal / flat
+    user[0], user[1], user[2] = cb * cl, cb * sl, sb
+    user[3], user[4], user[5] = normal * user[0], normal * user[1], normal * (1.0 - e2) * sb
+    user[6], user[7], user[8] = -hb * sb * cl, -hb * sb * sl, hb * cb
+    user[9], user[10], user[11] = -hl * user[1], hl * user[0], 0.0
+    for k in range(3):
+        user[12 + k] = meridian * user[6 + k]
+        user[15 + k] = normal * user[9 + k]
+    low, high = b - hb, b + hb
+    cm = 1.0 if low <= 0.0 <= high else max(math.cos(low), math.cos(high))
+    sm = min(1.0, max(abs(math.sin(low)), abs(math.sin(high))))
+    if high >= 0.5 * math.pi or low <= -0.5 * math.pi:
+        sm = 1.0
+    most = 1.0 / math.sqrt(1.0 - e2)
+    mu = 1.5 * e2 / (1.0 - e2)
+    v2 = hb * hb + cm * cm * hl * hl
+    v = math.sqrt(v2)
+    north, east = sm * cm * hl * hl, 2.0 * sm * hb * hl
+    user[18] = v
+    user[19] = math.sqrt(v2 * v2 + north * north + east * east)
+    north += mu * hb * hb
+    user[20] = most * math.sqrt(v2 * v2 + north * north + east * east)
+    user[21] = most * v
+    user[22] = max(most - math.sqrt(1.0 - e2), e2) * hb * hb
+    user[23] = sm
+    user[24] = e2
+
+
+@kernel
+def mask_range(azimuths, elevations, azimuth, half):
+    """Lowest and highest elevation of a profile within `half` of an azimuth, radians."""
+    n = azimuths.size
+    low, high = elevations.min(), elevations.max()
+    if n == 1 or half >= math.pi or low == high:
+        return low, high
+    turn = 2.0 * math.pi
+    low, high = math.inf, -math.inf
+    for k in range(n):  # the part of each side of the profile that lies in the interval
+        a0, m0 = azimuths[k], elevations[k]
+        a1 = azimuths[k + 1] if k + 1 < n else azimuths[0] + turn
+        m1 = elevations[(k + 1) % n]
+        for shift in (-turn, 0.0, turn):
+            left, right = max(a0, azimuth + shift - half), min(a1, azimuth + shift + half)
+            if left <= right:
+                for a in (left, right):
+                    m = m0 + (m1 - m0) * (a - a0) / (a1 - a0)
+                    low, high = min(low, m - 1e-12), max(high, m + 1e-12)
+    return low, high
+
+
+@kernel
+def azimuth_reach(user, ex, ey, ez, first):
+    """Azimuth of a line of sight at the centre of a box, and how far it can be from that in it.
+
+    The line turns by `first` at most, up and with it the horizon by v, and north turns about up
+    by no more than ``hl |sin b|``.
+    """
+    ring = math.hypot(user[0], user[1])
+    if ring < 1e-9:
+        return 0.0, math.pi
+    east = (ey * user[0] - ex * user[1]) / ring
+    north = ez * ring - user[2] * (ex * user[0] + ey * user[1]) / ring
+    level = math.hypot(east, north)
+    turn = first + user[18]
+    if turn >= level:
+        return 0.0, math.pi
+    # slopes by longitude have length cos b hl
+    spin = math.hypot(user[9], user[10]) / ring * user[23]
+    azimuth = math.atan2(east, north) % (2.0 * math.pi)
+    return azimuth, math.asin(turn / level) + spin + 1e-12
+
+
+@kernel
+def sights(box, user, orbits, q, dq, slack, level, azimuths, elevations, rows, kinds):
+    """Fill the rows of satellites that a box may see, and which: 1 surely, 2 in part.
+
+    Parameters
+    ----------
+    box
+        Centre and half-widths b, l, t, hb, hl, ht.
+    user
+        From `place`.
+    orbits, q, dq
+        Orbits, and states at the centre.
+    slack
+        Bound on the error of the satellites' places.
+    level
+        Whether the local vertical is to stand still.
+    azimuths, elevations
+        The mask.
+    rows, kinds
+        Filled; shapes (n, WIDTH) and (n,).
+
+    Returns
+    -------
+    count
+        Rows filled; -1 where a satellite comes too near for the bounds to hold.
+    """
+    ht, v, wn = box[5], user[18], user[19]
+    nx, ny, nz = user[0], user[1], user[2]
+    constant = azimuths.size == 1
+    lowest, highest = elevations.min(), elevations.max()
+    count = 0
+    for k in range(orbits.shape[0]):
+        row = rows[count]
+        rx, ry, rz = q[k, 0] - user[3], q[k, 1] - user[4], q[k, 2] - user[5]
+        tx, ty, tz = dq[k, 0] * ht, dq[k, 1] * ht, dq[k, 2] * ht
+        bend = orbits[k, 11] * ht * ht
+        speed = min(math.sqrt(tx * tx + ty * ty + tz * tz) + bend, orbits[k, 10] * ht)
+        away = math.sqrt(q[k, 0] * q[k, 0] + q[k, 1] * q[k, 1] + q[k, 2] * q[k, 2])
+        r = math.sqrt(rx * rx + ry * ry + rz * rz)
+        reach = user[21] + speed
+        up = nx * rx + ny * ry + nz * rz
+        # G <= n.(q - p), which changes by no more than this: most satellites below end here
+        if up + v * (away + speed + user[24]) + speed + slack < 0.0:
+            continue
+        nearest = r - reach - slack
+        if nearest <= 0.1 * r:
+            return -1
+        swing = user[20] + bend
+        pull = reach * reach / (nearest * nearest)
+        across = (swing + 2.0 * slack) / nearest + pull
+        second = math.sqrt(across * across + pull * pull)
+        turn = reach / nearest
+        ex, ey, ez = rx / r, ry / r, rz / r
+        row[0], row[1], row[2] = ex, ey, ez
+        sine_up = up / r
+        for d in range(3):
+            if d < 2:
+                mx, my, mz = -user[12 + 3 * d], -user[13 + 3 * d], -user[14 + 3 * d]
+            else:
+                mx, my, mz = tx, ty, tz
+            along = ex * mx + ey * my + ez * mz
+            row[3 + 3 * d] = (mx - ex * along) / r
+            row[4 + 3 * d] = (my - ey * along) / r
+            row[5 + 3 * d] = (mz - ez * along) / r
+            # slopes of n.(q - p), and of |q - p|
+            slope = nx * mx + ny * my + nz * mz
+            if d < 2:
+                sx, sy, sz = user[6 + 3 * d], user[7 + 3 * d], user[8 + 3 * d]
+                slope += sx * rx + sy * ry + sz * rz
+            row[HIGH + 1 + d], row[LOW + 1 + d] = slope, along
+        first = chord(row) + 0.5 * second
+        first = min(first, turn + slack / nearest)
+        low, high = lowest, highest
+        if not constant:
+            azimuth, half = azimuth_reach(user, ex, ey, ez, first)
+            low, high = mask_range(azimuths, elevations, azimuth, half)
+        curve = wn * (away + speed) + 2.0 * v * speed + bend + user[22]
+        far = swing + reach * reach / nearest
+        error = SIGHT_ROUNDING * away + 2.0 * slack
+        sin_high, sin_low = math.sin(high), math.sin(low)
+        row[HIGH], row[LOW] = up - sin_high * r, up - sin_low * r
+        least, most = row[HIGH], row[LOW]
+        for d in range(3):
+            slope, along = row[HIGH + 1 + d], row[LOW + 1 + d]
+            row[HIGH + 1 + d] = slope - sin_high * along
+            row[LOW + 1 + d] = slope - sin_low * along
+            least -= abs(row[HIGH + 1 + d])
+            most += abs(row[LOW + 1 + d])
+        row[BEND] = 0.5 * (curve + sin_high * far) + error
+        if most + row[BEND] < 0.0:
+            continue
+        kinds[count] = 1 if least - row[BEND] >= 0.0 else 2
+        if level:
+            for d in range(2):
+                sx, sy, sz = user[6 + 3 * d], user[7 + 3 * d], user[8 + 3 * d]
+                lean = sx * ex + sy * ey + sz * ez
+                row[3 + 3 * d] += nx * lean - sx * sine_up
+                row[4 + 3 * d] += ny * lean - sy * sine_up
+                row[5 + 3 * d] += nz * lean - sz * sine_up
+            second += 2.0 * v * turn + v * v + wn
+            first = min(first + v, chord(row) + 0.5 * second)
+        row[FIRST], row[SECOND] = first, second
+        count += 1
+    return count
+
+
+@kernel
+def chord(row):
+    """Bound of ``|sum e_d u_d|`` over the box."""
+    total = 0.0
+    for d in range(3):
+        for f in range(3):
+            dot = 0.0
+            for k in range(3):
+                dot += row[3 + 3 * d + k] * row[3 + 3 * f + k]
+            total += abs(dot)
+    return math.sqrt(total)

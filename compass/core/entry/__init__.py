@@ -1,0 +1,1 @@
+"""Kernels of the landing engine: flight, transition, measurements, filter, runs."""

@@ -1,0 +1,151 @@
+"""From one time to another: Runge-Kutta steps that end at every bank switch, and their derivative.
+
+The steps are never longer than asked for, whatever the time between epochs, so that the epochs of
+a filter decide nothing about its dynamics.
+"""
+
+import math
+
+import numpy as np
+
+from compass.core.entry.rates import COLUMNS, OF_AIR, acceleration, acceleration_partials
+from compass.core.jit import fast_kernel, kernel
+
+
+@fast_kernel
+def rk4_step(x, thicker, lift, p, cos_bank, sin_bank, dt, out):
+    """Advance the state (6) by one classical Runge-Kutta step of `dt` seconds into `out`."""
+    k, total, stage = np.empty(3), np.zeros(6), np.empty(6)
+    for i in range(6):
+        stage[i] = x[i]
+    for part in range(4):
+        weight = 2.0 if part == 1 or part == 2 else 1.0
+        ahead = dt if part == 2 else 0.5 * dt
+        acceleration(stage, thicker, lift, p, cos_bank, sin_bank, k)
+        for i in range(3):
+            total[i] += weight * stage[3 + i]
+            total[3 + i] += weight * k[i]
+            stage[i] = x[i] + ahead * stage[3 + i]
+        for i in range(3):
+            stage[3 + i] = x[3 + i] + ahead * k[i]
+    for i in range(6):
+        out[i] = x[i] + dt / 6.0 * total[i]
+
+
+@fast_kernel
+def rk4_step_transition(x, thicker, lift, p, cos_bank, sin_bank, dt, out, phi):
+    """One Runge-Kutta step and the derivative of the step itself, (6, 8).
+
+    The Runge-Kutta map is differentiated stage by stage (not the flow), so that a covariance moves
+    exactly as the mean does: ``K_1' = A(x)``, ``K_2' = A(x_2)(I + dt/2 K_1')`` and so on,
+    ``Phi = I + dt/6 (K_1' + 2 K_2' + 2 K_3' + K_4')``. Columns 6 and 7 belong to the logarithm of
+    the density and the lift-to-drag ratio, both constant over a step.
+    """
+    k, total, stage = np.empty(3), np.zeros(6), np.empty(6)
+    partials = np.empty((3, COLUMNS))
+    m, slope = np.zeros((6, COLUMNS)), np.empty((6, COLUMNS))
+    for i in range(6):
+        stage[i] = x[i]
+        m[i, i] = 1.0
+        for j in range(COLUMNS):
+            phi[i, j] = 0.0
+    for part in range(4):
+        weight = 2.0 if part == 1 or part == 2 else 1.0
+        ahead = dt if part == 2 else 0.5 * dt
+        acceleration(stage, thicker, lift, p, cos_bank, sin_bank, k)
+        acceleration_partials(stage, thicker, lift, p, cos_bank, sin_bank, partials)
+        for i in range(3):
+            for j in range(COLUMNS):
+                total_j = partials[i, j] if j >= OF_AIR else 0.0
+                for c in range(6):
+                    total_j += partials[i, c] * m[c, j]
+                slope[3 + i, j] = total_j
+                slope[i, j] = m[3 + i, j]
+        for i in range(6):
+            for j in range(COLUMNS):
+                phi[i, j] += weight * slope[i, j]
+                m[i, j] = ahead * slope[i, j]
+            m[i, i] += 1.0
+        for i in range(3):
+            total[i] += weight * stage[3 + i]
+            total[3 + i] += weight * k[i]
+            stage[i] = x[i] + ahead * stage[3 + i]
+        for i in range(3):
+            stage[3 + i] = x[3 + i] + ahead * k[i]
+    for i in range(6):
+        out[i] = x[i] + dt / 6.0 * total[i]
+        for j in range(COLUMNS):
+            phi[i, j] *= dt / 6.0
+        phi[i, i] += 1.0
+
+
+@kernel
+def bank_at(time, bank):
+    """Row of `bank` (k, 2), times and angles, in force from `time` on."""
+    row = 0
+    while row + 1 < bank.shape[0] and bank[row + 1, 0] <= time:
+        row += 1
+    return row
+
+
+@kernel
+def advance(x, thicker, lift, p, bank, start, stop, longest, out):
+    """Advance the state from `start` to `stop`, exactly through bank switches, into `out` (6).
+
+    Parameters
+    ----------
+    x, thicker, lift, p
+        As in `compass.core.entry.rates.acceleration`.
+    bank
+        Times (s) from which bank angles (rad) hold, (k, 2); the first holds before it too.
+    start, stop
+        Seconds.
+    longest
+        Longest Runge-Kutta step, s.
+    """
+    for i in range(6):
+        out[i] = x[i]
+    time, row = start, bank_at(start, bank)
+    while time < stop:
+        end = stop
+        if row + 1 < bank.shape[0]:
+            end = min(stop, bank[row + 1, 0])
+        steps = max(1, math.ceil((end - time) / longest - 1e-9))
+        cos_bank, sin_bank = math.cos(bank[row, 1]), math.sin(bank[row, 1])
+        for _ in range(steps):
+            rk4_step(out, thicker, lift, p, cos_bank, sin_bank, (end - time) / steps, out)
+        time = end
+        row += 1
+
+
+@kernel
+def advance_transition(x, thicker, lift, p, bank, start, stop, longest, out, phi):
+    """As `advance`, with the derivative (6, 8) of all its steps together in `phi`."""
+    step, before = np.empty((6, COLUMNS)), np.empty((6, COLUMNS))
+    for i in range(6):
+        out[i] = x[i]
+        for j in range(COLUMNS):
+            phi[i, j] = 1.0 if i == j else 0.0
+    time, row, first = start, bank_at(start, bank), True
+    while time < stop:
+        end = stop
+        if row + 1 < bank.shape[0]:
+            end = min(stop, bank[row + 1, 0])
+        steps = max(1, math.ceil((end - time) / longest - 1e-9))
+        cos_bank, sin_bank = math.cos(bank[row, 1]), math.sin(bank[row, 1])
+        for _ in range(steps):
+            dt = (end - time) / steps
+            if first:
+                rk4_step_transition(out, thicker, lift, p, cos_bank, sin_bank, dt, out, phi)
+                first = False
+                continue
+            rk4_step_transition(out, thicker, lift, p, cos_bank, sin_bank, dt, out, step)
+            before[:, :] = phi
+            for i in range(6):
+                for j in range(COLUMNS):
+                    total = step[i, j] if j >= OF_AIR else 0.0
+                    for c in range(6):
+                        total += step[i, c] * before[c, j]
+                    phi[i, j] = total
+        time = end
+        row += 1

@@ -1,0 +1,182 @@
+"""Acceleration of an entry vehicle in Mars-fixed Cartesian axes, and its exact partials.
+
+State ``[x, y, z, vx, vy, vz]``: position and velocity relative to the rotating planet, SI. There
+is no pole in it: nothing is divided by a cosine of latitude, and without lift nothing by that of
+the flight-path angle.
+
+Parameters ``p``: see `MU` and what follows it; behind `TABLE` may stand a tabulated atmosphere,
+n radii, increasing, then n values of ``ln rho``.
+"""
+
+import math
+
+from compass.core.jit import fast_kernel
+
+#: Places in ``p``: gravitational parameter; ``3/2 J2 mu R^2`` (0 for a point mass); rotation rate
+#: and which of its terms are kept; the density at r0, its logarithm; r0; scale height;
+#: ``B = C_D S / m``; lift-to-drag ratio.
+MU, OBLATE, OMEGA, ROTATION, LOG_DENSITY, R0, SCALE_HEIGHT, DRAG, LIFT, TABLE = range(10)
+
+#: Terms of the rotation: Coriolis alone; Coriolis and centrifugal; Coriolis terms of the
+#: flight-path and heading rates exchanged, as Yu et al. 2018 print them in eq. 1 (wrong).
+CORIOLIS, CENTRIFUGAL, SWAPPED = 0.0, 1.0, 2.0
+
+#: Columns of the partials: position, velocity, logarithm of the density, lift-to-drag ratio.
+COLUMNS, OF_AIR, OF_LIFT = 8, 6, 7
+
+
+@fast_kernel
+def log_density(r, p):
+    """``ln rho(r)`` and its derivative in r, 1/m.
+
+    ``ln rho0 + (r0 - r)/h``, or linear between the rows of a table (exponential layers), the end
+    layers going on for ever.
+    """
+    n = (p.size - TABLE) // 2
+    if n == 0:
+        return p[LOG_DENSITY] + (p[R0] - r) / p[SCALE_HEIGHT], -1.0 / p[SCALE_HEIGHT]
+    low, high = 0, n - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if p[TABLE + middle] <= r:
+            low = middle
+        else:
+            high = middle
+    r_low, s_low = p[TABLE + low], p[TABLE + n + low]
+    slope = (p[TABLE + n + low + 1] - s_low) / (p[TABLE + low + 1] - r_low)
+    return s_low + slope * (r - r_low), slope
+
+
+@fast_kernel
+def acceleration(x, thicker, lift, p, cos_bank, sin_bank, out):
+    """Write the acceleration (m/s^2) into ``out[0:3]``.
+
+    ``a = -mu u/r^2 - D s + L (cos(bank) e + sin(bank) f) - 2 w x v - w x (w x r)``, with u up, s
+    along the velocity, ``e = (u - q s)/c`` and ``f = (s x u)/c`` across it, ``q = u . s``,
+    ``c = |s x u|``; ``D = rho B V^2 / 2``, ``L = lift D``.
+
+    Parameters
+    ----------
+    x
+        State, shape (>= 6,).
+    thicker
+        Added to ``ln rho``.
+    lift
+        Lift-to-drag ratio.
+    p
+        Parameters.
+    cos_bank, sin_bank
+        Of the bank angle, positive turning the velocity clockwise.
+    """
+    r = math.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
+    v = math.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5])
+    ux, uy, uz = x[0] / r, x[1] / r, x[2] / r
+    sx, sy, sz = x[3] / v, x[4] / v, x[5] / v
+    height, _ = log_density(r, p)
+    drag = 0.5 * math.exp(height + thicker) * p[DRAG] * v * v
+    g = p[MU] / (r * r)
+    ax, ay, az = -g * ux - drag * sx, -g * uy - drag * sy, -g * uz - drag * sz
+    if p[OBLATE] != 0.0:
+        j = p[OBLATE] / (r * r * r * r)
+        along = j * (5.0 * uz * uz - 1.0)
+        ax, ay, az = ax + along * ux, ay + along * uy, az + (along - 2.0 * j) * uz
+    w = p[OMEGA]
+    if lift != 0.0 or p[ROTATION] == SWAPPED:
+        fx, fy, fz = sy * uz - sz * uy, sz * ux - sx * uz, sx * uy - sy * ux
+        c = math.sqrt(fx * fx + fy * fy + fz * fz)
+        q = ux * sx + uy * sy + uz * sz
+        fx, fy, fz = fx / c, fy / c, fz / c
+        ex, ey, ez = (ux - q * sx) / c, (uy - q * sy) / c, (uz - q * sz) / c
+        up, side = lift * drag * cos_bank, lift * drag * sin_bank
+        if p[ROTATION] == SWAPPED:
+            up -= 2.0 * w * v * ez / c
+            side += 2.0 * w * v * c * fz
+        ax, ay, az = ax + up * ex + side * fx, ay + up * ey + side * fy, az + up * ez + side * fz
+    if p[ROTATION] != SWAPPED:
+        ax, ay = ax + 2.0 * w * x[4], ay - 2.0 * w * x[3]
+    if p[ROTATION] == CENTRIFUGAL:
+        ax, ay = ax + w * w * x[0], ay + w * w * x[1]
+    out[0], out[1], out[2] = ax, ay, az
+
+
+@fast_kernel
+def acceleration_partials(x, thicker, lift, p, cos_bank, sin_bank, out):
+    """Write the derivative of `acceleration` into `out`, shape (3, 8).
+
+    Column by column: how u, s, the density and the speed turn, then what turns with them.
+    """
+    r = math.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
+    v = math.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5])
+    ux, uy, uz = x[0] / r, x[1] / r, x[2] / r
+    sx, sy, sz = x[3] / v, x[4] / v, x[5] / v
+    height, slope = log_density(r, p)
+    drag = 0.5 * math.exp(height + thicker) * p[DRAG] * v * v
+    w, swapped = p[OMEGA], p[ROTATION] == SWAPPED
+    fx, fy, fz = sy * uz - sz * uy, sz * ux - sx * uz, sx * uy - sy * ux
+    c = math.sqrt(fx * fx + fy * fy + fz * fz)
+    q = ux * sx + uy * sy + uz * sz
+    lifted = (lift != 0.0 or swapped) and c > 0.0
+    ex, ey, ez = 0.0, 0.0, 0.0
+    if c > 0.0:
+        fx, fy, fz = fx / c, fy / c, fz / c
+        ex, ey, ez = (ux - q * sx) / c, (uy - q * sy) / c, (uz - q * sz) / c
+    up, side = lift * drag * cos_bank, lift * drag * sin_bank
+    g = p[MU] / (r * r * r)
+    for j in range(6):
+        kx = 1.0 if j % 3 == 0 else 0.0
+        ky = 1.0 if j % 3 == 1 else 0.0
+        kz = 1.0 if j % 3 == 2 else 0.0
+        dux, duy, duz, dsx, dsy, dsz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        if j < 3:
+            uj = kx * ux + ky * uy + kz * uz
+            dux, duy, duz = (kx - ux * uj) / r, (ky - uy * uj) / r, (kz - uz * uj) / r
+            grows, speeds = slope * uj, 0.0
+            ax, ay, az = -g * (kx - 3 * ux * uj), -g * (ky - 3 * uy * uj), -g * (kz - 3 * uz * uj)
+            if p[OBLATE] != 0.0:
+                h = p[OBLATE] / (r * r * r * r)
+                along, dh = h * (5.0 * uz * uz - 1.0), -4.0 * h / r * uj
+                dalong = dh * (5.0 * uz * uz - 1.0) + h * 10.0 * uz * duz
+                ax, ay = ax + dalong * ux + along * dux, ay + dalong * uy + along * duy
+                az += (dalong - 2.0 * dh) * uz + (along - 2.0 * h) * duz
+        else:
+            speeds = kx * sx + ky * sy + kz * sz
+            dsx, dsy, dsz = (kx - sx * speeds) / v, (ky - sy * speeds) / v, (kz - sz * speeds) / v
+            grows = 2.0 * speeds / v
+            ax, ay, az = 0.0, 0.0, 0.0
+        ax -= drag * (grows * sx + dsx)
+        ay -= drag * (grows * sy + dsy)
+        az -= drag * (grows * sz + dsz)
+        if lifted:
+            dq = dux * sx + duy * sy + duz * sz + ux * dsx + uy * dsy + uz * dsz
+            bend = q * dq / (c * c)  # minus the relative change of c
+            dex = (dux - dq * sx - q * dsx) / c + ex * bend
+            dey = (duy - dq * sy - q * dsy) / c + ey * bend
+            dez = (duz - dq * sz - q * dsz) / c + ez * bend
+            dfx = (dsy * uz - dsz * uy + sy * duz - sz * duy) / c + fx * bend
+            dfy = (dsz * ux - dsx * uz + sz * dux - sx * duz) / c + fy * bend
+            dfz = (dsx * uy - dsy * ux + sx * duy - sy * dux) / c + fz * bend
+            all_up, all_side, dup, dside = up, side, up * grows, side * grows
+            if swapped:
+                turn = 2.0 * w
+                all_up -= turn * v * ez / c
+                all_side += turn * v * c * fz
+                dup -= turn * (speeds * ez + v * dez + v * ez * bend) / c
+                dside += turn * c * (speeds * fz + v * dfz - v * fz * bend)
+            ax += dup * ex + all_up * dex + dside * fx + all_side * dfx
+            ay += dup * ey + all_up * dey + dside * fy + all_side * dfy
+            az += dup * ez + all_up * dez + dside * fz + all_side * dfz
+        out[0, j], out[1, j], out[2, j] = ax, ay, az
+    if not swapped:
+        out[0, 4] += 2.0 * w
+        out[1, 3] -= 2.0 * w
+    if p[ROTATION] == CENTRIFUGAL:
+        out[0, 0] += w * w
+        out[1, 1] += w * w
+    out[0, OF_LIFT] = drag * (cos_bank * ex + sin_bank * fx)
+    out[1, OF_LIFT] = drag * (cos_bank * ey + sin_bank * fy)
+    out[2, OF_LIFT] = drag * (cos_bank * ez + sin_bank * fz)
+    for i in range(3):
+        out[i, OF_AIR] = lift * out[i, OF_LIFT]
+    out[0, OF_AIR] -= drag * sx
+    out[1, OF_AIR] -= drag * sy
+    out[2, OF_AIR] -= drag * sz

@@ -1,0 +1,127 @@
+"""Many runs of one filter against one true flight: errors, consistency, what it claims."""
+
+import math
+
+import numpy as np
+
+from compass.core.entry.filter import filter_run
+from compass.core.entry.flow import advance
+from compass.core.entry.measure import BIAS, CLOCK, ESTIMATED, KINDS, RANGE, RATE, ranges_and_rates
+from compass.core.entry.rates import LIFT as RATIO
+from compass.core.jit import kernel
+
+
+@kernel
+def normalised_square(covariance, error):
+    """``e^T P^-1 e`` by Cholesky of the correlation matrix; nan if P is not positive definite."""
+    n = error.size
+    low, y = np.zeros((n, n)), np.empty(n)
+    total = 0.0
+    for i in range(n):
+        si = math.sqrt(covariance[i, i])
+        for j in range(i + 1):
+            value = covariance[i, j] / (si * math.sqrt(covariance[j, j]))
+            for k in range(j):
+                value -= low[i, k] * low[j, k]
+            if i == j:
+                if not value > 0.0:
+                    return np.nan
+                low[i, i] = math.sqrt(value)
+            else:
+                low[i, j] = value / low[j, j]
+        value = error[i] / si
+        for k in range(i):
+            value -= low[i, k] * y[k]
+        y[i] = value / low[i, i]
+        total += y[i] * y[i]
+    return total
+
+
+@kernel
+def monte_carlo(
+    path, p_true, root0, covariance0, p, bank, times, longest, noise, walk, beacons, variances,
+    places, iterations, draws0, draws, draws_noise, errors, squares, sigmas,
+):  # fmt: skip
+    """Run the filter many times against the true flight.
+
+    Without process noise the truth is `path` itself, however far apart the epochs are; with it,
+    the truth is moved from its own last state, by the same steps as the filter's, and shaken.
+    All other blocks are zero in truth but for their walk; the first estimate is drawn about the
+    truth with `root0`.
+
+    Parameters
+    ----------
+    path, p_true
+        The true flight at the epochs, (t, 6), and the parameters it was flown with.
+    root0, covariance0, p, ...
+        As in `filter_run`, `root0` a root of `covariance0`.
+    draws0, draws, draws_noise
+        Standard normal draws, (m, s), (m, t, n, 2), (m, t, s).
+    errors
+        Output, (m, t, 6), estimate minus truth.
+    squares
+        Output, (m, t, 2): normalised error squared of position and velocity, and of all states
+        that are estimated.
+    sigmas
+        Output, (m, t, 2): roots of the traces of the covariance of position and of velocity.
+    """
+    runs, epochs, n, size = errors.shape[0], times.size, beacons.shape[1], root0.shape[0]
+    truth, further = path.copy(), np.zeros((epochs, size))
+    xs, ps = np.empty((epochs, size)), np.empty((epochs, size, size))
+    ideal, z = np.empty((epochs, n, KINDS)), np.empty((epochs, n, KINDS))
+    start, difference = np.empty(size), np.empty(size)
+    estimated, shaken = places[ESTIMATED], noise.shape[0] > 0
+    clock, bias = places[CLOCK], places[BIAS]
+    ranges_and_rates(path, beacons, ideal)
+    for m in range(runs):
+        if shaken:
+            for t in range(1, epochs):
+                advance(
+                    truth[t - 1], 0.0, p_true[RATIO], p_true, bank, times[t - 1], times[t],
+                    longest, truth[t],
+                )  # fmt: skip
+                for i in range(6):
+                    for j in range(6):
+                        truth[t, i] += noise[t, i, j] * draws_noise[m, t, j]
+            ranges_and_rates(truth, beacons, ideal)
+        for t in range(1, epochs):
+            dt = times[t] - times[t - 1]
+            for i in range(6, size):
+                step = math.sqrt(walk[i] * dt) * draws_noise[m, t, i]
+                further[t, i] = further[t - 1, i] + step
+            if clock >= 0:
+                further[t, clock] += dt * further[t - 1, clock + 1]
+        for t in range(epochs):
+            for b in range(n):
+                for kind in range(KINDS):
+                    sigma = math.sqrt(variances[t, b, kind])
+                    z[t, b, kind] = ideal[t, b, kind] + sigma * draws[m, t, b, kind]
+                if clock >= 0:
+                    z[t, b, RANGE] += further[t, clock]
+                    z[t, b, RATE] += further[t, clock + 1]
+                if bias >= 0:
+                    z[t, b, RANGE] += further[t, bias + b]
+        for i in range(size):
+            start[i] = truth[0, i] if i < 6 else 0.0
+            for j in range(i + 1):
+                start[i] += root0[i, j] * draws0[m, j]
+        filter_run(
+            start, covariance0, p, bank, times, longest, noise, walk, beacons, variances, z,
+            places, iterations, xs, ps,
+        )  # fmt: skip
+        for t in range(epochs):
+            for i in range(size):
+                difference[i] = xs[t, i] - (truth[t, i] if i < 6 else further[t, i])
+            for i in range(6):
+                errors[m, t, i] = difference[i]
+            squares[m, t, 0] = normalised_square(ps[t, :6, :6], difference[:6])
+            squares[m, t, 1] = squares[m, t, 0]
+            if estimated > 6:
+                squares[m, t, 1] = normalised_square(
+                    ps[t, :estimated, :estimated], difference[:estimated]
+                )
+            for part in range(2):
+                total = 0.0
+                for i in range(3 * part, 3 * part + 3):
+                    total += ps[t, i, i]
+                sigmas[m, t, part] = math.sqrt(total)

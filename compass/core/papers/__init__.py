@@ -1,0 +1,1 @@
+"""Kernels of the filters that source papers print, in the papers' own states."""

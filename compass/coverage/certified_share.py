@@ -1,0 +1,345 @@
+"""Shares and percentiles of dilution of precision between bounds that are proven."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from time import monotonic
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.core.certified.shares import BOX, measure, refine
+from compass.coverage.certified_domain import Domain, Place, domain_of
+from compass.coverage.region import GLOBE
+from compass.errors import ArgumentError
+from compass.frames import DEFAULT_FIGURE, Figure
+from compass.orbits import Constellation
+from compass.sites import Mask
+
+#: In the order of the kernels.
+DOPS = ("gdop", "pdop", "hdop", "vdop", "tdop")
+
+#: Boxes that one piece of work starts from: fixed, so that sums do not depend on who works.
+PIECE = 2048
+
+#: Longest side of the first boxes.
+COARSE = 0.5
+
+#: What sums may be off by: a floor, and for every box.
+FLOOR, PER_BOX = 1e-10, 4e-16
+
+#: Percentiles beyond this count as infinite.
+GREATEST = 1e5
+
+
+@dataclass(frozen=True, eq=False)
+class CertifiedShare:
+    """A share of area and time, or of time, between proven bounds.
+
+    Attributes
+    ----------
+    low, high
+        The share lies between them.
+    boxes
+        Boxes looked at.
+    scope
+        For which motion and how long, and by which symmetry.
+    stopped
+        Empty, or why it is wider than asked: ``time`` or ``interrupted``.
+    leaves, settled
+        Where it can go on from: boxes with something open, and sums of those that have nothing
+        (kept, broken, outside).
+    """
+
+    low: float
+    high: float
+    boxes: int
+    scope: str
+    stopped: str = ""
+    leaves: NDArray[np.float64] | None = None
+    settled: tuple[float, ...] = (0.0, 0.0, 0.0)
+
+    @property
+    def value(self) -> float:
+        """Middle of the bounds."""
+        return 0.5 * (self.low + self.high)
+
+    @property
+    def width(self) -> float:
+        """How far the bounds are apart."""
+        return self.high - self.low
+
+
+def certified_share(
+    constellation: Constellation,
+    limit: float,
+    *,
+    dop: str = "pdop",
+    figure: Figure = DEFAULT_FIGURE,
+    mask: Mask | float = 0.0,
+    place: Place = GLOBE,
+    width: float = 1e-4,
+    budget_s: float = np.inf,
+    duration: float | None = None,
+    drifting: bool = False,
+    symmetric: bool = True,
+    workers: int = 1,
+    start: CertifiedShare | None = None,
+    progress: Callable[[float], None] = lambda open_share: None,
+) -> CertifiedShare:
+    """Bracket the share of area and time with a dilution of precision of at most a limit.
+
+    Boxes of latitude, longitude and time in which the limit is surely kept or surely broken, by
+    first-order cuts whose remainders are bounded (`compass.core.certified`), are added up; the
+    rest is split until the bounds are `width` apart. With fewer than four satellites in view a
+    dilution is infinite.
+
+    Parameters
+    ----------
+    constellation
+        The orbits.
+    limit
+        From 1.
+    dop
+        ``gdop``, ``pdop``, ``hdop``, ``vdop`` or ``tdop``.
+    figure
+        The ellipsoid on which users stand.
+    mask
+        A mask, or a constant elevation in radians.
+    place
+        A region (share of area and time), a `Circle` or a `Spot` (shares of time) or a `Tile`.
+    width, budget_s
+        Stop at bounds so near, or after so many seconds.
+    duration, drifting, symmetric
+        As in `domain_of`.
+    workers
+        Threads; the numbers do not depend on them.
+    start
+        A result of the same question to go on from.
+    progress
+        Called with the share that is still open.
+
+    Raises
+    ------
+    ArgumentError
+        A limit below 1, an unknown dilution, a width that is not positive, or as `domain_of`.
+    """
+    if not limit >= 1.0:
+        raise ArgumentError(f"limit = {limit:g}: a dilution of precision to ask for is 1 or more")
+    search = _Search(
+        constellation, dop, figure, mask, place, duration, drifting, symmetric, workers
+    )
+    return search.share(limit, width, budget_s=budget_s, start=start, progress=progress)
+
+
+@dataclass(frozen=True)
+class CertifiedPercentile:
+    """A value that a share of area and time does not exceed, between proven bounds."""
+
+    low: float
+    high: float
+    percent: float
+    scope: str
+    stopped: str = ""
+
+    @property
+    def value(self) -> float:
+        """Middle of the bounds."""
+        return 0.5 * (self.low + self.high)
+
+
+def certified_percentile(
+    constellation: Constellation,
+    percent: float,
+    *,
+    dop: str = "gdop",
+    figure: Figure = DEFAULT_FIGURE,
+    mask: Mask | float = 0.0,
+    place: Place = GLOBE,
+    precision: float = 1e-3,
+    budget_s: float = np.inf,
+    duration: float | None = None,
+    drifting: bool = False,
+    workers: int = 1,
+) -> CertifiedPercentile:
+    """Bracket the dilution of precision that `percent` of area and time do not exceed.
+
+    Bisection on the limit: each share is refined no further than it takes to tell which side of
+    `percent` it lies on. Infinite where limits up to 1e5 are not enough.
+
+    Parameters
+    ----------
+    percent
+        Above 0 and below 100.
+    precision
+        Stop at bounds that are so near, relative to the value.
+    constellation, dop, figure, mask, place, budget_s, duration, drifting, workers
+        As in `certified_share`.
+
+    Raises
+    ------
+    ArgumentError
+        As in `certified_share`, or a percentage that is not between 0 and 100.
+    """
+    if not 0 < percent < 100:
+        raise ArgumentError(f"percent = {percent:g}: allowed above 0 and below 100")
+    if not precision > 0:
+        raise ArgumentError(f"precision = {precision:g}: must be positive")
+    search = _Search(constellation, dop, figure, mask, place, duration, drifting, True, workers)
+    end, level = monotonic() + budget_s, percent / 100
+    low, high, tried, stopped = 0.0, np.inf, 4.0, ""
+    while low < GREATEST and not (high < np.inf and high - low <= precision * high):
+        found = search.share(tried, 1e-6, budget_s=end - monotonic(), level=level)
+        if found.low >= level:
+            high = tried
+        elif found.high < level:
+            low = tried
+        else:
+            stopped = found.stopped or "nearer than shares can tell"
+            break
+        tried = 4.0 * low if high == np.inf else 0.25 * high if low == 0.0 else (low * high) ** 0.5
+    return CertifiedPercentile(low, high, percent, search.domain.scope, stopped)
+
+
+class _Search:
+    """One question, at any limit."""
+
+    def __init__(
+        self,
+        constellation: Constellation,
+        dop: str,
+        figure: Figure,
+        mask: Mask | float,
+        place: Place,
+        duration: float | None,
+        drifting: bool,
+        symmetric: bool,
+        workers: int,
+    ) -> None:
+        if dop not in DOPS:
+            raise ArgumentError(f"dop = {dop!r}: allowed {', '.join(DOPS)}")
+        horizon = mask if isinstance(mask, Mask) else Mask.constant(mask)
+        self.domain: Domain = domain_of(
+            constellation,
+            figure,
+            place,
+            mirrored=horizon.is_constant,
+            symmetric=symmetric,
+            drifting=drifting,
+            duration=duration,
+        )
+        self.dop, self.workers = DOPS.index(dop), workers
+        rows = (
+            [[0.0], [horizon.lowest]]
+            if horizon.is_constant
+            else [horizon.azimuth, horizon.elevation]
+        )
+        self.mask = np.array(rows, dtype=float)
+        self.speed = 0.5 * float(self.domain.orbits[:, 10].mean())
+        self.satellites = constellation.size
+
+    def share(
+        self,
+        limit: float,
+        width: float,
+        *,
+        budget_s: float = np.inf,
+        level: float | None = None,
+        start: CertifiedShare | None = None,
+        progress: Callable[[float], None] = lambda open_share: None,
+    ) -> CertifiedShare:
+        """Refine until the bounds are `width` apart, or both on one side of `level`."""
+        if not width > 0:
+            raise ArgumentError(f"width = {width:g}: must be positive")
+        scope = self.domain.scope
+        if self.satellites < 4:
+            return CertifiedShare(0.0, 0.0, 0, scope + "; fewer than four satellites")
+        total = self._total()
+        settled, boxes = np.zeros(3), 0
+        if start is not None and start.leaves is not None:
+            leaves, settled, boxes = start.leaves, np.array(start.settled), start.boxes
+        else:
+            leaves = self._first(total)
+        end, stopped = monotonic() + budget_s, ""
+        eps = 4.0 * min(1e-5 * total, float(leaves[:, 9].max(initial=0.0)))
+        while not stopped:
+            found = self._result(leaves, settled, boxes, stopped)
+            progress(found.width)
+            decided = level is not None and (found.low >= level or found.high < level)
+            if found.width <= width or decided or not len(leaves):
+                break
+            eps *= 0.25
+            leaves, sums, stopped = self._round(leaves, eps, limit, end)
+            settled, boxes = settled + sums[:3], boxes + int(sums[3])
+        return self._result(leaves, settled, boxes, stopped)
+
+    def _total(self) -> float:
+        """Measure of all of the domain."""
+        sides = self.domain.sides
+        box = np.zeros(BOX)
+        box[:3], box[3:6] = sides.mean(axis=1), 0.5 * (sides[:, 1] - sides[:, 0])
+        return float(measure(box, self.domain.flattening)[0])
+
+    def _first(self, total: float) -> NDArray[np.float64]:
+        """Boxes to begin with: the domain cut into parts of at most `COARSE`, all open."""
+        sides = self.domain.sides
+        length = (sides[:, 1] - sides[:, 0]) * [1.0, 1.0, self.speed]
+        axes, halves = [], []
+        for (low, high), size in zip(sides, length, strict=True):
+            edges = np.linspace(low, high, max(int(np.ceil(size / COARSE)), 1) + 1)
+            axes.append(0.5 * (edges[1:] + edges[:-1]))
+            halves.append(0.5 * (edges[1:] - edges[:-1]))
+        boxes = np.zeros((int(np.prod([len(axis) for axis in axes])), BOX))
+        boxes[:, :3] = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+        boxes[:, 3:6] = np.stack(np.meshgrid(*halves, indexing="ij"), axis=-1).reshape(-1, 3)
+        boxes[:, 9] = total
+        for box in boxes:
+            box[9] = measure(box, self.domain.flattening)[0]
+        return boxes
+
+    def _round(
+        self, leaves: NDArray[np.float64], eps: float, limit: float, end: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], str]:
+        """Refine all leaves, piece by piece in their order; what time leaves undone stays."""
+        d = self.domain
+        numbers = np.array([d.flattening, d.slack, float(self.dop), limit * limit])
+        pieces = [leaves[k : k + PIECE] for k in range(0, len(leaves), PIECE)]
+        kept: list[NDArray[np.float64]] = []
+        sums, stopped = np.zeros(4), ""
+
+        def work(piece: NDArray[np.float64]) -> tuple[NDArray, NDArray] | None:
+            if monotonic() > end:
+                return None
+            return refine(
+                piece, eps, self.speed, d.orbits, d.circles, d.normals, numbers, self.mask
+            )
+
+        with ThreadPoolExecutor(self.workers) as pool:
+            results = pool.map(work, pieces)
+            try:
+                for piece in pieces:
+                    done = next(results)
+                    stopped = stopped or ("" if done else "time")
+                    kept.append(done[1] if done else piece)
+                    sums += done[0] if done else 0.0
+            except KeyboardInterrupt:
+                pool.shutdown(cancel_futures=True)
+                kept += pieces[len(kept) :]
+                stopped = "interrupted"
+        return np.concatenate(kept), sums, stopped
+
+    def _result(
+        self, leaves: NDArray[np.float64], settled: NDArray[np.float64], boxes: int, stopped: str
+    ) -> CertifiedShare:
+        """Bounds from what is kept, broken and open, rounded outwards."""
+        kept, broken, _ = settled + leaves[:, 6:9].sum(axis=0)
+        still = leaves[:, 9].sum()
+        whole = kept + broken + still
+        if not whole > 0.0:
+            raise ArgumentError("region: has no area")
+        error = FLOOR + PER_BOX * boxes
+        low = max(float(kept / whole) - error, 0.0)
+        high = min(float((kept + still) / whole) + error, 1.0)
+        return CertifiedShare(
+            low, high, boxes, self.domain.scope, stopped, leaves, tuple(settled.tolist())
+        )

@@ -1,0 +1,105 @@
+"""A constellation left alone: margin and room over time, the first loss, each satellite's way."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.coverage.lasting import Lasting, least_margins, margins_at, prove_span
+from compass.coverage.margin import covering_radius
+from compass.coverage.room import Room, SlotBox, has_slots, room_in_slots, slot_box
+from compass.frames import SECONDS_PER_DAY
+from compass.orbits import Constellation
+from compass.orbits.trajectory import Trajectory
+
+#: Moments at which margin and room are given, at most.
+MOMENTS = 200
+
+
+@dataclass(frozen=True)
+class Drift:
+    """What became of a constellation that was left alone.
+
+    Attributes
+    ----------
+    lasting
+        The claim of coverage: how long it is proven, when it is lost.
+    times
+        Moments, seconds after the epoch, shape (t,).
+    margin
+        By how much all caps could shrink then, radians, exact to 1e-6, shape (t,).
+    least
+        Proven bounds of the least margin since the moment before, radians, shape (t, 2); of the
+        first moment that over the day after it.
+    room
+        Room in the slots at the moments, and where satellites stand in them; None for orbits
+        that form no slots.
+    box
+        How far a satellite may leave its slot; None likewise.
+    """
+
+    lasting: Lasting
+    times: NDArray[np.float64]
+    margin: NDArray[np.float64]
+    least: NDArray[np.float64]
+    room: Room | None
+    box: SlotBox | None
+
+
+def drift_of(
+    constellation: Constellation,
+    path: Trajectory,
+    fold: int,
+    *,
+    days: float,
+    start_day: float = 0.0,
+    sphere_radius: float,
+    mask: float = 0.0,
+    step_days: float | None = None,
+    progress: Callable[[Sequence[Any]], Any] = iter,
+) -> Drift:
+    """Follow coverage along paths for `days` from `start_day` on.
+
+    Parameters
+    ----------
+    constellation
+        The nominal one, whose elements are the slots.
+    path
+        What its satellites do.
+    fold, sphere_radius, mask
+        As in `prove_span`.
+    days, start_day
+        Span.
+    step_days
+        Between moments; whole days that give at most `MOMENTS` of them if left out.
+    progress
+        Wraps the list of stretches between moments, as tqdm does.
+
+    Raises
+    ------
+    ArgumentError
+        As `prove_span`.
+    """
+    start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY
+    lasting = prove_span(path, fold, sphere_radius=sphere_radius, mask=mask, start=start, stop=stop)
+    step = step_days or max(1.0, float(np.ceil(days / MOMENTS)))
+    times = np.append(np.arange(start, stop - 1.0, step * SECONDS_PER_DAY), stop)
+    first = min(start + SECONDS_PER_DAY, stop)
+    spans = [(start, first), *pairwise(times.tolist())]
+    least = [
+        least_margins(path, fold, ends, sphere_radius=sphere_radius, mask=mask)[0]
+        for ends in progress(spans)
+    ]
+    room, box = None, None
+    if has_slots(constellation) and constellation.size >= fold:
+        covering = covering_radius(constellation, fold, tolerance=1e-5).radius
+        room = room_in_slots(
+            constellation, path, times, covering=covering, sphere_radius=sphere_radius, mask=mask
+        )
+        radius = float(constellation.semi_major_axis[0])
+        box = slot_box(radius, covering, sphere_radius, mask)
+    margin = margins_at(path, fold, times, sphere_radius=sphere_radius, mask=mask)
+    return Drift(lasting, times, margin, np.array(least), room, box)

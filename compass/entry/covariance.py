@@ -1,0 +1,127 @@
+"""Linear covariance along a flight: what no filter can beat, in one run and without draws."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compass.core.entry.filter import covariance_run
+from compass.entry.beacons import Beacons
+from compass.entry.layout import Layout
+from compass.entry.model import EntryModel
+from compass.entry.schedule import Measurements
+from compass.entry.views import spherical_jacobian
+from compass.errors import ArgumentError
+
+#: Longest Runge-Kutta step of filters and covariances, s. Over it a flight at 13 g is off by
+#: less than 2 mm and 0.1 mm/s.
+LONGEST_STEP = 1.0
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Covariance that a filter reaches at best, at the epochs of a flight.
+
+    Attributes
+    ----------
+    covariance
+        Of position (m), velocity (m/s) and further blocks after each epoch's measurements, in
+        Mars-fixed axes, shape (t, s, s).
+    """
+
+    covariance: NDArray[np.float64]
+
+    @property
+    def position_sigma(self) -> NDArray[np.float64]:
+        """Root of the trace of the position's covariance, m, shape (t,)."""
+        return self._sigma(0)
+
+    @property
+    def velocity_sigma(self) -> NDArray[np.float64]:
+        """Root of the trace of the velocity's covariance, m/s, shape (t,)."""
+        return self._sigma(3)
+
+    def _sigma(self, first: int) -> NDArray[np.float64]:
+        part = self.covariance[:, range(first, first + 3), range(first, first + 3)]
+        return np.sqrt(part.sum(axis=1))
+
+
+def linear_covariance(
+    model: EntryModel,
+    path: ArrayLike,
+    beacons: Beacons,
+    taken: ArrayLike,
+    measurements: Measurements,
+    covariance0: ArrayLike,
+    noise: ArrayLike = 0.0,
+    layout: Layout | None = None,
+) -> Bound:
+    """Posterior covariance with prior and process noise, along a flight.
+
+    It is the posterior Cramer-Rao bound where all states are estimated: exact for the linearised
+    problem, with process noise taken on the given flight rather than averaged over its scatter.
+    With considered blocks it is what Schmidt's gain reaches.
+
+    Parameters
+    ----------
+    model
+        The world.
+    path
+        Flight at the beacons' times, shape (t, 6), Mars-fixed.
+    beacons, taken, measurements
+        What is measured: `taken` has shape (t, n).
+    covariance0
+        Prior of position and velocity at the first time, (6, 6), SI, Mars-fixed.
+    noise
+        Process noise variance per second of the six spherical numbers, scalar or (6,).
+    layout
+        Further blocks; none if left out.
+
+    References
+    ----------
+    Tichavsky, Muravchik and Nehorai 1998, IEEE Trans. Signal Process. 46:1386, eq. 21.
+    """
+    flown = np.ascontiguousarray(path, dtype=float)
+    blocks = layout or Layout(beacons=beacons.size)
+    out = np.empty((len(flown), blocks.size, blocks.size))
+    covariance_run(
+        flown,
+        blocks.covariance(np.asarray(covariance0, dtype=float)),
+        model.flight_parameters(),
+        model.vehicle.bank_schedule(),
+        np.array(beacons.times, dtype=float),
+        LONGEST_STEP,
+        noise_roots(flown, beacons.times, noise),
+        np.zeros(blocks.size),
+        beacon_states(beacons),
+        measurements.variances(np.asarray(taken, dtype=bool)),
+        blocks.numbers(),
+        out,
+    )
+    return Bound(out)
+
+
+def beacon_states(beacons: Beacons) -> NDArray[np.float64]:
+    """Positions and velocities together, as the kernels take them, (t, n, 6)."""
+    return np.concatenate([beacons.r, beacons.v], axis=2)
+
+
+def noise_roots(path: NDArray[np.float64], times: ArrayLike, noise: ArrayLike) -> NDArray:
+    """Roots of the process noise gathered from the epoch before to each, (t, 6, 6).
+
+    ``G = J diag(sqrt(q dt))``, J the derivative of the Cartesian state in the spherical numbers,
+    per second of which `noise` gives the variances q (scalar or (6,)). Empty if all are zero.
+    """
+    q = np.broadcast_to(np.asarray(noise, dtype=float), (6,))
+    if not q.any():
+        return np.empty((0, 6, 6))
+    steps = np.diff(np.asarray(times, dtype=float), prepend=np.asarray(times)[0])
+    return spherical_jacobian(path) * np.sqrt(q * steps[:, None])[:, None, :]
+
+
+def axes_covariance(position_sigma: float, velocity_sigma: float) -> NDArray[np.float64]:
+    """Covariance (6, 6) of one sigma a Cartesian axis of position (m) and velocity (m/s)."""
+    for name, sigma in (("position_sigma", position_sigma), ("velocity_sigma", velocity_sigma)):
+        if not 0 < sigma < float("inf"):
+            raise ArgumentError(f"{name} = {sigma}: must be positive")
+    return np.diag(np.repeat([position_sigma**2, velocity_sigma**2], 3))

@@ -1,0 +1,147 @@
+"""What a filter's state is made of: named blocks in order, estimated before considered ones."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.errors import ArgumentError
+
+
+@dataclass(frozen=True)
+class Block:
+    """One kind of block: its name, number of states (None: one a beacon), units and meaning."""
+
+    name: str
+    size: int | None
+    units: tuple[str, ...]
+    title: str
+
+
+#: All blocks; a further one is a record here and a column in `compass.core.entry.measure.PLACES`.
+BLOCKS = (
+    Block("position", 3, ("m",), "Mars-fixed position"),
+    Block("velocity", 3, ("m/s",), "velocity relative to the rotating planet"),
+    Block("air", 1, ("1",), "logarithm of true over known density"),
+    Block("lift", 1, ("1",), "true less known lift-to-drag ratio"),
+    Block("clock", 2, ("m", "m/s"), "the receiver's clock and its drift"),
+    Block("bias", None, ("m",), "bias of the ranges of each beacon"),
+)
+
+#: In every state, at its head.
+ALWAYS = ("position", "velocity")
+
+
+def block(name: str) -> Block:
+    """Return the block of a name.
+
+    Raises
+    ------
+    ArgumentError
+        There is none.
+    """
+    for known in BLOCKS:
+        if known.name == name:
+            return known
+    allowed = ", ".join(b.name for b in BLOCKS)
+    raise ArgumentError(f"block = {name!r}: allowed {allowed}")
+
+
+@dataclass(frozen=True)
+class Part:
+    """A block that a filter carries beside position and velocity.
+
+    Attributes
+    ----------
+    name
+        Of the block, see `BLOCKS`.
+    sigma
+        One sigma of each of its states (one for all biases), in the block's units.
+    considered
+        Whether its uncertainty is only taken into account (Schmidt), not reduced.
+    """
+
+    name: str
+    sigma: tuple[float, ...]
+    considered: bool = False
+
+    def __post_init__(self) -> None:
+        units = block(self.name).units
+        if self.name in ALWAYS:
+            raise ArgumentError(f"block = {self.name!r}: is always there; leave it out")
+        if len(self.sigma) != len(units):
+            raise ArgumentError(
+                f"{self.name}: {len(self.sigma)} sigmas; give {len(units)} ({', '.join(units)})"
+            )
+        for sigma, unit in zip(self.sigma, units, strict=True):
+            if not 0 < sigma < float("inf"):
+                raise ArgumentError(f"{self.name}: sigma = {sigma} {unit}: must be positive")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where the blocks of a state stand.
+
+    Attributes
+    ----------
+    parts
+        Blocks beside position and velocity.
+    beacons
+        Number of beacons, for blocks with a state each.
+    """
+
+    parts: tuple[Part, ...] = ()
+    beacons: int = 0
+
+    def __post_init__(self) -> None:
+        names = [part.name for part in self.parts]
+        for name in names:
+            if names.count(name) > 1:
+                raise ArgumentError(f"block = {name!r}: given twice; leave one out")
+
+    @cached_property
+    def order(self) -> tuple[Part, ...]:
+        """Parts as they stand: estimated before considered."""
+        return tuple(sorted(self.parts, key=lambda part: part.considered))
+
+    def count(self, part: Part) -> int:
+        """Number of states of a part."""
+        size = block(part.name).size
+        return self.beacons if size is None else size
+
+    @property
+    def size(self) -> int:
+        """Number of states."""
+        return 6 + sum(self.count(part) for part in self.parts)
+
+    @property
+    def estimated(self) -> int:
+        """Number of states that are estimated; the rest is considered."""
+        return 6 + sum(self.count(part) for part in self.parts if not part.considered)
+
+    def place(self, name: str) -> int:
+        """First state of a block; -1 if it is left out."""
+        at = {"position": 0, "velocity": 3}
+        here = 6
+        for part in self.order:
+            at[part.name] = here
+            here += self.count(part)
+        return at.get(block(name).name, -1)
+
+    def numbers(self) -> NDArray[np.int64]:
+        """Places as the kernels take them, see `compass.core.entry.measure.PLACES`."""
+        names = ("air", "lift", "clock", "bias")
+        return np.array([self.estimated, *(self.place(name) for name in names)], dtype=np.int64)
+
+    def covariance(self, motion: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Covariance of the whole state from that of position and velocity, (6, 6)."""
+        out = np.zeros((self.size, self.size))
+        out[:6, :6] = motion
+        sigmas = [
+            sigma
+            for part in self.order
+            for sigma in (part.sigma * self.beacons if part.name == "bias" else part.sigma)
+        ]
+        out[range(6, self.size), range(6, self.size)] = np.square(sigmas)
+        return out

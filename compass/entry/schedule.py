@@ -1,0 +1,135 @@
+"""Which measurement is due, above the mask, at each epoch: the only place that decides."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compass.core.entry_geometry import cartesian_of
+from compass.entry.beacons import Beacons
+from compass.errors import ArgumentError
+
+
+def in_view(beacons: Beacons, states: ArrayLike, planet_radius: float) -> NDArray[np.bool_]:
+    """Whether the lander is in view of each beacon, shape (t, n).
+
+    Line of sight past the sphere (eqs. 58 to 60 of Yu et al. 2018):
+    ``theta < acos(R/|r|) + acos(R/|r_B|)``, theta the central angle; for a beacon on the surface
+    that is eq. 52, the lander above its horizon. A mask asks for more: of a beacon at rest that
+    the lander stands so high over its horizontal, of an orbiting one that it stands so high over
+    the lander's limb, ``sin(elevation) >= sin(mask - dip)``, ``cos(dip) = R/r``, as in judging.
+
+    Parameters
+    ----------
+    beacons
+        Beacons at the times of `states`, with their masks.
+    states
+        Entry states, shape (t, >= 6).
+    planet_radius
+        R, metres.
+    """
+    lander = cartesian_of(states)[:, None, :3]
+    far_lander = np.linalg.norm(lander, axis=2)
+    far_beacon = np.linalg.norm(beacons.r, axis=2)
+    cosine = (lander * beacons.r).sum(axis=2) / (far_lander * far_beacon)
+    dip = np.arccos(np.minimum(1.0, planet_radius / far_lander))
+    limit = dip + np.arccos(np.minimum(1.0, planet_radius / far_beacon))
+    seen = np.arccos(np.clip(cosine, -1.0, 1.0)) < limit
+    line = lander - beacons.r
+    length = np.linalg.norm(line, axis=2)
+    length[length == 0] = 1.0
+    at_beacon = (line * beacons.r).sum(axis=2) / (far_beacon * length)
+    at_lander = -(line * lander).sum(axis=2) / (far_lander * length)
+    masked = np.isfinite(beacons.masks)
+    mask = np.where(masked, beacons.masks, 0.0)
+    high = np.where(beacons.moving, at_lander >= np.sin(mask - dip), at_beacon >= np.sin(mask))
+    return np.asarray(seen & (high | ~masked))
+
+
+def above_horizon(beacons: Beacons, states: ArrayLike) -> NDArray[np.bool_]:
+    """Eq. 52 of Yu et al. 2018: the lander stands above each beacon's horizontal, shape (t, n).
+
+    ``arccos(n_B . n_C) < pi/2`` with n_C from beacon to lander, as eq. 51 prints it (the words
+    around it say the reverse).
+    """
+    line = cartesian_of(states)[:, None, :3] - beacons.r
+    return (line * beacons.r).sum(axis=2) > 0.0
+
+
+@dataclass(frozen=True)
+class Measurements:
+    """What is measured, how well and when.
+
+    Attributes
+    ----------
+    range_sigma
+        One sigma of the range noise, m; None if ranges are not measured.
+    rate_sigma
+        One sigma of the range-rate noise, m/s; None if rates are not measured.
+    interval
+        Seconds between measurements, a multiple of the time step.
+    start, stop
+        Seconds between which measurements are taken; the first at the first epoch from `start` on.
+    in_turn
+        Whether the lander hears one beacon at a time, in turn, rather than all at once.
+    """
+
+    range_sigma: float | None = 50.0
+    rate_sigma: float | None = None
+    interval: float = 1.0
+    start: float = 0.0
+    stop: float = float("inf")
+    in_turn: bool = False
+
+    def __post_init__(self) -> None:
+        for name, unit in (("range_sigma", "m"), ("rate_sigma", "m/s")):
+            sigma = getattr(self, name)
+            if sigma is not None and not 0 < sigma < float("inf"):
+                raise ArgumentError(f"{name} = {sigma} {unit}: must be positive")
+        if self.range_sigma is None and self.rate_sigma is None:
+            raise ArgumentError("measurements: give range_sigma, rate_sigma or both")
+        if not self.interval > 0:
+            raise ArgumentError(f"interval = {self.interval} s: must be positive")
+
+    def variances(self, taken: NDArray[np.bool_]) -> NDArray[np.float64]:
+        """Variances of ranges (m^2) and range rates (m^2/s^2), (t, n, 2); nan where not taken."""
+        pair = (self.range_sigma, self.rate_sigma)
+        squares = np.array([np.nan if sigma is None else sigma**2 for sigma in pair])
+        return np.where(taken[..., None], squares, np.nan)
+
+    def taken(self, seen: NDArray[np.bool_], times: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Which beacons in view are measured, shape (t, n), given `seen` of that shape.
+
+        In turn, the k-th measurement time goes to the next beacon in view after the last heard.
+        """
+        due = (times >= self.start - 1e-9) & (times <= self.stop + 1e-9)
+        since = times - times[due].min() if due.any() else times
+        due &= np.abs(np.mod(since / self.interval + 0.5, 1.0) - 0.5) * self.interval < 1e-6
+        taken = seen & due[:, None]
+        if self.in_turn and seen.shape[1]:
+            heard = -1
+            for row in taken:  # a few hundred rows; each depends on the one before
+                order = (heard + 1 + np.arange(row.size)) % row.size
+                ready = order[row[order]]
+                row[:] = False
+                if ready.size:
+                    heard = int(ready[0])
+                    row[heard] = True
+        return taken
+
+
+def check_apart(beacons: Beacons, states: ArrayLike) -> None:
+    """Refuse beacons at the lander's place, where the direction is undefined.
+
+    Raises
+    ------
+    ArgumentError
+        A beacon within a metre of the trajectory.
+    """
+    distance = np.linalg.norm(cartesian_of(states)[:, None, :3] - beacons.r, axis=2)
+    if distance.size and distance.min() < 1.0:
+        t, k = np.unravel_index(int(distance.argmin()), distance.shape)
+        raise ArgumentError(
+            f"beacon {beacons.names[k]}: at the lander's own place at {beacons.times[t]:g} s "
+            f"({distance[t, k]:.3g} m apart); its direction is undefined, move it"
+        )

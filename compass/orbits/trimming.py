@@ -1,0 +1,180 @@
+"""Trimming: initial semi-major axes with which all satellites advance at one mean rate.
+
+Equal osculating axes are unequal mean ones: J2 alone sets the axes of a 20,000 km orbit apart by
+0.8 km with the argument of latitude, 0.02 degrees a day along the track. What is made equal here is
+the mean rate of the angle turned in the orbit's own plane, ``theta' = h / r^2``, which is that of
+the argument of latitude plus cos(i) times that of the node.
+
+The trap is the fit of that rate. Near the resonance with Mars's rotation J22 swings theta by
+degrees with a beat of weeks, and a plain line over a month errs by a tenth of a degree a day. So
+the line is fitted over the whole horizon asked for, never less than four beats, with a Hann
+window, whose response to a swing of m beats in the horizon falls as m^-3.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from compass.bodies import MARS_ROTATION_RATE
+from compass.errors import ArgumentError
+from compass.frames import SECONDS_PER_DAY
+from compass.orbits.constellation import Constellation
+from compass.orbits.forces import ForceModel
+from compass.orbits.motion import Motion
+from compass.orbits.period import secular_rates
+from compass.orbits.trajectory import Trajectory
+
+#: Corrections of the axes, and beats that the horizon must hold.
+ROUNDS, BEATS = 4, 4.0
+
+#: Longest horizon that is followed for a trim, s: two Mars years.
+LONGEST = 1400.0 * SECONDS_PER_DAY
+
+
+@dataclass(frozen=True)
+class Trim:
+    """Trimmed elements and what they achieve.
+
+    Attributes
+    ----------
+    constellation
+        The same elements but for the osculating semi-major axes.
+    shift
+        Change of each axis, m, shape (n,).
+    horizon
+        Over which rates were fitted, s.
+    beat
+        Half the synodic period with Mars's rotation, s.
+    spread_before, spread
+        Largest difference between mean rates, rad/s; what is left is how well they agree.
+    excursion_before, excursion
+        Furthest any satellite runs ahead of or behind the others' mean in the horizon, radians.
+    """
+
+    constellation: Constellation
+    shift: NDArray[np.float64]
+    horizon: float
+    beat: float
+    spread_before: float
+    spread: float
+    excursion_before: float
+    excursion: float
+
+
+def trim(
+    constellation: Constellation,
+    forces: ForceModel,
+    horizon: float,
+    *,
+    progress: Callable[[Sequence[Any]], Any] = iter,
+) -> Trim:
+    """Choose initial semi-major axes so that mean rates agree over a horizon.
+
+    Newton's method on each axis (``d rate / da = -3/2 n / a``); of the corrections tried, the one
+    with the least excursion is kept, so that the result is never worse than what was given.
+
+    Parameters
+    ----------
+    constellation
+        Osculating elements at the epoch.
+    forces
+        What acts.
+    horizon
+        Seconds to be good for.
+    progress
+        Wraps the list of corrections, as tqdm does.
+
+    Raises
+    ------
+    ArgumentError
+        An orbit so near the resonance that its beat is longer than can be fitted.
+    """
+    c = constellation
+    beat = beat_of(c)
+    if beat * BEATS > LONGEST:
+        raise ArgumentError(
+            f"trim: the orbits keep pace with Mars to a beat of {beat / SECONDS_PER_DAY:.4g} days: "
+            "they are in resonance, and no initial axis keeps them apart; choose a radius some "
+            "hundred kilometres away, or keep them by burns"
+        )
+    span = float(np.clip(horizon, BEATS * beat, LONGEST))
+    best: tuple[float, float, Constellation] | None = None
+    before = (0.0, 0.0)
+    trial = c
+    for k in progress(list(range(ROUNDS + 1))):
+        path = Motion("numerical", forces).trajectory(trial, 0.0, span)
+        times, theta = turned(path)
+        rates = mean_rates(times, theta)
+        excursion = float(excursions(theta).max(initial=0.0))
+        spread = float(np.ptp(rates)) if rates.size else 0.0
+        if k == 0:
+            before = (spread, excursion)
+        if best is None or excursion < best[0]:
+            best = (excursion, spread, trial)
+        step = (rates - rates.mean()) / (1.5 * c.mean_motion / c.semi_major_axis)
+        trial = with_axes(trial, trial.semi_major_axis + step)
+    assert best is not None
+    excursion, spread, chosen = best
+    shift = chosen.semi_major_axis - c.semi_major_axis
+    return Trim(chosen, shift, span, beat, before[0], spread, before[1], excursion)
+
+
+def beat_of(constellation: Constellation) -> float:
+    """Half the synodic period of the mean orbit with Mars's rotation, s: the beat of J22."""
+    c = constellation
+    node, periapsis, anomaly = secular_rates(c.semi_major_axis, c.eccentricity, c.inclination, c.gm)
+    slip = np.abs(node + periapsis + anomaly - MARS_ROTATION_RATE.value)
+    return float(np.pi / max(float(slip.min(initial=np.inf)), 1e-12))
+
+
+def turned(path: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Times of the breaks, and the angles turned in the orbits' planes since, radians, (p + 1, n).
+
+    ``theta = integral of |r x v| / r^2`` by Gauss's rule on every stretch.
+    """
+    nodes, weights = legendre.leggauss(8)
+    middle, half = 0.5 * (path.breaks[1:] + path.breaks[:-1]), 0.5 * np.diff(path.breaks)
+    r, v = path.states((middle[:, None] + half[:, None] * nodes).ravel())
+    rate = np.linalg.norm(np.cross(r, v), axis=-1) / (r * r).sum(axis=-1)
+    steps = (rate.reshape(path.size, len(half), -1) @ weights) * half
+    start = np.zeros((path.size, 1))
+    return path.breaks, np.concatenate([start, np.cumsum(steps, axis=1)], axis=1).T
+
+
+def mean_rates(times: NDArray[np.float64], theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Slope of a line through angles (t, n) under a Hann window over all times, rad/s, (n,)."""
+    x = (times - times[0]) / (times[-1] - times[0]) - 0.5
+    # the rows stand closer where steps are shorter: each counts for the time about it
+    weight = (1.0 + np.cos(2 * np.pi * x)) * np.gradient(x)
+    centred = x - (weight @ x) / weight.sum()
+    lever = weight * centred
+    slope = lever @ (theta - theta[0]) / (lever @ centred)
+    return np.atleast_1d(slope) / (times[-1] - times[0])
+
+
+def excursions(theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Furthest each satellite runs from the mean of all, radians, shape (n,)."""
+    gone = theta - theta[0]
+    return np.asarray(np.abs(gone - gone.mean(axis=1, keepdims=True)).max(axis=0))
+
+
+def with_axes(c: Constellation, axes: NDArray[np.float64]) -> Constellation:
+    """Return the constellation with other semi-major axes, m; whatever pattern it had is gone."""
+    axes = np.array(axes)
+    axes.flags.writeable = False
+    return Constellation(
+        c.name,
+        axes,
+        c.eccentricity,
+        c.inclination,
+        c.raan,
+        c.argument_of_periapsis,
+        c.mean_anomaly,
+        epoch=c.epoch,
+        satellite_names=c.satellite_names,
+        gm=c.gm,
+    )

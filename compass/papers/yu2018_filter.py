@@ -1,0 +1,337 @@
+"""The filter of Yu et al. 2018 as the chapter runs it: on its six spherical states.
+
+One Runge-Kutta step an epoch moves truth and filter alike. It is singular at the poles; landings
+are navigated by `compass.entry.navigation`.
+"""
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compass.core.entry_geometry import cartesian_jacobian
+from compass.core.papers.yu2018_filter import (
+    filter_run,
+    measure,
+    monte_carlo,
+    posterior_bound,
+    spread,
+)
+from compass.entry.beacons import Beacons
+from compass.entry.fisher import noise_variances
+from compass.entry.model import EntryModel
+from compass.entry.schedule import Measurements
+from compass.errors import ArgumentError
+
+#: Runs handed to a thread at once.
+BLOCK = 20
+
+
+@dataclass(frozen=True)
+class Filter:
+    """An extended Kalman filter on ``[r, lon, lat, V, gamma, psi]``.
+
+    Attributes
+    ----------
+    covariance0
+        Covariance of the first estimate, (6, 6), SI.
+    noise
+        Process noise variance per second of the six states, (6,).
+    iterations
+        Passes of each update: 1 is the plain filter, more the iterated one.
+    """
+
+    covariance0: NDArray[np.float64]
+    noise: NDArray[np.float64]
+    iterations: int = 1
+
+    def __post_init__(self) -> None:
+        if self.iterations < 1:
+            raise ArgumentError(f"iterations = {self.iterations}: must be at least 1")
+        if np.any(~(np.asarray(self.noise) >= 0)):
+            raise ArgumentError("process noise: every variance must be 0 or more")
+        try:
+            np.linalg.cholesky(self.covariance0)
+        except np.linalg.LinAlgError as error:
+            raise ArgumentError(
+                "initial covariance: not positive definite; every sigma must be above 0"
+            ) from error
+
+
+def ideal_measurements(states: ArrayLike, beacons: Beacons) -> NDArray[np.float64]:
+    """Ranges (m) and range rates (m/s) without noise, shape (t, n, 2)."""
+    out = np.empty((*beacons.r.shape[:2], 2))
+    measure(np.ascontiguousarray(states, dtype=float), beacons.r, beacons.v, out)
+    return out
+
+
+def run_filter(
+    model: EntryModel,
+    estimate: ArrayLike,
+    beacons: Beacons,
+    taken: ArrayLike,
+    measurements: Measurements,
+    settings: Filter,
+    z: ArrayLike,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """States (t, 6) and covariances (t, 6, 6) after each epoch's measurements.
+
+    Parameters
+    ----------
+    model
+        The world as the filter knows it.
+    estimate
+        First estimate, (6,) or (8,).
+    beacons, taken, measurements
+        What is measured, `taken` of shape (t, n).
+    settings
+        The filter.
+    z
+        Ranges and range rates, (t, n, 2); entries not taken are not looked at.
+    """
+    count = beacons.times.size
+    states, covariances = np.empty((count, 6)), np.empty((count, 6, 6))
+    filter_run(
+        model.full_state(estimate),
+        np.array(settings.covariance0, dtype=float),
+        model.parameters(),
+        model.vehicle.bank(beacons.times),
+        beacons.times,
+        np.array(settings.noise, dtype=float),
+        beacons.r,
+        beacons.v,
+        np.asarray(taken, dtype=bool),
+        noise_variances(measurements),
+        np.asarray(z, dtype=float),
+        settings.iterations,
+        states,
+        covariances,
+    )
+    return states, covariances
+
+
+@dataclass(frozen=True)
+class MonteCarlo:
+    """Many runs of one filter.
+
+    Attributes
+    ----------
+    errors
+        Estimate minus truth in Mars-fixed position (m) and relative velocity (m/s), (runs, t, 6).
+    nees
+        Normalised estimation error squared of the six states, (runs, t); 6 on average if the
+        filter is consistent, nan where its covariance is not positive definite.
+    sigmas
+        What the filter claims: roots of the traces of its position and velocity covariance,
+        (runs, t, 2).
+    diverged
+        Runs that did not stay finite; left out of the averages below.
+    """
+
+    errors: NDArray[np.float64]
+    nees: NDArray[np.float64]
+    sigmas: NDArray[np.float64]
+    diverged: NDArray[np.bool_]
+
+    @property
+    def position_rms(self) -> NDArray[np.float64]:
+        """Root mean square position error over the runs, m, shape (t,)."""
+        return _rms(self.errors[~self.diverged, :, :3])
+
+    @property
+    def velocity_rms(self) -> NDArray[np.float64]:
+        """Root mean square velocity error over the runs, m/s, shape (t,)."""
+        return _rms(self.errors[~self.diverged, :, 3:])
+
+    @property
+    def mean_nees(self) -> NDArray[np.float64]:
+        """Mean of the normalised error squared over the runs, shape (t,); nan if one is."""
+        kept = self.nees[~self.diverged]
+        return kept.mean(axis=0) if len(kept) else np.full(kept.shape[1], np.nan)
+
+    @property
+    def broken(self) -> NDArray[np.bool_]:
+        """Runs that stay finite, but with a covariance that is no longer positive definite."""
+        return np.asarray(~self.diverged & np.isnan(self.nees).any(axis=1), dtype=np.bool_)
+
+
+def _rms(errors: NDArray[np.float64]) -> NDArray[np.float64]:
+    if not len(errors):
+        return np.full(errors.shape[1], np.nan)
+    return np.sqrt((errors**2).sum(axis=2).mean(axis=0))
+
+
+def run_monte_carlo(
+    model: EntryModel,
+    state: ArrayLike,
+    beacons: Beacons,
+    taken: ArrayLike,
+    measurements: Measurements,
+    settings: Filter,
+    *,
+    runs: int = 500,
+    seed: int = 0,
+    truth: EntryModel | None = None,
+    threads: int | None = None,
+) -> MonteCarlo:
+    """Fly the truth and filter it `runs` times with independent errors and noise.
+
+    The first estimate is drawn about the true first state with the filter's own covariance.
+    Each run has its own stream of ``numpy.random.SeedSequence(seed)``, so the numbers do not
+    depend on the number of threads, and more runs begin with the same ones.
+
+    Parameters
+    ----------
+    model
+        The world as the filter knows it.
+    state
+        True first state, (6,) or (8,).
+    beacons, taken, measurements, settings
+        As in `run_filter`.
+    runs, seed
+        How many, and from which seed.
+    truth
+        The world as it is; `model` if left out.
+    threads
+        Threads; one a processor if left out.
+    """
+    if runs < 1:
+        raise ArgumentError(f"runs = {runs}: must be at least 1")
+    count, n = beacons.times.size, beacons.size
+    world = truth or model
+    covariance0 = np.array(settings.covariance0, dtype=float)
+    scale = np.sqrt(np.diag(covariance0))
+    root = scale[:, None] * np.linalg.cholesky(covariance0 / np.outer(scale, scale))
+    errors, nees = np.empty((runs, count, 6)), np.empty((runs, count))
+    sigmas = np.empty((runs, count, 2))
+    streams = np.random.SeedSequence(seed).spawn(runs)
+    common = (
+        world.full_state(state),
+        world.parameters(),
+        model.full_state(state),
+        covariance0,
+        root,
+        model.parameters(),
+        model.vehicle.bank(beacons.times),
+        beacons.times,
+        np.array(settings.noise, dtype=float),
+        beacons.r,
+        beacons.v,
+        np.asarray(taken, dtype=bool),
+        noise_variances(measurements),
+        settings.iterations,
+    )
+
+    def work(first: int) -> None:
+        part = slice(first, min(first + BLOCK, runs))
+        size = 6 + count * (2 * n + 6)
+        drawn = np.stack([np.random.default_rng(s).standard_normal(size) for s in streams[part]])
+        monte_carlo(
+            *common,
+            drawn[:, :6],
+            drawn[:, 6 : 6 + 2 * count * n].reshape(len(drawn), count, n, 2),
+            drawn[:, 6 + 2 * count * n :].reshape(len(drawn), count, 6),
+            errors[part],
+            nees[part],
+            sigmas[part],
+        )
+
+    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+        list(pool.map(work, range(0, runs, BLOCK)))
+    finite: NDArray[np.bool_] = np.asarray(np.isfinite(errors).all(axis=(1, 2)))
+    return MonteCarlo(errors, nees, sigmas, ~finite)
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Cramer-Rao bound along a trajectory.
+
+    Attributes
+    ----------
+    covariance
+        Of the six states after each epoch's measurements, shape (t, 6, 6), SI.
+    position_sigma, velocity_sigma
+        Root of the trace of the Cartesian position (m) and velocity (m/s) covariance, (t,).
+    """
+
+    covariance: NDArray[np.float64]
+    position_sigma: NDArray[np.float64]
+    velocity_sigma: NDArray[np.float64]
+
+
+def initial_covariance(
+    state: ArrayLike, position_sigma: float, velocity_sigma: float
+) -> NDArray[np.float64]:
+    """Covariance (6, 6) of the states for one sigma per Cartesian axis of position and velocity.
+
+    Parameters
+    ----------
+    state
+        Where, shape (>= 6,).
+    position_sigma, velocity_sigma
+        Metres and metres a second.
+    """
+    for name, sigma in (("position_sigma", position_sigma), ("velocity_sigma", velocity_sigma)):
+        if not 0 < sigma < float("inf"):
+            raise ArgumentError(f"{name} = {sigma}: must be positive")
+    jacobian = np.empty((6, 6))
+    cartesian_jacobian(np.asarray(state, dtype=float), jacobian)
+    inverse = np.linalg.inv(jacobian)
+    variances = np.repeat([position_sigma**2, velocity_sigma**2], 3)
+    covariance = (inverse * variances) @ inverse.T
+    return 0.5 * (covariance + covariance.T)
+
+
+def cramer_rao_bound(
+    model: EntryModel,
+    states: ArrayLike,
+    beacons: Beacons,
+    taken: ArrayLike,
+    measurements: Measurements,
+    covariance0: ArrayLike,
+    noise: ArrayLike = 0.0,
+) -> Bound:
+    """Posterior Cramer-Rao bound with prior and process noise, along the true trajectory.
+
+    Without process noise it is exact for the linearised problem; with it, Phi and H are taken on
+    the given trajectory rather than averaged over its scatter.
+
+    Parameters
+    ----------
+    model
+        The world.
+    states
+        Trajectory at the beacons' times, shape (t, 6) or (t, 8).
+    beacons, taken, measurements
+        What is measured: `taken` has shape (t, n).
+    covariance0
+        Prior at the first time, (6, 6), SI.
+    noise
+        Process noise variance per second of the six states, scalar or (6,).
+
+    References
+    ----------
+    Tichavsky, Muravchik and Nehorai 1998, IEEE Trans. Signal Process. 46:1386, eq. 21.
+    """
+    x = np.ascontiguousarray(model.full_state(states))
+    covariance = np.empty((len(x), 6, 6))
+    posterior_bound(
+        x,
+        np.array(covariance0, dtype=float),
+        model.parameters(),
+        model.vehicle.bank(beacons.times),
+        beacons.times,
+        np.broadcast_to(np.asarray(noise, dtype=float), (6,)).copy(),
+        beacons.r,
+        beacons.v,
+        np.asarray(taken, dtype=bool),
+        noise_variances(measurements),
+        covariance,
+    )
+    sigmas, jacobian = np.empty((len(x), 2)), np.empty((6, 6))
+    for t in range(len(x)):
+        cartesian_jacobian(x[t], jacobian)
+        spread(covariance[t], jacobian, sigmas[t])
+    return Bound(covariance, sigmas[:, 0], sigmas[:, 1])

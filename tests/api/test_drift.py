@@ -1,0 +1,181 @@
+"""A design left alone."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import compass
+from compass.api.drift import read_radii
+from compass.api.lasting import LastingResult
+from compass.cli.main import program
+from compass.coverage.certificate import Outcome
+from compass.document import text
+from compass.errors import ArgumentError
+from compass.inputs import read_design, read_design_text
+
+FIVE = """
+name = "five"
+epoch = 2030-01-01T12:00:00
+[constellation]
+pattern = "walker-delta"
+satellites = 5
+planes = 5
+phasing = 1
+inclination_deg = 43.66
+radius_km = 19000
+[coverage]
+fold = 1
+[motion]
+model = "{model}"
+"""
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("drift") / "five.toml"
+    path.write_text(FIVE.format(model="numerical"))
+    return path
+
+
+@pytest.fixture(scope="module")
+def found(file):
+    return compass.drift(file, days=3.0, trimmed=False)
+
+
+def test_json_lists_margin_and_room_over_the_days(found):
+    out = found.to_dict()
+    assert out["days"] == [0.0, 1.0, 2.0, 3.0]
+    assert len(out["margin_deg"]) == len(out["room_deg"]) == 4
+    assert (out["outcome"], out["days_proven"], out["first_loss_days"]) == ("proven", 3.0, None)
+    assert out["room_deg"][0] == pytest.approx(out["slot_box"]["sideways_deg"], abs=0.01)
+    # the least of some time is not above a moment of it, and room is not above either
+    assert np.all(np.array(out["margin_deg"]) <= np.array(out["margin_at_moment_deg"]) + 0.01)
+    assert np.all(np.array(out["room_deg"]) <= np.array(out["margin_at_moment_deg"]) + 0.01)
+    first = out["per_satellite"][0]
+    assert set(first) == {"name", "in_track_deg", "cross_track_deg", "radial_km"}
+    json.dumps(out)
+
+
+def test_the_text_says_how_long_first(found):
+    words = text(found.document())
+    assert words.splitlines()[0].startswith("five: PROVEN: 1 or more satellites above 0 deg")
+    assert "GMM-3" in words
+    assert "the push of Mars's field swings" in words
+    assert "In its slot at the end of the span" in words
+    assert found.plot().get_title() == "five"
+
+
+def test_a_two_body_design_is_followed_under_the_default_forces():
+    design = read_design_text(FIVE.format(model="two-body"))
+    assert "to degree 8, Sun" in compass.drift(design, days=0.5).motion
+    assert compass.fold(design, days=0.5).motion == "two-body motion"
+
+
+@pytest.mark.slow
+def test_a_trim_is_written_as_a_design_and_a_radius_as_a_row(file, tmp_path):
+    out = tmp_path / "elements.toml"
+    run = CliRunner().invoke(
+        program,
+        ["drift", str(file), "--days", "20", "--trim", "--radius-km", "18000,20430", "--elements",
+         str(out), "--json"],
+    )  # fmt: skip
+    assert run.exit_code == 0, run.output
+    printed = json.loads(run.stdout)
+    assert printed["trimmed"]
+    low, resonant = printed["radii"]
+    assert (low["radius_km"], low["trimmed"], resonant["trimmed"]) == (18000.0, True, False)
+    assert low["beat_days"] < 10 < resonant["beat_days"]
+    written = read_design(out).constellation
+    assert written.semi_major_axis / 1e3 == pytest.approx(printed["trim"]["semi_major_axis_km"])
+    tolerance = printed["trim"]["tolerance"]
+    # 1.5 n / a, degrees a day for a kilometre, times the days and the tolerance is the least room
+    rate = np.degrees(1.5 * np.sqrt(42828.37 / 19000.0**3) / 19000.0) * 86400
+    assert tolerance["semi_major_axis_km"] * rate * 20 == pytest.approx(min(printed["room_deg"]))
+
+
+def test_fold_over_days_is_the_same_claim(file):
+    held = compass.fold(file, days=2.0)
+    assert isinstance(held, LastingResult)
+    assert held.holds
+    assert held.to_dict()["days_proven"] == 2.0
+    later = compass.fold(file, days=0.5, start_day=1.0, motion="j2")
+    assert later.to_dict()["start_day"] == 1.0
+    lost = compass.fold(file, days=1.0, mask_deg=30.0)
+    assert lost.outcome is Outcome.REFUTED
+    assert "lost on day 0.00000" in text(lost.document())
+    assert not lost.holds
+    hours = compass.fold(file, duration_h=6.0)
+    assert hours.days == 0.25
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({}, "nothing is for ever: give the days"),
+        ({"days": 0.0}, "days = 0: allowed above 0"),
+        ({"days": 1.0, "losses": 1}, "losses = 1: looked at for all time"),
+        ({"days": 1.0, "start_day": -1.0}, "start_day = -1"),
+    ],
+)
+def test_fold_over_days_refuses(file, options, message):
+    with pytest.raises(ArgumentError, match=message):
+        compass.fold(file, **options)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"days": 0.0}, "days = 0: allowed above 0"),
+        ({"start_day": -1.0}, "start_day = -1: must be 0"),
+        ({"days": 1.0, "step_days": 2.0}, "step_days = 2: allowed above 0 to days"),
+    ],
+)
+def test_drift_refuses(file, options, message):
+    with pytest.raises(ArgumentError, match=message):
+        compass.drift(file, **options)
+
+
+def test_a_trim_needs_forces_and_a_sweep_slots():
+    design = read_design_text(FIVE.format(model="j2"))
+    with pytest.raises(ArgumentError, match="has no forces to trim for"):
+        compass.drift(design, days=1.0, trimmed=True)
+    oval = read_design_text(
+        'name = "o"\n[constellation]\npattern = "elements"\n[[constellation.satellite]]\nname = "a"\n'
+        "semi_major_axis_km = 20000\neccentricity = 0.1\ninclination_deg = 10\n[coverage]\nfold = 1"
+    )
+    with pytest.raises(ArgumentError, match="a sweep needs a design of circular orbits"):
+        compass.drift(oval, days=0.2, radius_km=[20000.0])
+
+
+def test_an_oval_orbit_has_a_margin_and_no_room():
+    oval = read_design_text(
+        'name = "o"\n[constellation]\npattern = "elements"\n[[constellation.satellite]]\nname = "a"\n'
+        "semi_major_axis_km = 20000\neccentricity = 0.1\ninclination_deg = 10\n[coverage]\nfold = 1"
+    )
+    out = compass.drift(oval, days=0.1)
+    assert (out.to_dict()["room_deg"], out.to_dict()["per_satellite"]) == (None, None)
+    assert out.first_loss_days == pytest.approx(0.0, abs=2e-5)
+    assert "lost on day" in text(out.document())
+
+
+@pytest.mark.parametrize(
+    ("given", "radii"),
+    [("19000..19200:100", [19000, 19100, 19200]), ("1e4,2e4", [1e4, 2e4])],
+)
+def test_radii_are_read(given, radii):
+    assert read_radii(given) == pytest.approx(radii)
+
+
+@pytest.mark.parametrize("given", ["", "a..b:c", "1..2:0", "5..4:1", "1..1e6:1", "-3"])
+def test_wrong_radii_are_refused(given):
+    with pytest.raises(ArgumentError, match=r"write FIRST\.\.LAST:STEP or A,B,C"):
+        read_radii(given)
+
+
+def test_elements_need_a_trim(file, tmp_path):
+    run = CliRunner().invoke(
+        program, ["drift", str(file), "--days", "0.2", "--elements", str(tmp_path / "x.toml")]
+    )
+    assert "add --trim" in str(run.exception)

@@ -1,0 +1,274 @@
+"""Linear covariance: against a batch, another program in other coordinates, and turned about."""
+
+import numpy as np
+import pytest
+
+from compass.entry.beacons import Beacons
+from compass.entry.covariance import axes_covariance, linear_covariance, noise_roots
+from compass.entry.layout import Layout, Part, block
+from compass.entry.model import EntryModel
+from compass.entry.navigation import ideal_measurements
+from compass.entry.schedule import Measurements
+from compass.entry.trajectory import fly
+from compass.entry.views import cartesian_of, spherical_jacobian, spherical_of
+from compass.errors import ArgumentError
+from compass.papers import yu2018_filter as spherical
+
+PRIOR = axes_covariance(1000.0, 0.5)
+
+
+@pytest.fixture(scope="module")
+def case(world, orbiter_flight, orbiter_beacons):
+    beacons = orbiter_beacons()
+    return world(), orbiter_flight, beacons, np.ones((241, 3), bool)
+
+
+def test_bound_is_the_information_of_a_batch(case, table5):
+    """Without process noise: prior plus all measurements, mapped to the start by differences."""
+    model, flight, beacons, every = case
+    measurements = Measurements(50.0, 0.05, interval=20.0)
+    taken = measurements.taken(every, beacons.times)
+    bound = linear_covariance(model, flight.path, beacons, taken, measurements, PRIOR)
+    start, columns, final = cartesian_of(table5), [], []
+    for j, h in enumerate([10.0] * 3 + [0.01] * 3):
+        up, down = (
+            fly(model, spherical_of(start + sign * h * np.eye(6)[j]), beacons.times).path
+            for sign in (1, -1)
+        )
+        columns.append(
+            (ideal_measurements(up, beacons) - ideal_measurements(down, beacons)) / (2 * h)
+        )
+        final.append((up[-1] - down[-1]) / (2 * h))
+    rows = np.array(columns)[:, taken] / np.array([50.0, 0.05])
+    information = np.linalg.inv(PRIOR) + np.einsum("amk,bmk->ab", rows, rows)
+    phi = np.array(final).T
+    batch = phi @ np.linalg.inv(information) @ phi.T
+    scale = np.sqrt(np.outer(np.diag(batch), np.diag(batch)))
+    # the differences are good to some 1e-6, the condition number of the problem is about 1e3
+    np.testing.assert_allclose(bound.covariance[-1] / scale, batch / scale, atol=2e-3)
+
+
+@pytest.mark.parametrize("rotation", ["none", "coriolis", "full", "published-coriolis"])
+@pytest.mark.parametrize("kind", [(50.0, None), (None, 0.05), (50.0, 0.05)])
+def test_it_is_the_bound_of_the_spherical_filter(world, table5, orbiter_beacons, rotation, kind):
+    """Another program, on latitude, longitude and angles, with process noise; F turns as J' F J."""
+    model = world(rotation, bank_times=(0.0, 100.0), bank_angles=(0.4, -0.6))
+    beacons = orbiter_beacons(model.omega)
+    flight = fly(model, table5, beacons.times)
+    noise = np.array([1.0, 1e-14, 1e-14, 1e-2, 1e-10, 1e-10])
+    measurements, every = Measurements(*kind), np.ones((241, 3), bool)
+    found = linear_covariance(model, flight.path, beacons, every, measurements, PRIOR, noise)
+    other = spherical.cramer_rao_bound(
+        model,
+        flight.states,
+        beacons,
+        every,
+        measurements,
+        spherical.initial_covariance(flight.states[0], 1000.0, 0.5),
+        noise,
+    )
+    jacobian = spherical_jacobian(flight.path)
+    turned = jacobian @ other.covariance @ np.swapaxes(jacobian, 1, 2)
+    scale = np.sqrt(np.einsum("tii->ti", turned))
+    size = scale[:, :, None] * scale[:, None, :]
+    # both take one Runge-Kutta step a second, whose errors of fourth order differ between
+    # coordinates: some 1e-6 of the covariance
+    np.testing.assert_allclose(found.covariance / size, turned / size, atol=1e-5)
+    np.testing.assert_allclose(found.position_sigma, other.position_sigma, rtol=1e-6)
+    np.testing.assert_allclose(found.velocity_sigma, other.velocity_sigma, rtol=1e-6)
+
+
+def turned(rotation, flight, beacons, model, start):
+    """The same entry with its beacons, turned about Mars's centre."""
+    path = np.concatenate([start[:3] @ rotation.T, start[3:] @ rotation.T])
+    moved = Beacons(
+        beacons.names, beacons.times, beacons.r @ rotation.T, beacons.v @ rotation.T, beacons.moving
+    )
+    return fly(model, spherical_of(path), flight.times), moved
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_turning_everything_turns_the_answer(world, table5, orbiter_beacons, seed):
+    """Point mass, sphere, no spin: any rotation, poles included, changes nothing but directions."""
+    model = world("none", bank_times=(0.0, 60.5), bank_angles=(0.3, -0.8))
+    beacons = orbiter_beacons(0.0)
+    flight = fly(model, table5, beacons.times)
+    start, rng = cartesian_of(table5), np.random.default_rng(seed)
+    if seed == 0:  # the middle of the flight straight over the pole
+        up = flight.path[120, :3] / np.linalg.norm(flight.path[120, :3])
+        east = np.cross([0.0, 0.0, 1.0], up)
+        east /= np.linalg.norm(east)
+        rotation = np.array([east, np.cross(up, east), up])
+    else:
+        rotation, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+        rotation *= np.sign(np.linalg.det(rotation))
+    other, moved = turned(rotation, flight, beacons, model, start)
+    both = np.kron(np.eye(2), rotation)
+    # a start read as angles is rounded by 1e-15 of 3.5e6 m, which the flight triples
+    np.testing.assert_allclose(other.path @ both, flight.path, rtol=0, atol=1e-6)
+    measurements, every = Measurements(50.0, 0.1), np.ones((241, 3), bool)
+    bounds = [
+        linear_covariance(model, f.path, b, every, measurements, PRIOR)
+        for f, b in ((flight, beacons), (other, moved))
+    ]
+    np.testing.assert_allclose(bounds[0].position_sigma, bounds[1].position_sigma, rtol=1e-7)
+    np.testing.assert_allclose(bounds[0].velocity_sigma, bounds[1].velocity_sigma, rtol=1e-7)
+
+
+@pytest.mark.parametrize("angle", [0.7, -2.5])
+def test_on_a_turning_planet_turns_about_the_pole_change_nothing(
+    world, table5, orbiter_beacons, angle
+):
+    model, beacons = world("full"), orbiter_beacons()
+    flight = fly(model, table5, beacons.times)
+    c, s = np.cos(angle), np.sin(angle)
+    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    other, moved = turned(rotation, flight, beacons, model, cartesian_of(table5))
+    np.testing.assert_allclose(
+        other.path @ np.kron(np.eye(2), rotation), flight.path, rtol=0, atol=1e-6
+    )
+    every, measurements = np.ones((241, 3), bool), Measurements(50.0)
+    one, two = (
+        linear_covariance(model, f.path, b, every, measurements, PRIOR).position_sigma
+        for f, b in ((flight, beacons), (other, moved))
+    )
+    np.testing.assert_allclose(one, two, rtol=1e-7)
+
+
+def test_process_noise_and_fewer_measurements_loosen_the_bound(case):
+    model, flight, beacons, every = case
+    measurements = Measurements(50.0)
+    arguments = (model, flight.path, beacons)
+    plain = linear_covariance(*arguments, every, measurements, PRIOR)
+    noisy = linear_covariance(
+        *arguments, every, measurements, PRIOR, np.array([0, 0, 0, 0.01, 0, 0])
+    )
+    sparse = linear_covariance(
+        *arguments,
+        Measurements(50.0, interval=10).taken(every, beacons.times),
+        measurements,
+        PRIOR,
+    )
+    assert np.all(noisy.velocity_sigma[1:] > plain.velocity_sigma[1:])
+    assert np.all(sparse.position_sigma[1:] > plain.position_sigma[1:])
+    # the specification's figures, Monte Carlo themselves: 18.3 m, 0.497 m/s; 8.01 m, 0.0540 m/s
+    np.testing.assert_allclose(plain.position_sigma[[60, 240]], [18.3, 8.01], rtol=0.06)
+    np.testing.assert_allclose(plain.velocity_sigma[[60, 240]], [0.497, 0.0540], rtol=0.06)
+
+
+PARTS = (
+    Part("air", (0.2,)),
+    Part("lift", (0.02,)),
+    Part("clock", (30.0, 0.1)),
+    Part("bias", (10.0,)),
+)
+
+
+def batch(model, start, beacons, estimated, considered, sigma_range):
+    """Posterior at the end by one least squares over all ranges, with Schmidt's gain for none.
+
+    Derivatives by central differences of flights; considered parameters enter as noise of all
+    ranges together, which is the same as Schmidt's filter once everything is in.
+    """
+    n = beacons.size
+    size = 8 + 2 + n
+    scale = np.array([10.0] * 3 + [0.01] * 3 + [1e-3, 1e-4] + [1.0] * (2 + n))
+    times = beacons.times
+
+    def flown(d):
+        air, craft = model.atmosphere, model.vehicle
+        changed = EntryModel(
+            type(craft)(0.016, craft.lift_to_drag + d[7]),
+            air.changed(density_bias=np.expm1(d[6])),
+            model.rotation,
+            model.gm,
+            model.planet_radius,
+            model.rotation_rate,
+        )
+        path = fly(changed, spherical_of(start + d[:6]), times).path
+        z = ideal_measurements(path, beacons)[..., 0] + d[8] + d[9] * times[:, None] + d[10:]
+        clock = [d[8] + d[9] * times[-1], d[9]]
+        return z, np.concatenate([path[-1], d[6:8], clock, d[10:]])
+
+    rows, ends = [], []
+    for j in range(size):
+        step = scale[j] * np.eye(size)[j]
+        (up, end_up), (down, end_down) = flown(step), flown(-step)
+        rows.append((up - down).ravel() / (2 * scale[j]))
+        ends.append((end_up - end_down) / (2 * scale[j]))
+    h, phi = np.array(rows).T, np.array(ends).T
+    prior = np.concatenate([[1000.0] * 3, [0.5] * 3, [0.2, 0.02, 30.0, 0.1], np.full(n, 10.0)]) ** 2
+    kept = estimated + considered
+    information = np.diag(1 / prior[kept]) + h[:, kept].T @ h[:, kept] / sigma_range**2
+    return phi[np.ix_(kept, kept)] @ np.linalg.inv(information) @ phi[np.ix_(kept, kept)].T
+
+
+def test_further_blocks_are_those_of_a_batch(world, table5, orbiter_beacons):
+    """Air, lift, clock and biases estimated: against least squares over all ranges."""
+    model, fine = world(), orbiter_beacons()
+    beacons = Beacons(fine.names, fine.times[::8], fine.r[::8], fine.v[::8], fine.moving)
+    flight = fly(model, table5, beacons.times)
+    layout = Layout(PARTS, 3)
+    taken = np.ones((31, 3), bool)
+    found = linear_covariance(
+        model, flight.path, beacons, taken, Measurements(50.0), PRIOR, layout=layout
+    )
+    everything = list(range(13))
+    other = batch(model, cartesian_of(table5), beacons, everything, [], 50.0)
+    scale = np.sqrt(np.outer(np.diag(other), np.diag(other)))
+    # differences to 1e-6 times a condition number of 1e3
+    np.testing.assert_allclose(found.covariance[-1] / scale, other / scale, atol=5e-3)
+
+
+def test_considering_costs_and_never_more_than_ignoring_is_off(case):
+    """A considered block lies between known and useless; its own variance stays."""
+    model, flight, beacons, every = case
+    measurements = Measurements(50.0)
+
+    def end(*parts):
+        layout = Layout(parts, 3)
+        run = linear_covariance(
+            model, flight.path, beacons, every, measurements, PRIOR, layout=layout
+        )
+        return run.covariance[-1], layout
+
+    known, _ = end()
+    estimated, _ = end(Part("bias", (10.0,)))
+    considered, layout = end(Part("bias", (10.0,), considered=True))
+    sizes = [np.trace(p[:3, :3]) for p in (known, estimated, considered)]
+    assert sizes[0] < sizes[1] < sizes[2]
+    assert layout.estimated == 6 and layout.size == 9
+    np.testing.assert_allclose(considered[6:, 6:], 100.0 * np.eye(3), atol=1e-9)
+    assert np.linalg.eigvalsh(considered).min() > 0
+
+
+def test_layouts_name_their_blocks():
+    layout = Layout((Part("bias", (5.0,), considered=True), Part("clock", (3.0, 0.1))), 4)
+    assert [layout.place(name) for name in ("position", "velocity", "clock", "bias", "air")] == [
+        0, 3, 6, 8, -1,
+    ]  # fmt: skip
+    assert layout.numbers().tolist() == [8, -1, -1, 6, 8]
+    np.testing.assert_allclose(np.diag(layout.covariance(PRIOR))[6:], [9, 0.01] + [25] * 4)
+    with pytest.raises(ArgumentError, match="block = 'wind': allowed position, velocity, air"):
+        block("wind")
+    with pytest.raises(ArgumentError, match="is always there"):
+        Part("position", (1.0,))
+    with pytest.raises(ArgumentError, match="clock: 1 sigmas; give 2"):
+        Part("clock", (1.0,))
+    with pytest.raises(ArgumentError, match=r"air: sigma = 0\.0 1: must be positive"):
+        Part("air", (0.0,))
+    with pytest.raises(ArgumentError, match="block = 'air': given twice"):
+        Layout((Part("air", (0.1,)), Part("air", (0.2,))))
+
+
+def test_process_noise_is_turned_to_cartesian_axes(orbiter_flight):
+    noise = np.array([1.0, 1e-14, 1e-14, 1e-2, 1e-10, 1e-10])
+    roots = noise_roots(orbiter_flight.path, orbiter_flight.times, noise)
+    assert not roots[0].any()
+    jacobian = spherical_jacobian(orbiter_flight.path[5])
+    np.testing.assert_allclose(
+        roots[5] @ roots[5].T, jacobian @ np.diag(noise) @ jacobian.T, rtol=1e-12
+    )
+    assert noise_roots(orbiter_flight.path, orbiter_flight.times, 0.0).shape == (0, 6, 6)
+    with pytest.raises(ArgumentError, match="position_sigma = 0"):
+        axes_covariance(0.0, 0.5)

@@ -1,0 +1,224 @@
+"""Landings that once went wrong without a word, from scenario to answer."""
+
+import numpy as np
+import pytest
+
+from compass.api.land_flight import assess_scenario, entry_facts, entry_section
+from compass.entry.montecarlo import monte_carlo
+from compass.entry.trajectory import fly, trajectory_dataset
+from compass.errors import DesignError
+from compass.inputs.fusion import fusion_plan
+from compass.inputs.scenario import read_scenario_text
+
+PLAIN = """
+name = "a landing"
+[planet]
+rotation = "full"
+[vehicle]
+drag_area_per_mass_m2_kg = 0.016
+lift_to_drag = 0.156
+bank_deg = 0
+[atmosphere]
+reference_density_kg_m3 = 2e-4
+reference_radius_km = 3437.2
+scale_height_km = 7.5
+[entry]
+radius_km = 3522
+longitude_deg = -90.07
+latitude_deg = -28.22
+speed_m_s = 6000
+flight_path_deg = -15
+heading_deg = 4.956
+heading_from = "east"
+duration_s = 240
+step_s = 8
+[measurements]
+range_sigma_m = 50
+interval_s = 8
+[filter]
+position_sigma_m = 1000
+velocity_sigma_m_s = 0.5
+[monte_carlo]
+runs = 40
+[[orbiter]]
+name = "one"
+altitude_km = 17000
+inclination_deg = 30
+raan_deg = -90
+latitude_argument_deg = 0
+"""
+OTHERS = "".join(
+    f'[[orbiter]]\nname = "{name}"\naltitude_km = 17000\ninclination_deg = {inclination}\n'
+    f"raan_deg = {raan}\nlatitude_argument_deg = {argument}\n"
+    for name, inclination, raan, argument in (
+        ("two", 60, -60, -20), ("three", 50, -120, -40), ("four", 80, -100, -60),
+    )
+)  # fmt: skip
+
+
+def changed(*changes, text=PLAIN):
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return text
+
+
+def section_of(scenario, runs=None):
+    found = assess_scenario(scenario, runs)
+    return found, entry_section(scenario, found).paragraphs
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        (("runs = 40", "runs = 40"),),
+        (("position_sigma_m = 1000", "position_sigma_m = 1e9"), ("velocity_sigma_m_s = 0.5",
+         "velocity_sigma_m_s = 1e6")),
+    ],
+    ids=["one beacon", "a prior of a million kilometres"],
+)  # fmt: skip
+def test_inconsistent_filters_claim_nothing(change):
+    found, (first, second, *_) = section_of(read_scenario_text(changed(*change)))
+    assert not found.consistency.holds
+    assert "no accuracy is claimed" in first
+    assert second.startswith("The filter is inconsistent and makes no claim of accuracy: ")
+
+
+def test_a_truth_with_more_air_is_told_and_four_satellites_are_believed():
+    good, (first, second, *_) = section_of(read_scenario_text(PLAIN + OTHERS))
+    assert good.consistency.holds and second.startswith("The filter is consistent")
+    assert good.claim_m >= np.linalg.norm(good.accuracy.knowledge.along_cross_down)
+    assert f"knows its place to {good.claim_m:.3g} m" in first
+    thick = "[truth]\ndensity_bias = 0.2\n" + "[measurements]"
+    bad, words = section_of(
+        read_scenario_text(changed(("[measurements]", thick)) + OTHERS), runs=10
+    )
+    assert not bad.consistency.holds and "too sure of itself" in words[1]
+    assert bad.consistency.ratio > 10
+
+
+@pytest.mark.parametrize("step", [1, 30])
+def test_bank_switches_between_epochs_leave_one_truth(step):
+    """The Monte Carlo's truth is the reported flight, whose peak does not depend on the step."""
+    banks = ("bank_deg = 0", "bank_deg = [[0, -60], [80.5, 60], [140.5, -60]]")
+    steps = (("step_s = 8", f"step_s = {step}"), ("interval_s = 8", f"interval_s = {step}"))
+    scenario = read_scenario_text(changed(banks, *steps) + OTHERS)
+    found, _ = section_of(scenario, runs=20)
+    assert found.consistency.holds
+    peak = entry_section(scenario, found).tables[0].rows[0]
+    fine = trajectory_dataset(fly(scenario.truth, scenario.state, np.arange(0.0, 240.0, 0.05)))
+    assert peak[1] == pytest.approx(float(fine.g_load.max()), rel=1e-5)
+    # a truth some hundred metres off would be tens of sigmas
+    assert found.monte_carlo.position_rms[-1] < 2 * found.bound.position_sigma[-1]
+
+
+def test_missed_triggers_and_strange_values_are_told():
+    slow = (
+        '[[trigger]]\nname = "crawl"\nspeed_m_s = 1\n[[trigger]]\nname = "high"\naltitude_km = 50\n'
+    )
+    text = changed(
+        ("[measurements]", slow + "[measurements]"), ("speed_m_s = 6000", "speed_m_s = 3000")
+    )
+    scenario = read_scenario_text(text)
+    found, words = section_of(scenario, runs=2)
+    assert [event.name for event in found.flight.events] == ["high"]
+    assert "Not reached: crawl: speed 1 m/s is not fallen to by 240 s." in words
+    assert any("entry.speed_m_s = 3000: beyond what entries at Mars have been" in w for w in words)
+    assert entry_facts(scenario, found)["missed_triggers"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("speed_m_s = 6000", "speed_m_s = 6", "at least 100"),
+        ("scale_height_km = 7.5", "scale_height_km = 7500", "at most 100"),
+        ("drag_area_per_mass_m2_kg = 0.016", "drag_area_per_mass_m2_kg = 62.5", "at most 1"),
+        ("drag_area_per_mass_m2_kg = 0.016", "ballistic_coefficient_kg_m2 = 0.016", "at least 1"),
+    ],
+)
+def test_what_cannot_be_is_refused(old, new, said):
+    with pytest.raises(DesignError, match=said):
+        read_scenario_text(changed((old, new)))
+
+
+def test_a_table_is_flown_as_given(tmp_path):
+    (tmp_path / "air.txt").write_text("0 0.0155\n20 0.0021\n40 2.6e-4\n60 2.6e-5\n80 1.9e-6\n")
+    beside = read_scenario_text(
+        changed(("scale_height_km = 7.5", 'scale_height_km = 7.5\ntable = "air.txt"')),
+        folder=tmp_path,
+    )
+    radius = beside.model.planet_radius
+    found = beside.model.atmosphere.density(radius + np.array([0.0, 20e3, 40e3, 80e3]))
+    np.testing.assert_allclose(found, [0.0155, 0.0021, 2.6e-4, 1.9e-6], rtol=1e-12)
+    assert len(beside.notes) == 3
+    assert all("not used beside a table" in note for note in beside.notes)
+    three = "reference_density_kg_m3 = 2e-4\nreference_radius_km = 3437.2\nscale_height_km = 7.5"
+    alone = read_scenario_text(changed((three, 'table = "air.txt"')), folder=tmp_path)
+    assert alone.notes == ()
+    with pytest.raises(DesignError, match=r"atmosphere\.scale_height_km: missing"):
+        read_scenario_text(changed(("scale_height_km = 7.5\n", "")))
+
+
+FUSION = """
+[[beacon]]
+name = "surface"
+latitude_deg = -27
+longitude_deg = -84
+[beacons]
+mask_deg = 60
+[fusion]
+filters = ["ekf"]
+p0_si = [1e6, 1e-6, 1e-6, 100, 1e-6, 1e-6]
+process_noise_si = [1, 1e-14, 1e-14, 1e-2, 1e-10, 1e-10]
+acceleration_sigma_m_s2 = 1e-3
+"""
+
+
+def test_fusion_honours_masks_schedule_and_noise():
+    """[beacons], [measurements] and the step mean the same with accelerometers as without."""
+    text = PLAIN + OTHERS + FUSION
+    masked, plain = (
+        fusion_plan(read_scenario_text(t)) for t in (text, text.replace("mask_deg = 60", ""))
+    )
+    assert masked.case.visible[:, 0].sum() < plain.case.visible[:, 0].sum()
+    np.testing.assert_allclose(masked.case.range_sigma, 50.0)
+    # variances a second: eight times as much in eight seconds
+    assert masked.filters[0].process_noise[0] == pytest.approx(8.0)
+    late = fusion_plan(read_scenario_text(text.replace("interval_s = 8", "interval_s = 16")))
+    assert not late.case.world().arrival[1::2].any()
+    assert late.case.world().arrival[::2, 1:].any()
+    ends = [
+        float(monte_carlo(p.case, p.filters[0], 2, 0, progress=False).position_rmse[-1])
+        for p in (masked, plain)
+    ]
+    assert ends[0] != ends[1]
+    both = text.replace("range_sigma_m = 50", "range_rate_sigma_m_s = 0.1")
+    with pytest.raises(DesignError, match="range_sigma_m: missing"):
+        fusion_plan(read_scenario_text(both))
+    odd = text.replace("bank_deg = 0", "bank_deg = [[0, 10], [80.5, -10]]")
+    with pytest.raises(DesignError, match=r"a switch at 80\.5 s is no epoch"):
+        fusion_plan(read_scenario_text(odd))
+
+
+def test_a_mask_of_a_design_holds_in_landing_as_in_judging(tmp_path):
+    design = """
+name = "{name}"
+[constellation]
+pattern = "walker-delta"
+satellites = 15
+planes = 5
+phasing = 1
+inclination_deg = 45
+radius_km = 20427
+[coverage]
+mask_deg = {mask}
+"""
+    seen = {}
+    for mask in (0, 30):
+        (tmp_path / "d.toml").write_text(design.format(name="ring", mask=mask))
+        text = PLAIN[: PLAIN.index("[[orbiter]]")] + '[beacons]\ndesign = "d.toml"\n'
+        scenario = read_scenario_text(text, folder=tmp_path)
+        found = assess_scenario(scenario, 2)
+        seen[mask] = found.seen.sum(axis=1)
+    assert seen[0].min() >= 6
+    assert seen[30].max() <= 4
