@@ -21,6 +21,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.show import show
     from compass.api.trade import trade
     from compass.design import Design
+    from compass.entry.fusion import covariance_intersection, intersection_weights
     from compass.inputs import read_design
     from compass.inputs.scenario import read_scenario
     from compass.inputs.study import read_study
@@ -46,11 +47,13 @@ __all__ = [
     "__version__",
     "access",
     "areosynchronous_radius",
+    "covariance_intersection",
     "drift",
     "ephemeris",
     "export",
     "fold",
     "from_elements",
+    "intersection_weights",
     "judge",
     "land",
     "map",
@@ -91,8 +94,10 @@ _HOMES = {
     "Mask": "compass.sites",
     "Site": "compass.sites",
     "areosynchronous_radius": "compass.orbits",
+    "covariance_intersection": "compass.entry.fusion",
     "ephemeris": "compass.orbits",
     "from_elements": "compass.orbits",
+    "intersection_weights": "compass.entry.fusion",
     "read_design": "compass.inputs",
     "read_scenario": "compass.inputs.scenario",
     "read_study": "compass.inputs.study",
