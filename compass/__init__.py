@@ -13,6 +13,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.export import export
     from compass.api.fold import fold
     from compass.api.judge import judge
+    from compass.api.keep import keep
     from compass.api.land import land
     from compass.api.map import map
     from compass.api.optimize import optimize
@@ -55,6 +56,7 @@ __all__ = [
     "from_elements",
     "intersection_weights",
     "judge",
+    "keep",
     "land",
     "map",
     "optimize",
@@ -78,6 +80,7 @@ _COMMANDS = (
     "export",
     "fold",
     "judge",
+    "keep",
     "land",
     "map",
     "optimize",

@@ -27,7 +27,7 @@ J2000 = datetime(2000, 1, 1, 12)
 class Figure:
     """A reference figure of Mars: ellipsoid of revolution, semi-axes in metres.
 
-    Coverage maps and proofs live on the sphere of the equatorial radius; sites use the figure.
+    Proofs live on the sphere of the equatorial radius; maps and sites use the figure.
     """
 
     name: str

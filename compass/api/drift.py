@@ -386,7 +386,7 @@ def drift(
     sphere = read.figure.equatorial_radius
     c, done = read.constellation, None
     if trimmed:
-        done = trim(c, _forces(motion), stop, progress=lambda x: bar(progress, "trim", x))
+        done = trim(c, forces_of(motion), stop, progress=lambda x: bar(progress, "trim", x))
         c = done.constellation
     path = motion.trajectory(
         c, start_day * SECONDS_PER_DAY, stop, progress=lambda x: bar(progress, "orbits", x)
@@ -414,7 +414,14 @@ def real_motion(design: Design) -> Motion:
     return Motion("numerical") if design.motion.model == "two-body" else design.motion
 
 
-def _forces(motion: Motion) -> ForceModel:
+def forces_of(motion: Motion) -> ForceModel:
+    """Return a motion's forces.
+
+    Raises
+    ------
+    ArgumentError
+        It has none.
+    """
     if motion.forces is None:
         raise ArgumentError(
             f'trim: {motion.title} has no forces to trim for; give [motion] model = "numerical"'
@@ -439,7 +446,7 @@ def _at_radius(
     moved = with_axes(c, np.full(c.size, radius_km * 1e3))
     beat, trimmed = beat_of(moved) / SECONDS_PER_DAY, True
     try:
-        chosen = trim(moved, _forces(motion), stop).constellation
+        chosen = trim(moved, forces_of(motion), stop).constellation
     except ArgumentError as error:
         if "resonance" not in str(error):
             raise

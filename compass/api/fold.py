@@ -10,6 +10,7 @@ from compass.api.lasting import LastingResult
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.coverage.certificate import Outcome
+from compass.coverage.circle import SiteCoverage, site_coverage_for_ever
 from compass.coverage.continuous import ContinuousCoverage, continuous_coverage
 from compass.coverage.lasting import prove_span
 from compass.coverage.region import GLOBE, read_region
@@ -20,6 +21,7 @@ from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY, latitude_longitude, mcmf_from_mci, prime_meridian_angle
 from compass.orbits.motion import Motion, MotionModel
+from compass.orbits.symmetry import one_period
 from compass.quantities import quantity
 from compass.sites import Mask
 
@@ -43,6 +45,9 @@ class FoldResult(Result):
         highest.
     coverage
         What was found, in SI units and radians.
+    sites
+        The same of each station over its own horizon, for ever and at any longitude; asked only
+        for the whole globe and all time, of orbits of one period.
     """
 
     design: Design = field(repr=False)
@@ -50,6 +55,7 @@ class FoldResult(Result):
     mask_deg: float
     region: str
     coverage: ContinuousCoverage
+    sites: tuple[SiteCoverage, ...] = ()
 
     @property
     def outcome(self) -> Outcome:
@@ -119,6 +125,14 @@ class FoldResult(Result):
                 "fold_share_error": None if shares is None else shares.error,
                 "min_fold_bounds": found.least,
                 "max_fold_bounds": found.greatest,
+                "stations": [
+                    {
+                        "name": one.site.name,
+                        "outcome": one.proof.outcome,
+                        "margin_deg": None if one.room is None else degrees(one.room),
+                    }
+                    for one in self.sites
+                ],
                 "after_losses": [self._after(k, sets) for k, sets in enumerate(found.losses, 1)],
             }
         )
@@ -165,6 +179,7 @@ class FoldResult(Result):
             *([] if holds else [Sentence(self.outcome.sentence)]),
             *self._counterexample(),
             self.margins(),
+            *self._stations(),
             *self._shares(),
             *(self._losses(number, sets) for number, sets in enumerate(self.coverage.losses, 1)),
             Sentence(how),
@@ -215,6 +230,30 @@ class FoldResult(Result):
                 Value(quantity("lowest_altitude_km"), self.lowest_altitude_km, proven),
             ],
         )
+
+    def _stations(self) -> list[Block]:
+        if not self.sites:
+            return []
+        room = quantity("mask_margin_deg")
+        rows = tuple(
+            (
+                one.site.name,
+                one.proof.outcome,
+                Value(room, None if one.room is None else degrees(one.room), Proven(self.scope)),
+            )
+            for one in self.sites
+        )
+        return [
+            Table(
+                f"Stations: {self.fold} above their own horizons, at any longitude",
+                ("", "claim", "horizon may rise by, deg"),
+                rows,
+            ),
+            Sentence(
+                "off the resonance with Mars a site meets every longitude of its latitude; where "
+                "ground tracks close, the claim on the latitude is the stronger one"
+            ),
+        ]
 
     def shares_tables(self) -> tuple[Table, ...]:
         """Shares of area and time by fold, where they are known."""
@@ -345,7 +384,12 @@ def fold(
         progress=lambda sets: bar(progress, "losses", sets),
     )
     region_name = found.certificate.region.name
-    return FoldResult(read, wanted, degrees(found.mask), region_name, found)
+    sites: tuple[SiteCoverage, ...] = ()
+    if region is None and duration_h is None and one_period(read.constellation):
+        sites = tuple(
+            site_coverage_for_ever(read.constellation, site, wanted) for site in read.stations
+        )
+    return FoldResult(read, wanted, degrees(found.mask), region_name, found, sites)
 
 
 def _over_days(

@@ -311,11 +311,17 @@ def filter_table(rows: Sequence[dict[str, Any]]) -> Table:
                 _digits(row["rms_over_bound"]),
                 _digits(row["nees"]),
                 "{low:.2f} and {high:.2f}".format(**row["nees_interval"]),
-                "yes" if row["consistent"] else "no",
+                _consistent(row),
             )
             for row in rows
         ),
     )  # fmt: skip
+
+
+def _consistent(row: dict[str, Any]) -> str:
+    if not row["believed"]:
+        return f"no: errors {row['errors_over_claim']:.3g} times its claim"
+    return "yes" if row["consistent"] else "no"
 
 
 def estimate(value: float, error: float) -> str:

@@ -84,6 +84,7 @@ def findings(scenario: Scenario, found: Assessment) -> list[str]:
     count = found.seen.sum(axis=1)
     words = [
         found.consistency.sentence,
+        *_whole_words(found),
         accuracy_sentence(found),
         f"The lander flies {last:g} s, from {flight.altitude[0] / KM:.1f} km and "
         f"{flight.speed[0]:.0f} m/s to {flight.altitude[-1] / KM:.1f} km and "
@@ -111,6 +112,19 @@ def findings(scenario: Scenario, found: Assessment) -> list[str]:
     if not found.taken.any():
         words.append("No beacon is ever measured: the errors are those of the first estimate.")
     return words
+
+
+def _whole_words(found: Assessment) -> list[str]:
+    """What is to be said of further states that the filter estimates."""
+    whole = found.whole
+    if whole.states == found.consistency.states or whole.holds == found.consistency.holds:
+        return []
+    nees = f"NEES {whole.nees[whole.worst]:.3g} at {found.flight.times[whole.worst]:g} s"
+    return [
+        f"All {whole.states} states that it estimates together are "
+        f"{'consistent' if whole.holds else 'inconsistent'} ({nees}, {whole.low:.2f} to "
+        f"{whole.high:.2f} is right): that concerns density, L/D, clock and biases, not the place."
+    ]
 
 
 def claim_sentence(found: Assessment) -> str:
@@ -279,6 +293,8 @@ def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
             "nees_worst": found.consistency.nees[found.consistency.worst],
             "worst_time_s": flight.times[found.consistency.worst],
             "nees_interval": [found.consistency.low, found.consistency.high],
+            "states_estimated": found.whole.states,
+            "whole_state_consistent": found.whole.holds,
         },
         "missed_triggers": list(flight.missed),
         "notes": list(scenario.notes),

@@ -63,7 +63,8 @@ class MapResult(Result):
         )
         how = (
             f"sampled at {attrs['epochs']} epochs over {attrs['period_s'] / 3600:.6g} h on "
-            f"{attrs['grid']}, {attrs['motion_model']} motion: what lies between is not seen; "
+            f"{attrs['grid']} of the {attrs['figure']}, {attrs['motion_model']} motion: "
+            "what lies between is not seen; "
             "weighted by area and time, infinities count"
         )
         return Page(

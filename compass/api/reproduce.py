@@ -3,14 +3,24 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from compass.api.results import Result
-from compass.document import Page, Table, Verdict
+from compass.document import Page, Picture, Table
+from compass.document import Verdict as Answer
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.papers import PAPERS
-from compass.papers.verdict import Row
+from compass.papers.verdict import Row, Verdict
+from compass.pictures.files import check_folder, write_pictures
+from compass.saving import replacing, save_netcdf, write_csv
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Papers with figures drawn from data.
+DRAWN = ("kelly2018",)
 
 
 @dataclass(frozen=True, repr=False)
@@ -31,33 +41,66 @@ class ReproduceResult(Result):
 
     @property
     def differs(self) -> tuple[Row, ...]:
-        """Rows that differ without an erratum on record."""
+        """Rows that differ without a demonstrated error of the paper."""
         return tuple(row for row in self.rows if not row.holds)
 
     @property
     def holds(self) -> bool:
-        """Whether every row is reproduced or its difference explained."""
+        """Whether no row differs."""
         return not self.differs
 
-    def _counts(self) -> dict[str, int]:
-        return {
-            "reproduced": sum(row.verdict == "reproduced" for row in self.rows),
-            "errata": sum(row.verdict.startswith("erratum") for row in self.rows),
-            "differs": len(self.differs),
-        }
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many rows have each verdict."""
+        return {str(kind): sum(row.verdict is kind for row in self.rows) for kind in Verdict}
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
         rows = [row.as_dict() for row in self.rows]
-        return plain({"paper": self.paper, "title": self.title, "rows": rows} | self._counts())
+        return plain({"paper": self.paper, "title": self.title, "rows": rows} | self.counts)
+
+    def pictures(self) -> tuple[Picture, ...]:
+        """Draw the figures of the paper that have data here; none for a paper without any."""
+        return tuple(image for image, _ in self._figures())
+
+    def write(self, folder: str | Path) -> None:
+        """Write the rows as CSV and every figure as picture (PNG) and data (netCDF).
+
+        Parameters
+        ----------
+        folder
+            Made if its parent exists.
+
+        Raises
+        ------
+        OutputError
+            The folder or a file in it cannot be written.
+        """
+        place = Path(folder)
+        check_folder(place)
+        figures = self._figures()
+        write_pictures([image for image, _ in figures], place)
+        for image, data in figures:
+            save_netcdf(place / f"{image.stem}.nc", data)
+        with replacing(place / "rows.csv") as temporary:
+            plain_rows = [row.as_dict() for row in self.rows]
+            write_csv(temporary, list(plain_rows[0]), [list(row.values()) for row in plain_rows])
+
+    def _figures(self) -> list[tuple[Picture, "xr.Dataset"]]:
+        if self.paper not in DRAWN:
+            return []
+        from compass.papers.kelly2018_figures import FIGURES_OF_THE_PAPER
+        from compass.pictures.kelly2018 import draw_figure
+
+        made = [(figure, figure.make()) for figure in FIGURES_OF_THE_PAPER]
+        return [(draw_figure(figure.number, figure.title, data), data) for figure, data in made]
 
     def document(self) -> Page:
         """How many agree, then every row."""
-        counts = self._counts()
-        verdict = Verdict(
-            "explained" if self.holds else "unexplained",
-            f"{len(self.rows)} rows: {counts['reproduced']} reproduced, {counts['errata']} errata, "
-            f"{counts['differs']} unexplained",
+        counts = ", ".join(f"{count} {kind}" for kind, count in self.counts.items() if count)
+        verdict = Answer(
+            "explained" if self.holds else "differs",
+            f"{len(self.rows)} rows: {counts}",
             self.holds,
         )
         table = comparison_table("Published and computed", self.rows)
@@ -66,8 +109,11 @@ class ReproduceResult(Result):
 
 def comparison_table(title: str, rows: Sequence[Row]) -> Table:
     """Table of published against computed."""
-    header = ("where", "item", "published", "computed", "unit", "verdict")
-    cells = ((r.where, r.item, r.published or "–", r.computed, r.unit, r.verdict) for r in rows)
+    header = ("where", "item", "published", "computed", "unit", "agrees if", "verdict")
+    cells = (
+        (r.where, r.item, r.published or "–", r.computed, r.unit, r.criterion or "–", r.told)
+        for r in rows
+    )
     return Table(title, header, tuple(cells))
 
 

@@ -15,8 +15,7 @@ def map_row(
     cos_cap,
     azimuths,
     elevations,
-    sin_lat,
-    cos_lat,
+    place,
     cos_lon,
     sin_lon,
     lon0,
@@ -38,7 +37,7 @@ def map_row(
     ----------
     r, cos_cap
         As in `dop_row`, with a leading epoch axis.
-    azimuths, elevations, sin_lat, cos_lat, cos_lon, sin_lon, lon0
+    azimuths, elevations, place, cos_lon, sin_lon, lon0
         As in `dop_row`.
     threshold
         Largest PDOP that counts as available.
@@ -65,7 +64,7 @@ def map_row(
     total, good, at_least = np.zeros(m), np.zeros(m), np.zeros((share.shape[0], m))
     for t in range(epochs):
         dop_row(
-            r[t], cos_cap[t], azimuths, elevations, sin_lat, cos_lat, cos_lon, sin_lon, lon0,
+            r[t], cos_cap[t], azimuths, elevations, place, cos_lon, sin_lon, lon0,
             tile, runs, owners, counts, row,
         )  # fmt: skip
         low, high, seen = counts[0], counts[0], 0

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from compass.core.jit import fused_kernel, inline_kernel, kernel
-from compass.core.runs import cap_run, horizon_runs
+from compass.core.runs import HIGH, OUT, SQUARE, UP_OUT, UP_Z, sight_runs
 
 #: Order of the DOPs in every array.
 GDOP, PDOP, HDOP, VDOP, TDOP = range(5)
@@ -74,9 +74,9 @@ def _quadratic(caa, cbb, ccc, cab, cac, cbc, x, y, z):
 
 
 @fused_kernel
-def _add_sights(tile, first, stop, rx, ry, rz, pz):
+def _add_sights(tile, first, stop, rx, ry, rz, pz, square):
     """Add one satellite's line of sight to the moments of columns first ... stop-1 of a tile."""
-    r2 = rx * rx + ry * ry + rz * rz + 1.0
+    r2 = rx * rx + ry * ry + rz * rz + square
     zz = rz - pz
     part = tile[first:]  # counted from 0 the compiler need not allow for negative indices
     for j in range(stop - first):
@@ -96,12 +96,16 @@ def _add_sights(tile, first, stop, rx, ry, rz, pz):
 
 
 @fused_kernel
-def _solve(tile, pz):
-    """Turn the moments of a tile into DOPs, which take the place of the first five moments."""
+def _solve(tile, slant, up_z):
+    """Turn the moments of a tile into DOPs, which take the place of the first five moments.
+
+    The users' up, out from the axis, is `slant` times their place.
+    """
     for j in range(TILE):
         g, p, h, v, t = dops(
             tile[N + j], tile[XX + j], tile[YY + j], tile[ZZ + j], tile[XY + j], tile[XZ + j],
-            tile[YZ + j], tile[X + j], tile[Y + j], tile[Z + j], tile[PX + j], tile[PY + j], pz,
+            tile[YZ + j], tile[X + j], tile[Y + j], tile[Z + j],
+            slant * tile[PX + j], slant * tile[PY + j], up_z,
         )  # fmt: skip
         tile[XX + j] = g
         tile[YY + j] = p
@@ -116,8 +120,7 @@ def dop_row(
     cos_cap,
     azimuths,
     elevations,
-    sin_lat,
-    cos_lat,
+    place,
     cos_lon,
     sin_lon,
     lon0,
@@ -132,13 +135,13 @@ def dop_row(
     Parameters
     ----------
     r
-        Satellite positions in units of the sphere's radius, Mars-fixed, shape (satellite, 3).
+        Satellite positions in units of the equatorial radius, Mars-fixed, shape (satellite, 3).
     cos_cap
-        Cosines of the cap radii, shape (satellite,).
+        Cosines of the cap radii on a sphere, shape (satellite,).
     azimuths, elevations
-        The mask; with more than one azimuth, the caps are not used.
-    sin_lat, cos_lat
-        Of the row.
+        The mask; with more than one azimuth, and off the sphere, the caps are not used.
+    place
+        How a user stands in the row, shape (5,): see `compass.core.runs`.
     cos_lon, sin_lon, lon0
         Of the columns, shape (column,); longitude of column 0.
     tile, runs, owners
@@ -153,33 +156,26 @@ def dop_row(
     for s in range(r.shape[0]):
         rx, ry, rz = r[s, 0], r[s, 1], r[s, 2]
         before = found
-        if azimuths.size == 1:
-            away = math.sqrt(rx * rx + ry * ry)
-            w = 1.0 / math.sqrt(rx * rx + ry * ry + rz * rz)
-            runs[found, 0], runs[found, 1] = cap_run(
-                rx * w, ry * w, rz * w, away * w, math.atan2(ry, rx), cos_cap[s],
-                sin_lat, cos_lat, cos_lon, sin_lon, lon0,
-            )  # fmt: skip
-            found += 1
-        else:
-            found += horizon_runs(
-                rx, ry, rz, sin_lat, cos_lat, cos_lon, sin_lon, azimuths, elevations, runs[found:]
-            )
+        found += sight_runs(
+            rx, ry, rz, cos_cap[s], azimuths, elevations, place, cos_lon, sin_lon, lon0,
+            runs[found:],
+        )  # fmt: skip
         owners[before:found] = s
+    out_from_axis, high, square = place[OUT], place[HIGH], place[SQUARE]
     for start in range(0, m, TILE):
         width = min(TILE, m - start)
         tile[:PX] = 0.0
         for j in range(width):
-            tile[PX + j] = cos_lat * cos_lon[start + j]
-            tile[PY + j] = cos_lat * sin_lon[start + j]
+            tile[PX + j] = out_from_axis * cos_lon[start + j]
+            tile[PY + j] = out_from_axis * sin_lon[start + j]
         for k in range(found):
             s = owners[k]
             # a run that goes on past the last column continues at column 0
             for turn in range(2):
                 a = max(runs[k, 0] - turn * m - start, 0)
                 b = min(min(runs[k, 1] - turn * m, m) - start, width)
-                _add_sights(tile, a, b, r[s, 0], r[s, 1], r[s, 2], sin_lat)
-        _solve(tile, sin_lat)
+                _add_sights(tile, a, b, r[s, 0], r[s, 1], r[s, 2], high, square)
+        _solve(tile, place[UP_OUT] / out_from_axis, place[UP_Z])
         for d in range(5):
             out[d, start : start + width] = tile[d * TILE : d * TILE + width]
         for j in range(width):
@@ -194,9 +190,7 @@ def row_scratch(satellites, columns, azimuths):
 
 
 @kernel
-def dop_rows(
-    r, cos_cap, azimuths, elevations, sin_lat, cos_lat, cos_lon, sin_lon, lon0, counts, out
-):
+def dop_rows(r, cos_cap, azimuths, elevations, places, cos_lon, sin_lon, lon0, counts, out):
     """Counts and DOPs in every column of some rows at every epoch.
 
     Parameters
@@ -205,8 +199,8 @@ def dop_rows(
         As in `dop_row`, with a leading epoch axis.
     azimuths, elevations, cos_lon, sin_lon, lon0
         As in `dop_row`.
-    sin_lat, cos_lat
-        Of the rows, shape (row,).
+    places
+        How a user stands in each row, shape (row, 5).
     counts
         Filled; shape (epoch, row, column).
     out
@@ -214,9 +208,9 @@ def dop_rows(
     """
     tile, runs, owners = row_scratch(r.shape[1], cos_lon.size, azimuths.size)
     for t in range(r.shape[0]):
-        for i in range(sin_lat.size):
+        for i in range(places.shape[0]):
             dop_row(
-                r[t], cos_cap[t], azimuths, elevations, sin_lat[i], cos_lat[i],
+                r[t], cos_cap[t], azimuths, elevations, places[i],
                 cos_lon, sin_lon, lon0, tile, runs, owners, counts[t, i], out[t, i],
             )  # fmt: skip
 

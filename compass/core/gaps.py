@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from compass.core.jit import kernel
-from compass.core.runs import cap_run, horizon_runs
+from compass.core.runs import sight_runs
 
 # What is known of a column: epochs of the gap it is in, epochs of the gap that the span began
 # with (nan before it is over), longest gap, number of gaps, sum of lengths and of their squares.
@@ -17,14 +17,12 @@ STATES = 6
 
 
 @kernel
-def follow_gaps(
-    r, cos_cap, azimuths, elevations, sin_lat, cos_lat, cos_lon, sin_lon, lon0, fold, state
-):
+def follow_gaps(r, cos_cap, azimuths, elevations, place, cos_lon, sin_lon, lon0, fold, state):
     """Follow the gaps of one row over more epochs.
 
     Parameters
     ----------
-    r, cos_cap, azimuths, elevations, sin_lat, cos_lat, cos_lon, sin_lon, lon0
+    r, cos_cap, azimuths, elevations, place, cos_lon, sin_lon, lon0
         As in `compass.core.dop.dop_row`, the first two with a leading epoch axis.
     fold
         Satellites wanted.
@@ -38,17 +36,9 @@ def follow_gaps(
         counts[:] = 0
         for s in range(r.shape[1]):
             x, y, z = r[t, s, 0], r[t, s, 1], r[t, s, 2]
-            found = 1
-            if azimuths.size == 1:
-                away, w = math.sqrt(x * x + y * y), 1.0 / math.sqrt(x * x + y * y + z * z)
-                runs[0, 0], runs[0, 1] = cap_run(
-                    x * w, y * w, z * w, away * w, math.atan2(y, x), cos_cap[t, s],
-                    sin_lat, cos_lat, cos_lon, sin_lon, lon0,
-                )  # fmt: skip
-            else:
-                found = horizon_runs(
-                    x, y, z, sin_lat, cos_lat, cos_lon, sin_lon, azimuths, elevations, runs
-                )
+            found = sight_runs(
+                x, y, z, cos_cap[t, s], azimuths, elevations, place, cos_lon, sin_lon, lon0, runs
+            )
             for k in range(found):
                 for j in range(runs[k, 0], runs[k, 1]):
                     counts[j if j < m else j - m] += 1

@@ -2,6 +2,11 @@
 
 A row has m equally spaced columns, the first at longitude ``lon0``, going once around. A run
 ``[first, stop)`` may have ``stop > m``: it goes on at column 0.
+
+How a user stands in a row is the same in each column but for the turn about the axis. Five numbers
+say it, lengths in units of the equatorial radius: cosine and sine of the latitude of the user's up,
+distance from the axis and height over the equator of the user's place, and the square of its
+distance from the centre. On a sphere the first four are twice the same two.
 """
 
 import math
@@ -9,6 +14,9 @@ import math
 from compass.core.jit import kernel
 
 TWO_PI = 2.0 * math.pi
+
+#: What an array that describes a row holds.
+UP_OUT, UP_Z, OUT, HIGH, SQUARE = range(5)
 
 #: Below this reach rounding (1e-16 / reach, under a square root) could move an end of the interval
 #: by more than a column of 0.05 degree.
@@ -86,15 +94,87 @@ def _inside(ux, uy, uz, cos_cap, sin_lat, cos_lat, cos_lon, sin_lon, column):
 
 
 @kernel
-def horizon_runs(rx, ry, rz, sin_lat, cos_lat, cos_lon, sin_lon, azimuths, elevations, runs):
+def sight_runs(
+    rx, ry, rz, cos_cap, azimuths, elevations, row, cos_lon, sin_lon, lon0, runs
+):  # fmt: skip
+    """Columns of a row that see a satellite above the mask.
+
+    Parameters
+    ----------
+    rx, ry, rz
+        Satellite position in units of the equatorial radius.
+    cos_cap
+        Cosine of the cap's radius, which a constant mask and a sphere have.
+    azimuths, elevations
+        The mask; constant with one azimuth.
+    row
+        How a user stands in the row, shape (5,).
+    cos_lon, sin_lon, lon0
+        Of the columns, shape (m,); longitude of column 0.
+    runs
+        Filled with (first, stop), shape (k, 2): k at least 1, m/2 + 1 with more than one azimuth.
+
+    Returns
+    -------
+    int
+        Number of runs.
+    """
+    if azimuths.size > 1:
+        return horizon_runs(rx, ry, rz, row, cos_lon, sin_lon, azimuths, elevations, runs)
+    away, longitude = math.sqrt(rx * rx + ry * ry), math.atan2(ry, rx)
+    w = 1.0 / math.sqrt(rx * rx + ry * ry + rz * rz)
+    if row[UP_OUT] == row[OUT] and row[UP_Z] == row[HIGH]:
+        runs[0, 0], runs[0, 1] = cap_run(
+            rx * w, ry * w, rz * w, away * w, longitude, cos_cap,
+            row[UP_Z], row[UP_OUT], cos_lon, sin_lon, lon0,
+        )  # fmt: skip
+        return 1
+    least = least_out(away * away + rz * rz, rz, math.sin(elevations[0]), row)
+    runs[0, 0], runs[0, 1] = cap_run(
+        rx * w, ry * w, 0.0, away * w, longitude, least * w, 0.0, 1.0, cos_lon, sin_lon, lon0
+    )
+    return 1
+
+
+@kernel
+def least_out(square, rz, sin_mask, row):
+    """How far from the axis, along a user's meridian, a satellite must be to stand at the mask.
+
+    With the user's place p and up n, and o the component of r in the direction of the meridian,
+    the height over the horizon ``t = (r - p) . n`` grows with o and the distance
+    ``d^2 = r^2 + p^2 - 2 r_z p_z - 2 p_o o`` falls: seen is ``t >= sin(mask) d``, from one o on.
+    There ``t^2 + 2 k t = sin^2(mask) d_0^2`` with ``k = sin^2(mask) p_o/n_o`` and d_0 the distance
+    at t = 0. Infinite if no o will do.
+
+    Parameters
+    ----------
+    square, rz
+        Square of the satellite's distance from the centre; its height over the equator.
+    sin_mask
+        Sine of the mask, not below 0.
+    row
+        As in `sight_runs`, away from the poles.
+    """
+    slant = row[OUT] / row[UP_OUT]
+    level = rz * row[UP_Z] - (row[OUT] * row[UP_OUT] + row[HIGH] * row[UP_Z])
+    apart = square + row[SQUARE] - 2.0 * rz * row[HIGH] + 2.0 * slant * level
+    k, right = sin_mask * sin_mask * slant, sin_mask * sin_mask * apart
+    if right < 0.0:
+        return math.inf
+    height = right / (k + math.sqrt(k * k + right)) if right > 0.0 else 0.0
+    return (height - level) / row[UP_OUT]
+
+
+@kernel
+def horizon_runs(rx, ry, rz, row, cos_lon, sin_lon, azimuths, elevations, runs):
     """Columns that see a satellite above an azimuth-dependent mask; every column is tested.
 
     Parameters
     ----------
     rx, ry, rz
-        Satellite position in units of the sphere's radius.
-    sin_lat, cos_lat, cos_lon, sin_lon
-        Of the row and of its columns.
+        Satellite position in units of the equatorial radius.
+    row, cos_lon, sin_lon
+        The row, shape (5,), and its columns.
     azimuths, elevations
         The mask, radians; clockwise from north, increasing, linear between, periodic.
     runs
@@ -108,11 +188,13 @@ def horizon_runs(rx, ry, rz, sin_lat, cos_lat, cos_lon, sin_lon, azimuths, eleva
     m = cos_lon.size
     found = 0
     previous = False
+    up_out, up_z, high = row[UP_OUT], row[UP_Z], rz - row[HIGH]
     for k in range(m):
-        out = rx * cos_lon[k] + ry * sin_lon[k]  # away from the axis, at this longitude
+        # away from the axis, at this longitude, beyond the user
+        out = rx * cos_lon[k] + ry * sin_lon[k] - row[OUT]
         east = ry * cos_lon[k] - rx * sin_lon[k]
-        north = rz * cos_lat - out * sin_lat
-        up = out * cos_lat + rz * sin_lat - 1.0
+        north = high * up_out - out * up_z
+        up = out * up_out + high * up_z
         elevation = math.atan2(up, math.sqrt(east * east + north * north))
         seen = elevation >= mask_at(math.atan2(east, north), azimuths, elevations)
         if seen and not previous:

@@ -15,7 +15,7 @@ PARTS = 8
 
 
 def count_map(view: View, grid: Grid, workers: int | None = None) -> NDArray[np.int16]:
-    """Number of satellites in view, shape (epoch, row, column); constant mask.
+    """Number of satellites in view, shape (epoch, row, column): constant mask, sphere.
 
     Parameters
     ----------
@@ -29,10 +29,13 @@ def count_map(view: View, grid: Grid, workers: int | None = None) -> NDArray[np.
     Raises
     ------
     ArgumentError
-        The mask changes with azimuth; `coverage_map` takes such a mask.
+        The mask changes with azimuth, or the grid lies on an ellipsoid: `coverage_map` takes
+        both.
     """
     if view.azimuths.size > 1:
         raise ArgumentError("count_map: the mask changes with azimuth; use coverage_map")
+    if grid.polar != 1:
+        raise ArgumentError("count_map: cells on an ellipsoid; use coverage_map")
     longitude, latitude = grid.longitude, grid.latitude
     cos_lon, sin_lon = np.cos(longitude), np.sin(longitude)
     u, out = view.directions, np.empty((view.times.size, grid.rows, grid.columns), np.int16)

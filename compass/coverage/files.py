@@ -35,7 +35,7 @@ def write_map(
     path
         Where to.
     figure
-        Reference figure; maps are on the sphere of its equatorial radius.
+        Reference figure, which the grid lies on.
     series
         With the view and the grid of the map, also ``count_series`` and ``gdop_series`` ...
         over (time, lat, lon), computed again row by row so that memory stays small.
@@ -61,8 +61,7 @@ def with_grid_mapping(dataset: "xr.Dataset", figure: Figure) -> "xr.Dataset":
     """Return the map with the grid-mapping variable ``mars`` and the convention's attributes."""
     import xarray as xr
 
-    sphere = figure.name if figure.is_sphere else "iau-sphere"
-    mapping = mars_crs(sphere).to_cf()
+    mapping = mars_crs(figure.name).to_cf()
     mapped = dataset.assign(mars=xr.DataArray(np.int32(0), attrs=mapping))
     for variable in mapped.data_vars.values():
         if {"lat", "lon"} <= set(variable.dims):
@@ -74,7 +73,7 @@ def _append_series(
     file: "h5netcdf.File", view: View, grid: Grid, progress: Callable[[int], None]
 ) -> None:
     """Add counts and DOPs of every epoch, a row at a time."""
-    latitude, longitude = grid.latitude, grid.longitude
+    longitude, places = grid.longitude, grid.places
     cos_lon, sin_lon = np.cos(longitude), np.sin(longitude)
     epochs, m = view.times.size, grid.columns
     counts, row = np.empty((epochs, 1, m), np.int16), np.empty((epochs, 1, len(DOPS), m))
@@ -95,8 +94,7 @@ def _append_series(
             view.cos_cap,
             view.azimuths,
             view.elevations,
-            np.sin(latitude[i : i + 1]),
-            np.cos(latitude[i : i + 1]),
+            places[i : i + 1],
             cos_lon,
             sin_lon,
             longitude[0],

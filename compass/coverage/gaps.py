@@ -144,14 +144,13 @@ def coverage_gaps(
 
 def _follow(seen: View, grid: Grid, row: int, fold: int, state: NDArray[np.float64]) -> None:
     """Follow the gaps of a row over the epochs of a view."""
-    latitude, longitude = grid.latitude[row], grid.longitude
+    longitude = grid.longitude
     follow_gaps(
         seen.r,
         seen.cos_cap,
         seen.azimuths,
         seen.elevations,
-        np.sin(latitude),
-        np.cos(latitude),
+        grid.places[row],
         np.cos(longitude),
         np.sin(longitude),
         float(longitude[0]),

@@ -1,9 +1,9 @@
-"""Grids of the sphere whose cell areas are exact."""
+"""Grids of Mars whose cell areas are exact, on a sphere or an ellipsoid of revolution."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from compass.errors import ArgumentError
 
@@ -17,14 +17,17 @@ class Grid:
     kind
         ``equal-angle`` or ``equal-area``.
     latitude_edges
-        From -pi/2 to pi/2, shape (rows + 1,), radians.
+        From -pi/2 to pi/2, shape (rows + 1,), planetocentric, radians.
     columns
         Cells in a row.
+    polar
+        Polar radius in units of the equatorial one: 1 on a sphere.
     """
 
     kind: str
     latitude_edges: NDArray[np.float64]
     columns: int
+    polar: float = 1.0
 
     @property
     def rows(self) -> int:
@@ -35,14 +38,26 @@ class Grid:
     def latitude(self) -> NDArray[np.float64]:
         """Where each row is sampled, radians, shape (rows,).
 
-        The middle of its edges in latitude (equal angle) or in sine of latitude (equal area).
+        The middle of its edges in latitude (equal angle) or in area (equal area).
         """
         if self.kind == "equal-area":
-            sines = np.sin(self.latitude_edges)
-            return np.asarray(np.arcsin((sines[1:] + sines[:-1]) / 2), dtype=np.float64)
+            areas = area_south_of(self.latitude_edges, self.polar)
+            return latitude_of_area((areas[1:] + areas[:-1]) / 2, self.polar)
         return np.asarray(
             (self.latitude_edges[1:] + self.latitude_edges[:-1]) / 2, dtype=np.float64
         )
+
+    @property
+    def places(self) -> NDArray[np.float64]:
+        """How a user stands in each row, shape (rows, 5): see `compass.core.runs`."""
+        latitude = self.latitude
+        cos, sin, b2 = np.cos(latitude), np.sin(latitude), self.polar**2
+        if b2 == 1:
+            return np.stack([cos, sin, cos, sin, np.ones(self.rows)], axis=-1)
+        distance = 1 / np.sqrt(cos**2 + sin**2 / b2)
+        up = np.stack([cos, sin / b2], axis=-1)  # the gradient of x^2 + y^2 + z^2/b^2
+        up /= np.linalg.norm(up, axis=-1, keepdims=True)
+        return np.column_stack([up, distance * cos, distance * sin, distance**2])
 
     @property
     def longitude(self) -> NDArray[np.float64]:
@@ -57,12 +72,47 @@ class Grid:
 
     @property
     def cell_share(self) -> NDArray[np.float64]:
-        """Share of the sphere in one cell of each row: ``(sin b2 - sin b1) / (2 columns)``."""
-        return np.diff(np.sin(self.latitude_edges)) / (2 * self.columns)
+        """Share of the surface in one cell of each row."""
+        return np.diff(area_south_of(self.latitude_edges, self.polar)) / (2 * self.columns)
 
 
-def equal_angle_grid(step: float) -> Grid:
-    """Cells of `step` by `step` radians.
+def area_south_of(latitude: ArrayLike, polar: float = 1.0) -> NDArray[np.float64]:
+    """Area from the equator to a planetocentric latitude, over half of all: -1 to 1.
+
+    On a sphere ``sin(phi)``; on an ellipsoid, with ``e^2 = 1 - b^2`` and g the latitude of the
+    normal, ``q(g)/q(pi/2)``: the sine of the authalic latitude, of
+    ``q = sin(g)/(1 - e^2 sin^2(g)) + artanh(e sin(g))/e``.
+
+    References
+    ----------
+    Snyder 1987, Map Projections: A Working Manual, USGS Professional Paper 1395, eqs. 3-11, 3-12.
+    """
+    phi = np.asarray(latitude, dtype=float)
+    if polar == 1:
+        return np.asarray(np.sin(phi))
+    e = np.sqrt(1 - polar**2)
+
+    def q(sine: ArrayLike) -> NDArray[np.float64]:
+        return np.asarray(sine / (1 - (e * sine) ** 2) + np.arctanh(e * sine) / e)
+
+    return q(np.sin(np.arctan2(np.sin(phi), polar**2 * np.cos(phi)))) / q(1.0)
+
+
+def latitude_of_area(area: ArrayLike, polar: float = 1.0) -> NDArray[np.float64]:
+    """Inverse of `area_south_of`, radians."""
+    wanted = np.asarray(area, dtype=float)
+    if polar == 1:
+        return np.asarray(np.arcsin(wanted))
+    low, high = np.full(wanted.shape, -np.pi / 2), np.full(wanted.shape, np.pi / 2)
+    for _ in range(60):  # the area grows with latitude
+        middle = (low + high) / 2
+        short = area_south_of(middle, polar) < wanted
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    return np.asarray((low + high) / 2)
+
+
+def equal_angle_grid(step: float, polar: float = 1.0) -> Grid:
+    """Cells of `step` by `step` radians, on a figure of this polar radius over equatorial radius.
 
     Raises
     ------
@@ -70,26 +120,30 @@ def equal_angle_grid(step: float) -> Grid:
         180 degrees is not a whole number of steps, or the step is outside 0.05 to 90 degrees.
     """
     rows = _whole_steps(step)
-    return Grid("equal-angle", np.linspace(-np.pi / 2, np.pi / 2, rows + 1), 2 * rows)
+    return Grid("equal-angle", np.linspace(-np.pi / 2, np.pi / 2, rows + 1), 2 * rows, polar)
 
 
-def equal_area_grid(step: float) -> Grid:
-    """Cells of one area: rows equally spaced in sine of latitude, columns `step` radians wide.
+def equal_area_grid(step: float, polar: float = 1.0) -> Grid:
+    """Cells of one area: rows equally spaced in area from pole to pole, columns `step` wide.
 
     Lambert's cylindrical equal-area cells, as many as on the equal-angle grid of this step.
-    Errors as `equal_angle_grid`.
+    Parameters and errors as `equal_angle_grid`.
     """
     rows = _whole_steps(step)
-    edges = np.arcsin(np.linspace(-1.0, 1.0, rows + 1))
-    return Grid("equal-area", edges, 2 * rows)
+    edges = latitude_of_area(np.linspace(-1.0, 1.0, rows + 1), polar)
+    edges[0], edges[-1] = -np.pi / 2, np.pi / 2
+    return Grid("equal-area", edges, 2 * rows, polar)
 
 
-def make_grid(kind: str, step_deg: float) -> Grid:
-    """Return the grid of this kind (``equal-angle`` or ``equal-area``) and step in degrees."""
+def make_grid(kind: str, step_deg: float, polar: float = 1.0) -> Grid:
+    """Return the grid of this kind (``equal-angle`` or ``equal-area``) and step in degrees.
+
+    `polar` is the figure's polar radius in units of the equatorial one.
+    """
     makers = {"equal-angle": equal_angle_grid, "equal-area": equal_area_grid}
     if kind not in makers:
         raise ArgumentError(f"grid = {kind!r}: allowed {', '.join(makers)}")
-    return makers[kind](float(np.radians(step_deg)))
+    return makers[kind](float(np.radians(step_deg)), polar)
 
 
 def _whole_steps(step: float) -> int:

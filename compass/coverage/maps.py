@@ -86,7 +86,7 @@ def coverage_map(
     if not pdop_threshold > 0:
         raise ArgumentError(f"pdop_threshold = {pdop_threshold}: must be positive")
     cells = _Cells(view, grid, fold, gaps)
-    latitude, longitude = grid.latitude, grid.longitude
+    longitude, places, cell_share = grid.longitude, grid.places, grid.cell_share
     columns = np.cos(longitude), np.sin(longitude), float(longitude[0])
     epochs = view.times.size
     # nearest rank: the smallest value that at least q percent of the epochs do not exceed
@@ -101,11 +101,10 @@ def coverage_map(
                 view.cos_cap,
                 view.azimuths,
                 view.elevations,
-                np.sin(latitude[i]),
-                np.cos(latitude[i]),
+                places[i],
                 *columns,
                 pdop_threshold,
-                grid.cell_share[i] / epochs,
+                cell_share[i] / epochs,
                 cells.count_min[i],
                 cells.count_mean[i],
                 cells.count_max[i],
@@ -223,7 +222,7 @@ class _Cells:
                 float(weight @ self.availability.sum(axis=1, dtype=np.float64)),
                 _attrs(f"share of area and time with PDOP at most {pdop_threshold:g}"),
             ),
-            "cell_share": ("lat", weight, _attrs("share of the sphere in one cell of the row")),
+            "cell_share": ("lat", weight, _attrs("share of the surface in one cell of the row")),
         }
         coords = {
             "lat": (

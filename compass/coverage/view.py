@@ -13,16 +13,17 @@ from compass.sites import Mask
 
 @dataclass(frozen=True)
 class View:
-    """A constellation over a sphere at some epochs.
+    """A constellation over Mars at some epochs.
 
     Attributes
     ----------
     times
         Seconds after the constellation's epoch, shape (epoch,).
     r
-        Mars-fixed positions in units of the sphere's radius, shape (epoch, satellite, 3).
+        Mars-fixed positions in units of the equatorial radius, shape (epoch, satellite, 3).
     cos_cap
-        Cosines of the cap radii under the lowest mask elevation, shape (epoch, satellite).
+        Cosines of the cap radii on the sphere of that radius under the lowest mask elevation,
+        shape (epoch, satellite).
     azimuths, elevations
         The mask; one pair if it is constant.
     """
@@ -46,7 +47,7 @@ def view(
     mask: Mask | None = None,
     model: AnyMotion = "two-body",
 ) -> View:
-    """Put a constellation over a sphere of `sphere_radius` metres at `times` seconds.
+    """Put a constellation over Mars, `sphere_radius` metres at the equator, at `times` seconds.
 
     Raises
     ------

@@ -43,7 +43,9 @@ class Assessment:
     monte_carlo
         The filter, many times.
     consistency
-        Whether its errors are what it claims.
+        Whether its errors in position and velocity are what it claims.
+    whole
+        The same of all states that it estimates.
     accuracy
         Knowledge and delivery at deployment.
     """
@@ -59,6 +61,7 @@ class Assessment:
     bound: Bound
     monte_carlo: MonteCarlo
     consistency: Consistency
+    whole: Consistency
     accuracy: Accuracy
 
     @property
@@ -160,6 +163,7 @@ def assess(
         bound,
         runs_made,
         consistency(runs_made.nees, flight.times, 6, runs_made.diverged),
+        consistency(runs_made.nees_all, flight.times, runs_made.estimated, runs_made.diverged),
         accuracy(flight, bound, layout, settings.covariance0, settings.noise, deployment),
     )
 

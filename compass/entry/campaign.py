@@ -147,7 +147,7 @@ def fly_campaign(
     ------
     ArgumentError
         Times not evenly spaced from 0, an entry that comes to the ground before deployment or
-        to no deployment at all, no entry left, an entry at a pole, or a negative sigma.
+        to no deployment at all, no entry left, or a negative sigma.
     """
     check_sigmas(density_sigma, lift_sigma)
     given, seconds = np.asarray(state, dtype=float)[:6], np.asarray(times, dtype=float)
@@ -263,13 +263,7 @@ def _moved_spreads(state: Array, covariance: Array, starts: Array) -> Array:
     own = vehicle_axes(state)
     there = own @ covariance @ own.T
     scale = np.sqrt(np.diag(there))
-    try:
-        root = scale[:, None] * np.linalg.cholesky(there / np.outer(scale, scale))
-    except np.linalg.LinAlgError as error:
-        raise ArgumentError(
-            f"entry.latitude_deg = {np.degrees(state[2]):g}: the filter's first uncertainty is "
-            "singular there, as longitude and heading are at a pole; move the entry away from it"
-        ) from error
+    root = scale[:, None] * np.linalg.cholesky(there / np.outer(scale, scale))
     return np.linalg.solve(jacobians, np.swapaxes(vehicle_axes(starts), -1, -2) @ root)
 
 

@@ -14,6 +14,7 @@ from compass.conventions import epoch_text
 from compass.entry.atmosphere import Atmosphere, read_atmosphere_table
 from compass.entry.beacons import Beacons, orbiting_beacons, surface_beacons
 from compass.entry.covariance import axes_covariance
+from compass.entry.layout import Part
 from compass.entry.model import EntryModel
 from compass.entry.navigation import Filter
 from compass.entry.schedule import Measurements
@@ -333,7 +334,19 @@ def _filter(table: FilterTable, state: NDArray[np.float64]) -> Filter:
         covariance,
         np.array(table.process_noise_si or [0.0] * 6),
         1 if table.kind == "ekf" else table.iterations,
+        _parts(table),
     )
+
+
+def _parts(table: FilterTable) -> tuple[Part, ...]:
+    """Quantities that are not known, beside position and velocity."""
+    blocks = (
+        ("air", table.density), ("lift", table.lift_to_drag), ("bias", table.range_bias),
+    )  # fmt: skip
+    parts = [Part(name, (b.sigma,), b.considered) for name, b in blocks if b is not None]
+    if (clock := table.clock) is not None:
+        parts.append(Part("clock", (clock.sigma_m, clock.drift_sigma_m_s), clock.considered))
+    return tuple(parts)
 
 
 def _orbiters(file: ScenarioFile, model: EntryModel, folder: Path) -> tuple[Orbiters, ...]:

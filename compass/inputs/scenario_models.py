@@ -176,6 +176,25 @@ class MeasurementsTable(Table):
     in_turn: bool = Field(False, description="one beacon at a time rather than all at once")
 
 
+class BlockTable(Table):
+    """One more quantity that is not known: estimated by the filter, or only considered."""
+
+    sigma: Positive = Field(description="one sigma: of ln density, of L/D, or of ranges in m")
+    considered: bool = Field(
+        False, description="let it into the covariance, but do not correct it (Schmidt)"
+    )
+
+
+class ClockTable(Table):
+    """The receiver's clock as a quantity that is not known."""
+
+    sigma_m: Positive = Field(description="one sigma of the clock, m")
+    drift_sigma_m_s: Positive = Field(description="one sigma of its drift, m/s")
+    considered: bool = Field(
+        False, description="let it into the covariance, but do not correct it (Schmidt)"
+    )
+
+
 class FilterTable(Table):
     """The navigation filter: first uncertainty per Cartesian axis, or of each state."""
 
@@ -195,6 +214,14 @@ class FilterTable(Table):
         None,
         description="variance per second of radius, longitude, latitude, speed, flight-path angle "
         "and azimuth: six numbers, m, rad, m/s",
+    )
+    clock: ClockTable | None = Field(None, description="the receiver's clock and its drift")
+    density: BlockTable | None = Field(
+        None, description="a factor of the air's density, constant over an entry: sigma of ln rho"
+    )
+    lift_to_drag: BlockTable | None = Field(None, description="the lift-to-drag ratio")
+    range_bias: BlockTable | None = Field(
+        None, description="a constant bias of the ranges of each beacon, as of its orbit and clock"
     )
 
 

@@ -136,13 +136,22 @@ def turned(path: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
     ``theta = integral of |r x v| / r^2`` by Gauss's rule on every stretch.
     """
-    nodes, weights = legendre.leggauss(8)
-    middle, half = 0.5 * (path.breaks[1:] + path.breaks[:-1]), 0.5 * np.diff(path.breaks)
-    r, v = path.states((middle[:, None] + half[:, None] * nodes).ravel())
-    rate = np.linalg.norm(np.cross(r, v), axis=-1) / (r * r).sum(axis=-1)
-    steps = (rate.reshape(path.size, len(half), -1) @ weights) * half
+    _, weights, rate = angular_rates(path)
+    steps = (rate * weights).reshape(path.size, len(path.breaks) - 1, -1).sum(axis=-1)
     start = np.zeros((path.size, 1))
     return path.breaks, np.concatenate([start, np.cumsum(steps, axis=1)], axis=1).T
+
+
+def angular_rates(
+    path: Trajectory,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Gauss nodes of all stretches and their weights, s, (k,), and ``|r x v| / r^2``, (n, k)."""
+    nodes, weights = legendre.leggauss(8)
+    middle, half = 0.5 * (path.breaks[1:] + path.breaks[:-1]), 0.5 * np.diff(path.breaks)
+    times = (middle[:, None] + half[:, None] * nodes).ravel()
+    r, v = path.states(times)
+    rate = np.linalg.norm(np.cross(r, v), axis=-1) / (r * r).sum(axis=-1)
+    return times, (half[:, None] * weights).ravel(), rate
 
 
 def mean_rates(times: NDArray[np.float64], theta: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -162,8 +171,10 @@ def excursions(theta: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.abs(gone - gone.mean(axis=1, keepdims=True)).max(axis=0))
 
 
-def with_axes(c: Constellation, axes: NDArray[np.float64]) -> Constellation:
-    """Return the constellation with other semi-major axes, m; whatever pattern it had is gone."""
+def with_axes(
+    c: Constellation, axes: NDArray[np.float64], gm: float | None = None
+) -> Constellation:
+    """Return the constellation with other semi-major axes, m, and another GM if given."""
     axes = np.array(axes)
     axes.flags.writeable = False
     return Constellation(
@@ -176,5 +187,5 @@ def with_axes(c: Constellation, axes: NDArray[np.float64]) -> Constellation:
         c.mean_anomaly,
         epoch=c.epoch,
         satellite_names=c.satellite_names,
-        gm=c.gm,
+        gm=c.gm if gm is None else gm,
     )

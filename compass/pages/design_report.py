@@ -217,7 +217,8 @@ def _comparison(design: Design) -> Section | None:
     module = import_module(f"compass.papers.{design.paper}")
     text = (
         "The paper's numbers on geometry and coverage beside the computed ones. Reproduced: equal "
-        "to the printed digits. Erratum: the paper's number is wrong, and why. Population and "
+        "within what is printed beside it. Erratum: the paper is shown to be wrong, and how. "
+        "Differs: neither. Computed: the paper says nothing. Population and "
         f"stations' access: compass reproduce {design.paper}."
     )
     table = comparison_table(module.TITLE, module.coverage_rows())

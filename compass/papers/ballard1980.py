@@ -9,7 +9,7 @@ from compass.orbits import Constellation, Pattern, keplerian
 from compass.orbits.constellation import from_pattern
 from compass.orbits.kinds import walker_phasing
 from compass.orbits.symmetry import phase_steps
-from compass.papers.verdict import Row, compare, judge_claim, printed_tolerance
+from compass.papers.verdict import Erratum, Row, claim, compare, printed_tolerance
 from compass.study.search import optimal_inclination, patterns
 
 TITLE = (
@@ -60,16 +60,6 @@ TABLE_3 = (
     (3, 9, 7, "58.56", "84.88"),
     (4, 11, 4, "68.38", "85.31"),
 )
-
-_INCLINATION_NOTES = {
-    ("Table I", 8): "the two worst phases are equally bad at 61.867 deg, where R = 56.5188; at the "
-    "printed angle R = 56.5198, so the last digit was cut, not rounded",
-    ("Table I", 9): "R has a flat minimum, 54.8075 deg at 70.30 deg; the printed angle lies where "
-    "another triangle takes over and R, 54.8076, starts to climb. Both print as 54.81. The paper "
-    "faults Mozhaev's angle as at least 0.2 deg too low; it is this one that is too high",
-    ("Table III", 11): "at the printed angle R = 85.340, not the printed 85.31; at 68.32 deg it is "
-    "85.315, so a digit of the angle is misprinted or misread in the copy",
-}
 
 
 def best_rosette(
@@ -122,7 +112,8 @@ def rows() -> list[Row]:
     for fold, n, harmonic, inclination, reach in TABLE_3:
         best, covering = best_rosette(n, n, Fraction(harmonic), fold)
         name = f"({n}, {n}, {harmonic}), {fold}-fold"
-        found.append(_inclination("Table III", n, name, inclination, best))
+        at_printed = _radius_at(n, n, Fraction(harmonic), inclination, fold)
+        found.append(_inclination("Table III", name, inclination, best, reach, at_printed))
         found.append(
             compare(f"{name}: R", "Table III", reach, float(np.degrees(covering.radius)), "deg")
         )
@@ -162,19 +153,19 @@ def _table_1(
     rounded = lowest_altitude(np.radians(float(reach)), 1.0, np.radians(10.0))
     assert height is not None
     assert rounded is not None
-    from_rounded = abs(rounded - float(altitude)) <= printed_tolerance(altitude)
+    at_printed = _radius_at(n, p, Fraction(m), inclination)
     return [
         compare(f"{name}: replication interval", "Table I", interval, 360.0 / steps, "deg"),
-        _inclination("Table I", n, name, inclination, best),
+        _inclination("Table I", name, inclination, best, reach, at_printed),
         compare(f"{name}: R", "Table I", reach, float(np.degrees(covering.radius)), "deg"),
-        judge_claim(
+        claim(
             f"{name}: worst phase is one of those printed",
             "Table I",
             ", ".join(f"{x:g}" for x in phases),
             phase,
             "deg",
-            any(abs(phase - x) <= 0.05 for x in phases),
-            "another phase is worse",
+            "within 0.05 of one",
+            lambda worst: any(abs(worst - x) <= 0.05 for x in phases),
         ),
         compare(
             f"{name}: lowest altitude for 10 deg elevation",
@@ -182,14 +173,50 @@ def _table_1(
             altitude,
             height,
             "planet radii",
-            erratum=f"from R rounded to {reach} deg, which gives {rounded:.4f}"
-            if from_rounded
-            else "",
+            erratum=Erratum(f"from R rounded to {reach} deg", makes=rounded),
         ),
     ]
 
 
-def _inclination(table: str, n: int, name: str, printed: str, best: float) -> Row:
-    note = _INCLINATION_NOTES.get((table, n), "")
-    item = f"{name}: optimum inclination"
-    return compare(item, table, printed, float(np.degrees(best)), "deg", erratum=note)
+def _radius_at(satellites: int, planes: int, m: Fraction, printed: str, fold: int = 1) -> float:
+    """Covering radius of a rosette at the printed inclination, degrees."""
+    pattern = Pattern(
+        "walker-delta",
+        satellites,
+        planes,
+        walker_phasing(satellites, planes, m),
+        float(np.radians(float(printed))),
+    )
+    at = from_pattern(pattern, ANY_RADIUS)
+    return float(np.degrees(covering_radius(at, fold, tolerance=1e-7).radius))
+
+
+def _inclination(
+    table: str, name: str, printed: str, best: float, reach: str, at_printed: float
+) -> Row:
+    """Row of an optimum inclination, with the three ways in which a printed one can be wrong.
+
+    Cut instead of rounded; at odds with the R printed beside it; or off the bottom of so flat
+    a minimum that R prints the same.
+    """
+    found, digits = float(np.degrees(best)), len(printed.partition(".")[2])
+    cut = float(np.floor(found * 10**digits) / 10**digits)
+    off = abs(at_printed - float(reach)) > printed_tolerance(reach)
+    if cut == float(printed):
+        erratum = Erratum("the last digit was cut, not rounded", makes=cut)
+    elif off:
+        erratum = Erratum(
+            f"at the printed angle R = {at_printed:.3f}, not the {reach} printed beside it: a "
+            "digit of one of them is misprinted, or misread in the copy",
+            shown=lambda angle: (
+                abs(at_printed - float(reach)) > printed_tolerance(reach)
+                and abs(angle - float(printed)) < 0.1
+            ),
+        )
+    else:
+        erratum = Erratum(
+            f"R has a flat minimum: at the printed angle it is {at_printed:.5f} deg, which prints "
+            f"as the same {reach}",
+            shown=lambda angle: abs(angle - float(printed)) < 0.5,
+        )
+    return compare(f"{name}: optimum inclination", table, printed, found, "deg", erratum=erratum)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from compass.bodies import KELLY2018_RADIUS
+from compass.bodies import KELLY2018_RADIUS, sidereal_day
 from compass.coverage.certificate import fold_range
 from compass.coverage.count import count_map
 from compass.coverage.geometry import pattern_geometry
@@ -14,9 +14,9 @@ from compass.orbits import (
     orbital_period,
     walker_delta,
 )
-from compass.papers import kelly2018_access, kelly2018_smallest
+from compass.papers import kelly2018_access, kelly2018_claims, kelly2018_smallest
 from compass.papers.kelly2018_geometry import KM, geometry_rows
-from compass.papers.verdict import Row, compare, judge_claim
+from compass.papers.verdict import Erratum, Row, claim, compare, computed
 
 TITLE = (
     "P. W. Kelly and R. Bevilacqua, Constellation Design for Mars Navigation using Small "
@@ -34,17 +34,19 @@ def constellation(sphere_radius: float = ORBIT_RADIUS) -> Constellation:
 
 def rows() -> list[Row]:
     """Every number of Tables 1 to 4 and of the text on coverage, population and stations."""
-    return [*coverage_rows(), *kelly2018_smallest.rows(), *kelly2018_access.rows()]
+    parts = (kelly2018_claims, kelly2018_smallest, kelly2018_access)
+    return [*coverage_rows(), *(row for part in parts for row in part.rows())]
 
 
 def coverage_rows() -> list[Row]:
     """Tables 1 to 4 and the satellites in view: what takes no search and no event finding."""
     geometry = pattern_geometry(constellation(), KELLY2018_RADIUS.value)
     assert geometry is not None
-    return [*_table1(), *geometry_rows(geometry), *_fold_rows()]
+    return [*table_1_rows(), *geometry_rows(geometry), *_fold_rows()]
 
 
-def _table1() -> list[Row]:
+def table_1_rows() -> list[Row]:
+    """Table 1."""
     c = constellation()
     assert c.pattern is not None
     p = c.pattern
@@ -65,7 +67,11 @@ def _table1() -> list[Row]:
             "20427",
             altitude,
             "km",
-            erratum="the number is the radius from Mars's centre, as Table 2 says",
+            erratum=Erratum(
+                "the number is the radius of the orbit, as Table 2 says, to the digits of the "
+                "areosynchronous one",
+                makes=float(np.floor(areosynchronous_radius() / KM)),
+            ),
         ),
         compare(
             "Areosynchronous radius",
@@ -73,16 +79,20 @@ def _table1() -> list[Row]:
             "20427",
             areosynchronous_radius() / KM,
             "km",
-            erratum="cut, not rounded: (GM/omega^2)^(1/3) rounds to 20 428 km",
+            erratum=Erratum(
+                "cut, not rounded: (GM/omega^2)^(1/3) rounds to 20 428 km",
+                makes=float(np.floor(areosynchronous_radius() / KM)),
+            ),
         ),
-        judge_claim(
-            "Orbits cycle once daily",
+        claim(
+            "Period of an orbit, and a sidereal day of Mars",
             "Section III",
-            "once a day",
-            f"period {hours:.4f} h, sidereal day of Mars 24.6230 h",
-            "",
-            abs(hours * 3600 / 88642.66 - 1) < 1e-3,
-            "the period is not a day",
+            "cycle orbits once daily",
+            (hours, sidereal_day() / 3600),
+            "h",
+            "equal within 0.1 %",
+            lambda period, day: abs(period - day) < 1e-3 * day,
+            shown="{:.4f}, {:.4f}",
         ),
     ]
 
@@ -106,15 +116,15 @@ def _fold_rows() -> list[Row]:
     expected = float(c.size * (1 - whole.cos_cap[0, 0]) / 2)
     return [
         compare("Fewest satellites in view anywhere", "Section II", "4", low),
-        Row("Most satellites in view anywhere", "-", None, high, "1", "not printed"),
+        computed("Most satellites in view anywhere", "-", high, "1"),
         compare("Fewest satellites in view inside a gap", "Section III.B", "4", gap_low),
         compare(
             "Most satellites in view inside a gap",
             "Section III.B",
             "7",
             gap_high,
-            erratum="a user in a gap sees no more than 6 (1 degree by 96 epochs)",
+            note="no more than 6 on a grid of 1 degree by 96 epochs",
         ),
-        Row("Mean satellites in view", "-", None, mean, "1", "not printed"),
-        Row("N (1 - cos lambda) / 2", "-", None, expected, "1", "not printed"),
+        computed("Mean satellites in view", "-", mean, "1"),
+        computed("N (1 - cos lambda) / 2", "-", expected, "1"),
     ]

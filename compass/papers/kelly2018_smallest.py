@@ -6,7 +6,7 @@ from compass.coverage.certificate import fold_range, prove_fold
 from compass.coverage.margin import covering_radius, highest_mask
 from compass.frames import FIGURES
 from compass.orbits import walker_delta
-from compass.papers.verdict import Row, judge_claim
+from compass.papers.verdict import Erratum, Row, claim, computed
 from compass.study.search import search
 
 TITLE = (
@@ -34,34 +34,35 @@ def rows() -> list[Row]:
     assert best.constellation.pattern is not None
     notation = best.constellation.pattern.notation
     return [
-        judge_claim(
-            "continuous fourfold coverage of the whole sphere at 0 deg elevation",
+        claim(
+            "continuous fourfold coverage of the whole sphere: proven, fold, smallest cap radius",
             "Section IV",
             "at least 4 in view everywhere",
-            f"{certificate.outcome}, fold {least[0]} to {greatest[1]}, down to a cap radius of "
-            f"{cap:.3f} deg",
-            "",
-            certificate.outcome == "proven",
-            "a counter-example was found",
+            (certificate.outcome == "proven", least[0], greatest[1], cap),
+            "deg",
+            "proven, 4 or more",
+            lambda proven, least, *_: proven == 1 and least >= 4,
+            shown="{:.0f}; fold {:.0f} to {:.0f}; down to {:.3f}",
         ),
-        judge_claim(
+        computed(
             "highest elevation mask with continuous fourfold coverage",
-            "not in the paper",
-            "none printed",
+            "-",
             float(np.degrees(margin)),
             "deg",
-            True,
-            "",
         ),
-        judge_claim(
-            "fewest satellites for continuous fourfold coverage at this radius",
-            "Section III",
+        claim(
+            "fewest satellites for continuous fourfold coverage at this radius, proven, patterns "
+            "of fewer than 15",
+            "Section III, goal 2",
             "a minimum of 5 planes with 3 satellites",
-            f"{best.constellation.size}: {notation}",
-            "",
-            best.constellation.size >= 15,
-            f"{notation} has continuous fourfold coverage with {best.constellation.size} "
-            f"satellites ({'proven' if best.proven else 'not proven'}), up to a mask of "
-            f"{np.degrees(best.mask_margin):.2f} deg; {len(smaller)} patterns of fewer than 15 do",
+            (best.constellation.size, best.proven, len(smaller)),
+            "satellites",
+            "15 or more",
+            lambda fewest, *_: fewest >= 15,
+            shown="{:.0f}; {:.0f}; {:.0f}",
+            erratum=Erratum(
+                f"{notation} has it, up to a mask of {np.degrees(best.mask_margin):.2f} deg",
+                shown=lambda fewest, proven, _: fewest < 15 and proven == 1,
+            ),
         ),
     ]

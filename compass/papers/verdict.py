@@ -1,13 +1,73 @@
-"""Comparing a printed number with a computed one, to the digits that were printed."""
+"""Rows of a paper: what it says, what is found, and the verdict that follows from both.
 
-from dataclasses import asdict, dataclass
+A verdict is never written down. It is worked out from the published text and the numbers found
+each time it is asked for, so that another number gives another verdict.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
 from decimal import Decimal
+from enum import StrEnum
+from math import isfinite
 from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+#: Whether something holds of the numbers found; false of nan.
+Condition = Callable[..., bool]
+
+#: Numbers found: one, or several.
+Found = ArrayLike
+
+
+class Verdict(StrEnum):
+    """What a row comes to."""
+
+    REPRODUCED = "reproduced"  # within the tolerance printed beside it
+    DIFFERS = "differs"  # not so, and the paper is not shown to be wrong
+    ERRATUM = "erratum"  # not so, and the paper's error is demonstrated by numbers computed here
+    FITTED = "fitted"  # within the tolerance, but the number was used to choose a parameter
+    COMPUTED = "computed"  # the paper says nothing to compare with
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """An error of the paper, and what demonstrates it.
+
+    At least one of the two is given; what is given must hold, else the row differs.
+
+    Attributes
+    ----------
+    reason
+        What is wrong.
+    makes
+        The number that the error described leads to: it must be the published one, within the
+        row's tolerance, while the number found is finite.
+    shown
+        Condition on the numbers found under which the paper's statement is false for this reason.
+    """
+
+    reason: str
+    makes: float | None = None
+    shown: Condition | None = None
+
+    def __post_init__(self) -> None:
+        if self.makes is None and self.shown is None:
+            raise ValueError(f"erratum without a demonstration: {self.reason}")
+
+    def demonstrated(self, row: "Row") -> bool:
+        """Whether the numbers show the error."""
+        if self.makes is not None and not (
+            isfinite(row.found[0]) and _near(self.makes, row.published, row.tolerance)
+        ):
+            return False
+        return self.shown is None or bool(self.shown(*row.found))
 
 
 @dataclass(frozen=True)
 class Row:
-    """One number or claim of a paper.
+    """One number or statement of a paper beside what is found.
 
     Attributes
     ----------
@@ -16,44 +76,109 @@ class Row:
     where
         Table, equation, figure or section.
     published
-        As printed, digits kept; None if the paper prints none.
-    computed
-        What this project finds: a number, or text for a claim.
+        As printed, digits kept, or the statement; None where the paper says nothing.
+    found
+        The numbers found, in `unit`.
     unit
-        Unit of both.
-    verdict
-        ``reproduced``, ``erratum: reason``, ``differs: reason``, or ``not printed`` for a number
-        that the paper ought to have given.
-    reason
-        The reason alone; empty when reproduced.
+        Of both.
+    criterion
+        What agreement means, in words or as a tolerance.
+    tolerance
+        Allowed difference of a number; None for a statement.
+    holds_if
+        Condition on the numbers found under which a statement holds.
+    erratum
+        The paper's error, if one is known.
+    fitted
+        Which parameter the published value was used to choose.
+    note
+        Why the row differs, as far as known, should it; or of a number computed, what of it.
+    shown
+        Format of the numbers found, for more than one.
     """
 
     item: str
     where: str
     published: str | None
-    computed: float | str
+    found: tuple[float, ...]
     unit: str
-    verdict: str
-    reason: str = ""
+    criterion: str = ""
+    tolerance: float | None = None
+    holds_if: Condition | None = None
+    erratum: Erratum | None = None
+    fitted: str = ""
+    note: str = ""
+    shown: str = ""
+
+    @property
+    def computed(self) -> float | str:
+        """What is found: a number, or text of several."""
+        return self.shown.format(*self.found) if self.shown else self.found[0]
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the numbers found agree with what is published."""
+        if self.holds_if is not None:
+            return bool(self.holds_if(*self.found))
+        return _near(self.found[0], self.published, self.tolerance)
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the row comes to."""
+        if self.published is None:
+            return Verdict.COMPUTED
+        if self.agrees:
+            return Verdict.FITTED if self.fitted else Verdict.REPRODUCED
+        if self.erratum is not None and self.erratum.demonstrated(self):
+            return Verdict.ERRATUM
+        return Verdict.DIFFERS
+
+    @property
+    def reason(self) -> str:
+        """Why the verdict is what it is; empty where a row is reproduced."""
+        verdict = self.verdict
+        if verdict is Verdict.ERRATUM and self.erratum is not None:
+            made = self.erratum.makes
+            gives = "" if made is None else f" (that gives {made:.6g})"
+            return self.erratum.reason + gives
+        if verdict is Verdict.DIFFERS:
+            return self.note or "no reason on record"
+        if verdict is Verdict.COMPUTED:
+            return self.note
+        return self.fitted if verdict is Verdict.FITTED else ""
+
+    @property
+    def told(self) -> str:
+        """Verdict and reason in one line."""
+        return f"{self.verdict}: {self.reason}" if self.reason else str(self.verdict)
 
     @property
     def difference(self) -> float | None:
         """Computed minus published, in `unit`; None where they are not both numbers."""
-        if self.published is None or isinstance(self.computed, str):
+        if self.published is None or self.tolerance is None:
             return None
-        try:
-            return self.computed - float(self.published)
-        except ValueError:
-            return None
+        return self.found[0] - float(self.published)
 
     @property
     def holds(self) -> bool:
-        """Whether the row is reproduced or its difference explained by an erratum."""
-        return not self.verdict.startswith("differs")
+        """Whether the row agrees, its error is demonstrated, or there is nothing to compare."""
+        return self.verdict is not Verdict.DIFFERS
 
     def as_dict(self) -> dict[str, Any]:
         """Row as plain values for JSON."""
-        return {**asdict(self), "difference": self.difference}
+        names = ("item", "where", "published", "computed", "unit", "criterion", "reason")
+        return {name: getattr(self, name) for name in names} | {
+            "verdict": str(self.verdict),
+            "tolerance": self.tolerance,
+            "difference": self.difference,
+        }
+
+
+def _near(value: float, published: str | None, tolerance: float | None) -> bool:
+    """Whether a number lies within the tolerance of a printed one; false of nan."""
+    if published is None or tolerance is None:
+        return False
+    return abs(value - float(published)) <= tolerance
 
 
 def printed_tolerance(published: str) -> float:
@@ -72,36 +197,65 @@ def compare(
     item: str,
     where: str,
     published: str,
-    computed: float,
+    found: float,
     unit: str = "1",
     *,
-    erratum: str = "",
-    differs: str = "",
     tolerance: float | None = None,
+    why: str = "",
+    erratum: Erratum | None = None,
+    fitted: str = "",
+    note: str = "",
 ) -> Row:
-    """Judge a computed number against a printed one.
+    """Row of a printed number.
 
-    ``reproduced`` if they agree to `tolerance` (default: half a unit of the last printed
-    digit); else ``erratum`` if the paper's error is known, else ``differs``.
+    Parameters
+    ----------
+    tolerance
+        Allowed difference; half a unit of the last printed digit if left out.
+    why
+        Where another tolerance comes from.
     """
     allowed = printed_tolerance(published) if tolerance is None else tolerance
-    if abs(computed - float(published)) <= allowed:
-        return Row(item, where, published, computed, unit, "reproduced")
-    if erratum:
-        return Row(item, where, published, computed, unit, f"erratum: {erratum}", erratum)
-    reason = differs or "no reason on record"
-    return Row(item, where, published, computed, unit, f"differs: {reason}", reason)
+    criterion = f"within {allowed:.2g}" + (f": {why}" if why else "")
+    return Row(
+        item, where, published, (float(found),), unit, criterion, allowed, None, erratum, fitted,
+        note,
+    )  # fmt: skip
 
 
-def judge_claim(
+def claim(
     item: str,
     where: str,
     published: str,
-    computed: float | str,
+    found: Found,
     unit: str,
-    holds: bool,
-    reason: str,
+    criterion: str,
+    holds_if: Condition,
+    *,
+    shown: str = "",
+    erratum: Erratum | None = None,
+    fitted: str = "",
+    note: str = "",
 ) -> Row:
-    """Judge a claim made in words: ``reproduced`` if it holds, else an erratum with its reason."""
-    verdict = "reproduced" if holds else f"erratum: {reason}"
-    return Row(item, where, published, computed, unit, verdict, "" if holds else reason)
+    """Row of a statement in words: it holds where `holds_if` is true of the numbers found."""
+    return Row(
+        item, where, published, _floats(found), unit, criterion, None, holds_if, erratum, fitted,
+        note, shown,
+    )  # fmt: skip
+
+
+def computed(
+    item: str,
+    where: str,
+    found: Found,
+    unit: str,
+    *,
+    note: str = "",
+    shown: str = "",
+) -> Row:
+    """Row of something that the paper does not say."""
+    return Row(item, where, None, _floats(found), unit, note=note, shown=shown)
+
+
+def _floats(found: Found) -> tuple[float, ...]:
+    return tuple(float(value) for value in np.atleast_1d(np.asarray(found, dtype=float)))

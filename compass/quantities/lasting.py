@@ -39,4 +39,13 @@ LASTING = (
     Quantity(
         "axis_shift_km", "km", "change of the axis", 4, meaning="Trimmed less nominal axis."
     ),
+    Quantity(
+        "delta_v_keeping_m_s_year", "m s-1 year-1", "delta-v to keep the slot", 3, "less",
+        meaning="Impulses along the track that hold a satellite in its slot, an Earth year; of a "
+        "constellation that of the satellite that needs most.",
+    ),
+    Quantity(
+        "propellant_kg", "kg", "propellant", 3, "less",
+        meaning="For the time simulated, by the rocket equation.",
+    ),
 )  # fmt: skip

@@ -261,7 +261,7 @@ def check_measurements(scenario: Scenario) -> None:
     Raises
     ------
     ArgumentError
-        Measurements in turn, or process noise.
+        Measurements in turn, process noise, or further quantities that are not known.
     """
     if scenario.measurements.in_turn:
         raise ArgumentError(
@@ -272,6 +272,12 @@ def check_measurements(scenario: Scenario) -> None:
         raise ArgumentError(
             f"{scenario.label}: filter.process_noise_si: judged is the bound without process "
             "noise; leave it out"
+        )
+    if scenario.settings.parts:
+        named = ", ".join(part.name for part in scenario.settings.parts)
+        raise ArgumentError(
+            f"{scenario.label}: filter: {named}: judged is the bound of position and velocity, "
+            "with density and L/D unknown by the options of the judge; leave these tables out"
         )
 
 

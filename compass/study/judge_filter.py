@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.entry.beacons import Beacons, orbiting_beacons
+from compass.entry.consistency import FALSE_ALARM, nees_bounds
 from compass.entry.navigation import MonteCarlo, run_monte_carlo
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
 from compass.entry.trajectory import fly
@@ -31,6 +32,7 @@ NOT_RUN: dict[str, Any] = {
     "ekf_position_m": {"p50": None, "p95": None},
     "ekf_velocity_m_s": {"p50": None, "p95": None},
     "nees": None,
+    "believed": None,
     "rms_over_bound": None,
 }
 
@@ -73,7 +75,9 @@ def judge_filter(
         ``ekf_position_m``, ``ekf_velocity_m_s``: percentiles and root mean square of the error;
         ``nees``: mean normalised estimation error squared; ``nees_interval``: low and high, which
         hold the mean of a consistent filter in 95 of 100 cases (chi-squared with 6 degrees of
-        freedom a run); ``consistent``: whether they do; ``rms_over_bound``: root mean square
+        freedom a run); ``consistent``: whether they do; ``believed``: whether no run diverged and
+        an interval that leaves out one consistent filter in a thousand holds the mean;
+        ``errors_over_claim``: root of its ratio to 6; ``rms_over_bound``: root mean square
         error over that of the bound on the same entries; ``runs``, ``diverged``.
     """
     from scipy.stats import chi2
@@ -102,12 +106,15 @@ def judge_filter(
         low, high = chi2.ppf([0.025, 0.975], 6 * count) / count
         result = {"ekf_position_m": _errors(position), "ekf_velocity_m_s": _errors(velocity)}
     mean = float(nees[good].mean()) if count else np.nan
+    least, most = nees_bounds(6, max(1, count), 1.0 - FALSE_ALARM)
     bound = np.sqrt(np.mean(found.position_sigma**2))
     return {
         **result,
         "nees": mean,
         "nees_interval": {"low": float(low), "high": float(high)},
         "consistent": bool(low <= mean <= high),
+        "believed": bool(count == good.size and least <= mean <= most),
+        "errors_over_claim": float(np.sqrt(mean / 6)),
         "rms_over_bound": float(result["ekf_position_m"]["rms"] / bound),
         "runs": int(good.size),
         "diverged": int(good.size - count),

@@ -119,9 +119,10 @@ def make_map(
     times = np.arange(chosen.epochs) * (duration / chosen.epochs)
     times += chosen.start_day * SECONDS_PER_DAY
     motion = design.motion.or_of(chosen.motion)
-    grid = make_grid(chosen.grid, chosen.step_deg)
+    figure = design.figure
+    grid = make_grid(chosen.grid, chosen.step_deg, figure.polar_radius / figure.equatorial_radius)
     check_memory(design.constellation.size, chosen.epochs, grid, workers)
-    sphere = design.figure.equatorial_radius
+    sphere = figure.equatorial_radius
     fold = design.fold if chosen.fold is None else chosen.fold
     seen = view(design.constellation, times, sphere, mask, motion)
     gaps = coverage_gaps(
@@ -148,6 +149,7 @@ def make_map(
     dataset.attrs |= provenance(design, command) | {
         "elevation_mask_deg": np.degrees(mask.elevation).tolist(),
         "motion_model": motion.model,
+        "figure": figure.title,
         "start_day": chosen.start_day,
         "period_s": duration,
         "shortest_pass_s": shortest_pass(design.constellation, sphere, mask.highest),

@@ -127,6 +127,7 @@ def rank_designs(
                 threads=threads,
             )
         )
+        rows[k]["answer"] = believed_answer(rows[k], goal)
     record = {
         "scenario": scenario.name,
         "deployment": campaign.deployment,
@@ -166,6 +167,17 @@ def answer(figures: dict[str, Any], goal: float) -> str:
     if "worst_found" in lost:
         text += f". After the loss of {lost['satellite']}: {_answer(lost, goal)}"
     return text
+
+
+def believed_answer(figures: dict[str, Any], goal: float) -> str:
+    """The answer where the filter was run: an inconsistent one makes no claim."""
+    said = answer(figures, goal)
+    if figures["believed"]:
+        return said
+    size = f"{figures['errors_over_claim']:.3g} times what it says (NEES {figures['nees']:.4g})"
+    if figures["diverged"]:
+        size = f"{size}, {figures['diverged']} of {figures['runs']} runs diverged"
+    return f"no claim: the filter is inconsistent, its errors {size}; of the bound alone: {said}"
 
 
 def _answer(figures: dict[str, Any], goal: float) -> str:

@@ -134,9 +134,9 @@ def test_row_and_scattered_places_round_as_little(satellites):
     place = np.column_stack([np.cos(lon), np.sin(lon), np.zeros(14)])
     cos_cap = 1.0 / np.linalg.norm(r, axis=-1)  # no mask
     counts, out = np.empty((3, 1, 14), np.int16), np.empty((3, 1, 5, 14))
-    one = np.zeros(1)
+    one, row = np.zeros(1), np.array([[1.0, 0.0, 1.0, 0.0, 1.0]])
     dop_rows(
-        r, cos_cap, one, one, np.zeros(1), np.ones(1), np.cos(lon), np.sin(lon), lon[0],
+        r, cos_cap, one, one, row, np.cos(lon), np.sin(lon), lon[0],
         counts, out,
     )  # fmt: skip
     fold, found, pdop = np.empty((3, 14), np.int64), np.empty((3, 14)), np.empty((3, 14))

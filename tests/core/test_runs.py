@@ -64,7 +64,8 @@ def test_horizon_with_equal_elevations_is_a_cap(lat, lon, distance, row):
     cap = np.arccos(np.cos(e) / distance) - e
     runs, other = np.empty((COLUMNS, 2), np.int64), np.empty((1, 2), np.int64)
     args = (np.sin(row), np.cos(row), cos_lon, sin_lon)
-    found = horizon_runs(*r, *args, np.array([0.0, 2.0]), np.array([e, e]), runs)
+    stand = np.array([np.cos(row), np.sin(row), np.cos(row), np.sin(row), 1.0])
+    found = horizon_runs(*r, stand, cos_lon, sin_lon, np.array([0.0, 2.0]), np.array([e, e]), runs)
     single = one_run(other, r / distance, np.cos(cap), args, lons[0])
     differ = spread(runs, found, COLUMNS) != spread(other, single, COLUMNS)
     # the two tests round differently: only a column on the rim may differ

@@ -76,8 +76,8 @@ def test_following_in_pieces_is_the_history_of_every_cell(seed, fold, ring, piec
     lat, lon = grid.latitude[row], grid.longitude
     for part in np.array_split(np.arange(23), pieces):
         follow_gaps(
-            seen.r[part], seen.cos_cap[part], seen.azimuths, seen.elevations, np.sin(lat),
-            np.cos(lat), np.cos(lon), np.sin(lon), float(lon[0]), fold, state,
+            seen.r[part], seen.cos_cap[part], seen.azimuths, seen.elevations, grid.places[row],
+            np.cos(lon), np.sin(lon), float(lon[0]), fold, state,
         )  # fmt: skip
     finish_gaps(state, 23, ring, gaps)
     for j in range(grid.columns):

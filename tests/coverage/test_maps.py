@@ -214,7 +214,7 @@ def test_file_is_cf_with_mars_as_grid_mapping(tmp_path, figure):
         assert back.lat.attrs["standard_name"] == "latitude"
         crs = CRS.from_cf(back.mars.attrs)
         assert crs.ellipsoid.semi_major_metre == figure.equatorial_radius
-        assert crs.ellipsoid.inverse_flattening == 0
+        assert crs.ellipsoid.semi_minor_metre == pytest.approx(figure.polar_radius)
         for name in back.data_vars:
             if name != "mars":
                 assert "units" in back[name].attrs, name

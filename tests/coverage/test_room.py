@@ -10,7 +10,7 @@ from compass.coverage.lasting import margins_at
 from compass.coverage.margin import covering_radius
 from compass.coverage.room import has_slots, room_in_slots, slot_box
 from compass.errors import ArgumentError
-from compass.orbits import from_elements
+from compass.orbits.constellation import keplerian
 from compass.orbits.motion import Motion
 from tests.coverage.test_lasting import SPHERE, about, few
 
@@ -22,7 +22,7 @@ SPARE = float(cap_radius(20427.7e3, SPHERE)) - COVERING
 def moved(raan=0.0, inclination=0.0, along=0.0, axis=0.0):
     """The pattern with changes of each satellite, radians and m."""
     c = PATTERN
-    return from_elements(
+    return keplerian(
         c.semi_major_axis + axis, 0.0, c.inclination + inclination, c.raan + raan, 0.0,
         c.mean_anomaly + along,
     )  # fmt: skip
@@ -95,7 +95,7 @@ def test_the_best_turn_is_near_the_best_that_a_general_optimiser_finds():
 
 
 def test_rings_over_the_equator_have_slots_too():
-    ring = from_elements(20427.7e3, 0.0, 0.0, 0.0, 0.0, np.arange(3) * 2 * np.pi / 3)
+    ring = keplerian(20427.7e3, 0.0, 0.0, 0.0, 0.0, np.arange(3) * 2 * np.pi / 3)
     path = Motion().trajectory(ring, 0.0, 1e5)
     room = room_in_slots(ring, path, [0.0, 5e4], covering=1.0, sphere_radius=SPHERE)
     spare = float(cap_radius(20427.7e3, SPHERE)) - 1.0
@@ -109,8 +109,8 @@ def test_the_slot_box_uses_up_the_margin():
 
 
 def test_unlike_orbits_have_no_slots():
-    c = from_elements([2e7, 2.1e7], 0.0, 0.5, 0.0, 0.0, 0.0)
+    c = keplerian([2e7, 2.1e7], 0.0, 0.5, 0.0, 0.0, 0.0)
     assert not has_slots(c)
-    assert not has_slots(from_elements(2e7, 0.1, 0.5, 0.0, 0.0, 0.0))
+    assert not has_slots(keplerian(2e7, 0.1, 0.5, 0.0, 0.0, 0.0))
     with pytest.raises(ArgumentError, match="needs circular orbits of one radius"):
         room_in_slots(c, room_of(PATTERN)[0], [0.0], covering=1.0, sphere_radius=SPHERE)

@@ -1,14 +1,17 @@
 """Landings that once went wrong without a word, from scenario to answer."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from compass.api.land_flight import assess_scenario, entry_facts, entry_section
 from compass.entry.montecarlo import monte_carlo
 from compass.entry.trajectory import fly, trajectory_dataset
-from compass.errors import DesignError
+from compass.errors import ArgumentError, DesignError
 from compass.inputs.fusion import fusion_plan
 from compass.inputs.scenario import read_scenario_text
+from compass.study.judge import check_measurements
 
 PLAIN = """
 name = "a landing"
@@ -222,3 +225,31 @@ mask_deg = {mask}
         seen[mask] = found.seen.sum(axis=1)
     assert seen[0].min() >= 6
     assert seen[30].max() <= 4
+
+
+def test_what_is_not_known_counts():
+    """Clock, density, L/D and biases: estimated or considered, in bound, filter and answer."""
+    blocks = """clock = { sigma_m = 30, drift_sigma_m_s = 0.1 }
+density = { sigma = 0.02 }
+lift_to_drag = { sigma = 0.002 }
+range_bias = { sigma = 10, considered = true }
+[monte_carlo]
+"""
+    text = PLAIN + OTHERS
+    assert "[monte_carlo]\n" in text
+    more = read_scenario_text(text.replace("[monte_carlo]\n", blocks))
+    plain, _ = section_of(read_scenario_text(text))
+    found, _ = section_of(more)
+    layout = more.settings.layout(4)
+    assert (layout.size, layout.estimated) == (14, 10)
+    assert found.whole.states == 10
+    assert np.all(found.bound.position_sigma >= plain.bound.position_sigma)
+    assert found.consistency.holds
+    # delivery, too: density and L/D move the vehicle
+    assert found.accuracy.delivery.cep > plain.accuracy.delivery.cep
+    off = replace(found, whole=replace(found.whole, nees=5 * found.whole.nees))
+    told = entry_section(more, off).paragraphs
+    assert any("All 10 states that it estimates together are inconsistent" in w for w in told)
+    assert entry_facts(more, off)["consistency"]["whole_state_consistent"] is False
+    with pytest.raises(ArgumentError, match="filter: air, lift, bias, clock: judged is the bound"):
+        check_measurements(more)

@@ -5,7 +5,7 @@ import pytest
 
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY as DAY
-from compass.orbits import from_elements
+from compass.orbits.constellation import keplerian
 from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import built_in_field
 from compass.orbits.motion import Motion
@@ -15,7 +15,7 @@ OBLATE = ForceModel(built_in_field().truncated(2, 0), False, False, 0.0, "none")
 
 
 def ring(radius, inclination=0.9):
-    return from_elements(radius, 0.0, inclination, 0.4, 0.0, np.arange(4) * np.pi / 2)
+    return keplerian(radius, 0.0, inclination, 0.4, 0.0, np.arange(4) * np.pi / 2)
 
 
 def test_under_oblateness_alone_the_shift_is_the_short_period_term_of_the_axis():

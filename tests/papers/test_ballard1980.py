@@ -31,8 +31,9 @@ def sampled_radius(n, m, inclination_deg, moments=90):
 
 
 @pytest.mark.slow
-def test_every_row_holds():
+def test_every_row_holds(every_row_can_fail):
     found = rows()
+    every_row_can_fail(found)
     assert [row.item for row in found if not row.holds] == []
     assert sum(row.verdict == "reproduced" for row in found) >= len(found) - 5
 
@@ -61,7 +62,7 @@ def test_polar_network_is_the_one_of_table_2():
     assert np.degrees(radius) == pytest.approx(66.72, abs=0.02)
 
 
-def test_rows_compare_what_is_computed(monkeypatch):
+def test_rows_compare_what_is_computed(monkeypatch, every_row_can_fail):
     """With the printed numbers in place of computed ones all rows hold; with others they do not."""
     printed = {(n, Fraction(m)): (b, r) for n, _, m, _, _, b, r, _ in paper.TABLE_1}
     shift = 0.0
@@ -76,20 +77,21 @@ def test_rows_compare_what_is_computed(monkeypatch):
             np.radians(float(r) + shift), 0.0, np.radians(phase) / c.mean_motion[0], np.zeros(3)
         )
 
-    networks = iter(2 * [row[-1] for row in paper.TABLE_2])
+    radii = {(q * p): float(r) for p, q, r in ((p, q, r) for _, p, q, _, r in paper.TABLE_2)}
     monkeypatch.setattr(paper, "best_rosette", best)
     monkeypatch.setattr(
         paper,
         "covering_radius",
-        lambda *_: CoveringRadius(np.radians(float(next(networks))), 0.0, 0.0, np.zeros(3)),
+        lambda c, *_, **__: CoveringRadius(np.radians(radii.get(c.size, 0)), 0, 0, np.zeros(3)),
     )
     monkeypatch.setattr(paper, "smallest_size", lambda fold, largest: 2 * fold + 3)
+    every_row_can_fail(rows())
     assert {row.verdict for row in rows()} == {"reproduced"}
     shift = 0.02
     monkeypatch.setattr(paper, "smallest_size", lambda fold, largest: None)
     found = {row.item: row for row in rows()}
-    assert found["(5, 5, 1): R"].verdict.startswith("differs")
-    assert found["(5, 5, 1): lowest altitude for 10 deg elevation"].verdict.startswith("erratum")
+    assert found["(5, 5, 1): R"].verdict == "differs"
+    assert found["(5, 5, 1): lowest altitude for 10 deg elevation"].verdict == "erratum"
     assert not all(row.holds for row in found.values())
 
 

@@ -19,7 +19,7 @@ def closed_form_pass(mask):
     return 2 * half / np.sqrt(MARS_GM.value / RADIUS**3)
 
 
-def test_polar_rows():
+def test_polar_rows(every_row_can_fail):
     rows = paper.polar_rows()
     assert rows[0].verdict == "reproduced"
     passes = [row.computed for row in rows[1:4]]
@@ -27,23 +27,42 @@ def test_polar_rows():
     np.testing.assert_allclose(passes, expected, rtol=1e-8)
     # 10.45 and 8.47 h as computed before, independently of this project; 20 deg gives 6.39 h
     np.testing.assert_allclose(passes, [10.45, 8.47, 6.39], atol=0.005)
-    assert [row.verdict.split(":")[0] for row in rows[1:4]] == ["erratum", "erratum", "reproduced"]
+    assert [row.verdict for row in rows[1:4]] == ["differs", "computed", "computed"]
     implied = rows[4].computed
     assert closed_form_pass(np.radians(implied)) == pytest.approx(6 * 3600, abs=1e-2)
     assert implied == pytest.approx(21.77, abs=0.005)
+    every_row_can_fail(rows)
     assert paper.polar_pass(np.radians(40.0)) == 0.0
 
 
-def test_equatorial_rows_on_few_longitudes(monkeypatch):
-    """Ground tracks lie 24 degrees apart, so both stations' blind spots come every 12 degrees."""
-    monkeypatch.setattr(paper, "LONGITUDES", 15)
-    once = paper.pair_shares(0.0)
-    assert once.shape == (15, 15)
-    np.testing.assert_allclose(once.min(axis=1), once.min(), atol=2e-3)
-    best, blind, masked = paper.equatorial_rows()
-    assert best.computed == once.min(axis=1).max()
-    assert blind.computed in (0.0, 1.0)
-    assert masked.computed == 1.0
+def sampled_shares(longitudes_deg, mask_deg, step=120.0):
+    """Share of a day with a satellite within the cap about either station, by great circles."""
+    c = paper.constellation()
+    times = np.arange(0.0, sidereal_day(), step)
+    fixed = mcmf_from_mci(positions_mci(c, times), prime_meridian_angle(c.epoch, times)) / RADIUS
+    mask = np.radians(mask_deg)
+    cap = np.arccos(R * np.cos(mask) / RADIUS) - mask
+    first = np.radians(longitudes_deg)
+    station = np.stack([np.cos(first), np.sin(first), np.zeros_like(first)], axis=1)
+    # the opposite station sees what stands as far below the first one's horizon
+    nearest = np.abs(np.einsum("stk,lk->lst", fixed, station))
+    return (nearest >= np.cos(cap)).mean(axis=2)
+
+
+@pytest.mark.parametrize("few", [5, 6])
+def test_equatorial_rows_on_few_longitudes(monkeypatch, few, every_row_can_fail):
+    """Another way to the same shares, for pairs that see every satellite and pairs that do not."""
+    monkeypatch.setattr(paper, "LONGITUDES", few)
+    longitudes = (np.arange(few) + 0.5) * 180 / few
+    rows = paper.equatorial_rows()
+    best, blind, masked = (row.found[0] for row in rows)
+    expected = sampled_shares(longitudes, 0.0)
+    # at most two edges a window, each a sample off, and four windows a day
+    np.testing.assert_allclose(paper.pair_shares(0.0), expected, atol=8 * 120 / sidereal_day())
+    assert best == pytest.approx(expected.min(axis=1).max(), abs=8 * 120 / sidereal_day())
+    assert blind == (expected.min(axis=1) == 0).mean()
+    assert masked == (sampled_shares(longitudes, 5.0).min(axis=1) == 0).mean()
+    every_row_can_fail(rows)
 
 
 @pytest.mark.slow
@@ -71,16 +90,17 @@ def test_equatorial_rows():
             np.testing.assert_allclose(seen.mean(axis=1), shares[k], atol=8 * 120 / sidereal_day())
 
 
-def test_moon_rows():
+def test_moon_rows(every_row_can_fail):
     """93.1 % and 1.63 h, 97.8 % and up to 3.6 h: circular moons, computed before."""
     phobos = paper.moon_windows("phobos", "circular")
     assert paper.share_in_view(phobos) == pytest.approx(0.931, abs=5e-4)
     assert paper.occultations(phobos).max() / 3600 == pytest.approx(1.63, abs=0.01)
     rows = {row.item: row for row in (*paper.phobos_rows(), *paper.deimos_rows())}
     assert rows["Phobos: windows a sol and satellite while occultations recur"].holds
-    longest = rows["Deimos (precessing): longest occultation"]
-    assert 3.4 < longest.computed < 3.6
-    assert longest.verdict.startswith("erratum")
+    every_row_can_fail(rows.values())
+    longest = next(row for item, row in rows.items() if item.startswith("Deimos (precessing): l"))
+    assert 3.4 < longest.found[0] < 3.6
+    assert longest.verdict == "erratum"
     for model in ("precessing", "circular"):
         share = rows[f"Deimos ({model}): share of time in view"]
         assert share.verdict == "reproduced"
@@ -103,9 +123,10 @@ def test_the_longest_occultation_is_a_chord_of_the_disc():
 
 
 @pytest.mark.slow
-def test_all_rows_are_explained():
+def test_one_row_differs():
     rows = paper.rows()
     assert len(rows) >= 15
-    assert all(row.holds for row in rows)
-    assert len({row.item for row in rows}) == len(rows)
+    assert [row.item for row in rows if not row.holds] == [
+        "polar station: length of a pass over the horizon"
+    ]
     assert "Kelly" in paper.TITLE

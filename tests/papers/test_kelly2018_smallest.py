@@ -11,20 +11,23 @@ from compass.study.search import Candidate
 
 
 @pytest.mark.slow
-def test_fifteen_is_not_the_minimum():
+def test_fifteen_is_not_the_minimum(every_row_can_fail):
     covered, margin, fewest = rows()
+    every_row_can_fail([covered, margin, fewest])
     assert covered.verdict == "reproduced"
     assert "fold 4 to 9" in covered.computed
     assert margin.computed == pytest.approx(6.24, abs=0.01)
-    assert fewest.verdict.startswith("erratum")
-    assert fewest.computed.startswith("13:")
-    assert fewest.holds
+    assert fewest.verdict == "erratum"
+    assert fewest.computed.startswith("13;")
 
 
-@pytest.mark.parametrize(("size", "verdict"), [(13, "erratum"), (15, "reproduced")])
-def test_the_verdict_follows_the_search(monkeypatch, size, verdict):
+@pytest.mark.parametrize(
+    ("size", "proven", "verdict"),
+    [(13, True, "erratum"), (13, False, "differs"), (15, True, "reproduced")],
+)
+def test_the_verdict_follows_the_search(monkeypatch, size, proven, verdict):
     best = walker_delta(size, size, 2, inclination_deg=45.8, radius_km=paper.RADIUS / 1e3)
-    found = [Candidate(best, 1.34, 0.05, 0.5, proven=True)]
+    found = [Candidate(best, 1.34, 0.05, 0.5, proven=proven)]
     monkeypatch.setattr(paper, "search", lambda *_args, **_options: found)
     monkeypatch.setattr(paper, "fold_range", lambda *_args, **_options: ((4, 4), (9, 9)))
     monkeypatch.setattr(paper, "highest_mask", lambda *_args, **_options: 0.1)
@@ -33,4 +36,4 @@ def test_the_verdict_follows_the_search(monkeypatch, size, verdict):
     )
     covered, _, fewest = rows()
     assert covered.verdict == "reproduced"  # the certificate itself takes one interval
-    assert fewest.verdict.startswith(verdict)
+    assert fewest.verdict == verdict

@@ -342,6 +342,26 @@ def test_filter_reaches_the_bound(designs, seed_design):
     assert found["nees"] == pytest.approx(6, abs=4 * np.sqrt(12 / n))
 
 
+def test_a_filter_that_is_wrong_about_the_air_makes_no_claim(short, seed_design):
+    """Judged with a truth of 20 % more air: no word of the goal but of the bound alone."""
+    from compass.study.ranking import believed_answer
+
+    scenario = short(("[measurements]", "[truth]\ndensity_bias = 0.2\n\n[measurements]"))
+    place = {"figure": seed_design.figure, "mask": seed_design.mask}
+    where = ("value", "latitude_deg", "longitude_deg", "azimuth_deg", "epoch_s", "in_view")
+    figures = {"share_within_goal": 1.0, "worst_found": dict.fromkeys(where, 7)}
+    run = judge_filter(seed_design.constellation, scenario, samples=2, runs=8, threads=1, **place)
+    assert not run["believed"]
+    assert run["errors_over_claim"] == pytest.approx(np.sqrt(run["nees"] / 6))
+    lost = run | {"diverged": 3}
+    for found in (run, lost):
+        said = believed_answer(figures | found, 1e4)
+        assert said.startswith("no claim: the filter is inconsistent, its errors")
+        assert "of the bound alone: yes" in said
+    assert "3 of 8 runs diverged" in said
+    assert believed_answer(figures | run | {"believed": True}, 1e4).startswith("yes")
+
+
 def test_deployment_is_the_trigger_named_so(short, designs):
     from compass.inputs.scenario import read_scenario
 

@@ -1,0 +1,223 @@
+"""Station-keeping of a design: what it costs to hold every satellite in its slot."""
+
+from dataclasses import dataclass, field
+from math import degrees, exp, isfinite, radians
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from compass.api.drift import forces_of, real_motion
+from compass.api.given import given_design, given_mask
+from compass.api.progress import bar
+from compass.api.results import Result
+from compass.coverage.margin import covering_radius
+from compass.coverage.room import has_slots, slot_box
+from compass.design import Design
+from compass.document import Page, Sampled, Sentence, Table, Value, Verdict
+from compass.document.blocks import facts
+from compass.document.plain import plain
+from compass.errors import ArgumentError
+from compass.frames import SECONDS_PER_DAY
+from compass.orbits.keeping import Keeping, keep_slots
+from compass.quantities import quantity
+
+#: A year here, s, and standard gravity, m/s^2.
+YEAR, STANDARD_GRAVITY = 365.25 * SECONDS_PER_DAY, 9.80665
+
+
+@dataclass(frozen=True, repr=False)
+class KeepResult(Result):
+    """What it took to keep a design's satellites in their slots.
+
+    Attributes
+    ----------
+    design
+        What was kept.
+    motion
+        Under what.
+    keeping
+        The simulation, SI.
+    margin_deg
+        What a satellite may leave its slot by, sideways; the box is part of it.
+    specific_impulse_s, dry_mass_kg
+        Of the satellites.
+    """
+
+    design: Design = field(repr=False)
+    motion: str
+    keeping: Keeping
+    margin_deg: float
+    specific_impulse_s: float
+    dry_mass_kg: float
+
+    @property
+    def years(self) -> float:
+        """Time simulated."""
+        return self.keeping.duration / YEAR
+
+    @property
+    def delta_v_m_s_year(self) -> list[float]:
+        """Of each satellite, m/s an Earth year."""
+        return [float(spent) / self.years for spent in self.keeping.delta_v]
+
+    @property
+    def holds(self) -> bool:
+        """Whether box, oval swing and tilt stayed within what the margin allows."""
+        return bool(degrees(self._used().max()) <= self.margin_deg)
+
+    def _used(self) -> Any:
+        """Angle from the slot at worst: along the track and across it at once, radians."""
+        return np.hypot(self.keeping.worst, self.keeping.tilt)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        found = self.keeping
+        costs = self.delta_v_m_s_year
+        return plain(
+            {
+                "design": self.design.name,
+                "motion": self.motion,
+                "years": self.years,
+                "box_deg": degrees(found.half_width),
+                "margin_deg": self.margin_deg,
+                "holds": self.holds,
+                "delta_v_keeping_m_s_year": max(costs),
+                "delta_v_mean_m_s_year": float(np.mean(costs)),
+                "delta_v_sum_m_s_year": float(np.sum(costs)),
+                "specific_impulse_s": self.specific_impulse_s,
+                "dry_mass_kg": self.dry_mass_kg,
+                "per_satellite": [
+                    {
+                        "name": name,
+                        "delta_v_m_s_year": costs[s],
+                        "push_m_s_year": float(found.push[s]) * YEAR,
+                        "burns": int(found.burns[s]),
+                        "days_between_burns": self._between(s),
+                        "worst_in_track_deg": degrees(found.worst[s]),
+                        "worst_cross_track_deg": degrees(found.tilt[s]),
+                        "propellant_kg": self._propellant(s),
+                    }
+                    for s, name in enumerate(self.design.constellation.satellite_names)
+                ],
+            }
+        )
+
+    def _between(self, s: int) -> float | None:
+        burns = int(self.keeping.burns[s])
+        return self.keeping.duration / SECONDS_PER_DAY / burns if burns else None
+
+    def _propellant(self, s: int) -> float:
+        """Of the rocket equation, kg."""
+        exhaust = STANDARD_GRAVITY * self.specific_impulse_s
+        return self.dry_mass_kg * (exp(float(self.keeping.delta_v[s]) / exhaust) - 1.0)
+
+    def document(self) -> Page:
+        """The cost in a sentence, then satellite by satellite."""
+        found, out = self.keeping, self.to_dict()
+        cost = quantity("delta_v_keeping_m_s_year")
+        low, high = (Value(cost, f(self.delta_v_m_s_year)) for f in (min, max))
+        mean = Value(cost, out["delta_v_mean_m_s_year"])
+        claim = (
+            f"{low} to {high} m/s an Earth year a satellite, mean {mean}, to stay within "
+            f"{degrees(found.half_width):.3g} deg of its slot along the track"
+        )
+        names = ("delta_v_keeping_m_s_year", "propellant_kg", "days_between_burns")
+        rows = tuple(
+            (
+                row["name"],
+                Value(cost, row["delta_v_m_s_year"]),
+                row["burns"],
+                "" if row["days_between_burns"] is None else f"{row['days_between_burns']:.4g}",
+                f"{row['worst_in_track_deg']:.3g}",
+                f"{row['worst_cross_track_deg']:.3g}",
+                Value(quantity("propellant_kg"), row["propellant_kg"]),
+            )
+            for row in out["per_satellite"]
+        )
+        header = (
+            "satellite", cost.heading, "burns", "days between", "worst in track, deg",
+            "worst cross track, deg", quantity(names[1]).heading,
+        )  # fmt: skip
+        how = (
+            f"simulated over {self.years:.4g} years, one look a revolution, {self.motion}; "
+            "impulses along the track, exact and known; nothing is burnt across the track, and "
+            "the poles' drift from the best common turn is reported instead"
+        )
+        evidence = Sampled(how="one simulation, impulses without error")
+        return Page(
+            self.design.name,
+            (
+                Verdict("" if self.holds else "leaves its slots", claim, self.holds),
+                facts(
+                    "Keeping",
+                    [
+                        Value(cost, out["delta_v_keeping_m_s_year"], evidence),
+                        Value(quantity("slot_sideways_deg"), self.margin_deg),
+                    ],
+                ),
+                Table("Satellite by satellite", header, rows),
+                Sentence(how),
+            ),
+        )
+
+
+def keep(
+    design: Design | str | Path,
+    *,
+    years: float = 1.0,
+    box_deg: float | None = None,
+    fold: int | None = None,
+    mask_deg: float | None = None,
+    specific_impulse_s: float = 220.0,
+    dry_mass_kg: float = 100.0,
+    progress: bool = False,
+) -> KeepResult:
+    """Simulate impulsive station-keeping of every satellite in its slot along the track.
+
+    Parameters
+    ----------
+    design
+        A design of circular orbits of one radius and inclination, or the path of its file; one
+        of two-body motion is kept under the default forces.
+    years
+        Time to simulate, Earth years of 365.25 days.
+    box_deg
+        Half width of the box along the track, degrees; else half of what the margin allows.
+    fold, mask_deg
+        Satellites in view at once and elevation mask, degrees; else the design's.
+    specific_impulse_s, dry_mass_kg
+        For the propellant.
+    progress
+        Show bars on stderr.
+
+    Raises
+    ------
+    ArgumentError, DesignError
+        An option or the design is not allowed.
+    """
+    if not (isfinite(years) and 0.1 <= years <= 100.0):
+        raise ArgumentError(f"years = {years:g}: allowed 0.1 to 100")
+    for name, value in (("specific_impulse_s", specific_impulse_s), ("dry_mass_kg", dry_mass_kg)):
+        if not 0.0 < value < 1e6:
+            raise ArgumentError(f"{name} = {value:g}: allowed above 0 to 1e6")
+    read = given_design(design)
+    c, motion = read.constellation, real_motion(read)
+    if not has_slots(c):
+        raise ArgumentError(
+            "keep: slots need circular orbits of one radius and inclination; this design has others"
+        )
+    wanted = read.fold if fold is None else fold
+    covering = covering_radius(c, wanted, tolerance=1e-5).radius
+    mask = given_mask(mask_deg, read).highest
+    axis = float(c.semi_major_axis[0])
+    margin = slot_box(axis, covering, read.figure.equatorial_radius, mask).sideways
+    width = 0.5 * margin if box_deg is None else radians(box_deg)
+    found = keep_slots(
+        c,
+        forces_of(motion),
+        years * YEAR,
+        width,
+        progress=lambda parts: bar(progress, "keeping", parts),
+    )
+    return KeepResult(read, motion.title, found, degrees(margin), specific_impulse_s, dry_mass_kg)

@@ -1,0 +1,231 @@
+"""Station-keeping along the track: impulses that hold each satellite in a box about its slot.
+
+The slots move as one, at the mean of the rates that satellites begin with. A satellite's place in
+its slot is the angle it has turned in its orbit's plane less the slot's, averaged over a
+revolution, which takes out the swing of a slightly oval orbit. It is followed turn by turn under
+all forces; where the average has reached the edge and moves outwards, a tangential impulse sends
+it back, as fast as it may go to turn just before the other edge under the push u'' met so far:
+
+    u' = -+ sqrt(2 (|u| + w) |u''|),    dv = -a du' / 3 .
+
+For a constant push that gives a burn every ``4 sqrt(w / |u''|)`` and ``a |u''| / 3`` of delta-v a
+second, whatever the box; here both are outcomes.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.errors import ArgumentError
+from compass.frames import SECONDS_PER_DAY
+from compass.orbits.constellation import Constellation
+from compass.orbits.ellipse import elliptic
+from compass.orbits.forces import ForceModel
+from compass.orbits.trajectory import Trajectory, integrate
+from compass.orbits.trimming import angular_rates, with_axes
+
+#: Revolutions over which the push is fitted before the first burn, and at most later.
+LEARNING, MEMORY = 8, 40
+
+#: Smallest push that counts, rad/s^2: 1e-4 degrees a day squared. Where it is weaker a satellite
+#: is sent back at the speed for this one.
+WEAKEST = np.radians(1e-4) / SECONDS_PER_DAY**2
+
+
+@dataclass(frozen=True)
+class Keeping:
+    """What it took to keep satellites in their slots.
+
+    Attributes
+    ----------
+    duration
+        Time simulated, s.
+    half_width
+        Of the box along the track, radians.
+    delta_v
+        Sum of the impulses of each satellite, m/s, shape (n,).
+    burns
+        Their number, shape (n,).
+    worst
+        Furthest average place along the track after the learning, radians, shape (n,).
+    tilt
+        Largest angle of each orbit's pole from that of its slot, the poles turned as one,
+        radians, shape (n,): the price of not burning across the track.
+    push
+        Mean acceleration along the track that was met, m/s^2, shape (n,).
+    """
+
+    duration: float
+    half_width: float
+    delta_v: NDArray[np.float64]
+    burns: NDArray[np.int64]
+    worst: NDArray[np.float64]
+    tilt: NDArray[np.float64]
+    push: NDArray[np.float64]
+
+
+def keep_slots(
+    constellation: Constellation,
+    forces: ForceModel,
+    duration: float,
+    half_width: float,
+    *,
+    progress: Callable[[Sequence[Any]], Any] = iter,
+) -> Keeping:
+    """Simulate impulsive station-keeping along the track.
+
+    Parameters
+    ----------
+    constellation
+        Circular orbits of one period; osculating elements at the epoch.
+    forces
+        What acts.
+    duration
+        Seconds, at least thirty revolutions.
+    half_width
+        Of the box, radians.
+    progress
+        Wraps the list of revolutions, as tqdm does.
+
+    Raises
+    ------
+    ArgumentError
+        Orbits of unequal period, too short a time, or no box.
+    """
+    c = constellation
+    if c.size == 0 or np.ptp(c.semi_major_axis) > 1e-9 * c.semi_major_axis[0]:
+        raise ArgumentError("keep: needs orbits of one period; slots move as one")
+    if not half_width > 0.0:
+        raise ArgumentError(
+            f"box_deg = {np.degrees(half_width):g}: must be more than 0; the margin leaves no room"
+        )
+    period = float(2 * np.pi / c.mean_motion[0])
+    count = round(duration / period)
+    if count < 30:
+        raise ArgumentError(f"years: {count} revolutions; give at least 30")
+    own = with_axes(c, c.semi_major_axis, gm=forces.field.gm)
+    r, v = (a[:, 0] for a in elliptic(own, np.zeros(1)))
+    poles = _poles(r, v)
+    axis = float(c.semi_major_axis[0])
+    state = _Slots(c.size, axis, half_width)
+    theta, tilt, time = np.zeros(c.size), np.zeros(c.size), 0.0
+    for k in progress(list(range(count))):
+        path = integrate(
+            r, v, forces, time + period, start=time, epoch=c.epoch,
+            satellite_names=c.satellite_names,
+        )  # fmt: skip
+        gone, mean = _turn_and_mean(path)
+        mean, theta, time = theta + mean, theta + gone, time + period
+        r, v = (a[:, 0] for a in path.states([time]))
+        kicks = state.look((k + 0.5) * period, mean)
+        v = v + kicks[:, None] * v / np.linalg.norm(v, axis=1, keepdims=True)
+        tilt = np.maximum(tilt, _tilts(_poles(r, v), poles))
+    return Keeping(
+        count * period,
+        half_width,
+        state.spent,
+        state.burns,
+        state.worst,
+        tilt,
+        axis / 3.0 * state.push(),
+    )
+
+
+class _Slots:
+    """Places in the slots as a controller sees them: one average a revolution."""
+
+    def __init__(self, size: int, axis: float, half_width: float) -> None:
+        self.axis, self.half_width = axis, half_width
+        self.times: list[float] = []
+        self.places: list[NDArray[np.float64]] = []
+        self.origin: NDArray[np.float64] | None = None
+        self.rate = 0.0
+        # impulses so far: their moments, and what they did to each satellite's rate
+        self.history: list[tuple[float, NDArray[np.float64]]] = []
+        self.spent, self.worst = np.zeros(size), np.zeros(size)
+        self.burns = np.zeros(size, dtype=np.int64)
+        self.pushes: list[NDArray[np.float64]] = []
+
+    def look(self, time: float, mean: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Take the averages of a revolution; return the impulse of each satellite, m/s."""
+        self.times.append(time)
+        self.places.append(mean)
+        size = mean.size
+        if len(self.times) < LEARNING:
+            return np.zeros(size)
+        if self.origin is None:
+            self._begin()
+        assert self.origin is not None
+        place, speed, push = self._fit(mean)
+        self.worst = np.maximum(self.worst, np.abs(place))
+        self.pushes.append(push)
+        side = np.sign(place)
+        out = (np.abs(place) >= self.half_width) & (speed * side > 0.0)
+        way = np.abs(place) + self.half_width  # to the other edge
+        wanted = -side * np.sqrt(2.0 * way * np.maximum(np.abs(push), WEAKEST))
+        change = np.where(out, wanted - speed, 0.0)
+        # the impulse comes half a revolution after the average's moment
+        step = self.times[-1] - self.times[-2]
+        if out.any():
+            self.history.append((time + 0.5 * step, change))
+        kicks = -self.axis * change / 3.0
+        self.spent = self.spent + np.abs(kicks)
+        self.burns = self.burns + out
+        return np.asarray(kicks)
+
+    def push(self) -> NDArray[np.float64]:
+        """Mean size of the push that was met, rad/s^2."""
+        return np.asarray(np.abs(self.pushes).mean(axis=0))
+
+    def _begin(self) -> None:
+        """Fix where the slots are: the first averages, moving on at the mean of the first rates."""
+        t = np.array(self.times)
+        rates = np.polyfit(t - t[0], np.array(self.places), 2)[1]
+        self.rate = float(rates.mean())
+        self.origin = self.places[0] - self.rate * t[0]
+
+    def _fit(self, mean: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        """Place, speed and push of each satellite now, by a parabola through its recent past.
+
+        What impulses have added is taken out first, so that the past is one unbroken arc.
+        """
+        assert self.origin is not None
+        t = np.array(self.times[-MEMORY:])
+        past = np.array(self.places[-MEMORY:]) - self.origin - self.rate * t[:, None]
+        bend, slope, _ = np.polyfit(t - t[-1], past - self._kicks_at(t), 2)
+        added = sum((change for _, change in self.history), np.zeros(mean.size))
+        return past[-1], slope + added, 2.0 * bend
+
+    def _kicks_at(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What all impulses up to each time have added to the places, radians, (t, n)."""
+        found = np.zeros((t.size, self.spent.size))
+        for moment, change in self.history:
+            found += np.maximum(t - moment, 0.0)[:, None] * change
+        return found
+
+
+def _turn_and_mean(path: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Angle turned over a path, and its mean over the time, radians, shape (n,) each.
+
+    By parts: ``mean = integral of theta'(t) (T - t) / T``.
+    """
+    times, weights, rate = angular_rates(path)
+    left = (path.stop - times) / (path.stop - path.start)
+    return rate @ weights, rate @ (weights * left)
+
+
+def _poles(r: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Unit vectors along the angular momenta, shape (n, 3)."""
+    momentum = np.cross(r, v)
+    return np.asarray(momentum / np.linalg.norm(momentum, axis=1, keepdims=True))
+
+
+def _tilts(now: NDArray[np.float64], before: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Angles between poles and those before, turned as one by the best rotation (Kabsch 1976)."""
+    u, _, w = np.linalg.svd(before.T @ now)
+    flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ w))])
+    cosine = ((before @ (u @ flip @ w)) * now).sum(axis=1)
+    return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
