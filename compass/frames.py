@@ -27,7 +27,7 @@ J2000 = datetime(2000, 1, 1, 12)
 class Figure:
     """A reference figure of Mars: ellipsoid of revolution, semi-axes in metres.
 
-    Proofs live on the sphere of the equatorial radius; maps and sites use the figure.
+    Maps, proofs and sites use the figure.
     """
 
     name: str
@@ -40,6 +40,11 @@ class Figure:
     def is_sphere(self) -> bool:
         """Whether both semi-axes are equal."""
         return self.equatorial_radius == self.polar_radius
+
+    @property
+    def stretch(self) -> float:
+        """Factor along the pole that makes it a sphere of the equatorial radius."""
+        return self.equatorial_radius / self.polar_radius
 
 
 FIGURES = {

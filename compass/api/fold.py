@@ -92,7 +92,7 @@ class FoldResult(Result):
         """For which motion and how long it was settled."""
         span = self.coverage.span
         when = "for all time" if span.for_all_time else f"over {span.stop / 3600:.6g} h"
-        return f"{when}, two-body motion"
+        return f"{when}, two-body motion, {self.design.figure.name}"
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
@@ -121,6 +121,7 @@ class FoldResult(Result):
                 "reason": span.reason,
                 "tolerance_rad": certificate.tolerance,
                 "motion": "two-body",
+                "figure": self.design.figure.name,
                 "fold_share": None if shares is None else shares.share,
                 "fold_share_error": None if shares is None else shares.error,
                 "min_fold_bounds": found.least,
@@ -164,6 +165,7 @@ class FoldResult(Result):
     def document(self) -> Page:
         """The verdict, its witness, the margins, shares of area and time, losses."""
         certificate, span = self.coverage.certificate, self.coverage.span
+        figure = self.design.figure.title
         when = (
             "for all time" if span.for_all_time else f"over {span.stop / 3600:.6g} h from the epoch"
         )
@@ -175,7 +177,7 @@ class FoldResult(Result):
             f"{certificate.tolerance:g} rad; rounding on the safe side"
         )
         blocks: list[Block] = [
-            Verdict(self.outcome, f"{claim} (two-body motion)", holds),
+            Verdict(self.outcome, f"{claim} (two-body motion, {figure})", holds),
             *([] if holds else [Sentence(self.outcome.sentence)]),
             *self._counterexample(),
             self.margins(),
@@ -377,6 +379,7 @@ def fold(
         read.constellation,
         wanted,
         sphere_radius=read.figure.equatorial_radius,
+        stretch=read.figure.stretch,
         mask=mask,
         region=GLOBE if region is None else read_region(region),
         duration=None if duration_h is None else duration_h * 3600.0,

@@ -15,12 +15,14 @@ from compass.document import Page, Sentence, Table, Verdict
 from compass.document.blocks import Block
 from compass.document.plain import plain
 from compass.errors import ArgumentError
+from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.saving import check_writable
 from compass.study.candidates import check_space
 from compass.study.cluster import Cluster, Tls
 from compass.study.judge import check_lander
 from compass.study.results import first_front, read_results, write_results
+from compass.study.sampling import sampled_over, sampling_of
 from compass.study.store import Store
 from compass.study.trade import Summary, run_trade
 from compass.study.workers import Processes, Workers
@@ -87,6 +89,9 @@ class TradeResult(Result):
                 "seconds": s.seconds,
                 "feasible": self.feasible,
                 "front": self.front,
+                "sampled_over": {
+                    name: how for name in MERITS if (how := sampling_of(self.study, name))
+                },
             }
         )
 
@@ -102,6 +107,8 @@ class TradeResult(Result):
         if front:
             rows = tuple(tuple(row.values()) for row in front)
             blocks.append(Table("Pareto front", tuple(front[0]), rows, LISTED))
+            if how := sampled_over(self.study, list(front[0])):
+                blocks.append(Sentence(f"sampled: {how}"))
         stages = tuple(
             (n, s.reached[n], s.computed[n], s.failed[n], round(s.seconds.get(n, 0.0), 2))
             for n in s.reached

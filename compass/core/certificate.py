@@ -13,6 +13,7 @@ import math
 
 import numpy as np
 
+from compass.core.figure import stretched_caps
 from compass.core.fold import cap_cosine, cell_point, extreme_fold
 from compass.core.jit import kernel
 from compass.core.kepler import elliptic_states
@@ -106,6 +107,7 @@ def settle(
     poles,
     gm,
     sphere_radius,
+    stretch,
     mask,
     spin,
     frame_angle,
@@ -121,14 +123,19 @@ def settle(
 ):
     """Settle "fold >= k" (`low`) or "fold <= k" (not `low`) on the whole of [start, stop].
 
+    On an ellipsoid, whose caps are only known between bounds, bands of latitude are halved where
+    those bounds are wider than what the satellites' motion does.
+
     Parameters
     ----------
-    orbits, poles, gm, sphere_radius, mask, spin, frame_angle
-        As in `caps_at`.
+    orbits, poles, gm, mask, spin, frame_angle
+        As in `caps_at`; on an ellipsoid the frame turns about the pole.
+    sphere_radius, stretch
+        Equatorial radius, metres, and its ratio to the polar one: 1 for a sphere.
     frame_error
         Further error of the directions, radians.
     region, floors
-        As in `extreme_fold`.
+        As in `extreme_fold`, of an ellipsoid stretched along the pole to a sphere.
     low, k
         The claim.
     start, stop
@@ -144,16 +151,18 @@ def settle(
         `PROVEN`, `REFUTED` or `UNDECIDED`; intervals looked at; intervals left, and the first
         `KEPT` of them (rows start, stop); the moment, place and fold of the counter-example.
     """
-    n = orbits.shape[1]
-    stack = np.empty((128, 2))
-    stack[0, 0], stack[0, 1] = start, stop
+    n, parts = orbits.shape[1], floors.size
+    normals, heights = np.zeros((parts + 2, 3)), np.empty(parts + 2)
+    normals[:parts], heights[:parts] = region, floors
+    stack = np.empty((256, 4))  # intervals of time, and bands: sines of their latitudes
+    stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3] = start, stop, -1.0, 1.0
     depth, nodes, open_parts = 1, 0, 0
     unsettled = np.zeros((KEPT, 2))
     nowhere = np.zeros(3)
-    cosines = np.empty(n)
+    cosines, outer = np.empty(n), np.empty(n)
     while depth > 0:
         depth -= 1
-        left, right = stack[depth, 0], stack[depth, 1]
+        left, right, south, north = stack[depth]
         if nodes >= max_nodes:
             if open_parts < KEPT:
                 unsettled[open_parts, 0], unsettled[open_parts, 1] = left, right
@@ -162,34 +171,70 @@ def settle(
         nodes += 1
         middle = 0.5 * (left + right)
         half = max(middle - left, right - middle)
+        level = mask if stretch == 1.0 else 0.0
         u, radius, stray = caps_at(
-            orbits, poles, gm, sphere_radius, mask, spin, frame_angle, middle, half
+            orbits, poles, gm, sphere_radius, level, spin, frame_angle, middle, half
         )
-        largest = 0.0
+        outer[:] = radius
+        by_band, by_time = 0.0, 0.0
+        if stretch != 1.0:
+            by_band, by_time = stretched_caps(
+                orbits,
+                poles,
+                gm,
+                sphere_radius,
+                stretch,
+                mask,
+                half,
+                south,
+                north,
+                u,
+                radius,
+                stray,
+                outer,
+            )
+        rows = parts
+        for sign, rim in ((1.0, south), (-1.0, -north)):
+            if rim > -1.0:
+                normals[rows, 2], heights[rows] = sign, rim
+                rows += 1
+        largest = by_time
         for s in range(n):
             wander = stray[s] + frame_error
-            largest = max(largest, wander)
-            cosines[s] = cap_cosine(radius[s], -wander if low else wander)
-        fold, _, _, _ = extreme_fold(u, cosines, region, floors, low, True, k)
+            largest = max(largest, wander + by_time)
+            cosines[s] = cap_cosine(radius[s] if low else outer[s], -wander if low else wander)
+        where, limits = normals[:rows], heights[:rows]
+        fold, curve, _, _ = extreme_fold(u, cosines, where, limits, low, True, k)
+        if curve == n and rows > 0:
+            continue  # no circle and no rim has a point here: a band beside the region
         if (low and fold >= k) or (not low and fold <= k):
             continue
         for s in range(n):
-            cosines[s] = cap_cosine(radius[s], 0.0)
+            cosines[s] = cap_cosine(outer[s] if low else radius[s], 0.0)
         everywhere = -1 if low else n + 1  # no early return: the widest of the extreme arcs
-        fold, curve, azimuth, width = extreme_fold(
-            u, cosines, region, floors, low, True, everywhere
-        )
+        fold, curve, azimuth, width = extreme_fold(u, cosines, where, limits, low, True, everywhere)
         if (low and fold < k) or (not low and fold > k):
-            point, fold, found = cell_point(curve, azimuth, width, u, cosines, region, floors, low)
+            point, fold, found = cell_point(curve, azimuth, width, u, cosines, where, limits, low)
             if found and ((low and fold < k) or (not low and fold > k)):
                 return REFUTED, nodes, open_parts, unsettled, middle, point, fold
-        if largest <= tolerance or middle <= left or middle >= right:
+        waist = 0.5 * (south + north)
+        whole = largest <= tolerance or middle <= left or middle >= right
+        if by_band > (tolerance if whole else largest) and south < waist < north:
+            for part in range(2):
+                row = stack[depth + part]
+                row[0], row[1] = left, right
+                row[2], row[3] = (waist, north) if part == 0 else (south, waist)
+            depth += 2
+            continue
+        if whole:
             if open_parts < KEPT:
                 unsettled[open_parts, 0], unsettled[open_parts, 1] = left, right
             open_parts += 1
             continue
-        stack[depth, 0], stack[depth, 1] = middle, right
-        stack[depth + 1, 0], stack[depth + 1, 1] = left, middle
+        for part in range(2):
+            row = stack[depth + part]
+            row[0], row[1] = (middle, right) if part == 0 else (left, middle)
+            row[2], row[3] = south, north
         depth += 2
     outcome = UNDECIDED if open_parts else PROVEN
     return outcome, nodes, open_parts, unsettled, 0.0, nowhere, 0

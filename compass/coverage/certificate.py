@@ -86,6 +86,7 @@ def prove_fold(
     mask: float = 0.0,
     region: Region = GLOBE,
     span: Span | None = None,
+    stretch: float = 1.0,
     tolerance: float = TOLERANCE,
     max_intervals: int = MAX_INTERVALS,
 ) -> Certificate:
@@ -105,6 +106,10 @@ def prove_fold(
         Metres and radians.
     region, span
         Where, and when; without `span` the one of `shortest_span`.
+    stretch
+        Ratio of the equatorial radius, `sphere_radius`, to the polar one: 1 for a sphere. On an
+        ellipsoid elevations are over its normal; caps lie between bounds (`core.figure`) that are
+        narrowed by halving bands of latitude, and the witness is confirmed on the ellipsoid.
     tolerance, max_intervals
         When to give up, see `Certificate`; margins below the tolerance stay undecided.
 
@@ -115,16 +120,21 @@ def prove_fold(
     """
     _check(constellation, fold, sphere_radius, mask)
     span = span or shortest_span(constellation, region)
+    figure = (sphere_radius, stretch)
     outcome, nodes, parts, unsettled, time, point, _ = _settle(
-        constellation, sphere_radius, mask, region, span, True, fold, tolerance, max_intervals
+        constellation, figure, mask, region, span, True, fold, tolerance, max_intervals
     )
     if outcome == PROVEN:
         return Certificate(Outcome.PROVEN, fold, span, region, nodes, tolerance)
     witness = None
     if outcome == REFUTED:
+        point = point / [1.0, 1.0, stretch]
+        point /= np.linalg.norm(point)
         if region.mars_fixed:
             point = mcmf_from_mci(point, -prime_meridian_angle(constellation.epoch, time))
-        witness = find_witness(constellation, sphere_radius, mask, fold, time, point, region)
+        witness = find_witness(
+            constellation, sphere_radius, mask, fold, time, point, region, stretch
+        )
         if witness:
             return Certificate(Outcome.REFUTED, fold, span, region, nodes, tolerance, witness)
         unsettled, parts = np.array([[time, time]]), 1
@@ -140,6 +150,7 @@ def fold_range(
     region: Region = GLOBE,
     span: Span | None = None,
     greatest: bool = True,
+    stretch: float = 1.0,
     tolerance: float = 1e-7,
     max_intervals: int = 20_000,
 ) -> tuple[tuple[int, int], tuple[int, int]]:
@@ -147,7 +158,7 @@ def fold_range(
 
     Parameters
     ----------
-    constellation, sphere_radius, mask, region, span, tolerance, max_intervals
+    constellation, sphere_radius, mask, region, span, stretch, tolerance, max_intervals
         As in `prove_fold`, with its errors.
     greatest
         Whether to settle the greatest too; else its bounds are those of the first moment and
@@ -166,30 +177,36 @@ def fold_range(
         turn = prime_meridian_angle(constellation.epoch, span.start)
         directions = mcmf_from_mci(directions, turn)
     now = fold_extremes(directions, radius, region)
-    bounds = []
+    bounds, n = [], constellation.size
     for low, k, reached in (
         (True, now.least, now.least_reached),
         (False, now.greatest, now.greatest_reached),
     ):
+        step, figure = (-1 if low else 1), (sphere_radius, stretch)
+        if stretch != 1.0:
+            # the sphere's extreme is a first guess, and one that no place is known to have
+            k, reached = (k + 1, n) if low else (k - 1, 0)
         if not (low or greatest):
-            bounds.append((reached, constellation.size))
+            bounds.append((reached, n))
             continue
-        outcome = -1
+        outcome, unsure = -1, False
         while outcome != PROVEN:
             outcome, *_, found = _settle(
-                constellation, sphere_radius, mask, region, span, low, k, tolerance, max_intervals
+                constellation, figure, mask, region, span, low, k, tolerance, max_intervals
             )
             if outcome == REFUTED:
                 k = reached = int(found)
             elif outcome != PROVEN:
-                k += -1 if low else 1
+                k, unsure = k + step, True
+            elif stretch != 1.0 and not unsure and reached == (n if low else 0) != k:
+                outcome, k = -1, k - step  # proven at the first guess: how far does it go?
         bounds.append((k, reached) if low else (reached, k))
     return bounds[0], bounds[1]
 
 
 def _settle(
     constellation: Constellation,
-    sphere_radius: float,
+    figure: tuple[float, float],
     mask: float,
     region: Region,
     span: Span,
@@ -198,19 +215,22 @@ def _settle(
     tolerance: float,
     max_intervals: int,
 ) -> tuple:
-    """Run the kernel on a claim."""
-    motion = motion_of(constellation, span, region)
+    """Run the kernel on a claim; `figure` is the equatorial radius and the stretch."""
+    sphere_radius, stretch = figure
+    motion = motion_of(constellation, span, region, about_pole=stretch != 1.0)
+    flat = region.stretched(stretch)
     return settle(
         motion.orbits,
         motion.poles,
         motion.gm,
         sphere_radius,
+        stretch,
         mask,
         motion.spin,
         motion.frame_angle,
-        motion.frame_error,
-        region.normals,
-        region.floors,
+        motion.frame_error * stretch,
+        flat.normals,
+        flat.floors,
         low,
         k,
         span.start,

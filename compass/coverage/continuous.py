@@ -14,6 +14,7 @@ from compass.coverage.margin import (
     covering_radius,
     highest_mask,
     lowest_altitude,
+    lowest_orbit,
 )
 from compass.coverage.region import GLOBE, Region
 from compass.coverage.share import FoldShares, mean_fold_shares
@@ -41,13 +42,15 @@ class ContinuousCoverage:
     least, greatest
         Bounds (not below, not above) of the extreme folds.
     worst
-        Where and when the fold-th nearest satellite is farthest; None for a region.
+        Where and when the fold-th nearest satellite is farthest; None for a region, and on an
+        ellipsoid, where caps differ.
     caps_alike
         Whether all caps are alike for ever, so that the radius of `worst` means something.
     highest_mask
         Radians, or None if no mask will do.
     lowest_altitude
-        Metres, or None.
+        Metres over the equator, proven at this very value; None where there is none, and for
+        orbits that are not circles of one radius.
     shares
         Shares of area and time by fold, or None.
     losses
@@ -76,6 +79,7 @@ def continuous_coverage(
     mask: Mask,
     region: Region = GLOBE,
     duration: float | None = None,
+    stretch: float = 1.0,
     losses: int = 0,
     progress: Callable[[Sequence[Any]], Any] = iter,
 ) -> ContinuousCoverage:
@@ -86,7 +90,7 @@ def continuous_coverage(
 
     Parameters
     ----------
-    constellation, fold, sphere_radius, region
+    constellation, fold, sphere_radius, region, stretch
         As in `prove_fold`.
     mask
         Of users on the surface.
@@ -108,16 +112,29 @@ def continuous_coverage(
     span = shortest_span(c, region, duration)
     if losses:
         unlike_subsets(c, losses, region, duration)  # refuse too many before any work
-    outcome, certificate = _settle(c, fold, sphere, mask, region, span)
-    high, globe, alike = mask.highest, region.is_globe, one_circle(c)
-    least, greatest = fold_range(c, sphere_radius=sphere, mask=high, region=region, span=span)
-    worst = covering_radius(c, fold, span=span) if globe else None
+    outcome, certificate = _settle(c, fold, sphere, mask, region, span, stretch)
+    # caps are alike on a sphere only
+    high, globe, alike = mask.highest, region.is_globe, one_circle(c) and stretch == 1.0
+    least, greatest = fold_range(
+        c, sphere_radius=sphere, mask=high, region=region, span=span, stretch=stretch
+    )
+    worst = covering_radius(c, fold, span=span) if globe and stretch == 1.0 else None
     shares = (
         mean_fold_shares(c, sphere_radius=sphere, mask=high, span=span) if globe and alike else None
     )
-    altitude = None
+    guess = None
     if worst is not None and alike and np.isfinite(worst.radius):
-        altitude = lowest_altitude(worst.radius, sphere, high)
+        guess = lowest_altitude(worst.radius, sphere, high)
+    altitude = lowest_orbit(
+        c,
+        fold,
+        sphere_radius=sphere,
+        mask=high,
+        region=region,
+        duration=duration,
+        stretch=stretch,
+        guess=guess,
+    )
     lost = tuple(
         tuple(
             after_losses(
@@ -128,12 +145,13 @@ def continuous_coverage(
                 mask=high,
                 region=region,
                 duration=duration,
+                stretch=stretch,
                 progress=progress,
             )
         )
         for number in range(1, losses + 1)
     )
-    margin = highest_mask(c, fold, sphere_radius=sphere, region=region, span=span)
+    margin = highest_mask(c, fold, sphere_radius=sphere, region=region, span=span, stretch=stretch)
     return ContinuousCoverage(
         outcome=outcome,
         certificate=certificate,
@@ -151,12 +169,20 @@ def continuous_coverage(
 
 
 def _settle(
-    c: Constellation, fold: int, sphere: float, mask: Mask, region: Region, span: Span
+    c: Constellation,
+    fold: int,
+    sphere: float,
+    mask: Mask,
+    region: Region,
+    span: Span,
+    stretch: float,
 ) -> tuple[Outcome, Certificate]:
     """Outcome and certificate of the claim, between the highest and the lowest of the mask."""
 
     def with_constant(elevation: float) -> Certificate:
-        return prove_fold(c, fold, sphere_radius=sphere, mask=elevation, region=region, span=span)
+        return prove_fold(
+            c, fold, sphere_radius=sphere, mask=elevation, region=region, span=span, stretch=stretch
+        )
 
     highest = with_constant(mask.highest)
     if mask.is_constant or highest.outcome is Outcome.PROVEN:

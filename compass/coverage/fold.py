@@ -80,8 +80,9 @@ def in_view(
     mask: float,
     time: float,
     points: ArrayLike,
+    stretch: float = 1.0,
 ) -> NDArray[np.float64]:
-    """Elevation above the mask of every satellite at points on the sphere, radians.
+    """Elevation above the mask of every satellite at points on the figure, radians.
 
     Straight from the triangle of centre, user and satellite; caps and circles play no part, so
     it checks them.
@@ -96,23 +97,34 @@ def in_view(
         Seconds after the epoch.
     points
         Unit vectors in the inertial frame, shape (..., 3).
+    stretch
+        Ratio of the equatorial radius, `sphere_radius`, to the polar one.
 
     Returns
     -------
     clearance
         Shape (..., n); the fold is the number that are not negative.
     """
-    return clearances(positions_mci(constellation, [time])[:, 0], sphere_radius, mask, points)
+    positions = positions_mci(constellation, [time])[:, 0]
+    return clearances(positions, sphere_radius, mask, points, stretch)
 
 
 def clearances(
-    positions: NDArray[np.float64], sphere_radius: float, mask: float, points: ArrayLike
+    positions: NDArray[np.float64],
+    sphere_radius: float,
+    mask: float,
+    points: ArrayLike,
+    stretch: float = 1.0,
 ) -> NDArray[np.float64]:
     """`in_view` of satellites at inertial positions, metres, shape (n, 3)."""
     p = np.asarray(points, dtype=float)[..., np.newaxis, :]
-    sight = positions - sphere_radius * p
-    up = (sight * p).sum(axis=-1)
-    level = np.linalg.norm(sight - up[..., np.newaxis] * p, axis=-1)
+    widened = p * [1.0, 1.0, stretch]
+    user = sphere_radius * p / np.linalg.norm(widened, axis=-1, keepdims=True)
+    normal = widened * [1.0, 1.0, stretch]
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    sight = positions - user
+    up = (sight * normal).sum(axis=-1)
+    level = np.linalg.norm(sight - up[..., np.newaxis] * normal, axis=-1)
     return np.arctan2(up, level) - mask
 
 

@@ -79,41 +79,50 @@ def highest_mask(
     sphere_radius: float,
     region: Region = GLOBE,
     span: Span | None = None,
+    stretch: float = 1.0,
     tolerance: float = TOLERANCE,
 ) -> float | None:
     """Highest elevation mask with continuous `fold`-fold coverage, radians; it may be negative.
 
-    Circular orbits of one radius and the whole sphere: from `covering_radius`. Otherwise by
+    Circular orbits of one radius and the whole of a sphere: from `covering_radius`. Otherwise by
     halving a range of masks, each half settled by `prove_fold`. The mask is on the safe side,
     by at most `tolerance`; None if no mask will do.
     """
     span = span or shortest_span(constellation, region)
     if constellation.size < fold:
         return None
+    low, high = -np.pi / 2 + 1e-9, np.pi / 2 - 1e-9
     if region.is_globe and one_circle(constellation):
         radius = covering_radius(constellation, fold, span=span, tolerance=0.5 * tolerance).radius
-        return float(mask_for_cap(radius, constellation.semi_major_axis[0], sphere_radius))
+        mask = float(mask_for_cap(radius, constellation.semi_major_axis[0], sphere_radius))
+        if stretch == 1.0:
+            return mask
+        low, high = mask - FLATTEST * (stretch - 1.0), mask + FLATTEST * (stretch - 1.0)
 
     def holds(mask: float) -> bool:
-        outcome = prove_fold(
+        return -np.pi / 2 < mask < np.pi / 2 and _holds(
             constellation,
             fold,
             sphere_radius=sphere_radius,
             mask=mask,
             region=region,
             span=span,
+            stretch=stretch,
             tolerance=0.1 * tolerance,
-            max_intervals=200_000,
-        ).outcome
-        return outcome == "proven"
+        )
 
-    low, high = -np.pi / 2 + 1e-9, np.pi / 2 - 1e-9
     if not holds(low):
-        return None
-    while high - low > 0.9 * tolerance:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if holds(middle) else (low, middle)
-    return float(low)
+        low, high = -np.pi / 2 + 1e-9, low
+        if not holds(low):
+            return None
+    elif holds(high):
+        low, high = high, np.pi / 2 - 1e-9
+    return _last(holds, low, high, 0.9 * tolerance)
+
+
+#: How far the highest mask of an ellipsoid may be from that of the sphere, in units of its
+#: stretch, before all masks are searched. Vertical and place change by about one such unit each.
+FLATTEST = 4.0
 
 
 def lowest_altitude(radius: float, sphere_radius: float, mask: float = 0.0) -> float | None:
@@ -126,6 +135,95 @@ def lowest_altitude(radius: float, sphere_radius: float, mask: float = 0.0) -> f
     if reach >= np.pi / 2:
         return None
     return float(sphere_radius * np.cos(mask) / np.cos(reach) - sphere_radius)
+
+
+def lowest_orbit(
+    constellation: Constellation,
+    fold: int,
+    *,
+    sphere_radius: float,
+    mask: float = 0.0,
+    region: Region = GLOBE,
+    duration: float | None = None,
+    stretch: float = 1.0,
+    guess: float | None = None,
+) -> float | None:
+    """Altitude down to which circular orbits of one radius keep continuous coverage, metres.
+
+    The same nodes and phases at the epoch, on other orbits. Lower satellites have smaller caps
+    and show, in a given time, all that higher ones show and more, so there is a least altitude;
+    it is found by halving, each half settled by `prove_fold` over its own span. What is returned
+    is a whole multiple of 100 m (of 1 km above 100,000 km) over the equator, at which the claim
+    is proven; None if there is none up to `FARTHEST`.
+
+    Parameters
+    ----------
+    constellation, fold, sphere_radius, mask, region, stretch
+        As in `prove_fold`.
+    duration
+        As in `shortest_span`.
+    guess
+        Where to begin, metres; the answer does not depend on it.
+    """
+    c = constellation
+    if not one_circle(c) or c.size < fold or region.mars_fixed:
+        return None
+    axis = float(c.semi_major_axis[0])
+    about = axis - sphere_radius if guess is None else guess
+    unit = 100.0 if about < 1e8 else 1000.0
+
+    def holds(steps: float) -> bool:
+        lower = replace(c, semi_major_axis=np.full(c.size, sphere_radius + steps * unit))
+        return _holds(
+            lower,
+            fold,
+            sphere_radius=sphere_radius,
+            mask=mask,
+            region=region,
+            span=shortest_span(lower, region, duration),
+            stretch=stretch,
+        )
+
+    high, low = max(2.0, np.ceil(about / unit)), 1.0
+    step = 1.0 if guess is not None else max(1.0, high // 8)
+    if holds(high):
+        # down from a guess that is near, in steps that double
+        while high - step > 1.0 and holds(high - step):
+            high, step = high - step, 2.0 * step
+        low = max(1.0, high - step)
+        if low == 1.0 and holds(low):
+            return unit
+    else:
+        while not holds(high):
+            low, high, step = high, high + step, 2.0 * step
+            if high * unit > FARTHEST * sphere_radius:
+                return None
+    while high - low > 1.0:
+        middle = (low + high) // 2
+        low, high = (low, middle) if holds(middle) else (middle, high)
+    return float(high * unit)
+
+
+#: Height, in radii, beyond which no lowest orbit is looked for.
+FARTHEST = 1000.0
+
+
+def _holds(constellation: Constellation, fold: int, **claim: Any) -> bool:
+    """Whether a claim is proven, within an effort that suits one of many."""
+    found = prove_fold(constellation, fold, max_intervals=MAX_INTERVALS_OF_MANY, **claim)
+    return found.outcome == "proven"
+
+
+def _last(holds: Callable[[float], bool], low: float, high: float, tolerance: float) -> float:
+    """Halve down to the last value that holds, to `tolerance`; `low` does, `high` does not."""
+    while high - low > tolerance:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if holds(middle) else (low, middle)
+    return float(low)
+
+
+#: Intervals to look at for one of many claims.
+MAX_INTERVALS_OF_MANY = 200_000
 
 
 @dataclass(frozen=True)
@@ -171,6 +269,7 @@ def after_losses(
     mask: float = 0.0,
     region: Region = GLOBE,
     duration: float | None = None,
+    stretch: float = 1.0,
     tolerance: float = 1e-4,
     progress: Callable[[Sequence[Any]], Any] = iter,
 ) -> list[Loss]:
@@ -181,7 +280,7 @@ def after_losses(
 
     Parameters
     ----------
-    constellation, sphere_radius, mask, region
+    constellation, sphere_radius, mask, region, stretch
         As in `prove_fold`.
     losses
         How many fail at once.
@@ -206,10 +305,16 @@ def after_losses(
         span = shortest_span(left, region, duration)
         span = replace(span, mismatch=span.mismatch + alike.mismatch)
         least, _ = fold_range(
-            left, sphere_radius=sphere_radius, mask=mask, region=region, span=span, greatest=False
+            left,
+            sphere_radius=sphere_radius,
+            mask=mask,
+            region=region,
+            span=span,
+            stretch=stretch,
+            greatest=False,
         )
         radius = None
-        if region.is_globe and one_circle(left):
+        if stretch == 1.0 and region.is_globe and one_circle(left):
             radius = covering_radius(left, fold, span=span, tolerance=tolerance).radius
         names = tuple(constellation.satellite_names[s] for s in subset)
         found.append(Loss(names, alike.sets[subset], least, radius))

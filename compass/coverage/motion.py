@@ -44,13 +44,16 @@ class Motion:
     frame_error: float
 
 
-def motion_of(constellation: Constellation, span: Span, region: Region = GLOBE) -> Motion:
+def motion_of(
+    constellation: Constellation, span: Span, region: Region = GLOBE, *, about_pole: bool = False
+) -> Motion:
     """Motion of a constellation over a span, in the frame in which a region stands still.
 
     Any turning frame will do for the whole sphere and any that turns about the pole for a band
     of latitude: the one that follows the satellites on average makes their motion smallest. A
     polygon needs the Mars-fixed frame; there W is taken as the chord over the span, which
-    departs from it by at most an eighth of its curvature times the span squared.
+    departs from it by at most an eighth of its curvature times the span squared. An ellipsoid
+    looks the same only from a frame that turns about its pole (`about_pole`).
     """
     c = constellation
     orbits = np.array(
@@ -75,6 +78,6 @@ def motion_of(constellation: Constellation, span: Span, region: Region = GLOBE) 
         angle = float(np.mod(first - rate * span.start, 2 * np.pi))
         return Motion(orbits, poles, c.gm, spin, angle, float(error) + span.mismatch)
     spin = (c.mean_motion[:, np.newaxis] * poles).mean(axis=0) if c.size else np.zeros(3)
-    if not region.is_globe:
+    if about_pole or not region.is_globe:
         spin = spin * [0.0, 0.0, 1.0]
     return Motion(orbits, poles, c.gm, spin, float("nan"), span.mismatch)

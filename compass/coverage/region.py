@@ -1,6 +1,6 @@
 """Parts of the sphere: a band of latitude, or a convex polygon with great-circle edges."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,6 +42,22 @@ class Region:
             return False
         north = {(round(n[2]), f) for n, f in zip(self.normals, self.floors, strict=True)}
         return north == {(-sign, f) for sign, f in north}
+
+    def stretched(self, stretch: float) -> "Region":
+        """Return the region on the sphere that an ellipsoid becomes, stretched along its pole.
+
+        A plane through the centre stays one, and a circle of latitude stays one at its reduced
+        latitude, ``tan beta = stretch tan phi``.
+        """
+        if stretch == 1.0 or self.is_globe:
+            return self
+        normals, floors = np.array(self.normals), np.array(self.floors)
+        level = np.abs(normals[:, 2]) == 1.0
+        normals[~level, 2] /= stretch
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        rise = floors * stretch
+        along = np.hypot(rise, np.sqrt(1.0 - floors**2))
+        return replace(self, normals=normals, floors=np.where(level, rise / along, floors))
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether unit vectors (..., 3) lie inside or on the rim."""

@@ -64,6 +64,7 @@ def find_witness(
     time: float,
     start: NDArray[np.float64],
     region: Region = GLOBE,
+    stretch: float = 1.0,
 ) -> Witness | None:
     """Walk from a point to where `fold` satellites are missed by most, and confirm the miss.
 
@@ -77,6 +78,8 @@ def find_witness(
         Unit vector to begin at, in the inertial frame.
     region
         Where the claim is made.
+    stretch
+        Ratio of the equatorial radius, `sphere_radius`, to the polar one.
 
     Returns
     -------
@@ -86,7 +89,18 @@ def find_witness(
     positions = positions_mci(constellation, [time])[:, 0]
     angle = float(prime_meridian_angle(constellation.epoch, time))
     names = constellation.satellite_names
-    return witness_among(positions, names, angle, sphere_radius, mask, fold, time, start, region)
+    return witness_among(
+        positions,
+        names,
+        angle,
+        sphere_radius,
+        mask,
+        fold,
+        time,
+        start,
+        region,
+        stretch=stretch,
+    )
 
 
 def witness_among(
@@ -100,6 +114,7 @@ def witness_among(
     start: NDArray[np.float64],
     region: Region = GLOBE,
     sure: float = SURE,
+    stretch: float = 1.0,
 ) -> Witness | None:
     """`find_witness` of satellites at inertial positions, metres, shape (n, 3).
 
@@ -109,7 +124,7 @@ def witness_among(
         Where, and their names.
     angle
         Of the prime meridian, radians.
-    sphere_radius, mask, fold, time, start, region
+    sphere_radius, mask, fold, time, start, region, stretch
         As in `find_witness`.
     sure
         By how much the satellites must be missed, radians.
@@ -117,7 +132,7 @@ def witness_among(
 
     def missing(points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Clearance of the fold-th best satellite; infinite outside the region."""
-        clearance = clearances(positions, sphere_radius, mask, points)
+        clearance = clearances(positions, sphere_radius, mask, points, stretch)
         best = (
             -np.sort(-clearance, axis=-1)[..., fold - 1]
             if fold <= len(positions)
@@ -146,7 +161,7 @@ def witness_among(
             step, left = step * 0.5, MOVES
     if value > -sure:
         return None
-    seen = clearances(positions, sphere_radius, mask, place) >= 0
+    seen = clearances(positions, sphere_radius, mask, place, stretch) >= 0
     latitude, longitude = latitude_longitude(mcmf_from_mci(place, angle))
     return Witness(
         float(time),

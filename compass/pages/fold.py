@@ -40,8 +40,9 @@ def fold_section(result: FoldResult, *, inclinations: int = 46, moments: int = 4
     when = "for all time" if span.for_all_time else f"over {span.stop / 3600:.4g} h"
     witness = certificate.witness
     text = (
-        f"Continuous {result.fold}-fold coverage of the whole sphere above "
-        f"{np.degrees(mask):g} deg, {when}, in two-body motion: {result.outcome}. "
+        f"Continuous {result.fold}-fold coverage of the whole of Mars above "
+        f"{np.degrees(mask):g} deg, {when}, in two-body motion, {design.figure.title}: "
+        f"{result.outcome}. "
         f"No grid and no time step is involved: {certificate.intervals} interval(s) were settled "
         f"by caps shrunk by as much as they can move ({span.reason})."
     )
@@ -50,6 +51,11 @@ def fold_section(result: FoldResult, *, inclinations: int = 46, moments: int = 4
             f" Counter-example: at t = {witness.time:.3f} s, latitude "
             f"{np.degrees(witness.latitude):.4f} deg, longitude "
             f"{np.degrees(witness.longitude):.4f} deg, {witness.fold} in view."
+        )
+    if not design.figure.is_sphere:
+        text += (
+            " Pictures, the common cap radius, shares and GDOP are of the sphere of the equatorial "
+            "radius, on which all caps of one orbit are alike."
         )
     tables = (result.margins(), *result.shares_tables())
     if one_circle(c):

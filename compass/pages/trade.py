@@ -31,7 +31,8 @@ from compass.pages.trade_pictures import (
 )
 from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, finalists_of, notation, rows_in
-from compass.study.results import read_results
+from compass.study.results import known_figures, read_results
+from compass.study.sampling import sampled_over
 from compass.study.yardstick import Yardstick, yardstick
 
 if TYPE_CHECKING:
@@ -171,6 +172,8 @@ def _fronts(
         "None is better than one of the first front in an objective and as good in all others; "
         "one of the front need not be the best in any two of them alone."
     )
+    if how := sampled_over(study, known_figures(study)):
+        text += f" Sampled: {how}; what differs by less than another sampling would has no order."
     interactive = interactive_front(study, results, chosen, measure)
     return arranged(
         "Pareto fronts",

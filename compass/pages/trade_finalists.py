@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -17,12 +17,13 @@ from compass.handover.oem import oem
 from compass.handover.toml import constellation_toml
 from compass.inputs import read_design_text
 from compass.inputs.merit import MERITS
-from compass.inputs.study import Study
+from compass.inputs.study import Objective, Study
 from compass.pages.judge import judge_section, surface_section
 from compass.sites import Mask
 from compass.study.choice import Finalist
 from compass.study.ranking import Ranking, rank_designs
 from compass.study.results import known_figures
+from compass.study.sampling import sampled_over, sampling_of
 from compass.study.yardstick import Yardstick, compared_mask_deg
 
 
@@ -102,6 +103,8 @@ def recommendation(
         f"{chosen[0].certificate} for all time by a certificate whose rounding is on the safe "
         "side (two-body motion).",
     ]
+    if how := sampled_over(study, [o.figure for o in study.objectives]):
+        paragraphs[1] += f" Sampled: {how}."
     if measure is not None:
         paragraphs.append(f"Beside {measure.role} it is {against(study, first, measure)}.")
     if ranking is not None:
@@ -129,37 +132,62 @@ def change(a: float, b: float) -> str:
 
 
 def against(study: Study, one: Finalist, other: Finalist | Yardstick) -> str:
-    """How one compares with another, objective by objective, in words."""
-    words = ("better in", "worse in", "equal in", "not comparable in")
-    groups: dict[str, list[str]] = {word: [] for word in words}
+    """How one compares with another, objective by objective, in words.
+
+    What the sampling does not tell apart has no order.
+    """
+    words = {
+        -1: "better in", 1: "worse in", 0: "equal in", None: "not told apart by the sampling in",
+        "nan": "not comparable in",
+    }  # fmt: skip
+    groups: dict[Any, list[str]] = {word: [] for word in words}
     for o in study.objectives:
         a, b = one.figures[o.figure], other.figures[o.figure]
-        title = MERITS[o.figure].title
-        if np.isnan(a) or np.isnan(b):
-            groups["not comparable in"].append(title)
-        elif a == b:
-            groups["equal in"].append(title)
-        else:
-            word = "better in" if o.sign * a < o.sign * b else "worse in"
-            values = f"{worth(o.figure, a)} against {worth(o.figure, b)}{change(a, b)}"
-            groups[word].append(f"{title}: {values}")
-    return "; ".join(f"{word} {', '.join(some)}" for word, some in groups.items() if some)
+        order: Any = "nan" if np.isnan(a) or np.isnan(b) else ordered(o, one, other)
+        text = MERITS[o.figure].title
+        if order not in (0, "nan"):
+            text += f": {worth(o.figure, a)} against {worth(o.figure, b)}{change(a, b)}"
+            if how := sampling_of(study, o.figure):
+                doubt = one.errors.get(o.figure, 0.0) + other.errors.get(o.figure, 0.0)
+                text += f", sampled over {how}" + (f", to {doubt:.2g}" if doubt else "")
+        groups[order].append(text)
+    return "; ".join(f"{words[key]} {', '.join(some)}" for key, some in groups.items() if some)
+
+
+def ordered(
+    objective: Objective, one: Finalist, other: Finalist | Yardstick
+) -> Literal[-1, 0, 1] | None:
+    """Whether one is better (-1), as good or worse (1) in an objective; None: not told apart."""
+    name = objective.figure
+    a, b = one.figures[name], other.figures[name]
+    if a == b:
+        return 0
+    if np.isfinite(a) and np.isfinite(b):
+        doubt = one.errors.get(name, 0.0) + other.errors.get(name, 0.0)
+        if not abs(a - b) > doubt:
+            return None
+    return -1 if objective.sign * a < objective.sign * b else 1
 
 
 def verdict(study: Study, one: Finalist, other: Finalist | Yardstick) -> str:
-    """Whether one beats another in all objectives, loses in all, or is a trade."""
-    pairs = [
-        (o.sign * one.figures[o.figure], o.sign * other.figures[o.figure]) for o in study.objectives
-    ]
-    if any(np.isnan(a) or np.isnan(b) for a, b in pairs):
+    """Whether one beats another in all objectives, loses in all, or is a trade.
+
+    Where the sampling does not tell them apart in one, it is of the others, and said so.
+    """
+    if any(np.isnan([one.figures[o.figure], other.figures[o.figure]]).any()
+           for o in study.objectives):  # fmt: skip
         return "not comparable"
-    if all(a <= b for a, b in pairs) and any(a < b for a, b in pairs):
-        return "beats it in all"
-    if all(a >= b for a, b in pairs) and any(a > b for a, b in pairs):
-        return "loses in all"
-    if all(a == b for a, b in pairs):
-        return "equal"
-    return "a trade"
+    orders = [ordered(o, one, other) for o in study.objectives]
+    told = [order for order in orders if order is not None]
+    if len(told) < len(orders):
+        if -1 in told and 1 not in told:
+            return "beats it where they are told apart"
+        if 1 in told and -1 not in told:
+            return "loses where they are told apart"
+        return "a trade" if 1 in told else "not told apart"
+    if 1 not in told:
+        return "beats it in all" if -1 in told else "equal"
+    return "a trade" if -1 in told else "loses in all"
 
 
 def _objective_table(study: Study, chosen: Sequence[Entrant], measure: Yardstick | None) -> Table:

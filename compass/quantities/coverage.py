@@ -29,7 +29,7 @@ CONTINUOUS = (
         meaning="A satellite counts as in view above this elevation.",
     ),
     Quantity(
-        "lowest_altitude_km", "km", "lowest altitude at this mask", 5, "less",
+        "lowest_altitude_km", "km", "lowest altitude at this mask", 6, "less",
         meaning="The same pattern, lower, keeps the fold wanted down to this altitude.",
     ),
     Quantity(

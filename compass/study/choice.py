@@ -1,6 +1,6 @@
 """Which candidates stand out: the finalists of a study, each with what it is best at."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.orbits import Constellation
 from compass.study.candidates import PATTERNS, ROW, make_constellation
+from compass.study.sampling import map_errors
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,11 +28,14 @@ class Finalist:
         The candidate, of dtype `compass.study.candidates.ROW`.
     figures
         Its figures of merit.
+    errors
+        By how much those that are sampled over area and time may be off.
     """
 
     role: str
     row: np.void
     figures: dict[str, float]
+    errors: dict[str, float] = field(default_factory=dict)
 
     @property
     def kind(self) -> str:
@@ -111,10 +115,12 @@ def finalists_of(study: Study, results: "xr.Dataset") -> list[Finalist]:
         key = str(one.identity.values[0])
         if key in found:
             old = found[key]
-            found[key] = Finalist(f"{old.role}; {role}", old.row, old.figures)
+            found[key] = replace(old, role=f"{old.role}; {role}")
         else:
             figures = {name: float(one[name].values[0]) for name in MERITS}
-            found[key] = Finalist(role, rows_in(one)[0], figures)
+            row = rows_in(one)
+            errors = {name: float(values[0]) for name, values in map_errors(study, row).items()}
+            found[key] = Finalist(role, row[0], figures, errors)
     return list(found.values())
 
 

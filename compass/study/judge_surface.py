@@ -31,8 +31,8 @@ def judge_surface(
     fold
         Satellites to be in view at once.
     figure, mask
-        The sphere of its equatorial radius is covered; of a mask that depends on azimuth the
-        highest elevation counts, which is on the safe side.
+        Fold and margin are proven on it, GDOP is sampled on the sphere of its equatorial radius;
+        of a mask that depends on azimuth the highest elevation counts, which is on the safe side.
     gdop_max
         Largest GDOP that counts as available.
     seed
@@ -49,8 +49,9 @@ def judge_surface(
     """
     sphere, high = figure.equatorial_radius, mask.highest
     span = shortest_span(constellation)
-    certificate = prove_fold(constellation, fold, sphere_radius=sphere, mask=high, span=span)
-    margin = highest_mask(constellation, fold, sphere_radius=sphere, span=span)
+    claim: dict[str, Any] = {"sphere_radius": sphere, "stretch": figure.stretch, "span": span}
+    certificate = prove_fold(constellation, fold, mask=high, **claim)
+    margin = highest_mask(constellation, fold, **claim)
     dop = {
         f"p{percent}": gdop_percentile(
             constellation, percent, sphere_radius=sphere, mask=high, span=span, seed=seed

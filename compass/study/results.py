@@ -13,6 +13,7 @@ from compass.inputs.study import Study
 from compass.study.candidates import PATTERNS, ROW, identities
 from compass.study.pareto import fronts
 from compass.study.record import Batch
+from compass.study.sampling import sampling_of
 from compass.study.store import FILE, read_lines
 
 if TYPE_CHECKING:
@@ -82,6 +83,8 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
     for figure, merit in MERITS.items():
         if figure not in data:
             attrs = {"units": merit.unit, "long_name": merit.title}
+            if how := sampling_of(study, figure):
+                attrs["sampled_over"] = how
             data[figure] = ("candidate", figures[figure], attrs)
     data |= {
         "stage": ("candidate", np.array(STAGES, dtype=object)[stage]),

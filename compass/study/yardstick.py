@@ -1,6 +1,6 @@
 """A design beside which a study's candidates are put, pattern or not."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from compass.study.candidates import PATTERNS, ROW
 from compass.study.choice import notation
 from compass.study.judge import judge
 from compass.study.pattern_map import places
+from compass.study.sampling import doubtful, finer, map_errors
 from compass.study.stages import evaluate
 
 #: Moments at which the geometry of orbits that are no pattern is sampled; a prime number meets
@@ -40,11 +41,14 @@ class Yardstick:
         Mask under which it is compared, degrees.
     figures
         By name; nan where its orbits are no pattern of equal circles and the figure is of those.
+    errors
+        By how much those that are sampled over area and time may be off.
     """
 
     design: Design
     mask_deg: float
     figures: dict[str, float]
+    errors: dict[str, float] = field(default_factory=dict)
 
     @property
     def role(self) -> str:
@@ -92,8 +96,9 @@ def yardstick(study: Study) -> Yardstick | None:
         return None
     mask = compared_mask_deg(study)
     find = _as_candidate if study.compare.constellation.pattern is not None else _by_itself
-    known = find(study, study.compare.constellation, mask)
-    return Yardstick(study.compare, mask, dict.fromkeys(MERITS, float("nan")) | known)
+    known, errors = find(study, study.compare.constellation, mask)
+    figures = dict.fromkeys(MERITS, float("nan")) | known
+    return Yardstick(study.compare, mask, figures, errors)
 
 
 def compared_mask_deg(study: Study) -> float:
@@ -102,8 +107,10 @@ def compared_mask_deg(study: Study) -> float:
     return mask[0] if isinstance(mask, tuple) else mask.least
 
 
-def _as_candidate(study: Study, c: Constellation, mask_deg: float) -> dict[str, float]:
-    """Figures of a pattern, by the functions that sort the candidates."""
+def _as_candidate(
+    study: Study, c: Constellation, mask_deg: float
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Figures of a pattern and errors of sampling, by the functions that sort the candidates."""
     pattern = c.pattern
     assert pattern is not None
     rows = np.array(
@@ -124,11 +131,14 @@ def _as_candidate(study: Study, c: Constellation, mask_deg: float) -> dict[str, 
     for stage in ("screen", "map", *(("entry",) if study.entry else ())):
         found = evaluate(stage, study, rows)
         figures |= {name: float(values[0]) for name, values in found.figures.items()}
-    return figures
+    errors = {name: float(values[0]) for name, values in map_errors(study, rows).items()}
+    return figures, errors
 
 
-def _by_itself(study: Study, c: Constellation, mask_deg: float) -> dict[str, float]:
-    """Figures of any orbits, by the functions for one constellation."""
+def _by_itself(
+    study: Study, c: Constellation, mask_deg: float
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Figures of any orbits and errors of sampling, by the functions for one constellation."""
     sphere, mask = study.figure.equatorial_radius, float(np.radians(mask_deg))
     span = shortest_span(c)
     outcome = prove_fold(c, study.fold, sphere_radius=sphere, mask=mask, span=span).outcome
@@ -142,7 +152,12 @@ def _by_itself(study: Study, c: Constellation, mask_deg: float) -> dict[str, flo
         "fold_proven": {"proven": 1.0, "refuted": 0.0}.get(outcome, float("nan")),
         "mask_margin_deg": float("nan") if margin is None else float(np.degrees(margin)),
     }
-    figures |= _geometry(study, c, mask, span)
+    geometry, *closer = [
+        {name: np.array(value) for name, value in _geometry(one, c, mask, span).items()}
+        for one in (study, *finer(study))
+    ]
+    figures |= {name: float(value) for name, value in geometry.items()}
+    errors = {name: float(value) for name, value in doubtful(geometry, closer).items()}
     if study.entry is not None:
         entry = study.entry
         judged = judge(
@@ -154,7 +169,7 @@ def _by_itself(study: Study, c: Constellation, mask_deg: float) -> dict[str, flo
             if merit.stage == "entry":
                 group, _, key = name.partition(".")
                 figures[name] = float(judged[group][key] if key else judged[group])
-    return figures
+    return figures, errors
 
 
 def _geometry(study: Study, c: Constellation, mask: float, span: Span) -> dict[str, float]:

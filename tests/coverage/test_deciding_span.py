@@ -1,11 +1,16 @@
 """The span that decides: against the unreduced period, and the rosettes' trap."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from compass.coverage.certificate import prove_fold
 from compass.coverage.margin import covering_radius
 from compass.coverage.region import GLOBE, read_region
-from compass.coverage.symmetry import Span, shortest_span, unlike_subsets
+from compass.coverage.symmetry import MOST_REVOLUTIONS, Span, shortest_span, unlike_subsets
 from compass.errors import ArgumentError
 from compass.orbits import keplerian, orbital_period, rosette, walker_delta, walker_star
 from compass.orbits.symmetry import phase_steps
@@ -114,6 +119,74 @@ def test_a_duration_is_taken_as_it_is():
     assert shortest_span(c, duration=100.0).stop == 100.0
     with pytest.raises(ArgumentError, match="duration = -1"):
         shortest_span(c, duration=-1.0)
+
+
+def test_a_duration_past_what_repeats_decides_for_ever():
+    c = walker_delta(6, 3, 1, inclination_deg=57.3, radius_km=RADIUS / 1e3)
+    short, whole = shortest_span(c, duration=PERIOD / 6 - 1), shortest_span(c)
+    assert (short.for_all_time, short.stop) == (False, PERIOD / 6 - 1)
+    for duration in (PERIOD / 6 + 1, 3.6e6, 1e300):
+        long = shortest_span(c, duration=duration)
+        assert (long.for_all_time, long.start, long.stop) == (True, whole.start, whole.stop)
+        assert "reaches past" in long.reason
+    ellipse = keplerian(RADIUS, 0.2, 1.0, [0.0, 1.0], 0.0, 0.0)
+    assert shortest_span(ellipse, duration=1e9).stop == pytest.approx(PERIOD)
+
+
+def test_where_nothing_repeats_a_duration_has_an_end():
+    two = keplerian([RADIUS, 1.1 * RADIUS], 0.0, 1.0, [0.0, 1.0], 0.0, 0.0)
+    most = MOST_REVOLUTIONS * PERIOD
+    assert shortest_span(two, duration=most * 0.999).stop == most * 0.999
+    with pytest.raises(ArgumentError, match=r"allowed up to .* h, 500 revolutions of the fastest"):
+        shortest_span(two, duration=most * 1.001)
+    polygon = read_region("polygon:0,0;0,60;50,30")
+    c = walker_delta(6, 3, 1, inclination_deg=57.3, radius_km=RADIUS / 1e3)
+    with pytest.raises(ArgumentError, match="nothing repeats here"):
+        shortest_span(c, polygon, 1e300)
+
+
+@settings(max_examples=30)
+@given(
+    st.sampled_from([(6, 3, 1), (8, 4, 2), (9, 3, 2), (5, 5, 2)]),
+    st.booleans(),
+    st.floats(20, 160),
+    st.integers(0, 8),
+    st.sampled_from([0.0, 1e-11, 1e-7, 0.05]),
+    st.floats(0, 6.28),
+    st.randoms(use_true_random=False),
+)
+def test_a_name_decides_nothing(counts, is_star, inclination_deg, which, off, turn, random):
+    """What the span decides is what the whole revolution decides, whatever the elements came of.
+
+    One satellite is put out of place, all are turned about the pole and shuffled; the radius that
+    is needed over the deciding span is that of the whole period, in which nothing is reduced.
+    """
+    make = walker_star if is_star else walker_delta
+    c = make(*counts, inclination_deg=inclination_deg, radius_km=RADIUS / 1e3)
+    anomaly = c.mean_anomaly.copy()
+    anomaly[which % c.size] += off
+    order = list(range(c.size))
+    random.shuffle(order)
+    moved = replace(c, mean_anomaly=anomaly)
+    mixed = keplerian(RADIUS, 0.0, c.inclination[order], c.raan[order] + turn, 0.0, anomaly[order])
+    found = [covering_radius(x, 1, tolerance=1e-3) for x in (moved, mixed)]
+    whole = covering_radius(moved, 1, span=WHOLE, tolerance=1e-3)
+    for one in found:
+        assert one.radius >= whole.at_least - 1e-12
+        assert one.at_least <= whole.radius + 1e-12
+
+
+def test_a_satellite_out_of_place_is_refuted_as_without_a_name():
+    """3 degrees on one of fifteen; the pattern's own span would have proven it."""
+    c = walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
+    anomaly = c.mean_anomaly.copy()
+    anomaly[0] += np.radians(3)
+    moved = replace(c, mean_anomaly=anomaly)
+    claim = {"sphere_radius": 3396.2e3, "mask": np.radians(5.736)}
+    assert prove_fold(c, 4, **claim).outcome == "proven"
+    assert prove_fold(moved, 4, **claim).outcome == "refuted"
+    believed = shortest_span(c)
+    assert prove_fold(moved, 4, **claim, span=believed).outcome == "proven"
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,25 @@ import pytest
 
 from compass.coverage.cap import cap_radius
 from compass.coverage.certificate import fold_range, prove_fold
-from compass.coverage.margin import after_losses, covering_radius, highest_mask, lowest_altitude
+from compass.coverage.fold import in_view
+from compass.coverage.margin import (
+    after_losses,
+    covering_radius,
+    highest_mask,
+    lowest_altitude,
+    lowest_orbit,
+)
 from compass.coverage.region import read_region
-from compass.coverage.symmetry import Span
+from compass.coverage.symmetry import Span, shortest_span
 from compass.errors import ArgumentError
-from compass.orbits import keplerian, positions_mci, walker_delta
+from compass.orbits import (
+    keplerian,
+    orbital_period,
+    positions_mci,
+    rosette,
+    walker_delta,
+    walker_star,
+)
 
 R = 3396.2e3
 DEGREE = np.radians(1.0)
@@ -107,11 +121,68 @@ def test_highest_mask_of_a_region_by_halving():
     assert prove_fold(c, 1, mask=mask + 3e-3, **claim).outcome == "refuted"
 
 
-def test_no_mask_will_do():
-    # both satellites on one side for ever: even through the ground not everyone sees two
+def test_two_on_one_side_are_seen_through_the_ground_only():
+    """Against samples of the plain triangle: the user opposite the pair looks almost straight down."""
     c = keplerian([1e7, 1e7], 0.1, 0.0, 0.0, 0.0, [0.0, 0.1])
-    mask = highest_mask(c, 1, sphere_radius=9.0e6 - 1.0, tolerance=0.02)
-    assert mask is None or mask < 0
+    sphere = 9.0e6 - 1.0
+    mask = highest_mask(c, 1, sphere_radius=sphere, tolerance=1e-3)
+    around = np.linspace(0, 2 * np.pi, 4001)
+    places = np.stack([np.cos(around), np.sin(around), 0 * around], axis=-1)
+    times = np.linspace(0, float(orbital_period(1e7)), 201)
+    sampled = min(in_view(c, sphere, 0.0, t, places).max(axis=1).min() for t in times)
+    assert sampled - 2e-3 < mask <= sampled < np.radians(-85)
+
+
+def star():
+    return walker_star(12, 3, 2, inclination_deg=75, altitude_km=10000)
+
+
+def test_the_lowest_orbit_in_a_limited_time_is_proven_at_its_own_pace():
+    """Lower satellites move faster and show more of what there is in the same time."""
+    found = lowest_orbit(star(), 1, sphere_radius=R, duration=720.0)
+    from_the_cap = lowest_altitude(
+        covering_radius(star(), 1, span=shortest_span(star(), duration=720.0)).radius, R
+    )
+    assert found > from_the_cap + 1e4
+    for height, outcome in ((found, "proven"), (found + 3e4, "proven"), (found - 100.0, "refuted")):
+        c = walker_star(12, 3, 2, inclination_deg=75, altitude_km=height / 1e3)
+        span = shortest_span(c, duration=720.0)
+        assert prove_fold(c, 1, sphere_radius=R, span=span).outcome == outcome
+    for guess in (from_the_cap, 3 * found):
+        assert lowest_orbit(star(), 1, sphere_radius=R, duration=720.0, guess=guess) == found
+
+
+def test_the_lowest_orbit_for_ever_is_that_of_the_cap_rounded_up():
+    c = walker_delta(5, 5, 1, inclination_deg=43.66, radius_km=20428)
+    exact = lowest_altitude(covering_radius(c, 1).radius, R)
+    found = lowest_orbit(c, 1, sphere_radius=R, guess=exact)
+    assert exact - 20.0 <= found <= exact + 120.0
+    assert found % 100.0 == 0.0
+    assert lowest_orbit(c, 6, sphere_radius=R) is None
+    assert lowest_orbit(c, 4, sphere_radius=R) is None  # not from any height
+    oval = keplerian([1e7, 1e7], 0.1, 0.0, 0.0, 0.0, [0.0, 0.1])
+    assert lowest_orbit(oval, 1, sphere_radius=R) is None
+
+
+def test_a_delay_is_no_symmetry_of_a_limited_time():
+    """Against every satellite by itself; for ever all twelve are alike, in 12 minutes not."""
+    c = rosette(12, 3, "1/4", inclination_deg=50.73, orbit="areosynchronous")
+    assert len(after_losses(c, 1, 1, sphere_radius=R, tolerance=0.1)) == 1
+    found = after_losses(c, 1, 1, sphere_radius=R, duration=720.0, tolerance=0.1)
+    least = {
+        name: fold_range(
+            c.without([k]),
+            sphere_radius=R,
+            span=shortest_span(c.without([k]), duration=720.0),
+            greatest=False,
+        )[0]
+        for k, name in enumerate(c.satellite_names)
+    }
+    assert sum(loss.alike for loss in found) == 12
+    assert sorted(loss.least for loss in found for _ in range(loss.alike)) == sorted(least.values())
+    assert len(set(least.values())) == 2
+    for loss in found:
+        assert loss.least == least[loss.satellites[0]]
 
 
 def test_losses_against_every_set_one_by_one():

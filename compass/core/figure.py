@@ -1,0 +1,119 @@
+"""Who sees a satellite over an ellipsoid: caps that surely do, and caps beyond which none does.
+
+Stretched along the pole by ``s = a/b``, ``S = diag(1, 1, s)``, an ellipsoid of revolution is a
+sphere of radius a. With q the unit vector to the user's stretched place, ``R = S r`` the stretched
+satellite and ``D = R - a q`` the sight, the elevation e over the ellipsoid's normal obeys
+
+    sin e = (q.R - a)/(|S q| |S^-1 D|) = sin e' / kappa,
+    kappa^2 = (1 + (s^2 - 1) q_z^2) (1 - (1 - 1/s^2) d_z^2),    d = D/|D|,
+
+e' the elevation over the sphere. So a mask of 0 gives caps exactly, and any other lies between the
+caps of the sphere for the least and the greatest kappa that can occur: ``1/s`` to ``s`` anywhere,
+and the closer the narrower the band of latitude (of q) and the shorter the time. For those bounds
+kappa need only be known where e' comes near the mask: where ``sin e'`` is outside ``sin e`` times
+1/s to s, it decides whatever kappa is.
+"""
+
+import math
+
+from compass.core.jit import kernel
+
+#: What a few sums and roots of numbers about 1 may be wrong by.
+ROUNDING = 1e-14
+
+
+@kernel
+def _within(value):
+    return min(1.0, max(-1.0, value))
+
+
+@kernel
+def _sight(distance, sphere_radius, sin_mask):
+    """Distance from a user to a satellite that stands at an elevation."""
+    cos2 = max(0.0, 1.0 - sin_mask * sin_mask)
+    reach = distance * distance - sphere_radius * sphere_radius * cos2
+    return math.sqrt(max(0.0, reach)) - sphere_radius * sin_mask
+
+
+@kernel
+def _rim(distance, sphere_radius, sin_mask):
+    """Radius of the cap of the sphere that sees a satellite above a mask."""
+    mask = math.asin(_within(sin_mask))
+    return math.acos(_within(sphere_radius * math.cos(mask) / distance)) - mask
+
+
+@kernel
+def stretched_caps(
+    orbits, poles, gm, sphere_radius, stretch, mask, half, south, north, u, radius, stray, outer
+):
+    """Turn caps of the sphere at mask 0 into bounds for an ellipsoid, in place.
+
+    Parameters
+    ----------
+    orbits, poles, gm, mask
+        As in `compass.core.certificate.caps_at`.
+    sphere_radius, stretch
+        Equatorial radius, metres, and its ratio to the polar one.
+    half
+        Seconds: bounds hold so long before and after.
+    south, north
+        Band of the sphere, sines of latitude, in which they hold.
+    u, radius, stray
+        What `caps_at` gives for the sphere of the equatorial radius with mask 0. They take the
+        directions to the stretched satellites, the radii of caps in which every user sees them
+        above the mask, and how far directions and radii can stray, shape (n, 3), (n,), (n,).
+    outer
+        Takes the radii of caps outside which none does, shape (n,).
+
+    Returns
+    -------
+    by_band, by_time
+        About how much of what lies between the two caps is due to the width of the band, and how
+        much to the length of the time, radians.
+    """
+    by_band, by_time = 0.0, 0.0
+    e2 = 1.0 - 1.0 / (stretch * stretch)
+    f2 = stretch * stretch - 1.0
+    sin_mask = math.sin(mask)
+    least_q = 0.0 if south <= 0.0 <= north else min(abs(south), abs(north))
+    most_q = max(abs(south), abs(north))
+    below, above = sin_mask / stretch, sin_mask * stretch
+    if sin_mask < 0.0:
+        below, above = above, below
+    below, above = _within(below), _within(above)
+    for s in range(radius.size):
+        distance = sphere_radius / math.cos(radius[s])
+        a, e = orbits[0, s], orbits[1, s]
+        x, y, z = u[s, 0], u[s, 1], stretch * u[s, 2]
+        norm = math.sqrt(x * x + y * y + z * z)
+        u[s, 0], u[s, 1], u[s, 2] = x / norm, y / norm, z / norm
+        far = norm * distance
+        # rates: of height from the stretched centre, and of the stretched height over the equator
+        p = a * (1.0 - e * e)
+        speed = math.sqrt(gm / p)
+        tilt = math.sqrt(poles[s, 0] * poles[s, 0] + poles[s, 1] * poles[s, 1])
+        climb = tilt * speed * (1.0 + e)
+        rate = e * speed + f2 * climb
+        low, high = max(a * (1.0 - e), far - rate * half), far + rate * half
+        rise = stretch * climb * half
+        z0, z1 = z * distance - rise, z * distance + rise
+        # how steeply the sight may run where the satellite stands near the mask
+        n0, n1 = z0 - sphere_radius * north, z1 - sphere_radius * south
+        least_n = 0.0 if n0 <= 0.0 <= n1 else min(abs(n0), abs(n1))
+        most_n = max(abs(n0), abs(n1))
+        shortest = _sight(low, sphere_radius, above)
+        longest = _sight(high, sphere_radius, below)
+        most_d = 1.0 if most_n >= shortest else most_n / shortest
+        least_d = min(1.0, least_n / longest)
+        k0 = math.sqrt((1.0 + f2 * least_q * least_q) * (1.0 - e2 * most_d * most_d))
+        k1 = math.sqrt((1.0 + f2 * most_q * most_q) * (1.0 - e2 * least_d * least_d))
+        t0, t1 = k0 * sin_mask, k1 * sin_mask
+        radius[s] = _rim(far, sphere_radius, max(t0, t1)) - ROUNDING
+        outer[s] = _rim(far, sphere_radius, min(t0, t1)) + ROUNDING
+        steep = e2 * most_d * abs(sin_mask) / shortest
+        across = 0.5 * f2 * abs(sin_mask) * (most_q * most_q - least_q * least_q)
+        by_band = max(by_band, across + steep * sphere_radius * (north - south))
+        by_time = max(by_time, 2.0 * steep * rise)
+        growth = rate * sphere_radius / (low * math.sqrt(low * low - sphere_radius**2))
+        stray[s] = stretch * stray[s] + growth * half
+    return by_band, by_time
