@@ -254,7 +254,7 @@ def _surface(row: dict[str, Any], margin: Quantity) -> tuple[object, ...]:
         f"{known['fold']['wanted']}-fold {known['fold']['outcome']}",
         Value(margin, "no mask has it" if highest is None else highest),
         *(estimate(known["gdop"][key], known["gdop_error"][key]) for key in ("p50", "p95")),
-        estimate(100 * known["availability"], 100 * known["availability_error"]),
+        estimate(100 * known["gdop_share"], 100 * known["gdop_share_error"]),
     )
 
 

@@ -152,7 +152,7 @@ def gdop_percentile(
     return _mean(values)
 
 
-def gdop_availability(
+def gdop_share(
     constellation: Constellation,
     threshold: float,
     *,

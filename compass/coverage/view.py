@@ -1,5 +1,6 @@
 """What kernels need to know of a constellation over time: directions, distances, caps, mask."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,8 +8,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.coverage.cap import cap_radius
 from compass.orbits import Constellation, positions_mcmf
-from compass.orbits.motion import AnyMotion
+from compass.orbits.motion import AnyMotion, Motion, as_motion
 from compass.sites import Mask
+
+#: Satellite positions that are worked out at once: what is made on the way to them takes some
+#: 120 bytes each.
+PIECE = 400_000
 
 
 @dataclass(frozen=True)
@@ -56,14 +61,28 @@ def view(
     """
     mask = mask or Mask()
     seconds = np.atleast_1d(np.asarray(times, dtype=float))
-    positions = positions_mcmf(constellation, seconds, model) / sphere_radius
-    r = np.ascontiguousarray(np.moveaxis(positions, 0, 1))
-    caps = cap_radius(np.linalg.norm(r, axis=-1) * sphere_radius, sphere_radius, mask.lowest)
+    r = np.empty((seconds.size, constellation.size, 3))
+    cos_cap = np.empty(r.shape[:2])
+    for part in _pieces(seconds.size, constellation.size, as_motion(model)):
+        r[part] = np.moveaxis(positions_mcmf(constellation, seconds[part], model), 0, 1)
+        r[part] /= sphere_radius
+        distance = np.linalg.norm(r[part], axis=-1) * sphere_radius
+        cos_cap[part] = np.cos(cap_radius(distance, sphere_radius, mask.lowest))
     constant = mask.is_constant
     return View(
         seconds,
         r,
-        np.cos(caps),
+        cos_cap,
         np.array(mask.azimuth[:1] if constant else mask.azimuth),
         np.array(mask.elevation[:1] if constant else mask.elevation),
     )
+
+
+def _pieces(epochs: int, satellites: int, motion: Motion) -> Iterator[slice]:
+    """Runs of epochs, so that little is held beside the positions.
+
+    All at once where forces are integrated, which begins at the epoch every time.
+    """
+    step = max(1, PIECE // max(satellites, 1)) if motion.is_closed_form else epochs
+    for first in range(0, epochs, max(step, 1)):
+        yield slice(first, first + step)

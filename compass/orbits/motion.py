@@ -75,6 +75,11 @@ class Motion:
         """Return this motion, or another if another model is named."""
         return self if model in (None, self.model) else Motion(model)
 
+    @property
+    def is_closed_form(self) -> bool:
+        """Whether a moment costs the same whichever others are asked for: nothing is integrated."""
+        return self.model in ("two-body", "j2")
+
     def states(
         self, constellation: Constellation, times: ArrayLike
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -82,7 +87,7 @@ class Motion:
         from compass.orbits.ellipse import elliptic
 
         seconds = np.atleast_1d(np.asarray(times, dtype=float))
-        if self.model in ("two-body", "j2"):
+        if self.is_closed_form:
             return elliptic(constellation, seconds, drifting=self.model == "j2")
         low, high = min(seconds.min(initial=0.0), 0.0), max(seconds.max(initial=0.0), 0.0)
         if low == high == 0.0:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from compass.api.fold import FoldResult
 from compass.coverage.fold import caps_of, fold_extremes
-from compass.coverage.gdop import gdop_availability, gdop_percentile
+from compass.coverage.gdop import gdop_percentile, gdop_share
 from compass.coverage.margin import CoveringRadius, covering_radius
 from compass.coverage.symmetry import Span
 from compass.coverage.witness import Witness
@@ -75,7 +75,7 @@ def _quality(c: Constellation, sphere: float, mask: float, span: Span) -> Table:
     """GDOP over area and time, each number with its error."""
     rows: list[tuple[object, ...]] = []
     p95 = gdop_percentile(c, 95.0, sphere_radius=sphere, mask=mask, span=span)
-    six = gdop_availability(c, 6.0, sphere_radius=sphere, mask=mask, span=span)
+    six = gdop_share(c, 6.0, sphere_radius=sphere, mask=mask, span=span)
     if np.isfinite(p95.value):
         rows.append(("GDOP, 95th percentile", p95.value, p95.error, ""))
     rows.append(("GDOP of 6 or less", 100 * six.value, 100 * six.error, "% of area-time"))

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from compass.coverage.certificate import prove_fold
-from compass.coverage.gdop import gdop_availability, gdop_percentile
+from compass.coverage.gdop import gdop_percentile, gdop_share
 from compass.coverage.margin import highest_mask
 from compass.coverage.symmetry import shortest_span
 from compass.frames import Figure
@@ -22,7 +22,7 @@ def judge_surface(
     gdop_max: float = 6.0,
     seed: int = 1,
 ) -> dict[str, Any]:
-    """Exact fold, mask margin, GDOP percentiles and availability, as plain values.
+    """Exact fold, mask margin, GDOP percentiles and the share below a limit, as plain values.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def judge_surface(
         Fold and margin are proven on it, GDOP is sampled on the sphere of its equatorial radius;
         of a mask that depends on azimuth the highest elevation counts, which is on the safe side.
     gdop_max
-        Largest GDOP that counts as available.
+        Limit of the share.
     seed
         Of the points at which GDOP is sampled.
 
@@ -43,8 +43,8 @@ def judge_surface(
     dict
         ``fold``: wanted, and whether it is proven for all time (`prove_fold`);
         ``mask_margin_deg``: the highest mask with that fold, None if no mask has it; ``gdop``:
-        p50 and p95 over area and time; ``availability``: share of them with GDOP at most
-        `gdop_max`; ``gdop_error``, ``availability_error``: their standard errors, for they are
+        p50 and p95 over area and time; ``gdop_share``: share of them with GDOP at most
+        `gdop_max`; ``gdop_error``, ``gdop_share_error``: their standard errors, for they are
         sampled.
     """
     sphere, high = figure.equatorial_radius, mask.highest
@@ -58,7 +58,7 @@ def judge_surface(
         )
         for percent in (50, 95)
     }
-    available = gdop_availability(
+    available = gdop_share(
         constellation, gdop_max, sphere_radius=sphere, mask=high, span=span, seed=seed
     )
     return {
@@ -66,6 +66,6 @@ def judge_surface(
         "mask_margin_deg": None if margin is None else float(np.degrees(margin)),
         "gdop": {name: estimate.value for name, estimate in dop.items()},
         "gdop_error": {name: estimate.error for name, estimate in dop.items()},
-        "availability": available.value,
-        "availability_error": available.error,
+        "gdop_share": available.value,
+        "gdop_share_error": available.error,
     }

@@ -27,8 +27,9 @@ if TYPE_CHECKING:
 MAX_EPOCHS = 100_000
 MAX_DURATION_H = 1e6
 
-# Bytes, as measured: a satellite at an epoch, a cell, an epoch of a cell in the row at work.
-POSITION_BYTES, CELL_BYTES, ROW_BYTES = 100, 180, 25
+# Bytes, as measured: a satellite at an epoch (the same where orbits are integrated, all epochs at
+# once), a cell, an epoch of a cell in the row at work.
+POSITION_BYTES, INTEGRATED_BYTES, CELL_BYTES, ROW_BYTES = 40, 110, 180, 25
 
 
 @dataclass(frozen=True)
@@ -121,7 +122,7 @@ def make_map(
     motion = design.motion.or_of(chosen.motion)
     figure = design.figure
     grid = make_grid(chosen.grid, chosen.step_deg, figure.polar_radius / figure.equatorial_radius)
-    check_memory(design.constellation.size, chosen.epochs, grid, workers)
+    check_memory(design.constellation.size, chosen.epochs, grid, workers, motion)
     sphere = figure.equatorial_radius
     fold = design.fold if chosen.fold is None else chosen.fold
     seen = view(design.constellation, times, sphere, mask, motion)
@@ -158,11 +159,14 @@ def make_map(
     return DesignMap(dataset, grid, seen, repeat)
 
 
-def check_memory(satellites: int, epochs: int, grid: Grid, workers: int | None) -> None:
+def check_memory(
+    satellites: int, epochs: int, grid: Grid, workers: int | None, motion: Motion
+) -> None:
     """Refuse a map that does not fit into this machine's memory.
 
-    Counted are the positions of every satellite at every epoch with what is made on the way to
-    them, the figures of every cell, and the dilutions of a row that each thread sorts.
+    Counted are the positions of every satellite at every epoch (with what is made on the way to
+    them, where that is not done in pieces), the figures of every cell, and the dilutions of a row
+    that each thread sorts.
 
     Raises
     ------
@@ -171,7 +175,7 @@ def check_memory(satellites: int, epochs: int, grid: Grid, workers: int | None) 
     """
     threads = workers or (os.cpu_count() or 1)
     needed = (
-        POSITION_BYTES * satellites * epochs
+        (POSITION_BYTES if motion.is_closed_form else INTEGRATED_BYTES) * satellites * epochs
         + CELL_BYTES * grid.rows * grid.columns
         + ROW_BYTES * threads * grid.columns * epochs
     )

@@ -40,8 +40,8 @@ fold = 1
         "mask_margin_deg": None,
         "gdop": {"p50": 2.0, "p95": float("inf")},
         "gdop_error": {"p50": 0.1, "p95": float("nan")},
-        "availability": 0.9,
-        "availability_error": 0.01,
+        "gdop_share": 0.9,
+        "gdop_share_error": 0.01,
     }
     monkeypatch.setattr(ranking, "judge_surface", lambda *_, **__: surface)
     for name, value in (("MOMENTS", 1), ("BATCH", 2), ("SURVIVORS", 2)):

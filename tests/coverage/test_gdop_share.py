@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from compass.core.gdop import dops_at, dops_over
-from compass.coverage.gdop import gdop_availability, gdop_percentile, gdop_samples
+from compass.coverage.gdop import gdop_percentile, gdop_samples, gdop_share
 from compass.coverage.symmetry import shortest_span
 from compass.errors import ArgumentError
 from compass.orbits import positions_mci, walker_delta
@@ -91,7 +91,7 @@ def test_percentile_and_availability_against_many_samples():
         samples += [plain_gdop(moment, place, 0.0)[1] for place in places]
     gdop = np.array(samples)
     found = gdop_percentile(c, 95.0, sphere_radius=R)
-    available = gdop_availability(c, 4.0, sphere_radius=R)
+    available = gdop_share(c, 4.0, sphere_radius=R)
     # places of one moment are not independent: the spread among ten groups of moments says how
     # far their mean may be off
     groups = gdop.reshape(10, -1)
@@ -110,8 +110,7 @@ def test_percentile_and_availability_against_many_samples():
 def test_same_seed_same_number():
     c = walker_delta(6, 3, 1, inclination_deg=57.3, radius_km=20428)
     one, other = (
-        gdop_availability(c, 6.0, sphere_radius=R, repetitions=2, start=4, levels=2)
-        for _ in range(2)
+        gdop_share(c, 6.0, sphere_radius=R, repetitions=2, start=4, levels=2) for _ in range(2)
     )
     assert one == other
 

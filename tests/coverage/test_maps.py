@@ -235,3 +235,43 @@ def test_site_on_the_ellipsoid_sees_by_its_own_normal(seed_design):
     np.testing.assert_array_equal(data["count"], data.visible.sum("satellite"))
     assert np.all(data.gdop**2 == pytest.approx(data.pdop**2 + data.tdop**2))
     assert np.all(data.pdop**2 == pytest.approx(data.hdop**2 + data.vdop**2))
+
+
+def test_positions_come_in_pieces_that_change_nothing_and_hold_little(monkeypatch):
+    import tracemalloc
+
+    from compass.coverage import view as module
+
+    c, times = walker_delta(400, 20, 1, inclination_deg=55, radius_km=9000), np.arange(3000) * 30.0
+    tracemalloc.start()
+    whole = view(c, times, R)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    # position and cap are kept, 32 bytes; a piece at work takes 120 for each of its positions
+    assert peak < 1.05 * 32 * c.size * times.size + 130 * module.PIECE
+    monkeypatch.setattr(module, "PIECE", 7 * c.size)
+    parts = view(c, times[:50], R)
+    np.testing.assert_array_equal(parts.r, whole.r[:50])
+    np.testing.assert_array_equal(parts.cos_cap, whole.cos_cap[:50])
+
+
+def test_a_map_that_does_not_fit_is_refused_with_how_much_it_would_take():
+    from compass.orbits.motion import Motion
+    from compass.study.mapping import check_memory
+
+    kepler, forced = Motion(), Motion("numerical")
+    with pytest.raises(ArgumentError, match=r"3600 by 7200 cells would take .* GB, this machine"):
+        check_memory(10_000, 100_000, make_grid("equal-angle", 0.05), 2, kepler)
+    check_memory(1000, 10_000, make_grid("equal-angle", 0.5), 2, kepler)
+    largest = []
+    for motion in (kepler, forced):
+        low, high = 1, 10**9
+        while high - low > 1:
+            middle = (low + high) // 2
+            try:
+                check_memory(middle, 1000, COARSE, 1, motion)
+                low = middle
+            except ArgumentError:
+                high = middle
+        largest.append(low)
+    assert largest[0] > 2 * largest[1]

@@ -170,7 +170,7 @@ def landing(tmp_path, designs, monkeypatch):
     surface = {
         "fold": {"wanted": 1, "outcome": "proven"}, "mask_margin_deg": 3.0,
         "gdop": {"p50": 2.0, "p95": 3.0}, "gdop_error": {"p50": 0.1, "p95": 0.2},
-        "availability": 0.9, "availability_error": 0.01,
+        "gdop_share": 0.9, "gdop_share_error": 0.01,
     }  # fmt: skip
     monkeypatch.setattr(ranking, "judge_surface", lambda *_, **__: surface)
     worst = {

@@ -30,7 +30,7 @@ SURFACE = {
     "fold": {"wanted": 1, "outcome": "proven"},
     "mask_margin_deg": None,
     "gdop": {"p50": 2.0, "p95": 3.0},
-    "availability": 0.9,
+    "gdop_share": 0.9,
 }
 
 
@@ -229,15 +229,15 @@ def test_surface_quality_is_that_of_the_coverage_functions(monkeypatch):
     from compass.study import judge_surface as module
 
     monkeypatch.setattr(module, "gdop_percentile", lambda _c, q, **_: Estimate(q, q / 100))
-    monkeypatch.setattr(module, "gdop_availability", lambda *_, **__: Estimate(0.5, 0.1))
+    monkeypatch.setattr(module, "gdop_share", lambda *_, **__: Estimate(0.5, 0.1))
     pair = walker_delta(2, 1, 0, inclination_deg=0.0, radius_km=20428)
     found = judge_surface(pair, fold=1, figure=FIGURE, mask=Mask())
     assert found["fold"] == {"wanted": 1, "outcome": "refuted"}
     # two satellites over the equator: a pole is 90 degrees away, below the horizon by asin(R/r)
     below = -np.degrees(np.arcsin(FIGURE.equatorial_radius / 20428e3))
     assert found["mask_margin_deg"] == pytest.approx(below, abs=0.2)
-    assert found["gdop"] == {"p50": 50, "p95": 95} and found["availability"] == 0.5
-    assert found["gdop_error"] == {"p50": 0.5, "p95": 0.95} and found["availability_error"] == 0.1
+    assert found["gdop"] == {"p50": 50, "p95": 95} and found["gdop_share"] == 0.5
+    assert found["gdop_error"] == {"p50": 0.5, "p95": 0.95} and found["gdop_share_error"] == 0.1
     none = judge_surface(pair, fold=3, figure=FIGURE, mask=Mask())
     assert none["mask_margin_deg"] is None
 
@@ -250,7 +250,7 @@ def test_surface_quality_of_compass(seed_design):
     assert found["fold"]["outcome"] == "proven"
     assert found["mask_margin_deg"] == pytest.approx(6.24, abs=0.005)
     assert 1 < found["gdop"]["p50"] < found["gdop"]["p95"] < 6
-    assert 0.95 < found["availability"] < 1  # p95 is below the limit of 6
+    assert 0.95 < found["gdop_share"] < 1  # p95 is below the limit of 6
     # so says a grid of equal areas too, over a revolution and by inverting matrices, itself good
     # to 0.5 % and 0.002: on one of half the steps its figures change by less
     gdop, errors = plain_gdop(d.constellation, d.figure.equatorial_radius), found["gdop_error"]
@@ -258,9 +258,7 @@ def test_surface_quality_of_compass(seed_design):
         wanted = np.percentile(gdop, percent, method="inverted_cdf")
         assert found["gdop"][name] == pytest.approx(wanted, abs=5 * errors[name] + 0.005 * wanted)
     wanted = np.mean(gdop <= 6)
-    assert found["availability"] == pytest.approx(
-        wanted, abs=5 * found["availability_error"] + 0.002
-    )
+    assert found["gdop_share"] == pytest.approx(wanted, abs=5 * found["gdop_share_error"] + 0.002)
 
 
 def plain_gdop(c, sphere, rows=36, epochs=61):
