@@ -61,7 +61,15 @@ def with_grid_mapping(dataset: "xr.Dataset", figure: Figure) -> "xr.Dataset":
     """Return the map with the grid-mapping variable ``mars`` and the convention's attributes."""
     import xarray as xr
 
-    mapping = mars_crs(figure.name).to_cf()
+    crs = mars_crs(figure.name)
+    # of a planetocentric system pyproj tells the text alone
+    mapping = crs.to_cf() | {
+        "grid_mapping_name": "latitude_longitude",
+        "semi_major_axis": figure.equatorial_radius,
+        "semi_minor_axis": figure.polar_radius,
+        "longitude_of_prime_meridian": 0.0,
+        "geographic_crs_name": crs.name,
+    }
     mapped = dataset.assign(mars=xr.DataArray(np.int32(0), attrs=mapping))
     for variable in mapped.data_vars.values():
         if {"lat", "lon"} <= set(variable.dims):

@@ -1,6 +1,6 @@
 """Monte Carlo: reproducible, streaming, honest about divergence; filters' settings checked."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from compass.entry.accuracy import error_ellipse
 from compass.entry.beacons import Beacons
 from compass.entry.consistency import nees_bounds
 from compass.entry.faults import Fault
-from compass.entry.filters import DivergenceError, FilterSettings, run_filter
+from compass.entry.filters import DivergenceError, run_filter
 from compass.entry.montecarlo import BLOCK, monte_carlo
 from compass.errors import ArgumentError
 from compass.papers import lou2017_case
@@ -230,4 +230,14 @@ def test_settings_are_what_they_say():
     assert EKF.states == 8
     assert paper.recommended_filter("ci").chosen_weighting == "determinant"
     assert paper.recommended_filter("dcifaif").chosen_weighting == "fast"
-    assert isinstance(EKF.changed(gate_sigma=3.0), FilterSettings)
+    gated = EKF.changed(gate_sigma=3.0)
+    assert gated.gate_sigma == 3.0
+    before, after = (
+        {f.name: getattr(settings, f.name) for f in fields(settings)} for settings in (EKF, gated)
+    )
+    others = [
+        name
+        for name, value in before.items()
+        if not (after[name] is value or np.array_equal(after[name], value))
+    ]
+    assert others == ["gate_sigma"]
