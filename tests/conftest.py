@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from numba import config
 
 import compass
 from compass.cli import main as program
@@ -26,6 +27,13 @@ def designs():
 @pytest.fixture(scope="session")
 def seed_design():
     return compass.read_design(DESIGNS / "compass-15-5-1.toml")
+
+
+@pytest.fixture(autouse=True)
+def no_boxes_to_certify(monkeypatch):
+    """Let maps show the bracket that they begin with where kernels are interpreted."""
+    if config.DISABLE_JIT:
+        monkeypatch.setattr("compass.study.certified.BUDGET_BOXES", 0)
 
 
 @pytest.fixture

@@ -14,13 +14,14 @@ from compass.coverage.files import write_map
 from compass.coverage.gaps import next_prime
 from compass.coverage.maps import DOPS
 from compass.design import Design
-from compass.document import Page, Sentence, Table, Value, Verdict
+from compass.document import Bracket, Page, Sentence, Table, Value, Verdict
 from compass.document.blocks import facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.orbits.motion import MotionModel
 from compass.quantities import QUANTITIES, quantity
 from compass.saving import replacing
+from compass.study.certified import CertifiedFigures, certified_figures
 from compass.study.mapping import DesignMap, MapOptions, make_map
 
 if TYPE_CHECKING:
@@ -38,10 +39,14 @@ class MapResult(Result):
         What was mapped.
     made
         The dataset, its cells, the constellation at the epochs.
+    certified
+        What is certain of availability and GDOP over all area and time; None where the motion
+        has no bounds or none were asked for.
     """
 
     design: Design = field(repr=False)
     made: DesignMap = field(repr=False)
+    certified: CertifiedFigures | None = None
 
     @property
     def dataset(self) -> "xr.Dataset":
@@ -50,19 +55,30 @@ class MapResult(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        return plain(statistics(self.dataset) | {"provenance": self.dataset.attrs})
+        return plain(self.numbers() | {"provenance": self.dataset.attrs})
+
+    def numbers(self) -> dict[str, Any]:
+        """Numbers over all area and time; certified ones are the middle of their brackets."""
+        numbers = statistics(self.dataset)
+        if self.certified:
+            share, p95 = self.certified.availability, self.certified.gdop_p95
+            numbers["availability"] = share.value
+            numbers["availability_bracket"] = [share.low, share.high]
+            numbers["gdop"] |= {"p95": p95.value, "p95_bracket": [p95.low, p95.high]}
+        return numbers
 
     def document(self) -> Page:
         """Fold and availability in a sentence, then the numbers."""
-        numbers, attrs = statistics(self.dataset), self.dataset.attrs
+        numbers, attrs = self.numbers(), self.dataset.attrs
         fold, met = attrs["wanted_fold"], numbers["count"]["min"] >= attrs["wanted_fold"]
-        p50, p95 = (Value(quantity("gdop"), numbers["gdop"][q]) for q in ("p50", "p95"))
+        p50, p95 = (self._percentile("gdop", numbers, q) for q in ("p50", "p95"))
         claim = (
             f"{numbers['count']['min']} to {numbers['count']['max']} satellites in view, "
             f"{fold} wanted; GDOP {p50} (median), {p95} (95 % of area and time)"
         )
+        others = "the other figures are " if self.certified else ""
         how = (
-            f"sampled at {attrs['epochs']} epochs over {attrs['period_s'] / 3600:.6g} h on "
+            f"{others}sampled at {attrs['epochs']} epochs over {attrs['period_s'] / 3600:.6g} h on "
             f"{attrs['grid']} of the {attrs['figure']}, {attrs['motion_model']} motion: "
             "what lies between is not seen; "
             "weighted by area and time, infinities count"
@@ -72,10 +88,28 @@ class MapResult(Result):
             (
                 Verdict("" if met else "missed", claim, met),
                 *self.tables(),
+                *self._certain(),
                 Sentence(how),
                 *self._between_epochs(),
             ),
         )
+
+    def _percentile(self, name: str, numbers: dict[str, Any], percentile: str) -> Value:
+        """One percentile of a dilution, with its bracket where there is one."""
+        bounds = numbers[name].get(f"{percentile}_bracket")
+        evidence = Bracket(*bounds) if bounds else None
+        return Value(quantity(name), numbers[name][percentile], evidence)
+
+    def _certain(self) -> list[Sentence]:
+        """What was certified, and how."""
+        if not self.certified:
+            return []
+        return [
+            Sentence(
+                "availability and the 95th percentile of GDOP lie between the bounds shown, "
+                f"everywhere and not only at cells, {self.certified.scope}"
+            )
+        ]
 
     def _between_epochs(self) -> list[Sentence]:
         """How well gaps are known, and whether the epochs are too few for the quickest pass."""
@@ -101,7 +135,7 @@ class MapResult(Result):
 
     def tables(self) -> tuple[Table, ...]:
         """Satellites in view, and dilution of precision, over area and time."""
-        numbers = statistics(self.dataset)
+        numbers = self.numbers()
         threshold, fold = self.dataset.attrs["pdop_threshold"], self.dataset.attrs["wanted_fold"]
         share = quantity("fold_share")
         count = numbers["count"]
@@ -116,6 +150,7 @@ class MapResult(Result):
                 Value(
                     quantity("availability"),
                     numbers["availability"],
+                    Bracket(*numbers["availability_bracket"]) if self.certified else None,
                     whose=f"{threshold:g} or less",
                 ),
                 *(
@@ -127,7 +162,7 @@ class MapResult(Result):
         )
         percentiles = [f"p{int(q)}" for q in self.dataset.global_percentile.values]
         rows = tuple(
-            (quantity(name).title, *(Value(quantity(name), numbers[name][p]) for p in percentiles))
+            (quantity(name).title, *(self._percentile(name, numbers, p) for p in percentiles))
             for name in DOPS
         )
         title = "Dilution of precision: percentiles over area and time"
@@ -242,7 +277,8 @@ def map(
     """Count and DOP maps of a design over the sphere and one repeat period.
 
     A dilution of precision is infinite with fewer than four satellites in view; infinities count
-    in every percentile and against availability.
+    in every percentile and against availability. Availability and the 95th percentile of GDOP
+    over all area and time are bracketed besides, with proven bounds.
 
     Parameters
     ----------
@@ -295,7 +331,10 @@ def map(
     read = given_design(design)
     with bar(progress, "map", unit="row", leave=False) as rows:
         made = make_map(read, options, command, workers=workers, progress=rows.update)
-    return MapResult(read, made)
+    certified = certified_figures(read, options)
+    if certified:
+        made.dataset.attrs |= certified.attrs()
+    return MapResult(read, made, certified)
 
 
 def statistics(dataset: "xr.Dataset") -> dict[str, Any]:

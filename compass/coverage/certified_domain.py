@@ -15,7 +15,7 @@ A mask by azimuth has no mirror and keeps only the shifts. What the moves miss i
 error of the satellites' places.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,7 +142,9 @@ def domain_of(
             orbits, circles = _orbits(c, figure, float(c.mean_motion[0]), 0.0, 0.0, False)
             scope = "for all time, two-body motion; one revolution, no symmetry"
             return Domain(sides, orbits, circles, normals, e2, 1e-13, scope)
-        return _torus(c, figure, south, north, e2, mirrored, symmetric)
+        motion = "mean motion under J2" if drifting else "two-body motion"
+        torus = _torus(c, figure, south, north, e2, mirrored, symmetric)
+        return replace(torus, scope=f"for all time, {motion}; {torus.scope}")
     span = repeat_period(c).duration if duration is None else duration
     pace = float(c.mean_motion.mean())
     angle = rate = error = 0.0
@@ -196,9 +198,8 @@ def _torus(
             [first, first + 2 * np.pi * half / phases],
         ]
     )
-    scope = f"for all time, two-body motion; {reason}"
     empty = np.empty((0, 3))
-    return Domain(sides, orbits, circles, empty, e2, radius * missed + 1e-14 * radius, scope)
+    return Domain(sides, orbits, circles, empty, e2, radius * missed + 1e-14 * radius, reason)
 
 
 def _sides(place: Place, figure: Figure) -> tuple[float, float, float, float, NDArray[np.float64]]:

@@ -45,7 +45,7 @@ class CertifiedShare:
     scope
         For which motion and how long, and by which symmetry.
     stopped
-        Empty, or why it is wider than asked: ``time`` or ``interrupted``.
+        Empty, or why it is wider than asked: ``time``, ``boxes`` or ``interrupted``.
     leaves, settled
         Where it can go on from: boxes with something open, and sums of those that have nothing
         (kept, broken, outside).
@@ -80,6 +80,7 @@ def certified_share(
     place: Place = GLOBE,
     width: float = 1e-4,
     budget_s: float = np.inf,
+    budget_boxes: float = np.inf,
     duration: float | None = None,
     drifting: bool = False,
     symmetric: bool = True,
@@ -108,8 +109,9 @@ def certified_share(
         A mask, or a constant elevation in radians.
     place
         A region (share of area and time), a `Circle` or a `Spot` (shares of time) or a `Tile`.
-    width, budget_s
-        Stop at bounds so near, or after so many seconds.
+    width, budget_s, budget_boxes
+        Stop at bounds so near, after so many seconds, or after so many boxes (which is the same
+        on any machine).
     duration, drifting, symmetric
         As in `domain_of`.
     workers
@@ -129,7 +131,14 @@ def certified_share(
     search = _Search(
         constellation, dop, figure, mask, place, duration, drifting, symmetric, workers
     )
-    return search.share(limit, width, budget_s=budget_s, start=start, progress=progress)
+    return search.share(
+        limit,
+        width,
+        budget_s=budget_s,
+        budget_boxes=budget_boxes,
+        start=start,
+        progress=progress,
+    )
 
 
 @dataclass(frozen=True)
@@ -158,6 +167,7 @@ def certified_percentile(
     place: Place = GLOBE,
     precision: float = 1e-3,
     budget_s: float = np.inf,
+    budget_boxes: float = np.inf,
     duration: float | None = None,
     drifting: bool = False,
     workers: int = 1,
@@ -173,7 +183,7 @@ def certified_percentile(
         Above 0 and below 100.
     precision
         Stop at bounds that are so near, relative to the value.
-    constellation, dop, figure, mask, place, budget_s, duration, drifting, workers
+    constellation, dop, figure, mask, place, budget_s, budget_boxes, duration, drifting, workers
         As in `certified_share`.
 
     Raises
@@ -186,10 +196,15 @@ def certified_percentile(
     if not precision > 0:
         raise ArgumentError(f"precision = {precision:g}: must be positive")
     search = _Search(constellation, dop, figure, mask, place, duration, drifting, True, workers)
+    if search.satellites < 4:
+        return CertifiedPercentile(np.inf, np.inf, percent, search.domain.scope)
     end, level = monotonic() + budget_s, percent / 100
     low, high, tried, stopped = 0.0, np.inf, 4.0, ""
     while low < GREATEST and not (high < np.inf and high - low <= precision * high):
-        found = search.share(tried, 1e-6, budget_s=end - monotonic(), level=level)
+        found = search.share(
+            tried, 1e-6, budget_s=end - monotonic(), budget_boxes=budget_boxes, level=level
+        )
+        budget_boxes -= found.boxes
         if found.low >= level:
             high = tried
         elif found.high < level:
@@ -237,6 +252,8 @@ class _Search:
         self.mask = np.array(rows, dtype=float)
         self.speed = 0.5 * float(self.domain.orbits[:, 10].mean())
         self.satellites = constellation.size
+        if self.satellites >= 4:  # compiled before any clock runs
+            self._round(np.empty((0, BOX)), 1.0, 1.0, np.inf, np.inf)
 
     def share(
         self,
@@ -244,6 +261,7 @@ class _Search:
         width: float,
         *,
         budget_s: float = np.inf,
+        budget_boxes: float = np.inf,
         level: float | None = None,
         start: CertifiedShare | None = None,
         progress: Callable[[float], None] = lambda open_share: None,
@@ -269,7 +287,7 @@ class _Search:
             if found.width <= width or decided or not len(leaves):
                 break
             eps *= 0.25
-            leaves, sums, stopped = self._round(leaves, eps, limit, end)
+            leaves, sums, stopped = self._round(leaves, eps, limit, end, budget_boxes - boxes)
             settled, boxes = settled + sums[:3], boxes + int(sums[3])
         return self._result(leaves, settled, boxes, stopped)
 
@@ -298,12 +316,14 @@ class _Search:
         return boxes
 
     def _round(
-        self, leaves: NDArray[np.float64], eps: float, limit: float, end: float
+        self, leaves: NDArray[np.float64], eps: float, limit: float, end: float, most: float
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], str]:
-        """Refine all leaves, piece by piece in their order; what time leaves undone stays."""
+        """Refine all leaves, piece by piece in their order; what the budget leaves undone stays."""
+        if most <= 0:
+            return leaves, np.zeros(4), "boxes"
         d = self.domain
         numbers = np.array([d.flattening, d.slack, float(self.dop), limit * limit])
-        pieces = [leaves[k : k + PIECE] for k in range(0, len(leaves), PIECE)]
+        pieces = [leaves[k : k + PIECE] for k in range(0, max(len(leaves), 1), PIECE)]
         kept: list[NDArray[np.float64]] = []
         sums, stopped = np.zeros(4), ""
 
@@ -318,6 +338,11 @@ class _Search:
             results = pool.map(work, pieces)
             try:
                 for piece in pieces:
+                    if sums[3] >= most:
+                        pool.shutdown(wait=False, cancel_futures=True)
+                        kept += pieces[len(kept) :]
+                        stopped = "boxes"
+                        break
                     done = next(results)
                     stopped = stopped or ("" if done else "time")
                     kept.append(done[1] if done else piece)

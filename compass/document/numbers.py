@@ -1,7 +1,8 @@
 """A value, what it is and how well it is known, as a reader wants it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from math import floor, isfinite, isnan, log10
+from math import ceil, floor, isfinite, isnan, log10
 
 from compass.document.evidence import Bracket, Evidence, Sampled
 from compass.quantities import Quantity
@@ -31,7 +32,7 @@ class Value:
         """The value in the quantity's digits, with bounds or an error, without the unit."""
         q, evidence = self.quantity, self.evidence
         if isinstance(evidence, Bracket) and evidence.low != evidence.high:
-            return f"{in_words(evidence.low, q)} to {in_words(evidence.high, q)}"
+            return f"{outward(evidence.low, q, floor)} to {outward(evidence.high, q, ceil)}"
         written = in_words(self.value, q)
         if isinstance(evidence, Sampled) and evidence.error is not None:
             scale = 100.0 if q.form == "share" else 1.0
@@ -50,6 +51,19 @@ def in_words(value: float | int | str | bool | None, quantity: Quantity) -> str:
     if quantity.form == "count" and float(value).is_integer():
         return f"{int(value):,}"
     return significant(100.0 * value if quantity.form == "share" else value, quantity.digits)
+
+
+def outward(bound: float, quantity: Quantity, away: Callable[[float], int]) -> str:
+    """One proven bound, rounded to its own side (floor or ceil), so that it still holds."""
+    scale = 100.0 if quantity.form == "share" else 1.0
+    value = scale * bound
+    if quantity.form == "count" or not isfinite(value) or abs(value) < SMALL:
+        return in_words(bound, quantity)
+    place = 10.0 ** max(0, quantity.digits - 1 - floor(log10(abs(value))))
+    nearest = round(value * place) / place
+    # what is written in full already needs no step further
+    kept = nearest == value or abs(nearest - value) < 1e-15 * abs(value)
+    return in_words((nearest if kept else away(value * place) / place) / scale, quantity)
 
 
 def significant(value: float, digits: int) -> str:

@@ -20,6 +20,7 @@ from compass.inputs.models import (
     EphemerisTable,
     LinkTable,
     RosetteTable,
+    SatelliteTable,
     StationTable,
 )
 from compass.inputs.motion import motion_faults, motion_of_table
@@ -31,6 +32,7 @@ from compass.orbits import (
     walker_delta,
     walker_star,
 )
+from compass.orbits.anomaly import mean_of_true
 from compass.orbits.kinds import WALKER_DELTA, check_counts, walker_phasing
 from compass.orbits.states import from_states
 from compass.saving import readable
@@ -119,7 +121,7 @@ def _constellation(
             np.radians([s.inclination_deg for s in table.satellite]),
             np.radians([s.raan_deg for s in table.satellite]),
             np.radians([s.argument_of_periapsis_deg for s in table.satellite]),
-            np.radians([s.mean_anomaly_deg for s in table.satellite]),
+            [_anomaly(s, e) for s, e in zip(table.satellite, eccentricities, strict=True)],
             name=file.name,
             epoch=epoch,
             satellite_names=[s.name for s in table.satellite],
@@ -149,6 +151,13 @@ def _shape(satellite: dict[str, Any], figure: Figure) -> tuple[float, float]:
     low = satellite["periapsis_altitude_km"] + surface
     high = satellite["apoapsis_altitude_km"] + surface
     return (low + high) / 2, (high - low) / (high + low)
+
+
+def _anomaly(satellite: SatelliteTable, eccentricity: float) -> float:
+    """Mean anomaly of a satellite, radians."""
+    if satellite.true_anomaly_deg is None:
+        return float(np.radians(satellite.mean_anomaly_deg))
+    return float(mean_of_true(np.radians(satellite.true_anomaly_deg), eccentricity))
 
 
 def _mask(table: CoverageTable | StationTable) -> Mask:
@@ -308,6 +317,8 @@ def _satellite_faults(satellites: object, figure: Figure) -> list[str]:
             if name in names:
                 faults.append(fault(f"{field}.name", name, "used twice; give each its own name"))
             names.add(name)
+        if "mean_anomaly_deg" in satellite and "true_anomaly_deg" in satellite:
+            faults.append(f"{field}: has both mean_anomaly_deg and true_anomaly_deg; keep one")
         by_axis = "semi_major_axis_km" in satellite or "eccentricity" in satellite
         by_height = "periapsis_altitude_km" in satellite or "apoapsis_altitude_km" in satellite
         if by_axis == by_height:

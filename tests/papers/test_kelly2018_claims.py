@@ -33,6 +33,7 @@ def test_a_shorter_reach_changes_the_verdicts(monkeypatch):
     assert paper.relay_rows()[0].verdict == "differs"
 
 
+@pytest.mark.slow
 def test_the_ground_sees_what_the_exact_fold_says():
     fewest = paper.low_orbit_rows()[0].found[0]
     (exact, _), _ = fold_range(constellation(), sphere_radius=paper.SPHERE)

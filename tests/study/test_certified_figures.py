@@ -1,0 +1,49 @@
+"""A map's certified figures: what they stand for, and where there are none."""
+
+import json
+
+import numpy as np
+import pytest
+
+import compass
+from compass.study.certified import certified_figures
+from compass.study.mapping import MapOptions
+
+
+def test_map_says_what_is_certain(seed_design, tmp_path):
+    made = compass.map(seed_design, step_deg=15, epochs=6)
+    numbers = json.loads(json.dumps(made.to_dict()))
+    low, high = numbers["availability_bracket"]
+    assert 0 <= low <= numbers["availability"] <= high <= 1
+    assert "proven bounds" in str(made) and "verified shifts" in str(made)
+    attrs = made.dataset.attrs
+    assert list(attrs["certified_availability_bracket"]) == [low, high]
+    made.write(tmp_path / "m.nc")
+    assert made.certified is not None
+
+
+@pytest.mark.slow
+def test_brackets_hold_what_an_independent_program_found(seed_design):
+    found = certified_figures(seed_design, MapOptions(pdop_max=6.0))
+    # 15/5/1 at 45 deg, 20,427 km, on the sphere of 3396.2 km
+    assert found.availability.low <= 0.9736178 and found.availability.high >= 0.9736164
+    assert found.availability.width <= 2e-4
+    assert found.gdop_p95.high - found.gdop_p95.low <= 2e-2 * found.gdop_p95.high
+    sampled = compass.map(seed_design, step_deg=3, epochs=109).dataset
+    p95 = float(sampled.global_dop.sel(dop="gdop", global_percentile=95))
+    assert found.gdop_p95.low == pytest.approx(p95, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    "options", [{"start_day": 2.0}, {"motion": "numerical"}, {"pdop_max": 0.5}]
+)
+def test_motions_without_bounds_have_no_certified_figures(seed_design, options):
+    assert certified_figures(seed_design, MapOptions(**options)) is None
+
+
+def test_drifting_orbits_over_a_duration_have_brackets(seed_design, monkeypatch):
+    monkeypatch.setattr("compass.study.certified.BUDGET_BOXES", 0)
+    found = certified_figures(seed_design, MapOptions(motion="j2", duration_h=2.0))
+    assert "over 2 h from the epoch, mean motion under J2" in found.scope
+    assert "stopped early: boxes" in found.scope
+    assert (found.gdop_p95.low, found.gdop_p95.high) == (0.0, np.inf)
