@@ -3,7 +3,7 @@
 from datetime import datetime
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,7 +24,6 @@ from compass.inputs.models import (
     StationTable,
 )
 from compass.inputs.motion import motion_faults, motion_of_table
-from compass.inputs.oem import read_ephemerides
 from compass.inputs.reading import parse, read_text
 from compass.orbits import (
     Constellation,
@@ -36,9 +35,11 @@ from compass.orbits import (
 from compass.orbits.anomaly import mean_of_true
 from compass.orbits.kinds import WALKER_DELTA, check_counts, walker_phasing
 from compass.orbits.states import from_states
-from compass.orbits.trajectory import Trajectory
 from compass.saving import readable
 from compass.sites import Mask, Site
+
+if TYPE_CHECKING:
+    from compass.orbits.trajectory import Trajectory
 
 KM = 1e3
 
@@ -79,10 +80,12 @@ def read_design_text(text: str, label: str = "design") -> Design:
     )
 
 
-def _ephemeris(file: DesignFile, folder: Path, label: str) -> Trajectory | None:
+def _ephemeris(file: DesignFile, folder: Path, label: str) -> "Trajectory | None":
     """Trajectory of a design's files, if it is made of such."""
     if not isinstance(file.constellation, EphemerisTable):
         return None
+    from compass.inputs.oem import read_ephemerides
+
     epoch = None if file.epoch is None else seconds_past_j2000(file.epoch)
     try:
         return read_ephemerides(file.constellation.files, folder, epoch)
@@ -90,7 +93,7 @@ def _ephemeris(file: DesignFile, folder: Path, label: str) -> Trajectory | None:
         raise DesignError(f"{label}: {error}") from error
 
 
-def _osculating(file: DesignFile, table: Trajectory) -> Constellation:
+def _osculating(file: DesignFile, table: "Trajectory") -> Constellation:
     """Ellipses that touch the paths of a table at its epoch."""
     r, v = table.states([max(table.start, 0.0)])
     return from_states(
@@ -103,7 +106,7 @@ def _osculating(file: DesignFile, table: Trajectory) -> Constellation:
 
 
 def _constellation(
-    file: DesignFile, figure: Figure, ephemeris: Trajectory | None = None
+    file: DesignFile, figure: Figure, ephemeris: "Trajectory | None" = None
 ) -> Constellation:
     table, epoch = file.constellation, seconds_past_j2000(file.epoch) if file.epoch else 0.0
     if isinstance(table, EphemerisTable):

@@ -129,8 +129,8 @@ def test_a_large_pool_is_offered_by_default(study, run, monkeypatch):
     ("options", "message"),
     [
         (["--workers", 0], "--workers = 0: allowed 1 to 1024"),
-        (["--workers", 1, "--scheduler", "tcp://a:1"], "--workers: not beside --scheduler"),
-        (["--tls-ca", "a.pem"], "all three go together, beside --scheduler"),
+        (["--workers", 1, "--scheduler", "tcp://a:1"], "--workers: not beside scheduler"),
+        (["--tls-ca", "a.pem"], "tls_ca, tls_cert, tls_key: all three go together"),
         (
             ["--scheduler", "tls://a:1", "--tls-ca", "a", "--tls-cert", "b", "--tls-key", "c"],
             "a: no such file; give a certificate",

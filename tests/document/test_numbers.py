@@ -68,7 +68,7 @@ def test_every_quantity_says_what_it_is():
         assert record.title and record.meaning.endswith("."), name
         assert record.digits >= 1
         assert record.shown_unit == (
-            "%" if record.form == "share" else record.unit.strip("1") or ""
+            "%" if record.form == "share" else "" if record.unit == "1" else record.unit
         )
         assert record.attributes()["long_name"] == record.title
         # the name carries the unit
