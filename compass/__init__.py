@@ -12,6 +12,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.drift import drift
     from compass.api.export import export
     from compass.api.fold import fold
+    from compass.api.judge import judge
     from compass.api.keep import keep
     from compass.api.land import land
     from compass.api.map import map
@@ -19,7 +20,9 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.reproduce import reproduce
     from compass.api.search import search
     from compass.api.show import show
+    from compass.api.trade import trade
     from compass.design import Design
+    from compass.entry.fusion import covariance_intersection, intersection_weights
     from compass.inputs import read_design
     from compass.inputs.scenario import read_scenario
     from compass.inputs.study import read_study
@@ -32,6 +35,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
         walker_delta,
         walker_star,
     )
+    from compass.pages.report import report
     from compass.sites import Mask, Site
 
 __version__ = "0.1.0"
@@ -44,11 +48,14 @@ __all__ = [
     "__version__",
     "access",
     "areosynchronous_radius",
+    "covariance_intersection",
     "drift",
     "ephemeris",
     "export",
     "fold",
     "from_elements",
+    "intersection_weights",
+    "judge",
     "keep",
     "land",
     "map",
@@ -56,10 +63,12 @@ __all__ = [
     "read_design",
     "read_scenario",
     "read_study",
+    "report",
     "reproduce",
     "rosette",
     "search",
     "show",
+    "trade",
     "walker_delta",
     "walker_star",
 ]
@@ -70,6 +79,7 @@ _COMMANDS = (
     "drift",
     "export",
     "fold",
+    "judge",
     "keep",
     "land",
     "map",
@@ -77,6 +87,7 @@ _COMMANDS = (
     "reproduce",
     "search",
     "show",
+    "trade",
 )
 
 #: Where the other public names live.
@@ -86,11 +97,14 @@ _HOMES = {
     "Mask": "compass.sites",
     "Site": "compass.sites",
     "areosynchronous_radius": "compass.orbits",
+    "covariance_intersection": "compass.entry.fusion",
     "ephemeris": "compass.orbits",
     "from_elements": "compass.orbits",
+    "intersection_weights": "compass.entry.fusion",
     "read_design": "compass.inputs",
     "read_scenario": "compass.inputs.scenario",
     "read_study": "compass.inputs.study",
+    "report": "compass.pages.report",
     "rosette": "compass.orbits",
     "walker_delta": "compass.orbits",
     "walker_star": "compass.orbits",

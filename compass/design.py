@@ -7,7 +7,8 @@ from typing import Literal
 import numpy as np
 
 from compass.bodies import SOLAR_DAY
-from compass.frames import DEFAULT_FIGURE, Figure
+from compass.errors import ArgumentError
+from compass.frames import DEFAULT_FIGURE, FIGURES, Figure
 from compass.orbits.constellation import Constellation
 from compass.orbits.motion import Motion
 from compass.sites import Mask, Site
@@ -120,6 +121,15 @@ class Design:
     motion: Motion = field(default_factory=Motion)
     text: str = ""
     label: str = "design"
+
+    def __post_init__(self) -> None:
+        """Take a figure by its name too, as files do."""
+        if isinstance(self.figure, str):
+            if self.figure not in FIGURES:
+                raise ArgumentError(
+                    f"figure = {self.figure!r}: not known; allowed {', '.join(FIGURES)}"
+                )
+            object.__setattr__(self, "figure", FIGURES[self.figure])
 
     @property
     def digest(self) -> str:

@@ -1,6 +1,5 @@
 """The Earth and the Sun as seen from Mars."""
 
-import erfa
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -41,6 +40,8 @@ def sun_earth_states(seconds: ArrayLike) -> tuple[NDArray[np.float64], NDArray[n
         raise ArgumentError(
             "epoch: Earth and Sun are known from 1900 to 2100; choose an epoch and duration inside"
         )
+    import erfa
+
     days = t / SECONDS_PER_DAY
     mars = _flat(erfa.plan94(_J2000_JULIAN_DATE, days, _MARS))
     earth = _flat(erfa.epv00(_J2000_JULIAN_DATE, days)[0])

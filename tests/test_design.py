@@ -2,7 +2,11 @@
 
 from dataclasses import replace
 
+import pytest
+
 import compass
+from compass.errors import ArgumentError
+from compass.frames import FIGURES
 from compass.inputs import read_design_text
 
 TEXT = """name = "Three"
@@ -41,3 +45,13 @@ def test_designs_differ_by_any_value():
 
 def test_site_and_design_agree_on_the_figure():
     assert compass.Site("x", 0.0, 0.0).figure == compass.Design("Three", three()).figure
+
+
+def test_a_figure_goes_by_its_name_too():
+    pattern = compass.walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
+    assert (
+        compass.Design("x", pattern, figure="kelly2018-sphere").figure
+        is FIGURES["kelly2018-sphere"]
+    )
+    with pytest.raises(ArgumentError, match="figure = 'moon': not known; allowed iau-sphere"):
+        compass.Design("x", pattern, figure="moon")

@@ -15,7 +15,7 @@ from compass.coverage.continuous import ContinuousCoverage, continuous_coverage
 from compass.coverage.lasting import prove_span
 from compass.coverage.region import GLOBE, read_region
 from compass.design import Design
-from compass.document import Bracket, Page, Proven, Sampled, Sentence, Table, Value, Verdict
+from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block, facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
@@ -180,7 +180,7 @@ class FoldResult(Result):
             Verdict(self.outcome, f"{claim} (two-body motion, {figure})", holds),
             *([] if holds else [Sentence(self.outcome.sentence)]),
             *self._counterexample(),
-            self._margins(),
+            self.margins(),
             *self._stations(),
             *self._shares(),
             *(self._losses(number, sets) for number, sets in enumerate(self.coverage.losses, 1)),
@@ -213,7 +213,8 @@ class FoldResult(Result):
             ]
         return [Sentence(f"unsettled: {unsettled}")]
 
-    def _margins(self) -> Table:
+    def margins(self) -> Table:
+        """Least and greatest fold, and how far the claim is from failing."""
         found, proven = self.coverage, Proven(self.scope)
 
         def extreme(name: str, bounds: tuple[int, int]) -> Value:
@@ -256,20 +257,26 @@ class FoldResult(Result):
             ),
         ]
 
-    def _shares(self) -> list[Block]:
-        shares = self.coverage.shares
+    def shares_tables(self) -> tuple[Table, ...]:
+        """Shares of area and time by fold, where they are known."""
+        shares, share = self.coverage.shares, quantity("fold_share")
         if shares is None:
-            return []
-        share, evidence = quantity("fold_share"), Sampled(shares.error)
+            return ()
         rows = tuple(
             (f"exactly {k} in view", Value(share, float(part)), share.shown_unit)
             for k, part in enumerate(shares.share)
             if part > 0
         )
+        return (Table("Share of area and time by fold", ("", share.title, "unit"), rows),)
+
+    def _shares(self) -> list[Block]:
+        shares = self.coverage.shares
+        if shares is None:
+            return []
         return [
-            Table("Share of area and time by fold", ("", share.title, "unit"), rows),
+            *self.shares_tables(),
             Sentence(
-                f"areas exact, integrated over time to {evidence.error:.1g}; with 4 in view there "
+                f"areas exact, integrated over time to {shares.error:.1g}; with 4 in view there "
                 "are curves on which GDOP is infinite"
             ),
         ]

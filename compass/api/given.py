@@ -11,6 +11,7 @@ from compass.sites import Mask
 
 if TYPE_CHECKING:
     from compass.inputs.scenario import Scenario
+    from compass.inputs.study import Study
 
 
 def given_design(design: Design | str | Path) -> Design:
@@ -50,6 +51,19 @@ def given_scenario(scenario: "Scenario | str | Path") -> "Scenario":
         return read_scenario(scenario)
     raise ArgumentError(
         f"scenario = {type(scenario).__name__}: must be a Scenario or the path of a scenario file"
+    )
+
+
+def given_study(study: "Study | str | Path") -> "Study":
+    """Return the study, read from its file if it is a path; errors as `given_scenario`."""
+    from compass.inputs.study import Study, read_study
+
+    if isinstance(study, Study):
+        return study
+    if isinstance(study, str | Path):
+        return read_study(study)
+    raise ArgumentError(
+        f"study = {type(study).__name__}: must be a Study or the path of a study file"
     )
 
 

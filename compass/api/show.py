@@ -125,7 +125,8 @@ def show(design: Design | str | Path) -> ShowResult:
     geometry = pattern_geometry(read.constellation, read.figure.equatorial_radius, read.mask.lowest)
     rows: tuple[Row, ...] = ()
     if read.paper and geometry:
-        rows = tuple(import_module(f"compass.papers.{read.paper}").geometry_rows(geometry))
+        paper = import_module(f"compass.papers.{read.paper}_geometry")
+        rows = tuple(paper.geometry_rows(geometry))
     return ShowResult(read, geometry, rows)
 
 

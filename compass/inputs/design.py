@@ -3,7 +3,7 @@
 from datetime import datetime
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,10 +20,10 @@ from compass.inputs.models import (
     EphemerisTable,
     LinkTable,
     RosetteTable,
+    SatelliteTable,
     StationTable,
 )
 from compass.inputs.motion import motion_faults, motion_of_table
-from compass.inputs.oem import read_ephemerides
 from compass.inputs.reading import parse, read_text
 from compass.orbits import (
     Constellation,
@@ -32,11 +32,14 @@ from compass.orbits import (
     walker_delta,
     walker_star,
 )
+from compass.orbits.anomaly import mean_of_true
 from compass.orbits.kinds import WALKER_DELTA, check_counts, walker_phasing
 from compass.orbits.states import from_states
-from compass.orbits.trajectory import Trajectory
 from compass.saving import readable
 from compass.sites import Mask, Site
+
+if TYPE_CHECKING:
+    from compass.orbits.trajectory import Trajectory
 
 KM = 1e3
 
@@ -77,10 +80,12 @@ def read_design_text(text: str, label: str = "design") -> Design:
     )
 
 
-def _ephemeris(file: DesignFile, folder: Path, label: str) -> Trajectory | None:
+def _ephemeris(file: DesignFile, folder: Path, label: str) -> "Trajectory | None":
     """Trajectory of a design's files, if it is made of such."""
     if not isinstance(file.constellation, EphemerisTable):
         return None
+    from compass.inputs.oem import read_ephemerides
+
     epoch = None if file.epoch is None else seconds_past_j2000(file.epoch)
     try:
         return read_ephemerides(file.constellation.files, folder, epoch)
@@ -88,7 +93,7 @@ def _ephemeris(file: DesignFile, folder: Path, label: str) -> Trajectory | None:
         raise DesignError(f"{label}: {error}") from error
 
 
-def _osculating(file: DesignFile, table: Trajectory) -> Constellation:
+def _osculating(file: DesignFile, table: "Trajectory") -> Constellation:
     """Ellipses that touch the paths of a table at its epoch."""
     r, v = table.states([max(table.start, 0.0)])
     return from_states(
@@ -101,7 +106,7 @@ def _osculating(file: DesignFile, table: Trajectory) -> Constellation:
 
 
 def _constellation(
-    file: DesignFile, figure: Figure, ephemeris: Trajectory | None = None
+    file: DesignFile, figure: Figure, ephemeris: "Trajectory | None" = None
 ) -> Constellation:
     table, epoch = file.constellation, seconds_past_j2000(file.epoch) if file.epoch else 0.0
     if isinstance(table, EphemerisTable):
@@ -116,7 +121,7 @@ def _constellation(
             np.radians([s.inclination_deg for s in table.satellite]),
             np.radians([s.raan_deg for s in table.satellite]),
             np.radians([s.argument_of_periapsis_deg for s in table.satellite]),
-            np.radians([s.mean_anomaly_deg for s in table.satellite]),
+            [_anomaly(s, e) for s, e in zip(table.satellite, eccentricities, strict=True)],
             name=file.name,
             epoch=epoch,
             satellite_names=[s.name for s in table.satellite],
@@ -146,6 +151,13 @@ def _shape(satellite: dict[str, Any], figure: Figure) -> tuple[float, float]:
     low = satellite["periapsis_altitude_km"] + surface
     high = satellite["apoapsis_altitude_km"] + surface
     return (low + high) / 2, (high - low) / (high + low)
+
+
+def _anomaly(satellite: SatelliteTable, eccentricity: float) -> float:
+    """Mean anomaly of a satellite, radians."""
+    if satellite.true_anomaly_deg is None:
+        return float(np.radians(satellite.mean_anomaly_deg))
+    return float(mean_of_true(np.radians(satellite.true_anomaly_deg), eccentricity))
 
 
 def _mask(table: CoverageTable | StationTable) -> Mask:
@@ -305,6 +317,8 @@ def _satellite_faults(satellites: object, figure: Figure) -> list[str]:
             if name in names:
                 faults.append(fault(f"{field}.name", name, "used twice; give each its own name"))
             names.add(name)
+        if "mean_anomaly_deg" in satellite and "true_anomaly_deg" in satellite:
+            faults.append(f"{field}: has both mean_anomaly_deg and true_anomaly_deg; keep one")
         by_axis = "semi_major_axis_km" in satellite or "eccentricity" in satellite
         by_height = "periapsis_altitude_km" in satellite or "apoapsis_altitude_km" in satellite
         if by_axis == by_height:

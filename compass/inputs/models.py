@@ -95,6 +95,9 @@ class SatelliteTable(Table):
     raan_deg: float = Field(0.0, description="right ascension of the ascending node, degrees")
     argument_of_periapsis_deg: float = Field(0.0, description="argument of periapsis, degrees")
     mean_anomaly_deg: float = Field(0.0, description="mean anomaly at the epoch, degrees")
+    true_anomaly_deg: float | None = Field(
+        None, description="true anomaly at the epoch, degrees, instead of mean_anomaly_deg"
+    )
 
 
 class ElementsTable(Table):

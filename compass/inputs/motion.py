@@ -1,15 +1,15 @@
 """The table ``[motion]`` of a design: which forces, from which files."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from compass.errors import ArgumentError, DesignError
 from compass.inputs.faults import fault
 from compass.inputs.models import MotionTable
-from compass.orbits.forces import ForceModel
-from compass.orbits.gravity import built_in_field, read_field
 from compass.orbits.motion import Motion
-from compass.orbits.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from compass.orbits.trajectory import Trajectory
 
 #: Degree of the field where none is given: beyond it a satellite at 20,000 km moves by less than
 #: a centimetre in 100 days.
@@ -17,7 +17,7 @@ DEGREE = 8
 
 
 def motion_of_table(
-    table: MotionTable, folder: Path, label: str, ephemeris: Trajectory | None = None
+    table: MotionTable, folder: Path, label: str, ephemeris: "Trajectory | None" = None
 ) -> Motion:
     """Motion of a design's table; files are looked for beside the design.
 
@@ -30,6 +30,9 @@ def motion_of_table(
         return Motion("ephemeris", table=ephemeris)
     if table.model != "numerical":
         return Motion(table.model)
+    from compass.orbits.forces import ForceModel
+    from compass.orbits.gravity import built_in_field, read_field
+
     degree = DEGREE if table.gravity_degree is None else table.gravity_degree
     try:
         field = built_in_field()

@@ -7,7 +7,7 @@ over a span.
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,9 +16,10 @@ from compass.digest import digest_of
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.constellation import Constellation
-from compass.orbits.ellipse import elliptic
-from compass.orbits.forces import ForceModel
-from compass.orbits.trajectory import Trajectory, integrate, through
+
+if TYPE_CHECKING:
+    from compass.orbits.forces import ForceModel
+    from compass.orbits.trajectory import Trajectory
 
 MotionModel = Literal["two-body", "j2", "numerical", "ephemeris"]
 MODELS: tuple[MotionModel, ...] = get_args(MotionModel)
@@ -45,8 +46,8 @@ class Motion:
     """
 
     model: MotionModel = "two-body"
-    forces: ForceModel | None = None
-    table: Trajectory | None = None
+    forces: "ForceModel | None" = None
+    table: "Trajectory | None" = None
 
     def __post_init__(self) -> None:
         """Refuse an unknown model; give numerical motion the default forces."""
@@ -57,6 +58,8 @@ class Motion:
                 'motion = ephemeris: there is no table; give a design of pattern = "ephemeris"'
             )
         if self.model == "numerical" and self.forces is None:
+            from compass.orbits.forces import ForceModel
+
             object.__setattr__(self, "forces", ForceModel())
 
     @property
@@ -81,6 +84,8 @@ class Motion:
         self, constellation: Constellation, times: ArrayLike
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Inertial positions (m) and velocities (m/s) at seconds after the epoch, (n, t, 3)."""
+        from compass.orbits.ellipse import elliptic
+
         seconds = np.atleast_1d(np.asarray(times, dtype=float))
         if self.is_closed_form:
             return elliptic(constellation, seconds, drifting=self.model == "j2")
@@ -102,7 +107,7 @@ class Motion:
         start: float,
         stop: float,
         progress: Callable[[Sequence[Any]], Any] = iter,
-    ) -> Trajectory:
+    ) -> "Trajectory":
         """Paths over a span that reaches from `start` to `stop`, seconds after the epoch, or more.
 
         Integrated ones are followed from the epoch, and kept for the next who asks for the same.
@@ -112,6 +117,9 @@ class Motion:
         ArgumentError
             A span outside the table, on both sides of the epoch under forces, or with a fall.
         """
+        from compass.orbits.ellipse import elliptic
+        from compass.orbits.trajectory import integrate, through
+
         if stop <= start:
             raise ArgumentError(
                 f"span: from {start / SECONDS_PER_DAY:g} to {stop / SECONDS_PER_DAY:g} days after "
@@ -164,7 +172,7 @@ def as_motion(motion: AnyMotion) -> Motion:
     return motion if isinstance(motion, Motion) else Motion(motion)
 
 
-def check_span(path: Trajectory, start: float, stop: float) -> None:
+def check_span(path: "Trajectory", start: float, stop: float) -> None:
     """Raise `ArgumentError` unless a trajectory covers a span of seconds after its epoch."""
     if start < path.start - 1e-3 or stop > path.stop + 1e-3:
         raise ArgumentError(

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from compass.bodies import MARS_GM
 from compass.errors import ArgumentError
 from compass.frames import DEFAULT_FIGURE, Figure
+from compass.orbits.anomaly import mean_of_true
 from compass.orbits.constellation import Constellation, from_pattern, keplerian
 from compass.orbits.kinds import (
     WALKER_DELTA,
@@ -192,7 +193,8 @@ def from_elements(
     inclination_deg: ArrayLike,
     raan_deg: ArrayLike = 0.0,
     argument_of_periapsis_deg: ArrayLike = 0.0,
-    mean_anomaly_deg: ArrayLike = 0.0,
+    mean_anomaly_deg: ArrayLike | None = None,
+    true_anomaly_deg: ArrayLike | None = None,
     figure: Figure = DEFAULT_FIGURE,
     name: str = "constellation",
     epoch: float = 0.0,
@@ -203,9 +205,10 @@ def from_elements(
 
     Parameters
     ----------
-    semi_major_axis_km, eccentricity, inclination_deg, raan_deg, argument_of_periapsis_deg, \
-    mean_anomaly_deg
+    semi_major_axis_km, eccentricity, inclination_deg, raan_deg, argument_of_periapsis_deg
         Broadcast to a common shape (n,); kilometres and degrees.
+    mean_anomaly_deg, true_anomaly_deg
+        At most one of them; else satellites stand at their periapsis.
     figure
         The figure that orbits must clear.
     name, epoch, satellite_names, gm
@@ -225,13 +228,18 @@ def from_elements(
     a = np.asarray(semi_major_axis_km, dtype=float) * KM
     e, i = np.asarray(eccentricity, dtype=float), np.asarray(inclination_deg, dtype=float)
     _check_inclination(i)
+    if mean_anomaly_deg is not None and true_anomaly_deg is not None:
+        raise ArgumentError("anomaly: has both mean_anomaly_deg and true_anomaly_deg; keep one")
+    anomaly = np.radians(0.0 if mean_anomaly_deg is None else mean_anomaly_deg)
+    if true_anomaly_deg is not None:
+        anomaly = mean_of_true(np.radians(true_anomaly_deg), e)
     made = keplerian(
         a,
         e,
         np.radians(i),
         np.radians(raan_deg),
         np.radians(argument_of_periapsis_deg),
-        np.radians(mean_anomaly_deg),
+        anomaly,
         name=name,
         epoch=epoch,
         satellite_names=satellite_names,

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 
 from compass.bodies import MARS_GM, MARS_J2, MARS_J2_RADIUS, MARS_ROTATION_RATE, sidereal_day
 from compass.orbits.constellation import Constellation
@@ -67,6 +66,8 @@ def areosynchronous_radius(
     def pace(a: float) -> float:
         node, periapsis, anomaly = secular_rates(a, 0.0, inclination, gm)
         return float(periapsis + anomaly + node - omega)
+
+    from scipy.optimize import brentq
 
     return float(brentq(pace, 0.99 * kepler, 1.01 * kepler, xtol=1e-6, rtol=1e-14))
 

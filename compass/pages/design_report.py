@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from compass.api.access import access
+from compass.api.fold import FoldResult, fold
 from compass.api.map import MapResult
 from compass.api.reproduce import comparison_table
 from compass.api.show import ShowResult, show
@@ -52,7 +53,7 @@ def design_report(
         ("constellation", lambda: _constellation(shown)),
         ("geometry", lambda: _geometry(shown)),
         ("coverage pictures", lambda: _coverage(design, mapped)),
-        ("continuous fold", lambda: fold_section(design)),
+        ("continuous fold", lambda: _fold(design)),
         ("stations", lambda: _stations(design, mapped)),
         ("access", lambda: _access(design)),
         ("comparison", lambda: _comparison(design)),
@@ -140,6 +141,12 @@ def _coverage(design: Design, mapped: DesignMap) -> Section:
         (snapshot, *map_pictures(data, grid, name), *fold_pictures(data)),
         MapResult(design, mapped).tables(),
     )
+
+
+def _fold(design: Design) -> Section:
+    found = fold(design, motion="two-body")
+    assert isinstance(found, FoldResult)
+    return fold_section(found)
 
 
 def _access(design: Design) -> Section | None:

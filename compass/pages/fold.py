@@ -6,14 +6,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.coverage.certificate import prove_fold
+from compass.api.fold import FoldResult
 from compass.coverage.fold import caps_of, fold_extremes
 from compass.coverage.gdop import gdop_percentile, gdop_share
-from compass.coverage.margin import CoveringRadius, covering_radius, highest_mask
-from compass.coverage.share import mean_fold_shares
-from compass.coverage.symmetry import Span, shortest_span
+from compass.coverage.margin import CoveringRadius, covering_radius
+from compass.coverage.symmetry import Span
 from compass.coverage.witness import Witness
-from compass.design import Design
 from compass.document.blocks import Picture, Section, Table, arranged
 from compass.frames import direction, latitude_longitude, mcmf_from_mci, prime_meridian_angle
 from compass.orbits import Constellation, Pattern, orbital_period, positions_mcmf
@@ -25,30 +23,26 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-def fold_section(design: Design, *, inclinations: int = 46, moments: int = 400) -> Section:
-    """Certificate, margins and pictures of continuous coverage for a design.
+def fold_section(result: FoldResult, *, inclinations: int = 46, moments: int = 400) -> Section:
+    """Certificate, margins and pictures of continuous coverage, from its result.
 
     Parameters
     ----------
-    design
-        The design; of a mask that depends on azimuth the highest elevation is taken.
+    result
+        Of the whole sphere; of a mask that depends on azimuth it takes the highest elevation.
     inclinations, moments
         Points of the curves over inclination and time.
     """
-    c, sphere, mask = design.constellation, design.figure.equatorial_radius, design.mask.highest
-    span = shortest_span(c)
-    stretch = design.figure.stretch
-    certificate = prove_fold(
-        c, design.fold, sphere_radius=sphere, mask=mask, span=span, stretch=stretch
-    )
-    worst = covering_radius(c, design.fold, span=span)
-    margin = highest_mask(c, design.fold, sphere_radius=sphere, span=span, stretch=stretch)
+    design, found = result.design, result.coverage
+    c, sphere, mask = design.constellation, design.figure.equatorial_radius, found.mask
+    certificate, span, worst = found.certificate, found.span, found.worst
+    assert worst is not None  # of the whole sphere there is one
     when = "for all time" if span.for_all_time else f"over {span.stop / 3600:.4g} h"
     witness = certificate.witness
     text = (
-        f"Continuous {design.fold}-fold coverage of the whole of Mars above "
+        f"Continuous {result.fold}-fold coverage of the whole of Mars above "
         f"{np.degrees(mask):g} deg, {when}, in two-body motion, {design.figure.title}: "
-        f"{certificate.outcome}. "
+        f"{result.outcome}. "
         f"No grid and no time step is involved: {certificate.intervals} interval(s) were settled "
         f"by caps shrunk by as much as they can move ({span.reason})."
     )
@@ -63,43 +57,30 @@ def fold_section(design: Design, *, inclinations: int = 46, moments: int = 400) 
             " Pictures, the common cap radius, shares and GDOP are of the sphere of the equatorial "
             "radius, on which all caps of one orbit are alike."
         )
-    table = Table(
-        "Margins of continuous coverage",
-        ("quantity", "value", "unit"),
-        (
-            ("fold wanted", design.fold, ""),
-            ("outcome", certificate.outcome, ""),
-            ("smallest common cap radius", float(np.degrees(worst.radius)), "deg"),
-            ("highest mask", "none" if margin is None else float(np.degrees(margin)), "deg"),
-        ),
-    )
-    tables = (table, _quality(c, sphere, mask, span)) if one_circle(c) else (table,)
+    tables = (result.margins(), *result.shares_tables())
+    if one_circle(c):
+        tables = (*tables, _quality(c, sphere, mask, span))
     pictures = [
         _refuted(c, sphere, mask, witness)
         if witness
-        else _pinched(c, sphere, mask, design.fold, worst),
-        _fold_over_time(c, sphere, mask, design.fold, moments),
+        else _pinched(c, sphere, mask, result.fold, worst),
+        _fold_over_time(c, sphere, mask, result.fold, moments),
     ]
     if c.pattern is not None and one_circle(c):
-        pictures.append(_margin_by_inclination(c, c.pattern, design.fold, sphere, inclinations))
+        pictures.append(_margin_by_inclination(c, c.pattern, result.fold, sphere, inclinations))
     return arranged("Exact fold and margins", (text,), tuple(pictures), tables)
 
 
 def _quality(c: Constellation, sphere: float, mask: float, span: Span) -> Table:
-    """Shares of area and time by fold, and GDOP, each with its error."""
-    shares = mean_fold_shares(c, sphere_radius=sphere, mask=mask, span=span)
-    rows: list[tuple[object, ...]] = [
-        (f"exactly {k} in view", 100 * float(part), 100 * shares.error, "% of area-time")
-        for k, part in enumerate(shares.share)
-        if part > 0
-    ]
+    """GDOP over area and time, each number with its error."""
+    rows: list[tuple[object, ...]] = []
     p95 = gdop_percentile(c, 95.0, sphere_radius=sphere, mask=mask, span=span)
     six = gdop_share(c, 6.0, sphere_radius=sphere, mask=mask, span=span)
     if np.isfinite(p95.value):
         rows.append(("GDOP, 95th percentile", p95.value, p95.error, ""))
     rows.append(("GDOP of 6 or less", 100 * six.value, 100 * six.error, "% of area-time"))
     return Table(
-        "Fold and GDOP over area and time",
+        "GDOP over area and time",
         ("quantity", "value", "error", "unit"),
         tuple(rows),
     )

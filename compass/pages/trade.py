@@ -92,7 +92,7 @@ def trade_report(
     progress("finalists")
     chosen, measure = entrants(study, finalists_of(study, results)), yardstick(study)
     ranked = rank_finalists(study, chosen, progress)
-    ranking = None if ranked is None else ranked[0]
+    ranking = None if ranked is None else ranked[0].record
     sections = [recommendation(study, chosen, measure, ranking), _looked_at(study, results)]
     if chosen:
         finalists = [e.finalist for e in chosen]

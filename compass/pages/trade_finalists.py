@@ -21,7 +21,7 @@ from compass.inputs.study import Objective, Study
 from compass.pages.judge import judge_section, surface_section
 from compass.sites import Mask
 from compass.study.choice import Finalist
-from compass.study.ranking import rank_designs
+from compass.study.ranking import Ranking, rank_designs
 from compass.study.results import known_figures
 from compass.study.sampling import sampled_over, sampling_of
 from compass.study.yardstick import Yardstick, compared_mask_deg
@@ -232,7 +232,7 @@ def number(value: float) -> object:
 
 def rank_finalists(
     study: Study, chosen: Sequence[Entrant], progress: Callable[[str], None]
-) -> tuple[dict[str, Any], list[Design]] | None:
+) -> tuple[Ranking, list[Design]] | None:
     """Judge the finalists and the yardstick again, closely, with the filter; None without entry.
 
     Where the study draws few entries a candidate, to sort thousands, here are many, other ones
@@ -274,7 +274,7 @@ def rank_finalists(
 
 def landing_sections(
     study: Study,
-    ranking: dict[str, Any],
+    ranking: Ranking,
     designs: Sequence[Design],
     progress: Callable[[str], None],
 ) -> list[Section]:
@@ -283,7 +283,7 @@ def landing_sections(
     landing = judge_section(
         ranking, designs, study.entry.scenario, threads=os.cpu_count() or 1, progress=progress
     )
-    return [landing, surface_section(ranking)]
+    return [landing, surface_section(ranking.record)]
 
 
 def handover_files(chosen: Sequence[Entrant]) -> dict[str, str]:

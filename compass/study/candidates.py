@@ -5,7 +5,7 @@ to a worker by the thousand. Its identity is a hash of these bytes and of nothin
 it is the same in every run, on every machine and in every study.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from hashlib import blake2b
 from math import gcd, isqrt
@@ -110,7 +110,10 @@ class Block:
 
 
 def blocks(study: Study) -> list[Block]:
-    """Every kind, size and number of planes that the study allows, in its order.
+    """Every kind, size and number of planes that the study allows, in its order, none twice.
+
+    Candidates are their geometry, not its spelling: of kinds that lay out the same satellites the
+    first of `orbits.kinds.KINDS` stands for all.
 
     Raises
     ------
@@ -123,6 +126,8 @@ def blocks(study: Study) -> list[Block]:
             for p in _divisors(t):
                 if space.planes is not None and p not in space.planes:
                     continue
+                if _is_said_already(kind, p, space.patterns):
+                    continue
                 phasings = _phasings(kind, t, p, space.phasing)
                 if len(phasings):
                     found.append(Block(PATTERNS.index(kind), t, p, phasings))
@@ -133,6 +138,17 @@ def blocks(study: Study) -> list[Block]:
             "divide satellites, phasing must be below planes"
         )
     return found
+
+
+def _is_said_already(kind: str, planes: int, kinds: Iterable[str]) -> bool:
+    """Whether another kind of a study has all that a kind would lay out in so many planes.
+
+    Every rosette is a delta pattern; a star of one plane is a delta pattern, and a rosette, of one.
+    """
+    others = set(kinds) - {kind}
+    if kind == ROSETTE.name:
+        return WALKER_DELTA.name in others
+    return kind == WALKER_STAR.name and planes == 1 and bool(others)
 
 
 def _divisors(number: int) -> list[int]:

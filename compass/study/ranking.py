@@ -1,6 +1,7 @@
 """Designs judged on the same entries, and ranked."""
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from compass.design import Design
@@ -10,9 +11,26 @@ from compass.study.judge import campaign_of, check_lander, judge_entries
 from compass.study.judge_filter import NOT_RUN, judge_filter
 from compass.study.judge_surface import judge_surface
 from compass.study.judge_worst import worst_entry
+from compass.study.judgement import Judgement
 
 #: Most runs of the filter on one design.
 MOST_RUNS = 100_000
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Designs ranked for a lander.
+
+    Attributes
+    ----------
+    record
+        Plain values with units in their names, the best design first.
+    judgements
+        What they come from, in the same order.
+    """
+
+    record: dict[str, Any]
+    judgements: tuple[Judgement, ...]
 
 
 def rank_designs(
@@ -28,7 +46,7 @@ def rank_designs(
     runs: int = 512,
     threads: int = 1,
     progress: Callable[..., Iterable[Any]] = lambda items, **_: items,
-) -> dict[str, Any]:
+) -> Ranking:
     """Judge every design, best first; run the filter on the finalists.
 
     Ranked by the 95th percentile of the bound of position at deployment, then by the number of
@@ -66,10 +84,12 @@ def rank_designs(
         scenario, samples, seed, density_sigma=density_sigma, lift_sigma=lift_sigma
     )
     rows: list[dict[str, Any]] = []
+    kept: list[Judgement] = []
     for design in progress(designs, total=len(designs), desc="designs"):
         place: dict[str, Any] = {"figure": design.figure, "mask": design.mask}
         c = design.constellation
         found = judge_entries(c, campaign, scenario, threads=threads, **place)
+        kept.append(found)
         judged = found.figures(goal)
         worst = worst_entry(
             c, scenario, campaign, seed=seed, start=found, lost=found.worst_loss, **place
@@ -108,7 +128,7 @@ def rank_designs(
             )
         )
         rows[k]["answer"] = believed_answer(rows[k], goal)
-    return {
+    record = {
         "scenario": scenario.name,
         "deployment": campaign.deployment,
         "drawn": samples,
@@ -119,6 +139,7 @@ def rank_designs(
         "lift_sigma": lift_sigma,
         "designs": [{"rank": rank + 1, **rows[k]} for rank, k in enumerate(order)],
     }
+    return Ranking(record, tuple(kept[k] for k in order))
 
 
 def check_ranking(goal: float, finalists: int, runs: int) -> None:

@@ -58,16 +58,17 @@ def test_trade_then_report(study, run, tmp_path, designs, coarse):
     status, out, err = run("trade", path, "--workers", 1, "--json")
     assert status == 0, err
     result = json.loads(out)
-    # patterns t/p/f of 5, 6 and 7 satellites: 6 + 12 + 8; two kinds, two inclinations, two orbits
-    assert result["candidates"] == result["computed"]["screen"] == 26 * 8
+    # patterns t/p/f of 5, 6 and 7 satellites: 6 + 12 + 8; two kinds, but stars of one plane are deltas;
+    # two inclinations, two orbits
+    assert result["candidates"] == result["computed"]["screen"] == (2 * 26 - 3) * 4
     assert result["feasible"] == result["reached"]["map"] > len(result["front"]) > 0
     assert (tmp_path / "trades/tiny/trade.nc").is_file()
     status, out, _ = run("trade", path, "--workers", 1)
-    assert status == 0 and "Pareto front" in out and "208 candidates" in out
+    assert status == 0 and "Pareto front" in out and "196 candidates" in out
     status, out, err = run("report", path, "--json")
     assert status == 0, err
     summary = json.loads(out)
-    assert summary["candidates"] == 208 and summary["feasible"] == result["feasible"]
+    assert summary["candidates"] == 196 and summary["feasible"] == result["feasible"]
     assert summary["first_front"] == len(result["front"])
     assert all(f["certificate"] == "proven" for f in summary["finalists"])
     assert summary["compared_with"]["figures"]["satellites"] == 15
@@ -101,7 +102,7 @@ def test_an_objective_that_no_candidate_has(study, run):
     text = STUDY.replace('figure = "fold_proven"\nat_least = 1', 'figure = "planes"\nat_least = 1')
     path = study(text.replace("mask_margin_deg", "cap_radius_min_deg"), fold=9)
     status, out, err = run("trade", path, "--workers", 1, "--json")
-    assert status == 1 and json.loads(out)["feasible"] == 208 and json.loads(out)["front"] == []
+    assert status == 1 and json.loads(out)["feasible"] == 196 and json.loads(out)["front"] == []
     assert "meets every constraint has a value of cap_radius_min_deg; choose another" in err
 
 
@@ -128,8 +129,8 @@ def test_a_large_pool_is_offered_by_default(study, run, monkeypatch):
     ("options", "message"),
     [
         (["--workers", 0], "--workers = 0: allowed 1 to 1024"),
-        (["--workers", 1, "--scheduler", "tcp://a:1"], "--workers: not beside --scheduler"),
-        (["--tls-ca", "a.pem"], "all three go together, beside --scheduler"),
+        (["--workers", 1, "--scheduler", "tcp://a:1"], "--workers: not beside scheduler"),
+        (["--tls-ca", "a.pem"], "tls_ca, tls_cert, tls_key: all three go together"),
         (
             ["--scheduler", "tls://a:1", "--tls-ca", "a", "--tls-cert", "b", "--tls-key", "c"],
             "a: no such file; give a certificate",

@@ -69,17 +69,21 @@ def test_caps_bound_what_is_seen_in_a_band_for_a_while(
     stretched_caps(*frame, R, figure.stretch, mask, half, south, north, u, radius, stray, outer)
     assert radius[0] <= outer[0]
     rng = np.random.default_rng(seed)
-    z = rng.uniform(south, north, 400)
-    turn = rng.uniform(0, 2 * np.pi, 400)
-    q = np.stack([np.sqrt(1 - z * z) * np.cos(turn), np.sqrt(1 - z * z) * np.sin(turn), z], 1)
-    places = q / [1.0, 1.0, figure.stretch]
-    places /= np.linalg.norm(places, axis=1, keepdims=True)
-    away = np.arccos(np.clip(q @ u[0], -1, 1))
-    for time in (-half, 0.3 * half, half):
-        seen = in_view(c, R, mask, time, places, figure.stretch)[:, 0]
-        wander = stray[0] if time else 0.0
-        assert np.all(seen[away <= radius[0] - wander] >= -1e-12)
-        assert np.all(seen[away >= outer[0] + wander] <= 1e-12)
+    side = np.linalg.svd(u)[2][1:]  # two directions across u[0]
+    for time in (0.0, -half, 0.3 * half, half):
+        wander = (stray[0] if time else 0.0) + 1e-9
+        # points just inside the inner rim, and just outside the outer one: the closest calls
+        for rim, sign in ((radius[0] - wander, 1.0), (outer[0] + wander, -1.0)):
+            turn = rng.uniform(0, 2 * np.pi, 300)[:, np.newaxis]
+            ring = np.cos(turn) * side[0] + np.sin(turn) * side[1]
+            q = np.cos(rim) * u[0] + np.sin(rim) * ring
+            q = q[(q[:, 2] >= south) & (q[:, 2] <= north)]
+            if not 0.0 < rim < np.pi or not len(q):
+                continue
+            places = q / [1.0, 1.0, figure.stretch]
+            places /= np.linalg.norm(places, axis=1, keepdims=True)
+            seen = in_view(c, R, mask, time, places, figure.stretch)[:, 0]
+            assert np.all(sign * seen >= -1e-12)
 
 
 def test_bounds_are_one_for_a_horizontal_mask_and_narrow_with_the_band():

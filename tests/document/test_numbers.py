@@ -67,8 +67,9 @@ def test_every_quantity_says_what_it_is():
         assert record.name == name
         assert record.title and record.meaning.endswith("."), name
         assert record.digits >= 1
-        bare = "" if record.unit == "1" else record.unit
-        assert record.shown_unit == ("%" if record.form == "share" else bare)
+        assert record.shown_unit == (
+            "%" if record.form == "share" else "" if record.unit == "1" else record.unit
+        )
         assert record.attributes()["long_name"] == record.title
         # the name carries the unit
         if record.form == "real" and record.unit in ("deg", "km", "m", "s", "h", "km2", "rad"):

@@ -38,7 +38,7 @@ def page(seed_design):
 def brief(monkeypatch):
     """Leave out the parts whose kernels are slow when interpreted; they have tests of their own."""
     home = "compass.pages.design_report"
-    monkeypatch.setattr(f"{home}.fold_section", lambda design: arranged("Continuous fold"))
+    monkeypatch.setattr(f"{home}._fold", lambda design: arranged("Continuous fold"))
     monkeypatch.setattr(f"{home}.access_section", lambda design: None)
     monkeypatch.setattr("compass.papers.kelly2018._fold_rows", list)
 

@@ -3,13 +3,15 @@
 import numpy as np
 import pytest
 
+from compass.api.judge import estimate
 from compass.entry.arrivals import draw_arrivals
 from compass.inputs import read_design_text
 from compass.inputs.scenario import read_scenario_text
 from compass.pages import judge as module
-from compass.pages.judge import estimate
+from compass.pictures import judge as pictures
 from compass.study.judge import campaign_of, judge_entries
 from compass.study.judge_filter import NOT_RUN
+from compass.study.ranking import Ranking
 
 DESIGN = """
 name = "{name}"
@@ -48,14 +50,15 @@ def with_worst(found):
 
 def ranking_of(designs, scenario, samples):
     """Give a ranking without the search for the worst, the surface and the filter's runs."""
-    rows = []
+    rows, judgements = [], []
     for rank, design in enumerate(designs):
         found = judge_entries(
             design.constellation, campaign_of(scenario, samples), scenario,
             figure=design.figure, mask=design.mask,
         )  # fmt: skip
+        judgements.append(found)
         filtered = {
-            "runs": 4, "diverged": 0, "consistent": True, "ekf_position_m": {"p50": 8.0, "p95": 12.0}, "rms_over_bound": 1.1, "nees": 6.1,
+            "runs": 4, "diverged": 0, "consistent": True, "believed": True, "ekf_position_m": {"p50": 8.0, "p95": 12.0}, "rms_over_bound": 1.1, "nees": 6.1,
             "nees_interval": {"low": 5, "high": 7},
         }  # fmt: skip
         rows.append(
@@ -66,10 +69,11 @@ def ranking_of(designs, scenario, samples):
                 **(NOT_RUN if rank else filtered),
             }
         )  # fmt: skip
-    return {
+    record = {
         "designs": rows, "drawn": samples, "seed": 0, "goal_m": 10.0, "density_sigma": 0.0,
         "lift_sigma": 0.0,
     }  # fmt: skip
+    return Ranking(record, tuple(judgements))
 
 
 def test_section_has_maps_distributions_and_a_table(scenario):
@@ -93,13 +97,13 @@ def test_cells_keep_their_largest_bound(scenario):
         judge_entries(two.constellation, on, scenario, figure=two.figure, mask=two.mask)
         for on in (campaign, campaign.again(draw_arrivals(4, 9)))
     ]
-    cells = module.largest_by_cell(found)
+    cells = pictures.largest_by_cell(found)
     sigma = np.concatenate([one.position_sigma for one in found])
     assert np.nanmax(cells) == sigma.max()
     assert 1 <= np.isfinite(cells).sum() <= sigma.size
     latitude, longitude = found[0].campaign.deployment_place
-    row = int((np.sin(latitude[0]) + 1) / 2 * module.ROWS)
-    column = int((longitude[0] + np.pi) / (2 * np.pi) * module.COLUMNS)
+    row = int((np.sin(latitude[0]) + 1) / 2 * pictures.ROWS)
+    column = int((longitude[0] + np.pi) / (2 * np.pi) * pictures.COLUMNS)
     assert cells[row, column] >= found[0].position_sigma[0]
 
 

@@ -16,7 +16,7 @@ def other_numbers(row):
     found = row.found
     n = len(found)
     yield from (tuple(range(1, n + 1)), tuple(range(n, 0, -1)))
-    for k in (-1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 7.0, 13.0, 15.0, 241.0, 251.0, 301.0, 1e30):
+    for k in (-1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 7.0, 13.0, 15.0, 241.0, 251.0, 301.0, 1e4, 1e30):
         yield (k,) * n
         yield from ((*found[:i], k, *found[i + 1 :]) for i in range(n))
     for factor in (-1.0, 0.01, 0.1, 0.5, 0.9, 1.1, 2.0, 10.0, 100.0, 1e6, 1e12):

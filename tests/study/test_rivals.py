@@ -56,7 +56,9 @@ def quick(monkeypatch):
 
 def test_more_satellites_rank_first_and_get_the_filter(scenario, quick):
     designs = [design(2, "two"), design(5, "five"), design(4, "four")]
-    result = ranking.rank_designs(designs, scenario, samples=2, finalists=1, runs=2, goal=1e9)
+    result = ranking.rank_designs(
+        designs, scenario, samples=2, finalists=1, runs=2, goal=1e9
+    ).record
     rows = result["designs"]
     assert [row["rank"] for row in rows] == [1, 2, 3]
     assert rows[0]["design"] == "five"
@@ -80,7 +82,7 @@ def test_ties_go_to_fewer_satellites(scenario, quick, monkeypatch):
         read_design_text(DESIGN.format(name=n, satellites=k) + "mask_deg = 89.9\n", n)
         for n, k in (("three", 3), ("two", 2))
     ]
-    result = ranking.rank_designs(blind, scenario, samples=2, finalists=0)
+    result = ranking.rank_designs(blind, scenario, samples=2, finalists=0).record
     assert [row["design"] for row in result["designs"]] == ["two", "three"]
     answer = result["designs"][0]["answer"]
     assert answer.startswith("no: not in 100 % of entries; worst 17")

@@ -219,7 +219,7 @@ def test_the_batch_does_not_matter(stage, short):
     s = replace(study(satellites="[5, 6, 12]"), entry=EntryStage(short(), 2, 9, 2, 1))
     found = candidates(s)
     rows = found.rows(0, len(found))[::17]
-    assert set(rows["pattern"]) == {0, 1, 2}
+    assert set(rows["pattern"]) == {0, 1}  # rosettes are delta patterns
     together = evaluate(stage, s, rows)
     assert not together.errors
     for some in ([3, 1], *([k] for k in range(rows.size))):

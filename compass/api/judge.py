@@ -1,0 +1,337 @@
+"""Candidate constellations ranked by landing-navigation quality."""
+
+import os
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from compass.api.given import given_design, given_scenario
+from compass.api.progress import bar
+from compass.api.results import Result
+from compass.design import Design
+from compass.document import Page, Sentence, Table, Value, Verdict
+from compass.document.plain import plain
+from compass.errors import ArgumentError, DesignError
+from compass.inputs import read_design
+from compass.inputs.scenario import Scenario
+from compass.quantities import Quantity, quantity
+from compass.saving import check_writable, replacing
+from compass.study.judge import campaign_of
+from compass.study.ranking import Ranking, check_ranking, rank_designs
+from compass.study.rival import best_rival, rival_toml
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, repr=False)
+class JudgeResult(Result):
+    """Designs ranked for a lander.
+
+    Attributes
+    ----------
+    designs
+        As given, and the rival if one was asked for.
+    scenario
+        The lander.
+    ranking
+        The best first: plain values, and the judgements they come from.
+    """
+
+    designs: tuple[Design, ...] = field(repr=False)
+    scenario: Scenario = field(repr=False)
+    ranking: Ranking = field(repr=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return plain(self.ranking.record)
+
+    def document(self) -> Page:
+        """The best and its bound, an answer a design, then the tables."""
+        record = self.ranking.record
+        rows, goal = record["designs"], record["goal_m"]
+        best, unknown = rows[0], unknown_air(record)
+        claim = (
+            f"{best['design']} is best of {len(rows)}: position bound at {record['deployment']} "
+            f"{best['crlb_position_m']['p95']:.4g} m in 95 % of {record['samples']} entries"
+            + "".join(f", {text}" for text in unknown)
+        )
+        run = [row for row in rows if row["nees"] is not None]
+        return Page(
+            self.scenario.name,
+            (
+                Verdict("", claim),
+                Sentence(f"Within {goal:g} m at deployment, anywhere and at any time?"),
+                *(Sentence(f"{row['design']}: {row['answer']}") for row in rows),
+                ranking_table(rows),
+                *([filter_table(run)] if run else []),
+                surface_table(rows),
+                Sentence(_MEANING + (_KNOWN_AIR if unknown and run else "")),
+            ),
+        )
+
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
+        """Draw which share of entries is within which bound, and after the worst loss.
+
+        Parameters
+        ----------
+        axes
+            Where to; new ones without.
+        """
+        from compass.pictures.judge import draw_distributions
+        from compass.pictures.style import axes_or_new
+
+        record = self.ranking.record
+        names = [row["design"] for row in record["designs"]]
+        drawn = axes_or_new(axes, 8.0, 4.6)
+        draw_distributions(drawn, names, self.ranking.judgements, record["goal_m"])
+        return drawn
+
+
+_MEANING = (
+    "p50, p95: Cramer-Rao sigma of the position in space over the entries; worst: that a search "
+    "finds. In view: fewest. After worst loss: of the one satellite that matters most. Blind: "
+    "entries whose measurements alone do not determine the state. NEES: 6 if the filter is "
+    "consistent, which in 95 of 100 cases puts it between the bounds."
+)
+_KNOWN_AIR = " The filter takes density and L/D as known."
+
+
+def judge(
+    designs: Design | str | Path | Sequence[Design | str | Path],
+    *,
+    scenario: Scenario | str | Path,
+    samples: int = 1024,
+    seed: int = 0,
+    goal_m: float = 10.0,
+    density_sigma: float = 0.0,
+    lift_sigma: float = 0.0,
+    finalists: int = 3,
+    runs: int = 512,
+    rival: str | Path | None = None,
+    rival_radius_km: float | None = None,
+    workers: int | None = None,
+    command: str = "",
+    progress: bool = False,
+) -> JudgeResult:
+    """Judge constellations as beacons of a lander: anywhere, along any azimuth, at any time.
+
+    The lander of the scenario is flown to parachute deployment (its trigger of that name, or the
+    end of the scenario) at sites over the whole globe, at moments over the repeat period. Ranked
+    by the 95th percentile of the Cramer-Rao bound of position there, blackout taken into account.
+
+    Parameters
+    ----------
+    designs
+        Candidates, or the paths of their files; one or several.
+    scenario
+        The lander, or the path of its file.
+    samples, seed
+        Entries to judge on, and the seed of sites, times and noise.
+    goal_m
+        Position wanted, m.
+    density_sigma, lift_sigma
+        Unknown density and L/D, relative; 0 where they are known.
+    finalists, runs
+        On how many of the best to run the filter, and how often on each.
+    rival
+        Find the best Walker delta of the first design's size, write it there, and rank it too.
+    rival_radius_km
+        Its orbits' radius; the first design's if left out.
+    workers
+        Threads; by default one a core. The numbers do not depend on them.
+    command
+        What to write into the rival's file as its source.
+    progress
+        Show bars on stderr.
+
+    Raises
+    ------
+    ArgumentError, DesignError, OutputError
+        An option, a file or the rival's place is not allowed.
+
+    Examples
+    --------
+    >>> import compass
+    >>> compass.judge("designs/compass-15-5-1.toml", scenario="designs/landing.toml", samples=0)
+    Traceback (most recent call last):
+    compass.errors.ArgumentError: samples = 0: allowed 1 to 8192
+    """
+    lander, candidates = _read(designs, scenario)
+    check_ranking(goal_m, finalists, runs)
+    unknown: dict[str, Any] = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
+    threads = workers or os.cpu_count() or 1
+
+    def bars(work: Iterable[Any], total: int, desc: str) -> Iterable[Any]:
+        return bar(progress, desc, work, total=total)
+
+    radius = _rival_radius(rival_radius_km, rival, candidates)
+    if rival is not None:
+        place = Path(rival)
+        labels = [lander.label, *(design.label for design in candidates)]
+        check_writable(place, [Path(label) for label in labels])
+        campaign = campaign_of(lander, samples, seed, **unknown)
+        found = best_rival(
+            candidates[0], lander, campaign, radius=radius, threads=threads, progress=bars
+        )
+        with replacing(place) as temporary:
+            temporary.write_text(rival_toml(found, candidates[0], command), encoding="utf-8")
+        candidates.append(read_design(place))
+    ranking = rank_designs(
+        candidates,
+        lander,
+        samples=samples,
+        seed=seed,
+        goal=goal_m,
+        finalists=finalists,
+        runs=runs,
+        threads=threads,
+        progress=bars,
+        **unknown,
+    )
+    return JudgeResult(tuple(candidates), lander, ranking)
+
+
+def _read(
+    designs: Design | str | Path | Sequence[Design | str | Path], scenario: Scenario | str | Path
+) -> tuple[Scenario, list[Design]]:
+    """Read all files; the faults of all are said at once."""
+    faults: list[str] = []
+
+    def read(reader: Callable[[Any], Any], thing: object) -> Any:
+        try:
+            return reader(thing)
+        except DesignError as error:
+            faults.extend(error.faults)
+
+    several = [designs] if isinstance(designs, Design | str | Path) else designs
+    lander = read(given_scenario, scenario)
+    candidates = [read(given_design, each) for each in several]
+    if faults:
+        raise DesignError(list(dict.fromkeys(faults)))
+    return lander, candidates
+
+
+def _rival_radius(
+    radius_km: float | None, rival: str | Path | None, designs: Sequence[Design]
+) -> float | None:
+    """Radius of the rival's orbits, metres, or None for the first design's."""
+    if radius_km is None or not designs:
+        return None
+    if rival is None:
+        raise ArgumentError("rival_radius_km: says where --rival is to look; give --rival too")
+    surface = designs[0].figure.equatorial_radius / 1e3
+    if not surface < radius_km <= 1e7:
+        raise ArgumentError(
+            f"rival_radius_km = {radius_km:g}: allowed above the surface ({surface:g} km) to 1e7 km"
+        )
+    return radius_km * 1e3
+
+
+def unknown_air(record: dict[str, Any]) -> list[str]:
+    """What of the air is not known beforehand, and by how much."""
+    known = (("density", record["density_sigma"]), ("L/D", record["lift_sigma"]))
+    return [f"{name} unknown by {100 * sigma:g} %" for name, sigma in known if sigma]
+
+
+def surface_table(rows: Sequence[dict[str, Any]]) -> Table:
+    """Coverage and geometry of every design for users on the surface."""
+    margin = quantity("mask_margin_deg")
+    header = (
+        "design", "continuous coverage", margin.heading, "GDOP p50", "p95", "GDOP <= 6, %"
+    )  # fmt: skip
+    return Table("Users on the surface", header, tuple(_surface(row, margin) for row in rows))
+
+
+def _surface(row: dict[str, Any], margin: Quantity) -> tuple[object, ...]:
+    known = row["surface"]
+    highest = known["mask_margin_deg"]
+    return (
+        row["design"],
+        f"{known['fold']['wanted']}-fold {known['fold']['outcome']}",
+        Value(margin, "no mask has it" if highest is None else highest),
+        *(estimate(known["gdop"][key], known["gdop_error"][key]) for key in ("p50", "p95")),
+        estimate(100 * known["gdop_share"], 100 * known["gdop_share_error"]),
+    )
+
+
+def ranking_table(rows: Sequence[dict[str, Any]]) -> Table:
+    """Bounds of every design, the best first."""
+    return Table(
+        "Designs ranked by the 95th percentile of the position bound",
+        (
+            "rank", "design", "satellites", "in view, fewest", "position p50, m", "p95, m",
+            "worst found, m", "velocity p95, m/s", "p95 after worst loss, m", "worst found, m",
+            "blind, %",
+        ),
+        tuple(
+            (
+                row["rank"],
+                row["design"],
+                row["satellites"],
+                row["in_view"]["min"],
+                _digits(row["crlb_position_m"]["p50"]),
+                _digits(row["crlb_position_m"]["p95"]),
+                _digits(row["worst_found"]["value"]),
+                _digits(row["crlb_velocity_m_s"]["p95"]),
+                *_loss_columns(row),
+                _digits(100 * row["unobservable_share"]),
+            )
+            for row in rows
+        ),
+    )  # fmt: skip
+
+
+def _loss_columns(row: dict[str, Any]) -> tuple[object, object]:
+    """95th percentile and worst found after the worst loss; nothing where there is nobody."""
+    if "after_loss" not in row:
+        return "", ""
+    lost = row["after_loss"]
+    return _digits(lost["crlb_position_m"]["p95"]), _digits(lost["worst_found"]["value"])
+
+
+def filter_table(rows: Sequence[dict[str, Any]]) -> Table:
+    """Errors of the filter, and whether they are as large as it says."""
+    return Table(
+        "The filter itself: its errors at deployment, and whether they are as large as it says",
+        (
+            "design", "runs", "diverged", "error p50, m", "p95, m", "rms over the bound's", "NEES",
+            "95 % of consistent filters between", "consistent",
+        ),
+        tuple(
+            (
+                row["design"],
+                row["runs"],
+                row["diverged"],
+                _digits(row["ekf_position_m"]["p50"]),
+                _digits(row["ekf_position_m"]["p95"]),
+                _digits(row["rms_over_bound"]),
+                _digits(row["nees"]),
+                "{low:.2f} and {high:.2f}".format(**row["nees_interval"]),
+                _consistent(row),
+            )
+            for row in rows
+        ),
+    )  # fmt: skip
+
+
+def _consistent(row: dict[str, Any]) -> str:
+    if not row["believed"]:
+        return f"no: errors {row['errors_over_claim']:.3g} times its claim"
+    return "yes" if row["consistent"] else "no"
+
+
+def estimate(value: float, error: float) -> str:
+    """A sampled value and its standard error, to two digits of the error."""
+    if not (np.isfinite(value) and 0 < error < np.inf):
+        return f"{value:.4g}"
+    digits = max(0, 1 - int(np.floor(np.log10(error))))
+    return f"{value:.{digits}f} ± {error:.{digits}f}"
+
+
+def _digits(value: float) -> float:
+    """Four digits: more would be noise of the entries drawn."""
+    return float(f"{value:.4g}")

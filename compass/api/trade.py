@@ -1,0 +1,249 @@
+"""A study over many candidates, resumable, on a cluster if asked."""
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tqdm import tqdm
+
+from compass.api.given import given_study
+from compass.api.progress import bar
+from compass.api.results import Result
+from compass.document import Page, Sentence, Table, Verdict
+from compass.document.blocks import Block
+from compass.document.plain import plain
+from compass.errors import ArgumentError
+from compass.inputs.merit import MERITS
+from compass.inputs.study import Study
+from compass.saving import check_writable
+from compass.study.candidates import check_space
+from compass.study.cluster import Cluster, Tls
+from compass.study.judge import check_lander
+from compass.study.results import first_front, read_results, write_results
+from compass.study.sampling import sampled_over, sampling_of
+from compass.study.store import Store
+from compass.study.trade import Summary, run_trade
+from compass.study.workers import Processes, Workers
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Rows of the front that the text lists.
+LISTED = 25
+
+#: Most processes on one machine.
+MOST_WORKERS = 1024
+
+
+@dataclass(frozen=True, repr=False)
+class TradeResult(Result):
+    """Every candidate of a study, and the front of the best.
+
+    Attributes
+    ----------
+    study
+        What was asked.
+    store
+        Folder in which every finished batch is kept.
+    summary
+        What this run did.
+    dataset
+        Figures of merit by candidate.
+    """
+
+    study: Study = field(repr=False)
+    store: Path
+    summary: Summary
+    dataset: "xr.Dataset" = field(repr=False)
+
+    @property
+    def front(self) -> list[dict[str, Any]]:
+        """Candidates that no other one beats in every objective."""
+        return first_front(self.study, self.dataset)
+
+    @property
+    def feasible(self) -> int:
+        """How many meet every constraint."""
+        return int(self.dataset.feasible.sum())
+
+    @property
+    def holds(self) -> bool:
+        """Whether there is a front and no candidate was left out."""
+        return bool(self.front) and not self.summary.unfinished
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        s = self.summary
+        return plain(
+            {
+                "study": self.study.name,
+                "store": str(self.store),
+                "candidates": s.candidates,
+                "reached": s.reached,
+                "computed": s.computed,
+                "failed": s.failed,
+                "unfinished": s.unfinished,
+                "lethal": s.lethal,
+                "seconds": s.seconds,
+                "feasible": self.feasible,
+                "front": self.front,
+                "sampled_over": {
+                    name: how for name in MERITS if (how := sampling_of(self.study, name))
+                },
+            }
+        )
+
+    def document(self) -> Page:
+        """How many are left, the front, and what the run did."""
+        s, front = self.summary, self.front
+        claim = (
+            f"{s.candidates} candidates, {self.feasible} meet every constraint, {len(front)} on "
+            "the Pareto front"
+        )
+        blocks: list[Block] = [Verdict("", claim, self.holds)]
+        blocks += [Sentence(words) for words in self.notes()]
+        if front:
+            rows = tuple(tuple(row.values()) for row in front)
+            blocks.append(Table("Pareto front", tuple(front[0]), rows, LISTED))
+            if how := sampled_over(self.study, list(front[0])):
+                blocks.append(Sentence(f"sampled: {how}"))
+        stages = tuple(
+            (n, s.reached[n], s.computed[n], s.failed[n], round(s.seconds.get(n, 0.0), 2))
+            for n in s.reached
+        )
+        header = ("stage", "candidates", "computed now", "raised", "work s")
+        return Page(self.study.name, (*blocks, Table("Stages", header, stages)))
+
+    def notes(self) -> tuple[str, ...]:
+        """What went wrong, and what to do about it."""
+        s, notes = self.summary, []
+        if s.unfinished:
+            more = ["..."] if s.unfinished > len(s.lethal) else []
+            notes.append(
+                f"{s.unfinished} candidate(s) left out, whose workers died or had too little "
+                "memory; the same command tries them again:\n  " + "\n  ".join(s.lethal + more)
+            )
+        errors = [text for text in self.dataset.error.values if text]
+        if errors:
+            notes.append(
+                f"{len(errors)} candidate(s) raised an error and go no further; the first: "
+                f"{errors[0]}"
+            )
+        if self.feasible and not self.front:
+            of_them = self.dataset.isel(candidate=self.dataset.feasible.values)
+            figures = [objective.figure for objective in self.study.objectives]
+            lacking = [figure for figure in figures if of_them[figure].isnull().all()]
+            notes.append(
+                "no candidate that meets every constraint has a value of "
+                f"{' or of '.join(lacking) or 'every objective'}; choose another objective"
+            )
+        return tuple(notes)
+
+
+def trade(
+    study: Study | str | Path,
+    *,
+    output: str | Path | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    tls_ca: str | Path | None = None,
+    tls_cert: str | Path | None = None,
+    tls_key: str | Path | None = None,
+    progress: bool = False,
+    notice: Callable[[str], object] = lambda words: None,
+) -> TradeResult:
+    """Judge every candidate of a study: an exact screen first, then maps, then entries.
+
+    Every finished batch is stored at once; the same call resumes a run that was stopped.
+
+    Parameters
+    ----------
+    study
+        A study, or the path of its file.
+    output
+        Folder of the store; by default ``trades/`` and the name of the file.
+    workers
+        Processes on this machine; by default one a core.
+    scheduler
+        Address of a Dask scheduler, such as ``tcp://host:8786``, instead.
+    tls_ca, tls_cert, tls_key
+        Certificates of a cluster that wants them, all three.
+    progress
+        Show bars on stderr.
+    notice
+        Told what is to be known before the work begins, such as damaged lines of the store.
+
+    Raises
+    ------
+    ArgumentError, DesignError, OutputError
+        An option, the study or the store is not allowed.
+
+    Examples
+    --------
+    >>> import compass
+    >>> compass.trade("designs/study-small.toml", workers=0)
+    Traceback (most recent call last):
+    compass.errors.ArgumentError: workers = 0: allowed 1 to 1024
+    """
+    tls = _tls(scheduler, tls_ca, tls_cert, tls_key)
+    if scheduler is not None and workers is not None:
+        raise ArgumentError("workers: not beside scheduler, whose cluster has its own")
+    if workers is not None and not 1 <= workers <= MOST_WORKERS:
+        raise ArgumentError(f"workers = {workers}: allowed 1 to {MOST_WORKERS}")
+    read = given_study(study)
+    check_space(read)
+    if read.entry is not None:
+        check_lander(read.entry.scenario, read.entry.samples, read.seed)
+    folder = Path(output) if output is not None else _folder(study)
+
+    def bars(title: str, total: int, already: int) -> tqdm:
+        return bar(progress, title, total=total, initial=already, smoothing=0.05)
+
+    with Store(folder, read) as store:
+        if store.damaged:
+            notice(
+                f"{store.path}: {len(store.damaged)} damaged line(s) ignored ({store.damaged[0]}); "
+                "candidates that no other line has are computed again"
+            )
+        check_writable(folder / "trade.nc")
+        team = _team(read, workers, scheduler, tls)
+        try:
+            summary = run_trade(read, store, team, bars)
+        finally:
+            team.close()
+        results = read_results(read, folder)
+        write_results(results, folder / "trade.nc")
+    return TradeResult(read, folder, summary, results)
+
+
+def _folder(study: Study | str | Path) -> Path:
+    """Where a study's store is by default."""
+    if isinstance(study, Study):
+        raise ArgumentError(
+            "output: needed for a study that is not read from a file; name a folder"
+        )
+    return Path("trades") / Path(study).stem
+
+
+def _tls(
+    scheduler: str | None,
+    authority: str | Path | None,
+    certificate: str | Path | None,
+    key: str | Path | None,
+) -> Tls | None:
+    """Certificates, if any are given; then all must be."""
+    if not any((authority, certificate, key)):
+        return None
+    if authority is None or certificate is None or key is None or scheduler is None:
+        raise ArgumentError("tls_ca, tls_cert, tls_key: all three go together, beside scheduler")
+    return Tls(Path(authority), Path(certificate), Path(key))
+
+
+def _team(study: Study, workers: int | None, scheduler: str | None, tls: Tls | None) -> Workers:
+    """Who works on the study."""
+    if scheduler is not None:
+        return Cluster(study, scheduler, tls)
+    count = workers or os.cpu_count() or 1
+    return Processes(study, count)  # one too: a candidate may kill whoever looks at it

@@ -1,0 +1,169 @@
+"""One self-contained HTML page about a design, a scenario or a study."""
+
+import json
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from compass.api.given import given_design, given_scenario, given_study
+from compass.api.land import land
+from compass.api.progress import bar
+from compass.api.results import Result
+from compass.design import Design
+from compass.document import Page, Verdict
+from compass.document.plain import plain
+from compass.errors import ArgumentError
+from compass.inputs.reading import read_text
+from compass.inputs.scenario import Scenario
+from compass.inputs.study import Study
+from compass.pages.design_report import design_report
+from compass.pages.landing_report import landing_report
+from compass.pages.page import check_page_folder, write_page
+from compass.pages.trade import trade_report
+from compass.saving import write_files
+from compass.study.mapping import MapOptions
+
+
+@dataclass(frozen=True, repr=False)
+class ReportResult(Result):
+    """Where a page is, and what it says in numbers.
+
+    Attributes
+    ----------
+    title
+        What it is about.
+    page
+        The page.
+    known
+        Numbers of a study's page, or the pictures beside it.
+    """
+
+    title: str
+    page: Path
+    known: Mapping[str, Any] = field(repr=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return plain({"page": str(self.page), **self.known})
+
+    def document(self) -> Page:
+        """Where the page is."""
+        return Page("report", (Verdict("", str(self.page)),))
+
+
+def report(
+    thing: Design | Scenario | Study | str | Path,
+    *,
+    output: str | Path | None = None,
+    step_deg: float | None = None,
+    epochs: int | None = None,
+    store: str | Path | None = None,
+    command: str = "",
+    progress: bool = False,
+) -> ReportResult:
+    """Report on a design, a scenario or a study: one HTML page that needs no network.
+
+    A file with a table [study] is a study, and its page is made from the store of
+    `compass.trade`; one with a table [vehicle] is a scenario of landing; all else is a design.
+
+    Parameters
+    ----------
+    thing
+        What to report on, or the path of its file.
+    output
+        Folder for the page and its pictures; by default ``reports/`` and the name of the file.
+    step_deg, epochs
+        Cell size of a design's maps, degrees, and epochs in their period.
+    store
+        Folder of a study's store; by default ``trades/`` and the name of the file.
+    command
+        What to write into the page's provenance.
+    progress
+        Show bars on stderr.
+
+    Raises
+    ------
+    ArgumentError, DesignError, OutputError
+        An option, the file or the folder is not allowed.
+
+    Examples
+    --------
+    >>> import compass
+    >>> compass.report("designs/landing.toml", store="trades/x")
+    Traceback (most recent call last):
+    compass.errors.ArgumentError: store: designs/landing.toml is not a study; leave it out
+    """
+    read: Any = thing
+    if isinstance(thing, str | Path):
+        kind = _kind(read_text(Path(thing)))
+    else:
+        kind = {Study: "study", Scenario: "scenario"}.get(type(thing), "design")
+    if output is not None:
+        folder = Path(output)
+    elif isinstance(thing, str | Path):
+        folder = Path("reports") / Path(thing).stem
+    else:
+        raise ArgumentError("output: needed for what is not read from a file; name a folder")
+    check_page_folder(folder)
+    name = str(thing) if isinstance(thing, str | Path) else thing.name
+    finer = {"step_deg": step_deg, "epochs": epochs}
+    options: dict[str, Any] = {key: value for key, value in finer.items() if value is not None}
+    if options and kind != "design":
+        raise ArgumentError(
+            f"{next(iter(options))}: {name} is not a design, and says itself how finely it is "
+            "looked at; leave it out"
+        )
+    if kind != "study" and store is not None:
+        raise ArgumentError(f"store: {name} is not a study; leave it out")
+    if kind == "study":
+        return _study(given_study(read), folder, _store(thing, store), command, progress)
+    if kind == "scenario":
+        flown = land(given_scenario(read), command=command, progress=progress)
+        title, (page, sections) = flown.scenario.name, landing_report(flown)
+    else:
+        chosen = given_design(read)
+        with bar(progress, "report", total=8, unit="part", leave=False) as parts:
+            title = chosen.name
+            page, several = design_report(
+                chosen, command, MapOptions(**options), progress=lambda part: _step(parts, part)
+            )
+        sections = tuple(several)
+    path = write_page(folder, page, sections)
+    pictures = [f"{p.stem}.png" for section in sections for p in section.pictures]
+    return ReportResult(title, path, {"pictures": [str(folder / name) for name in pictures]})
+
+
+def _kind(text: str) -> str:
+    """What a file describes, by its tables; a design if it is no TOML, which its reader says."""
+    try:
+        tables = set(tomllib.loads(text))
+    except (ValueError, RecursionError):
+        return "design"
+    return "study" if "study" in tables else "scenario" if "vehicle" in tables else "design"
+
+
+def _store(thing: object, store: str | Path | None) -> Path:
+    """Where a study's store is."""
+    if store is not None:
+        return Path(store)
+    if isinstance(thing, str | Path):
+        return Path("trades") / Path(thing).stem
+    raise ArgumentError("store: needed for a study that is not read from a file; name its folder")
+
+
+def _study(study: Study, folder: Path, store: Path, command: str, progress: bool) -> ReportResult:
+    """Make the page of a study, its numbers and the files handed over beside it."""
+    with bar(progress, "report", unit="part", leave=False) as parts:
+        made = trade_report(study, store, command, progress=lambda part: _step(parts, part))
+    path = write_page(folder, made.page, made.sections)
+    summary = json.dumps(plain(made.summary), indent=2, allow_nan=False, ensure_ascii=False)
+    write_files(folder, {"summary.json": summary + "\n", **made.files})
+    return ReportResult(study.name, path, made.summary)
+
+
+def _step(parts: Any, part: str) -> None:
+    """Say which part of a page is being made."""
+    parts.set_postfix_str(part)
+    parts.update()

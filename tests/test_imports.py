@@ -1,0 +1,85 @@
+"""What is imported when: a fresh process lists it, so that a new heavy import is noticed."""
+
+import json
+import pkgutil
+import subprocess
+import sys
+
+import pytest
+
+import compass
+
+ROOT = "designs/compass-15-5-1.toml"
+#: Those of other people that take long to load.
+HEAVY = {
+    "numba", "erfa", "scipy.optimize", "scipy.integrate", "xarray", "pandas", "matplotlib",
+    "shapely", "pyproj", "h5netcdf", "dask", "plotly", "pymoo", "jinja2", "pydantic", "numpy",
+}  # fmt: skip
+
+
+def loaded(designs, code):
+    """Which of the heavy ones are loaded once the code has run."""
+    script = f"{code}\nimport sys, json\nprint()\nprint(json.dumps(sorted(sys.modules)))"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True,
+        cwd=designs.parent,
+    )  # fmt: skip
+    return HEAVY & set(json.loads(done.stdout.splitlines()[-1]))
+
+
+@pytest.mark.parametrize(
+    ("code", "allowed"),
+    [
+        ("import compass", set()),
+        ("import compass; dir(compass)", set()),
+        (f"import compass; compass.read_design({ROOT!r})", {"numpy", "pydantic"}),
+        (f"import compass; compass.show({ROOT!r}).to_dict()", {"numpy", "pydantic"}),
+        (
+            "import compass; compass.walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)",
+            {"numpy"},
+        ),
+    ],
+    ids=["import", "names", "read", "show", "pattern"],
+)
+def test_only_what_is_needed_is_loaded(designs, code, allowed):
+    assert loaded(designs, code) <= allowed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("code", "allowed"),
+    [
+        (f"compass.fold({ROOT!r}).to_dict()", {"numba", "scipy.integrate", "scipy.optimize"}),
+        (
+            f"compass.map({ROOT!r}, step_deg=30, epochs=2).to_dict()",
+            {"numba", "xarray", "pandas", "h5netcdf", "jinja2"},
+        ),
+    ],
+    ids=["fold", "map"],
+)
+def test_a_command_loads_no_drawing(designs, code, allowed):
+    assert loaded(designs, f"import compass; {code}") <= {"numpy", "pydantic", *allowed}
+
+
+def test_no_public_name_is_that_of_a_subpackage():
+    """Such a name would become the module once anyone imports it."""
+    modules = {module.name for module in pkgutil.iter_modules(compass.__path__)}
+    assert not modules & set(compass.__all__)
+
+
+def test_every_public_name_is_there_and_listed():
+    for name in compass.__all__:
+        assert getattr(compass, name) is not None
+    assert set(dir(compass)) == set(compass.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'fly'"):
+        compass.fly  # noqa: B018
+
+
+def test_type_checkers_see_every_public_name(tmp_path):
+    from importlib.resources import files
+
+    assert files("compass").joinpath("py.typed").is_file()
+    source = files("compass").joinpath("__init__.py").read_text()
+    block = source[source.index("if TYPE_CHECKING:") : source.index("__version__")]
+    for name in set(compass.__all__) - {"__version__"}:
+        assert name in block, name

@@ -1,0 +1,67 @@
+"""What a notebook does: the README's jobs and a student's sweep, with the public names alone."""
+
+import ast
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import compass
+
+DESIGNS = Path(__file__).parents[1] / "designs"
+
+
+def test_a_design_made_in_a_notebook():
+    design = compass.Design(
+        "sphere of the paper",
+        compass.walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427),
+        figure="kelly2018-sphere",
+    )
+    found = compass.fold(design, fold=4)
+    assert str(found.outcome) == "proven" and f"{found.mask_margin_deg:.2f}" == "6.24"
+    made = compass.map(design, step_deg=15, epochs=5)
+    assert made.dataset.gdop.dims == ("percentile", "lat", "lon")
+    assert made.plot("gdop", percentile=95).get_title().endswith("95th percentile over time")
+    assert "<table>" in made._repr_html_()
+    assert compass.show(design).geometry.cap.fraction == pytest.approx(0.41687, abs=1e-5)
+
+
+def test_a_students_sweep_over_inclination():
+    """Which inclination leaves the highest mask? Second way: the search finds the same."""
+    margins = {}
+    for inclination in (40.0, 43.66, 47.0):
+        pattern = compass.walker_delta(
+            5, 5, 1, inclination_deg=inclination, orbit="areosynchronous"
+        )
+        margins[inclination] = compass.fold(compass.Design("x", pattern), fold=1).mask_margin_deg
+    assert max(margins, key=margins.get) == 43.66
+    assert margins[43.66] == pytest.approx(11.5, abs=0.05)
+
+
+@pytest.mark.slow
+def test_the_readmes_jobs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    found = compass.search(fold=1, max_satellites=5, orbit="areosynchronous")
+    found.write("best.toml")
+    best = compass.read_design("best.toml")
+    assert best.constellation.size == found.best.constellation.size == 5
+    seen = compass.access(best, stations=["Gale=-4.6,137.4"], duration_sols=1)
+    assert seen.plot().get_title() == "Satellites in sight of Gale"
+    flown = compass.land(DESIGNS / "entry-ground-beacons.toml", runs=3)
+    assert np.isfinite(flown.to_dict()["navigation"]["position_rms_m"]).all()
+    made = compass.export(best, format="czml", output="best.czml")
+    assert Path("best.czml").read_text() == made.files["design.czml"]
+    page = compass.report(best, output="page", step_deg=30, epochs=3).page
+    assert page == Path("page/index.html") and "5/5/1" in page.read_text()
+
+
+def test_it_needs_nothing_from_a_subpackages_inside():
+    tree = ast.parse(Path(__file__).read_text())
+    names = [
+        alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import)
+        for alias in node.names
+    ]
+    froms = [node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+    assert not [name for name in names + froms if name.startswith("compass.")]
