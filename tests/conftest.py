@@ -30,10 +30,14 @@ def seed_design():
 
 
 @pytest.fixture(autouse=True)
-def no_boxes_to_certify(monkeypatch):
-    """Let maps show the bracket that they begin with where kernels are interpreted."""
+def little_to_certify(monkeypatch):
+    """Let maps show the bracket that they begin with where kernels are interpreted.
+
+    And let the room over a station's horizon be found to some degrees.
+    """
     if config.DISABLE_JIT:
         monkeypatch.setattr("compass.study.certified.BUDGET_BOXES", 0)
+        monkeypatch.setattr("compass.coverage.circle.ROOM", 0.1)
 
 
 @pytest.fixture

@@ -195,6 +195,13 @@ def keep(
     ------
     ArgumentError, DesignError
         An option or the design is not allowed.
+
+    Examples
+    --------
+    >>> import compass
+    >>> compass.keep("designs/compass-15-5-1.toml", years=0)
+    Traceback (most recent call last):
+    compass.errors.ArgumentError: years = 0: allowed 0.1 to 100
     """
     if not (isfinite(years) and 0.1 <= years <= 100.0):
         raise ArgumentError(f"years = {years:g}: allowed 0.1 to 100")

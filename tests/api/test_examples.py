@@ -14,7 +14,11 @@ COMMANDS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name",
+    # commands are asked for whole answers
+    [pytest.param(name, marks=pytest.mark.slow) if name in COMMANDS else name for name in NAMES],
+)
 def test_examples_run(name, designs, monkeypatch):
     monkeypatch.chdir(designs.parent)
     thing = getattr(compass, name)

@@ -173,6 +173,7 @@ def test_a_key_cannot_command_the_terminal(run, tmp_path):
     assert all(letter.isprintable() or letter == "\n" for letter in err)
 
 
+@pytest.mark.slow  # a program of its own, which certifies what it maps
 def test_a_backend_that_is_not_installed_is_none_of_ours(seed, tmp_path):
     where = dict(os.environ, MPLBACKEND="module://nowhere.to.be.found")
     arguments = [*PROGRAM, "map", str(seed), "--step-deg", "45", "--epochs", "1"]

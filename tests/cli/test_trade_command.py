@@ -111,7 +111,7 @@ def test_candidates_that_raise_say_why(study, run, monkeypatch):
         raise ZeroDivisionError("by nothing")
 
     monkeypatch.setitem(stages.FINDERS, "map", broken)  # which a process of its own would not see
-    monkeypatch.setattr("compass.study.workers.Processes", lambda study, _: Here(study))
+    monkeypatch.setattr("compass.api.trade.Processes", lambda study, _: Here(study))
     status, out, err = run("trade", study(), "--json")
     assert status == 1 and json.loads(out)["feasible"] == 0
     count = json.loads(out)["failed"]["map"]

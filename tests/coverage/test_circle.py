@@ -165,6 +165,7 @@ def test_bad_claims_are_told():
         prove_circle(mixed, site, 1)
 
 
+@pytest.mark.slow
 def test_room_over_a_horizon_is_where_the_claim_fails():
     c = walker(15, 5, 1, 45, 20427e3)
     site = Site("a", 0.8, 0.0, mask=Mask.constant(np.radians(2.0)), figure=SPHERE)
@@ -176,6 +177,7 @@ def test_room_over_a_horizon_is_where_the_claim_fails():
     assert site_coverage_for_ever(c, higher, 4).room is None
 
 
+@pytest.mark.slow
 def test_stations_of_a_design_are_told(designs):
     import compass
 
