@@ -148,9 +148,10 @@ def test_mistakes_are_told(tmp_path, coarse):
 @pytest.mark.slow
 def test_reproduce_the_chapter():
     result = run("reproduce", "yu2018", "--json")
-    assert result.exit_code == 0, result.output
     found = json.loads(result.stdout)
-    assert found["differs"] == 0
+    differing = [row["item"] for row in found["rows"] if row["verdict"] == "differs"]
+    # the paper's own numbers, which no erratum explains: told, and the exit says so
+    assert result.exit_code == 1 and found["differs"] == len(differing) > 0
     rows = {(row["where"], row["item"]): row for row in found["rows"]}
     for n in range(3, 9):
         row = rows["Table 1", f"Maximum determinant of {n} beacons, in sigma^-6"]

@@ -92,8 +92,8 @@ def test_a_row_that_holds_of_everything_is_found_out(every_row_can_fail):
 @pytest.mark.parametrize("factor", [1.001, 0.999])
 def test_a_wrong_formula_changes_the_verdicts_it_carries(monkeypatch, factor):
     """Areas by the printed eq. 4, off by a thousandth: errata are no longer explained."""
-    right = kelly2018.published_cap_area
-    monkeypatch.setattr(kelly2018, "published_cap_area", lambda cap: factor * right(cap))
+    right = kelly2018_geometry.published_cap_area
+    monkeypatch.setattr(kelly2018_geometry, "published_cap_area", lambda cap: factor * right(cap))
     found = pattern_geometry(kelly2018.constellation(), 3396.2e3)
     rows = {row.item: row.verdict for row in kelly2018_geometry.geometry_rows(found)}
     for item in ("Cap area A_max", "Cap area by the printed eq. 4", "Cap share of the planet"):
