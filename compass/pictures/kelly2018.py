@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
@@ -16,6 +15,7 @@ from compass.pictures.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figur
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
@@ -68,7 +68,7 @@ def seen(places: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
     return x, y, (z < 0) & (np.hypot(x, y) < 1)
 
 
-def _space(data: "xr.Dataset") -> Figure:
+def _space(data: "xr.Dataset") -> "Figure":
     """Mars, orbits where there are any, satellites, and links where there are any."""
     figure = new_figure(7.4, 6.2)
     with look():
@@ -112,7 +112,7 @@ def _links(axes: Axes, data: "xr.Dataset", site: int, name: str, colour: str) ->
     axes.plot([at_x], [at_y], "s", color=colour, mec="white", ms=8, zorder=6, label=label)
 
 
-def _planes(data: "xr.Dataset") -> Figure:
+def _planes(data: "xr.Dataset") -> "Figure":
     """Maps of the satellites in view, two and three in the plane."""
     figure = new_figure(8.6, 8.6)
     grid = equal_angle_grid(np.radians(180.0 / data.sizes["lat"]))
@@ -128,7 +128,7 @@ def _planes(data: "xr.Dataset") -> Figure:
     return figure
 
 
-def _profile(data: "xr.Dataset") -> Figure:
+def _profile(data: "xr.Dataset") -> "Figure":
     """Bars of the windows, one row a satellite, one colour a station."""
     stations = list(dict.fromkeys(str(name) for name in data.first.values))
     satellites = list(dict.fromkeys(str(name) for name in data.second.values))

@@ -123,6 +123,7 @@ def test_gaps_are_those_of_events_to_a_step(designs):
         assert found.response[i, j] == pytest.approx(response, abs=slack + found.step)
 
 
+@pytest.mark.slow
 def test_a_map_at_few_epochs_tells_gaps_as_at_many_and_warns(designs):
     """Gaps taken from 109 epochs were 18.98 h, and 2.54 h the mean wait.
 
