@@ -237,6 +237,7 @@ def test_site_on_the_ellipsoid_sees_by_its_own_normal(seed_design):
     assert np.all(data.pdop**2 == pytest.approx(data.hdop**2 + data.vdop**2))
 
 
+@pytest.mark.slow
 def test_positions_come_in_pieces_that_change_nothing_and_hold_little(monkeypatch):
     import tracemalloc
 
