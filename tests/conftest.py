@@ -29,15 +29,17 @@ def seed_design():
     return compass.read_design(DESIGNS / "compass-15-5-1.toml")
 
 
-@pytest.fixture(autouse=True)
-def little_to_certify(monkeypatch):
+@pytest.fixture(scope="session", autouse=True)
+def little_to_certify():
     """Let maps show the bracket that they begin with where kernels are interpreted.
 
     And let the room over a station's horizon be found to some degrees.
     """
-    if config.DISABLE_JIT:
-        monkeypatch.setattr("compass.study.certified.BUDGET_BOXES", 0)
-        monkeypatch.setattr("compass.coverage.circle.ROOM", 0.1)
+    with pytest.MonkeyPatch.context() as patch:
+        if config.DISABLE_JIT:
+            patch.setattr("compass.study.certified.BUDGET_BOXES", 0)
+            patch.setattr("compass.coverage.circle.ROOM", 0.1)
+        yield
 
 
 @pytest.fixture
