@@ -118,7 +118,9 @@ def test_turning_terrain_and_eye_about_the_pole_changes_nothing(turn, seed):
     turned = Terrain(
         terrain.latitude, terrain.longitude + np.radians(turn), terrain.height, ELLIPSOID
     )
-    there = Site("there", eye.latitude, eye.longitude + np.radians(turn), eye.height)
+    there = Site(
+        "there", eye.latitude, eye.longitude + np.radians(turn), eye.height, figure=ELLIPSOID
+    )
     assert np.allclose(
         horizon(eye, terrain, 24).within, horizon(there, turned, 24).within, atol=1e-9
     )

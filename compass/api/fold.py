@@ -248,7 +248,7 @@ class FoldResult(Result):
         return [
             Table(
                 f"Stations: {self.fold} above their own horizons, at any longitude",
-                ("", "claim", "horizon may rise by, deg"),
+                ("", "claim", "horizon may rise by at least, deg"),
                 rows,
             ),
             Sentence(

@@ -123,8 +123,7 @@ class SiteCoverage:
     proof
         Of the claim over its circle of latitude.
     room
-        By how much the whole horizon may rise, radians, on the safe side to `ROOM`; None unless
-        proven.
+        By how much the whole horizon may rise, radians, proven; None unless the claim is.
     """
 
     site: Site
@@ -132,8 +131,9 @@ class SiteCoverage:
     room: float | None
 
 
-#: Radians to which the room over a horizon is found.
-ROOM = 1e-4
+#: Radians to which the room over a horizon is looked for, and boxes for each try: close to where
+#: the claim fails they are too few, and the room comes out a little too small.
+ROOM, ROOM_BOXES = 1e-3, 20_000
 
 
 def site_coverage_for_ever(constellation: Constellation, site: Site, fold: int) -> SiteCoverage:
@@ -150,6 +150,6 @@ def site_coverage_for_ever(constellation: Constellation, site: Site, fold: int) 
     proven, unproven = 0.0, np.pi / 2
     while unproven - proven > ROOM:
         lift = 0.5 * (proven + unproven)
-        held = prove_circle(constellation, site, fold, lift=lift, smallest=0.1 * ROOM)
+        held = prove_circle(constellation, site, fold, lift=lift, most=ROOM_BOXES)
         proven, unproven = (lift, unproven) if held.outcome == "proven" else (proven, lift)
     return SiteCoverage(site, proof, proven)

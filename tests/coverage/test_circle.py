@@ -171,8 +171,9 @@ def test_room_over_a_horizon_is_where_the_claim_fails():
     site = Site("a", 0.8, 0.0, mask=Mask.constant(np.radians(2.0)), figure=SPHERE)
     found = site_coverage_for_ever(c, site, 4)
     assert found.proof.outcome == "proven"
-    assert prove_circle(c, site, 4, lift=found.room, smallest=1e-6).outcome == "proven"
-    assert prove_circle(c, site, 4, lift=found.room + 2e-4).outcome == "refuted"
+    assert prove_circle(c, site, 4, lift=found.room).outcome == "proven"
+    # found to 1e-3, and less where 20,000 boxes do not decide
+    assert prove_circle(c, site, 4, lift=found.room + 4e-3).outcome == "refuted"
     higher = Site("a", 0.8, 0.0, mask=Mask.constant(np.radians(30.0)), figure=SPHERE)
     assert site_coverage_for_ever(c, higher, 4).room is None
 
