@@ -39,6 +39,7 @@ def little_to_certify():
         if config.DISABLE_JIT:
             patch.setattr("compass.study.certified.BUDGET_BOXES", 0)
             patch.setattr("compass.coverage.circle.ROOM", 0.1)
+            patch.setattr("compass.coverage.circle.ROOM_BOXES", 100)
         yield
 
 
