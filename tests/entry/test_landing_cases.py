@@ -13,6 +13,9 @@ from compass.inputs.fusion import fusion_plan
 from compass.inputs.scenario import read_scenario_text
 from compass.study.judge import check_measurements
 
+# whole landings, and filters that blow up: too slow and too loud where kernels are interpreted
+pytestmark = pytest.mark.slow
+
 PLAIN = """
 name = "a landing"
 [planet]
