@@ -101,6 +101,7 @@ def test_threads_do_not_change_a_search(short_flight):
     assert len(ticks) == 2
 
 
+@pytest.mark.slow
 def test_bound_trace_is_smaller_for_more_beacons(short_flight):
     covariance0 = axes_covariance(1000.0, 0.5)
     values = [
