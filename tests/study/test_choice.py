@@ -15,6 +15,7 @@ def results_of(satellites, margins, fronts):
     """Results of candidates of which little more than two objectives is known."""
     columns = {name: np.zeros(len(satellites)) for name in (*ROW.names, *MERITS)}
     columns |= {"satellites": np.array(satellites), "mask_margin_deg": np.array(margins)}
+    columns["planes"] = np.ones(len(satellites))
     columns |= {"pattern": np.full(len(satellites), "walker-delta"), "front": np.array(fronts)}
     columns["identity"] = np.array([f"{k}" for k in range(len(satellites))])
     return xr.Dataset({name: ("candidate", values) for name, values in columns.items()})
