@@ -12,6 +12,9 @@ from compass.document import html, text
 from compass.document.blocks import Verdict
 from compass.errors import ArgumentError
 
+# every command once, at full length: too slow where kernels are interpreted
+pytestmark = pytest.mark.slow
+
 SMALL = {"step_deg": 15, "epochs": 6}
 
 
