@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from compass.core.entry.runs import normalised_square
 from compass.core.entry_dynamics import BANK, STATES, rk4_step, rk4_step_transition
 from compass.core.entry_geometry import cartesian, cartesian_jacobian, range_rows
 from compass.core.jit import kernel
@@ -92,32 +93,6 @@ def _update(x, covariance, r, v, taken, variances, z, iterations):
             break
     for i in range(6):
         x[i] += shift[i]
-
-
-@kernel
-def normalised_square(covariance, error):
-    """``e^T P^-1 e`` by Cholesky of the correlation matrix; nan if P is not positive definite."""
-    n = error.size
-    low, y = np.zeros((n, n)), np.empty(n)
-    total = 0.0
-    for i in range(n):
-        si = math.sqrt(covariance[i, i])
-        for j in range(i + 1):
-            value = covariance[i, j] / (si * math.sqrt(covariance[j, j]))
-            for k in range(j):
-                value -= low[i, k] * low[j, k]
-            if i == j:
-                if not value > 0.0:
-                    return np.nan
-                low[i, i] = math.sqrt(value)
-            else:
-                low[i, j] = value / low[j, j]
-        value = error[i] / si
-        for k in range(i):
-            value -= low[i, k] * y[k]
-        y[i] = value / low[i, i]
-        total += y[i] * y[i]
-    return total
 
 
 @kernel
