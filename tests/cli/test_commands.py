@@ -86,6 +86,7 @@ def test_show_says_why_there_are_no_gaps(run, tmp_path, seed):
     assert "caps of 1 satellites a plane do not meet" in out
 
 
+@pytest.mark.slow  # interpreted, nothing is certified
 def test_map_writes_file_and_picture(run, seed, tmp_path):
     nc, png = tmp_path / "m.nc", tmp_path / "m.png"
     code, out, _ = run("map", seed, *SMALL, "-o", nc, "--figure", png, "--time-series", "--json")
