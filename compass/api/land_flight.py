@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from compass.document.blocks import Picture, Section, Table, arranged
+from compass.document.numbers import significant
 from compass.entry.accuracy import Spread
 from compass.entry.assess import Assessment, assess
 from compass.entry.state import longitude_degrees
@@ -134,13 +135,15 @@ def claim_sentence(found: Assessment) -> str:
     if claim is None:
         known = f"{where} no accuracy is claimed, for the filter is inconsistent."
     else:
-        known = f"{where} the lander knows its place to {claim:.3g} m (1 sigma, all axes)."
+        known = (
+            f"{where} the lander knows its place to {significant(claim, 3)} m (1 sigma, all axes)."
+        )
     ellipse = at.delivery.ellipse
     return (
-        f"{known} Unguided it comes down within {ellipse.semi_major / KM:.3g} by "
-        f"{ellipse.semi_minor / KM:.3g} km (95 % ellipse, half axes, major axis "
+        f"{known} Unguided it comes down within {significant(ellipse.semi_major / KM, 3)} by "
+        f"{significant(ellipse.semi_minor / KM, 3)} km (95 % ellipse, half axes, major axis "
         f"{np.degrees(ellipse.azimuth):.0f} deg from north), half of the time within "
-        f"{at.delivery.cep / KM:.3g} km."
+        f"{significant(at.delivery.cep / KM, 3)} km."
     )
 
 
@@ -148,7 +151,7 @@ def accuracy_sentence(found: Assessment) -> str:
     """Knowledge and delivery along, across and down."""
     at = found.accuracy
     known, comes = (
-        ", ".join(f"{sigma:.3g}" for sigma in spread.along_cross_down)
+        ", ".join(significant(sigma, 3) for sigma in spread.along_cross_down)
         for spread in (at.knowledge, at.delivery)
     )
     when = "at the moment of the event" if at.projected else "at that time"
