@@ -140,6 +140,10 @@ def _kept_in(place: Path) -> Callable[[Callable[..., Any]], Any]:
         def get_cache_path(self) -> str:
             return self._place
 
+        def get_source_stamp(self) -> Any:
+            # the path says what the source is; its date differs from one installation to another
+            return self._lineno
+
         def ensure_cache_path(self) -> None:
             os.makedirs(self._place, exist_ok=True)
 

@@ -91,6 +91,7 @@ def test_kernels_that_came_with_a_package_that_cannot_be_written_are_used(packag
         "k.can_be_written = lambda p, real=k.can_be_written: 'site' not in str(p) and real(p)\n"
     )
     kept = {file: file.stat().st_mtime_ns for file in place.rglob("*.nbi")}
+    (package.core / "outer.py").touch()  # an installation dates its files anew
     assert package(1) == (1, moved, True, 1, 1)
     assert kept == {file: file.stat().st_mtime_ns for file in place.rglob("*.nbi")}
 
