@@ -56,7 +56,6 @@ def certified_figures(design: Design, options: MapOptions) -> CertifiedFigures |
         As of `compass.study.mapping.make_map`.
     """
     motion = design.motion.or_of(options.motion)
-    drifting = motion.model == "j2"
     if motion.model not in ("two-body", "j2") or not design.constellation.size:
         return None
     if options.start_day or options.pdop_max < 1.0:
@@ -66,7 +65,7 @@ def certified_figures(design: Design, options: MapOptions) -> CertifiedFigures |
         "figure": replace(design.figure, polar_radius=design.figure.equatorial_radius),
         "mask": design.mask if options.mask_deg is None else option_mask(options.mask_deg),
         "duration": None if hours is None else hours * 3600.0,
-        "drifting": drifting,
+        "motion": motion,
         "budget_boxes": BUDGET_BOXES,
     }
     availability = certified_share(
