@@ -5,7 +5,8 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from compass.entry.arrivals import MOST_SAMPLES
-from compass.inputs.models import SatelliteCount, Table
+from compass.inputs.models import SatelliteCount
+from compass.inputs.table import Table
 
 
 class _Values(Table):
