@@ -1,6 +1,5 @@
 """Design files: a constellation written down so that reading it gives the same one back."""
 
-import json
 from collections.abc import Callable, Iterable
 from datetime import timedelta
 
@@ -10,6 +9,7 @@ from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import J2000, Figure
 from compass.inputs.design import KM
+from compass.inputs.toml_values import toml_text
 from compass.orbits import Constellation, areosynchronous_radius
 from compass.orbits.constellation import from_pattern
 from compass.sites import Mask, Site
@@ -71,12 +71,12 @@ def constellation_toml(
             f"gm = {c.gm!r} m^3/s^2: a design file is about Mars, {standard!r}; "
             "make the constellation with that"
         )
-    lines = [f"name = {_text(c.name)}"]
+    lines = [f"name = {toml_text(c.name)}"]
     if source:
-        lines.append(f"source = {_text(source)}")
+        lines.append(f"source = {toml_text(source)}")
     if paper is not None:
-        lines.append(f"paper = {_text(paper)}")
-    lines.append(f"figure = {_text(figure.name)}")
+        lines.append(f"paper = {toml_text(paper)}")
+    lines.append(f"figure = {toml_text(figure.name)}")
     if c.epoch:
         epoch = J2000 + timedelta(seconds=c.epoch)
         lines.append(f"epoch = {epoch.isoformat()} # TDB")
@@ -87,7 +87,7 @@ def constellation_toml(
         lines += [
             "",
             "[[station]]",
-            f"name = {_text(site.name)}",
+            f"name = {toml_text(site.name)}",
             f"latitude_deg = {_degrees(site.latitude)}",
             f"longitude_deg = {_degrees(site.longitude)}",
             f"height_km = {_kilometres(site.height)}",
@@ -108,7 +108,7 @@ def _pattern(c: Constellation, figure: Figure) -> list[str]:
     pattern = c.pattern
     assert pattern is not None
     return [
-        f"pattern = {_text(pattern.kind)}",
+        f"pattern = {toml_text(pattern.kind)}",
         f"satellites = {pattern.satellites}",
         f"planes = {pattern.planes}",
         f"phasing = {pattern.phasing}",
@@ -136,7 +136,7 @@ def _elements(c: Constellation) -> list[str]:
         lines += [
             "",
             "[[constellation.satellite]]",
-            f"name = {_text(name)}",
+            f"name = {toml_text(name)}",
             f"semi_major_axis_km = {_kilometres(c.semi_major_axis[k])}",
             f"eccentricity = {_number(c.eccentricity[k])}",
             f"inclination_deg = {_degrees(c.inclination[k])}",
@@ -152,13 +152,6 @@ def _mask(mask: Mask) -> list[str]:
         return [f"mask_deg = {_degrees(mask.lowest)}"]
     pairs = zip(mask.azimuth, mask.elevation, strict=True)
     return [f"horizon_deg = [{', '.join(f'[{_degrees(a)}, {_degrees(e)}]' for a, e in pairs)}]"]
-
-
-def _text(text: str) -> str:
-    """TOML string; one of several lines keeps them."""
-    lines = [json.dumps(line, ensure_ascii=False)[1:-1] for line in text.split("\n")]
-    escaped = "\n".join(lines).replace("\x7f", "\\u007f")  # JSON allows DEL, TOML does not
-    return f'"""\n{escaped}"""' if len(lines) > 1 else f'"{escaped}"'
 
 
 def _degrees(radians: float) -> str:
