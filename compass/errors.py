@@ -32,7 +32,7 @@ class OutputError(CompassError):
 
 
 #: How alike two names must be, of 1, for the one to be offered for the other: a letter or two off.
-LIKENESS = 0.75
+LIKENESS = 0.8
 
 
 def near(name: str, known: Iterable[str], most: int = 1) -> list[str]:
