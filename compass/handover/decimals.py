@@ -1,16 +1,8 @@
-"""How numbers and texts stand in TOML."""
+"""How numbers stand in TOML."""
 
-import json
 from collections.abc import Callable
 
 import numpy as np
-
-
-def text(given: str) -> str:
-    """TOML string; one of several lines keeps them."""
-    lines = [json.dumps(line, ensure_ascii=False)[1:-1] for line in given.split("\n")]
-    escaped = "\n".join(lines).replace("\x7f", "\\u007f")  # JSON allows DEL, TOML does not
-    return f'"""\n{escaped}"""' if len(lines) > 1 else f'"{escaped}"'
 
 
 def decimal(value: float, back: Callable[[float], float], wanted: float) -> str:

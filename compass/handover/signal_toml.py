@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from dataclasses import fields
 
 from compass.clocks import CLOCKS, PARAMETERS, Clock
-from compass.handover.decimals import decimal, number, text
+from compass.handover.decimals import decimal, number
 from compass.inputs.signal import HOUR
+from compass.inputs.toml_values import toml_text
 from compass.ranging import MAS, Matrix, Receiver, Signal
 
 _PLAIN = Signal()
@@ -25,7 +26,7 @@ def signal_lines(signal: Signal) -> list[str]:
     if signal.update or ages:
         lines.append(f"update_h = {_per_hour(signal.update)}")
     if signal.age != "mean":
-        lines.append(f"age = {text(signal.age)}")
+        lines.append(f"age = {toml_text(signal.age)}")
     if signal.covariance:
         lines.append(f"covariance_m2 = {_covariance(signal.covariance)}")
     else:
@@ -48,11 +49,11 @@ def signal_lines(signal: Signal) -> list[str]:
 
 def _clock(clock: Clock) -> str:
     if clock in CLOCKS:
-        return text(clock.name)
+        return toml_text(clock.name)
     for known in CLOCKS:
         if known.name == clock.name:
             changed = [p for p in PARAMETERS if getattr(clock, p) != getattr(known, p)]
-            return _table({"name": text(clock.name)} | _numbers(clock, changed))
+            return _table({"name": toml_text(clock.name)} | _numbers(clock, changed))
     return _table(_numbers(clock, [p for p in PARAMETERS if getattr(clock, p)]))
 
 

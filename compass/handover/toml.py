@@ -8,9 +8,10 @@ import numpy as np
 from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import J2000, Figure
-from compass.handover.decimals import decimal, number, text
+from compass.handover.decimals import decimal, number
 from compass.handover.signal_toml import signal_lines
 from compass.inputs.design import KM
+from compass.inputs.toml_values import toml_text
 from compass.orbits import Constellation, areosynchronous_radius
 from compass.orbits.constellation import from_pattern
 from compass.sites import Mask, Site
@@ -75,12 +76,12 @@ def constellation_toml(
             f"gm = {c.gm!r} m^3/s^2: a design file is about Mars, {standard!r}; "
             "make the constellation with that"
         )
-    lines = [f"name = {text(c.name)}"]
+    lines = [f"name = {toml_text(c.name)}"]
     if source:
-        lines.append(f"source = {text(source)}")
+        lines.append(f"source = {toml_text(source)}")
     if paper is not None:
-        lines.append(f"paper = {text(paper)}")
-    lines.append(f"figure = {text(figure.name)}")
+        lines.append(f"paper = {toml_text(paper)}")
+    lines.append(f"figure = {toml_text(figure.name)}")
     if c.epoch:
         epoch = J2000 + timedelta(seconds=c.epoch)
         lines.append(f"epoch = {epoch.isoformat()} # TDB")
@@ -91,7 +92,7 @@ def constellation_toml(
         lines += [
             "",
             "[[station]]",
-            f"name = {text(site.name)}",
+            f"name = {toml_text(site.name)}",
             f"latitude_deg = {_degrees(site.latitude)}",
             f"longitude_deg = {_degrees(site.longitude)}",
             f"height_km = {_kilometres(site.height)}",
@@ -112,7 +113,7 @@ def _pattern(c: Constellation, figure: Figure) -> list[str]:
     pattern = c.pattern
     assert pattern is not None
     return [
-        f"pattern = {text(pattern.kind)}",
+        f"pattern = {toml_text(pattern.kind)}",
         f"satellites = {pattern.satellites}",
         f"planes = {pattern.planes}",
         f"phasing = {pattern.phasing}",
@@ -140,7 +141,7 @@ def _elements(c: Constellation) -> list[str]:
         lines += [
             "",
             "[[constellation.satellite]]",
-            f"name = {text(name)}",
+            f"name = {toml_text(name)}",
             f"semi_major_axis_km = {_kilometres(c.semi_major_axis[k])}",
             f"eccentricity = {number(c.eccentricity[k])}",
             f"inclination_deg = {_degrees(c.inclination[k])}",

@@ -37,7 +37,7 @@ class Placement(CircularOrbit):
 
 
 class WalkerTable(Placement):
-    """``i: t/p/f``."""
+    """Walker's pattern i: t/p/f."""
 
     pattern: Literal["walker-delta", "walker-star"] = Field(description="kind of pattern")
     satellites: SatelliteCount = Field(description="total number t, a whole number from 1 to 10000")
@@ -47,7 +47,7 @@ class WalkerTable(Placement):
 
 
 class RosetteTable(Placement):
-    """``(N, P, m)``."""
+    """Ballard's rosette (N, P, m)."""
 
     pattern: Literal["rosette"] = Field(description="kind of pattern")
     satellites: SatelliteCount = Field(description="total number N, a whole number from 1 to 10000")
@@ -83,7 +83,7 @@ class SatelliteTable(Table):
 
 
 class ElementsTable(Table):
-    """Explicit orbits."""
+    """Explicit orbits, satellite by satellite."""
 
     pattern: Literal["elements"] = Field(description="kind of pattern")
     satellite: list[SatelliteTable] = Field(
@@ -92,7 +92,7 @@ class ElementsTable(Table):
 
 
 class EphemerisTable(Table):
-    """Other people's trajectories."""
+    """Trajectories from files."""
 
     pattern: Literal["ephemeris"] = Field(description="kind of pattern")
     files: list[str] = Field(

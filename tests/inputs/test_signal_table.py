@@ -108,7 +108,7 @@ def test_every_key_is_written_again():
         (GIVEN.replace("noise_m = 0.5", "loop_hz = 1") + "clock_m = 3", "is of a code loop"),
         (GIVEN.replace("noise_m = 0.5", "chip_m = 300") + "clock_m = 3", r"add a \[\[link\]\]"),
         (GIVEN + f"clock_m = 3\ncovariance_m2 = {EYE}", "covariance_m2 says the same; keep one"),
-        (GIVEN + "clock_m = 3\nclok = 1", "signal.clok = 1: unknown key; did you mean clock"),
+        (GIVEN + "clock_m = 3\nclok = 1", "signal.clok = 1: unknown key; did you mean .clock"),
         (
             f"receiver = {{ noise_m = 1 }}\ncovariance_m2 = {[EYE] * 2}",
             "2 matrices for 3 satellites",
