@@ -11,6 +11,7 @@ from compass.errors import ArgumentError
 from compass.frames import DEFAULT_FIGURE, FIGURES, Figure
 from compass.orbits.constellation import Constellation
 from compass.orbits.motion import Motion
+from compass.ranging import Signal
 from compass.sites import Mask, Site
 
 #: What can stand at an end of a link.
@@ -100,6 +101,8 @@ class Design:
         Radio links.
     motion
         How the satellites move.
+    signal
+        The errors of ranges to the satellites, or None where nothing is known of them.
     text
         Of the file it was read from, for provenance; empty without one.
     label
@@ -119,6 +122,7 @@ class Design:
     conjunction: float = float(np.radians(2.0))
     radios: tuple[Radio, ...] = ()
     motion: Motion = field(default_factory=Motion)
+    signal: Signal | None = None
     text: str = ""
     label: str = "design"
 
