@@ -1,6 +1,6 @@
 """Design files: a constellation written down so that reading it gives the same one back."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from datetime import timedelta
 
 import numpy as np
@@ -8,6 +8,8 @@ import numpy as np
 from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import J2000, Figure
+from compass.handover.decimals import decimal, number
+from compass.handover.signal_toml import signal_lines
 from compass.inputs.design import KM
 from compass.inputs.toml_values import toml_text
 from compass.orbits import Constellation, areosynchronous_radius
@@ -18,11 +20,11 @@ _NO_MASK = Mask()
 
 
 def design_toml(design: Design) -> str:
-    """Design file of a design: the same constellation, mask, fold and stations.
+    """Design file of a design: the same constellation, mask, fold, stations and signal.
 
     Stations get planetocentric latitudes; comments of the file it was read from are lost.
     """
-    return constellation_toml(
+    written = constellation_toml(
         design.constellation,
         design.figure,
         mask=design.mask,
@@ -31,6 +33,9 @@ def design_toml(design: Design) -> str:
         paper=design.paper,
         stations=design.stations,
     )
+    if design.signal is None:
+        return written
+    return "\n".join([written, *signal_lines(design.signal), ""])
 
 
 def constellation_toml(
@@ -124,7 +129,7 @@ def _orbit(radius: float, figure: Figure) -> str:
     if radius == areosynchronous_radius():
         return 'orbit = "areosynchronous"'
     surface = figure.equatorial_radius
-    altitude = _decimal((radius - surface) / KM, lambda km: km * KM + surface, radius)
+    altitude = decimal((radius - surface) / KM, lambda km: km * KM + surface, radius)
     if float(_kilometres(radius)) * KM != radius == float(altitude) * KM + surface:
         return f"altitude_km = {altitude}"
     return f"radius_km = {_kilometres(radius)}"
@@ -138,7 +143,7 @@ def _elements(c: Constellation) -> list[str]:
             "[[constellation.satellite]]",
             f"name = {toml_text(name)}",
             f"semi_major_axis_km = {_kilometres(c.semi_major_axis[k])}",
-            f"eccentricity = {_number(c.eccentricity[k])}",
+            f"eccentricity = {number(c.eccentricity[k])}",
             f"inclination_deg = {_degrees(c.inclination[k])}",
             f"raan_deg = {_degrees(c.raan[k])}",
             f"argument_of_periapsis_deg = {_degrees(c.argument_of_periapsis[k])}",
@@ -155,22 +160,8 @@ def _mask(mask: Mask) -> list[str]:
 
 
 def _degrees(radians: float) -> str:
-    return _decimal(np.degrees(radians), np.radians, radians)
+    return decimal(np.degrees(radians), np.radians, radians)
 
 
 def _kilometres(metres: float) -> str:
-    return _decimal(metres / KM, lambda km: km * KM, metres)
-
-
-def _decimal(value: float, back: Callable[[float], float], wanted: float) -> str:
-    """Shortest decimal near `value` that `back` takes to `wanted` exactly; else the nearest."""
-    near = [float(value)]
-    for _ in range(4):
-        near = [np.nextafter(near[0], -np.inf), *near, np.nextafter(near[-1], np.inf)]
-    rounded = [float(f"{value:.{digits}g}") for digits in range(1, 17)]
-    tried = [*rounded, *near]
-    return _number(min(tried, key=lambda x: (abs(back(x) - wanted), len(repr(float(x))))))
-
-
-def _number(value: float) -> str:
-    return repr(float(value)).removesuffix(".0")
+    return decimal(metres / KM, lambda km: km * KM, metres)

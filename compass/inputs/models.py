@@ -1,36 +1,18 @@
 """What a design file may say: one model a table, each field with unit, range and meaning."""
 
-import unicodedata
 from datetime import datetime
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import Field
 
 from compass.design import LinkEnd
+from compass.inputs.signal import SignalTable
+from compass.inputs.table import Table
 
 SatelliteCount = Annotated[int, Field(ge=1, le=10_000)]
 Inclination = Annotated[float, Field(ge=0, le=180)]
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 Kilometres = Annotated[float, Field(gt=0, le=1e7)]
-
-
-class Table(BaseModel):
-    """A TOML table: no unknown keys, no silent conversion, no nan or inf, text that can be shown.
-
-    A text is one line, but for `source`. Anything else in it would be drawn, printed and written
-    as something else than what it is: a terminal obeys it, a file format ends a line there.
-    """
-
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
-
-    @field_validator("*", mode="after")
-    @classmethod
-    def _shown(cls, given: Any, info: ValidationInfo) -> Any:
-        lines = "\n\t" if info.field_name == "source" else ""
-        for letter in given if isinstance(given, str) else "":
-            if unicodedata.category(letter) == "Cc" and letter not in lines:
-                raise ValueError(f"has the control character U+{ord(letter):04X}; leave it out")
-        return given
 
 
 class CircularOrbit(Table):
@@ -243,3 +225,4 @@ class DesignFile(Table):
     link: list[LinkTable] = Field(
         default_factory=list, max_length=100, description="one [[link]] a kind of radio link"
     )
+    signal: SignalTable | None = Field(None, description="what a user's ranges are worth")

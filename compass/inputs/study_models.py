@@ -7,7 +7,8 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
 from compass.entry.arrivals import MOST_SAMPLES
-from compass.inputs.models import SatelliteCount, Table
+from compass.inputs.models import SatelliteCount
+from compass.inputs.table import Table
 
 
 class _Values(Table):

@@ -14,12 +14,13 @@ from compass.quantities.design import DESIGN
 from compass.quantities.geometry import GEOMETRY
 from compass.quantities.lasting import LASTING
 from compass.quantities.record import Quantity
+from compass.quantities.signal import SIGNAL
 
 __all__ = ["QUANTITIES", "Quantity", "quantity"]
 
 #: All quantities, by name.
 QUANTITIES: Mapping[str, Quantity] = {
-    q.name: q for q in (*DESIGN, *GEOMETRY, *CONTINUOUS, *MAPS, *ACCESS, *LASTING)
+    q.name: q for q in (*DESIGN, *GEOMETRY, *CONTINUOUS, *MAPS, *ACCESS, *LASTING, *SIGNAL)
 }
 
 
