@@ -179,9 +179,7 @@ def dop_row(
         Filled; shape (5, column), in the order GDOP, PDOP, HDOP, VDOP, TDOP.
     """
     m = cos_lon.size
-    found = row_runs(
-        r, cos_cap, azimuths, elevations, place, cos_lon, sin_lon, lon0, runs, owners
-    )
+    found = row_runs(r, cos_cap, azimuths, elevations, place, cos_lon, sin_lon, lon0, runs, owners)
     out_from_axis, high, square = place[OUT], place[HIGH], place[SQUARE]
     for start in range(0, m, TILE):
         width = min(TILE, m - start)

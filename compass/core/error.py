@@ -170,9 +170,17 @@ def sandwich(n, s, m, ux, uy, uz):
     position = quadratic(kxx, kyy, kzz, kxy, kxz, kyz, x1, x2, x3)
     position += quadratic(kxx, kyy, kzz, kxy, kxz, kyz, y1, y2, y3)
     position += quadratic(kxx, kyy, kzz, kxy, kxz, kyz, z1, z2, z3)
-    vx, vy, vz = ux * x1 + uy * y1 + uz * z1, ux * x2 + uy * y2 + uz * z2, ux * x3 + uy * y3 + uz * z3
+    vx, vy, vz = (
+        ux * x1 + uy * y1 + uz * z1,
+        ux * x2 + uy * y2 + uz * z2,
+        ux * x3 + uy * y3 + uz * z3,
+    )
     vertical = quadratic(kxx, kyy, kzz, kxy, kxz, kyz, vx, vy, vz)
-    tx, ty, tz = bx * x1 + by * y1 + bz * z1, bx * x2 + by * y2 + bz * z2, bx * x3 + by * y3 + bz * z3
+    tx, ty, tz = (
+        bx * x1 + by * y1 + bz * z1,
+        bx * x2 + by * y2 + bz * z2,
+        bx * x3 + by * y3 + bz * z3,
+    )
     time = quadratic(kxx, kyy, kzz, kxy, kxz, kyz, tx, ty, tz) + m0 / (n * n)
     time -= 2.0 / n * (tx * (m[6] - m0 * bx) + ty * (m[7] - m0 * by) + tz * (m[8] - m0 * bz))
     return vertical, position, time
@@ -206,9 +214,7 @@ def _solve_equal(tile, width, slant, up_z, shared, shared_time):
             continue
         for k in range(10):
             s[k], m[k] = tile[k * TILE + j], tile[VXX + k * TILE + j]
-        v2, p2, t2 = sandwich(
-            tile[N + j], s, m, slant * tile[PX + j], slant * tile[PY + j], up_z
-        )
+        v2, p2, t2 = sandwich(tile[N + j], s, m, slant * tile[PX + j], slant * tile[PY + j], up_z)
         tile[XX + j] = math.sqrt(max(p2 - v2, 0.0) + 2.0 * shared) if p2 < math.inf else math.inf
         tile[YY + j] = math.sqrt(max(v2, 0.0))
         tile[ZZ + j] = math.sqrt(p2 + 2.0 * shared)

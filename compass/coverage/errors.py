@@ -180,7 +180,10 @@ def sampled_quantiles(
     whole = histograms.sum(axis=0)
     found = np.array([[histogram_quantile(h, q / 100) for q in PERCENTILES] for h in whole])
     each = np.array(
-        [[[histogram_quantile(h, q / 100) for q in PERCENTILES] for h in part] for part in histograms]
+        [
+            [[histogram_quantile(h, q / 100) for q in PERCENTILES] for h in part]
+            for part in histograms
+        ]
     )
     return found, _standard_error(each)
 

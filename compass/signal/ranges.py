@@ -78,9 +78,7 @@ def range_errors(
     )
 
 
-def radial_along_cross(
-    r: NDArray[np.float64], v: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def radial_along_cross(r: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
     """Unit vectors along and across orbits, rows radial, along, cross, shape (..., 3, 3)."""
     radial = r / np.linalg.norm(r, axis=-1, keepdims=True)
     cross = np.cross(r, v)
