@@ -110,7 +110,9 @@ def test_text_of_a_design_is_escaped(designs, brief):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "name", ["relay-orbiters", "walker-star-iridium", "draim-four", "rosette-12-3-quarter"]
+    "name",
+    ["relay-orbiters", "walker-star-iridium", "draim-four", "rosette-12-3-quarter"]
+    + ["areostationary-trio"],
 )
 def test_every_kind_of_design_makes_a_page(designs, name):
     steps = []
