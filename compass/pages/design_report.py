@@ -9,6 +9,7 @@ import numpy as np
 from compass.api.access import access
 from compass.api.fold import FoldResult, fold
 from compass.api.map import MapResult
+from compass.api.outlook import outlook
 from compass.api.reproduce import comparison_table
 from compass.api.show import ShowResult, show
 from compass.coverage.site import site_coverage
@@ -17,6 +18,7 @@ from compass.document.blocks import Section, Table, arranged
 from compass.pages.access import access_section
 from compass.pages.coverage import fold_pictures, map_pictures
 from compass.pages.fold import fold_section
+from compass.pages.lasting import lasting_section
 from compass.pages.orbits import cap_picture, gap_shapes, orbit_picture, track_picture
 from compass.pages.page import render
 from compass.pictures.maps import map_figure
@@ -50,6 +52,7 @@ def design_report(
     mapped = make_map(design, options, command)
     sections = []
     for name, part in (
+        ("lasting", lambda: lasting_section(design, outlook(design))),
         ("constellation", lambda: _constellation(shown)),
         ("geometry", lambda: _geometry(shown)),
         ("coverage pictures", lambda: _coverage(design, mapped)),

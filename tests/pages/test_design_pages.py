@@ -39,6 +39,8 @@ def brief(monkeypatch):
     """Leave out the parts whose kernels are slow when interpreted; they have tests of their own."""
     home = "compass.pages.design_report"
     monkeypatch.setattr(f"{home}._fold", lambda design: arranged("Continuous fold"))
+    monkeypatch.setattr(f"{home}.outlook", lambda design: None)
+    monkeypatch.setattr(f"{home}.lasting_section", lambda design, found: None)
     monkeypatch.setattr(f"{home}.access_section", lambda design: None)
     monkeypatch.setattr("compass.papers.kelly2018._fold_rows", list)
 
@@ -63,7 +65,7 @@ def test_page_is_self_contained(page):
 def test_page_tells_everything(page, seed_design):
     text, sections = page
     titles = [section.title for section in sections]
-    assert titles[:3] == ["Constellation", "Caps and gaps", "Coverage"]
+    assert titles[:4] == ["How long it lasts", "Constellation", "Caps and gaps", "Coverage"]
     for part in ("60,422,2", "erratum", seed_design.digest, "compass report x", "North pole"):
         assert part in text
     assert len({p.stem for s in sections for p in s.pictures}) == sum(
