@@ -8,7 +8,7 @@ import numpy as np
 from compass.api.drift import RadiusLasts
 from compass.api.outlook import Outlook, commands
 from compass.design import Design
-from compass.document import Picture, Sampled, Sentence, Table, Value, Verdict
+from compass.document import Answer, Picture, Sampled, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block, Section
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits import areosynchronous_radius
@@ -35,8 +35,48 @@ def lasting_verdicts(design: Design, found: Outlook) -> tuple[Verdict, ...]:
     return tuple(said)
 
 
-def lasting_section(design: Design, found: Outlook) -> Section:
+def lasting_answers(design: Design, found: Outlook) -> list[Answer]:
+    """The same as rows of the first lines: question, answer, how sure."""
+    shown = commands(design, found)
+    left = "Left alone on real orbits it lasts"
+    proven = f"proven: {shown['lasts']}"
+    if found.lasts:
+        rows = [Answer(left, f"{found.horizon_days:g} days and more", True, proven)]
+    else:
+        rows = [Answer(left, f"{floor(found.days_proven)} days", False, proven)]
+    if found.keeping is not None:
+        mean = Value(quantity("delta_v_keeping_m_s_year"), found.keeping["delta_v_mean_m_s_year"])
+        years = f"simulated over {found.keeping['years']:.3g} year(s)"
+        cost = f"{mean} m/s a year a satellite"
+        question = "To keep every satellite in its slot costs"
+        rows.append(Answer(question, cost, None, f"{years}: {shown['keeping']}"))
+    for r in found.lasting_radii[:1]:
+        years = f"{found.horizon_days / DAYS_PER_YEAR:.1f} years"
+        where = f"{r.radius_km:g} km, {_shift(found, r)}, for {years}"
+        rows.append(Answer("It keeps itself at", where, None, f"proven: {shown['radii']}"))
+    return rows
+
+
+def lasting_advice(found: Outlook) -> str:
+    """What to do about orbits that do not last, in a sentence; empty for those that do."""
+    if found.lasts or found.days_proven == 0.0:
+        return ""
+    said = f"Left alone on real orbits it loses that after {floor(found.days_proven)} days: "
+    ways = []
+    if good := found.lasting_radii:
+        ways.append(f"fly it {_shift(found, good[0])}, where it keeps itself once trimmed")
+    if found.keeping is not None:
+        ways.append(
+            "keep every satellite in its slot for "
+            f"{found.keeping['delta_v_mean_m_s_year']:.3g} m/s a year"
+        )
+    return said + (", or ".join(ways) or "renew its orbits before") + "."
+
+
+def lasting_section(design: Design, found: Outlook | None) -> Section | None:
     """Margin and room over time, places in the slots, other radii, the keeping budget."""
+    if found is None:
+        return None
     blocks: list[Block] = [*lasting_verdicts(design, found), Sentence(_how(found))]
     if found.drift is not None:
         blocks.append(_margin_picture(found))

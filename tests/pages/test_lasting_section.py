@@ -7,7 +7,13 @@ from compass.api import outlook as module
 from compass.api.drift import RadiusLasts
 from compass.api.outlook import Outlook, commands, outlook
 from compass.inputs import read_design_text
-from compass.pages.lasting import TITLE, lasting_section, lasting_verdicts
+from compass.pages.lasting import (
+    TITLE,
+    lasting_advice,
+    lasting_answers,
+    lasting_section,
+    lasting_verdicts,
+)
 
 PLAIN = 'gravity_degree = 3\nsun = false\nmoons = false\nradiation_m2_kg = 0\nshadow = "none"\n'
 
@@ -73,6 +79,7 @@ def test_what_never_holds_lasts_no_time(near):
 KEPT = {
     "holds": True,
     "years": 1.0,
+    "delta_v_mean_m_s_year": 16.0,
     "box_deg": 2.0,
     "dry_mass_kg": 100.0,
     "specific_impulse_s": 220.0,
@@ -130,6 +137,21 @@ def test_the_first_lines_say_how_long_at_what_cost_and_where_not():
         "lasting-radius",
     ]
     assert "worked out in 3 s; a note" in section.paragraphs[0]
+
+
+def test_the_page_asks_and_advises():
+    rows = lasting_answers(ring(), told())
+    assert [row.written for row in rows] == [
+        "31 days", "16 m/s a year a satellite", "20027 km, 400 km lower, for 1.9 years",
+    ]  # fmt: skip
+    assert [row.mark for row in rows] == ["missed", "", ""]
+    assert lasting_advice(told()) == (
+        "Left alone on real orbits it loses that after 31 days: fly it 400 km lower, where it keeps "
+        "itself once trimmed, or keep every satellite in its slot for 16 m/s a year."
+    )
+    held = told(None, (), outcome="proven", days_proven=687.0, keeping=None)
+    assert lasting_advice(held) == ""
+    assert [row.written for row in lasting_answers(ring(), held)] == ["687 days and more"]
 
 
 def test_what_is_open_or_nowhere_better_is_said():
