@@ -11,6 +11,8 @@ from compass.design import LinkEnd
 SatelliteCount = Annotated[int, Field(ge=1, le=10_000)]
 Inclination = Annotated[float, Field(ge=0, le=180)]
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+Rotations = Annotated[int, Field(ge=1, le=1000)]
+Dilution = Annotated[float, Field(ge=1, le=1e5)]
 Kilometres = Annotated[float, Field(gt=0, le=1e7)]
 
 
@@ -34,7 +36,7 @@ class Table(BaseModel):
 
 
 class CircularOrbit(Table):
-    """How high the circular orbits of a pattern are: exactly one of the three."""
+    """How high the circular orbits of a pattern are: exactly one of the four."""
 
     radius_km: Kilometres | None = Field(None, description="orbit radius from Mars's centre, km")
     altitude_km: Kilometres | None = Field(
@@ -42,6 +44,9 @@ class CircularOrbit(Table):
     )
     orbit: Literal["areosynchronous"] | None = Field(
         None, description="areosynchronous: the radius that keeps pace with Mars"
+    )
+    repeat: Annotated[list[Rotations], Field(min_length=2, max_length=2)] | None = Field(
+        None, description="[revolutions, rotations of Mars] after which ground tracks close"
     )
 
 
@@ -175,6 +180,45 @@ class StationTable(Table):
     )
 
 
+class RequirementTable(Table):
+    """What must be so at sites or in regions."""
+
+    name: str | None = Field(None, min_length=1, max_length=200, description="what to call it")
+    sites: list[str] | None = Field(
+        None, min_length=1, max_length=1000, description="names of [[station]] entries"
+    )
+    region: str | Annotated[list[str], Field(min_length=1, max_length=100)] | None = Field(
+        None,
+        description='"globe" (the default), "lat:MIN:MAX", "polygon:LAT,LON;LAT,LON;..." in '
+        "degrees, or a list of them",
+    )
+    fold: int | None = Field(None, ge=1, le=1000, description="satellites to be in view at once")
+    mask_deg: float | None = Field(
+        None,
+        gt=-90,
+        lt=90,
+        description="elevation mask, below 90 degrees; that of [coverage] if left out; below 0 "
+        "for users above the ground",
+    )
+    pdop_at_most: Dilution | None = Field(None, description="largest PDOP, from 1")
+    gdop_at_most: Dilution | None = Field(None, description="largest GDOP, from 1")
+    hdop_at_most: Dilution | None = Field(None, description="largest HDOP, from 1")
+    vdop_at_most: Dilution | None = Field(None, description="largest VDOP, from 1")
+    tdop_at_most: Dilution | None = Field(None, description="largest TDOP, from 1")
+    share: float = Field(
+        1.0, gt=0, le=1, description="how much of the time, above 0 to 1; 1 means always"
+    )
+    share_of: Literal["time", "area-time"] = Field(
+        "time", description="time (at the worst place) or area-time"
+    )
+    altitude_km: float = Field(
+        0.0, ge=0, le=1e6, description="height of the users above the ground, km"
+    )
+    losses: int = Field(
+        0, ge=0, le=100, description="still so after the loss of any so many satellites"
+    )
+
+
 class AccessTable(Table):
     """What to link for `compass access`, beside the stations."""
 
@@ -242,4 +286,7 @@ class DesignFile(Table):
     )
     link: list[LinkTable] = Field(
         default_factory=list, max_length=100, description="one [[link]] a kind of radio link"
+    )
+    requirement: list[RequirementTable] = Field(
+        default_factory=list, max_length=100, description="one [[requirement]] a thing wanted"
     )
