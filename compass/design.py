@@ -11,6 +11,7 @@ from compass.errors import ArgumentError
 from compass.frames import DEFAULT_FIGURE, FIGURES, Figure
 from compass.orbits.constellation import Constellation
 from compass.orbits.motion import Motion
+from compass.ranging import Signal
 from compass.sites import Mask, Site
 
 #: What can stand at an end of a link.
@@ -169,6 +170,8 @@ class Design:
         How the satellites move.
     requirements
         What must be so.
+    signal
+        The errors of ranges to the satellites, or None where nothing is known of them.
     text
         Of the file it was read from, for provenance; empty without one.
     label
@@ -189,6 +192,7 @@ class Design:
     radios: tuple[Radio, ...] = ()
     motion: Motion = field(default_factory=Motion)
     requirements: tuple[Requirement, ...] = ()
+    signal: Signal | None = None
     text: str = ""
     label: str = "design"
 

@@ -1,38 +1,20 @@
 """What a design file may say: one model a table, each field with unit, range and meaning."""
 
-import unicodedata
 from datetime import datetime
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import Field
 
 from compass.design import LinkEnd
+from compass.inputs.requirements import RequirementTable
+from compass.inputs.signal import SignalTable
+from compass.inputs.table import Table
 
 SatelliteCount = Annotated[int, Field(ge=1, le=10_000)]
 Inclination = Annotated[float, Field(ge=0, le=180)]
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 Rotations = Annotated[int, Field(ge=1, le=1000)]
-Dilution = Annotated[float, Field(ge=1, le=1e5)]
 Kilometres = Annotated[float, Field(gt=0, le=1e7)]
-
-
-class Table(BaseModel):
-    """A TOML table: no unknown keys, no silent conversion, no nan or inf, text that can be shown.
-
-    A text is one line, but for `source`. Anything else in it would be drawn, printed and written
-    as something else than what it is: a terminal obeys it, a file format ends a line there.
-    """
-
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
-
-    @field_validator("*", mode="after")
-    @classmethod
-    def _shown(cls, given: Any, info: ValidationInfo) -> Any:
-        lines = "\n\t" if info.field_name == "source" else ""
-        for letter in given if isinstance(given, str) else "":
-            if unicodedata.category(letter) == "Cc" and letter not in lines:
-                raise ValueError(f"has the control character U+{ord(letter):04X}; leave it out")
-        return given
 
 
 class CircularOrbit(Table):
@@ -60,7 +42,7 @@ class Placement(CircularOrbit):
 
 
 class WalkerTable(Placement):
-    """``i: t/p/f``."""
+    """Walker's pattern i: t/p/f."""
 
     pattern: Literal["walker-delta", "walker-star"] = Field(description="kind of pattern")
     satellites: SatelliteCount = Field(description="total number t, a whole number from 1 to 10000")
@@ -70,7 +52,7 @@ class WalkerTable(Placement):
 
 
 class RosetteTable(Placement):
-    """``(N, P, m)``."""
+    """Ballard's rosette (N, P, m)."""
 
     pattern: Literal["rosette"] = Field(description="kind of pattern")
     satellites: SatelliteCount = Field(description="total number N, a whole number from 1 to 10000")
@@ -106,7 +88,7 @@ class SatelliteTable(Table):
 
 
 class ElementsTable(Table):
-    """Explicit orbits."""
+    """Explicit orbits, satellite by satellite."""
 
     pattern: Literal["elements"] = Field(description="kind of pattern")
     satellite: list[SatelliteTable] = Field(
@@ -115,7 +97,7 @@ class ElementsTable(Table):
 
 
 class EphemerisTable(Table):
-    """Other people's trajectories."""
+    """Trajectories from files."""
 
     pattern: Literal["ephemeris"] = Field(description="kind of pattern")
     files: list[str] = Field(
@@ -177,45 +159,6 @@ class StationTable(Table):
     )
     horizon_deg: list[Pair] | None = Field(
         None, description="list of [azimuth, elevation] in degrees, instead of mask_deg"
-    )
-
-
-class RequirementTable(Table):
-    """What must be so at sites or in regions."""
-
-    name: str | None = Field(None, min_length=1, max_length=200, description="what to call it")
-    sites: list[str] | None = Field(
-        None, min_length=1, max_length=1000, description="names of [[station]] entries"
-    )
-    region: str | Annotated[list[str], Field(min_length=1, max_length=100)] | None = Field(
-        None,
-        description='"globe" (the default), "lat:MIN:MAX", "polygon:LAT,LON;LAT,LON;..." in '
-        "degrees, or a list of them",
-    )
-    fold: int | None = Field(None, ge=1, le=1000, description="satellites to be in view at once")
-    mask_deg: float | None = Field(
-        None,
-        gt=-90,
-        lt=90,
-        description="elevation mask, below 90 degrees; that of [coverage] if left out; below 0 "
-        "for users above the ground",
-    )
-    pdop_at_most: Dilution | None = Field(None, description="largest PDOP, from 1")
-    gdop_at_most: Dilution | None = Field(None, description="largest GDOP, from 1")
-    hdop_at_most: Dilution | None = Field(None, description="largest HDOP, from 1")
-    vdop_at_most: Dilution | None = Field(None, description="largest VDOP, from 1")
-    tdop_at_most: Dilution | None = Field(None, description="largest TDOP, from 1")
-    share: float = Field(
-        1.0, gt=0, le=1, description="how much of the time, above 0 to 1; 1 means always"
-    )
-    share_of: Literal["time", "area-time"] = Field(
-        "time", description="time (at the worst place) or area-time"
-    )
-    altitude_km: float = Field(
-        0.0, ge=0, le=1e6, description="height of the users above the ground, km"
-    )
-    losses: int = Field(
-        0, ge=0, le=100, description="still so after the loss of any so many satellites"
     )
 
 
@@ -290,3 +233,4 @@ class DesignFile(Table):
     requirement: list[RequirementTable] = Field(
         default_factory=list, max_length=100, description="one [[requirement]] a thing wanted"
     )
+    signal: SignalTable | None = Field(None, description="what a user's ranges are worth")

@@ -1,16 +1,58 @@
 """Tables ``[[requirement]]``: what must be so, checked and turned into requirements."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import Field
 
 from compass.coverage.region import read_regions
 from compass.design import LIMITS, Requirement
 from compass.errors import ArgumentError
 from compass.inputs.faults import fault
-from compass.inputs.models import RequirementTable
+from compass.inputs.table import Table
 from compass.sites import Site
+
+Dilution = Annotated[float, Field(ge=1, le=1e5)]
+
+
+class RequirementTable(Table):
+    """What must be so at sites or in regions."""
+
+    name: str | None = Field(None, min_length=1, max_length=200, description="what to call it")
+    sites: list[str] | None = Field(
+        None, min_length=1, max_length=1000, description="names of [[station]] entries"
+    )
+    region: str | Annotated[list[str], Field(min_length=1, max_length=100)] | None = Field(
+        None,
+        description='"globe" (the default), "lat:MIN:MAX", "polygon:LAT,LON;LAT,LON;..." in '
+        "degrees, or a list of them",
+    )
+    fold: int | None = Field(None, ge=1, le=1000, description="satellites to be in view at once")
+    mask_deg: float | None = Field(
+        None,
+        gt=-90,
+        lt=90,
+        description="elevation mask, below 90 degrees; that of [coverage] if left out; below 0 "
+        "for users above the ground",
+    )
+    pdop_at_most: Dilution | None = Field(None, description="largest PDOP, from 1")
+    gdop_at_most: Dilution | None = Field(None, description="largest GDOP, from 1")
+    hdop_at_most: Dilution | None = Field(None, description="largest HDOP, from 1")
+    vdop_at_most: Dilution | None = Field(None, description="largest VDOP, from 1")
+    tdop_at_most: Dilution | None = Field(None, description="largest TDOP, from 1")
+    share: float = Field(
+        1.0, gt=0, le=1, description="how much of the time, above 0 to 1; 1 means always"
+    )
+    share_of: Literal["time", "area-time"] = Field(
+        "time", description="time (at the worst place) or area-time"
+    )
+    altitude_km: float = Field(
+        0.0, ge=0, le=1e6, description="height of the users above the ground, km"
+    )
+    losses: int = Field(
+        0, ge=0, le=100, description="still so after the loss of any so many satellites"
+    )
 
 
 def requirements_of(
