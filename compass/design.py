@@ -113,6 +113,11 @@ class Requirement:
     losses: int = 0
 
     @property
+    def claim(self) -> str:
+        """What must be so, when and where, in words."""
+        return f"{self.wanted}, {self.when}, {self.where}"
+
+    @property
     def wanted(self) -> str:
         """What is wanted, in words."""
         parts = [f"{self.fold} satellites"] if self.fold is not None else []

@@ -25,8 +25,9 @@ from compass.sites import Mask, Site
 #: How near bounds are to come, radians, and to the question whether all is clear.
 TOLERANCE, FINEST = 1e-4, 1e-7
 
-#: Boxes to look at: some seconds for fifteen satellites.
-MOST_BOXES = 4_000_000
+#: Boxes to look at, some seconds for fifteen satellites; and for a margin alone, once it is clear
+#: on which side of zero it lies.
+MOST_BOXES, MARGIN_BOXES = 4_000_000, 400_000
 
 #: Revolutions over which phases are good to what bounds allow for.
 MOST_REVOLUTIONS = 5000.0
@@ -160,7 +161,7 @@ def least_clearance(
     span: tuple[float, float] | None = None,
     enough: float = inf,
     tolerance: float = TOLERANCE,
-    most: int = MOST_BOXES,
+    most: int | None = None,
 ) -> Clearance:
     """Bracket the least clearance of the `fold`-th best satellite.
 
@@ -180,7 +181,7 @@ def least_clearance(
     tolerance
         How near the bounds are to come; nearer where they lie on both sides of zero.
     most
-        Boxes to look at.
+        Boxes to look at; `MOST_BOXES` if left out.
 
     Raises
     ------
@@ -191,9 +192,10 @@ def least_clearance(
     _check(constellation, users, fold)
     if constellation.size < fold:
         return Clearance(-inf, -inf, 0.0, centric(users.south, users.figure), np.nan, 0, 0)
+    most = MOST_BOXES if most is None else most
     laid = _lay_out(constellation, users, span)
-    found = _least(laid, fold, enough, tolerance, most)
-    if found[0] < 0.0 <= found[1] and found[4] < most:
+    found = _least(laid, fold, enough, tolerance, min(most, MARGIN_BOXES))
+    if found[0] < 0.0 <= found[1]:
         found = _least(laid, fold, 0.0, FINEST, most)
     low, high, worst, seen, boxes = found
     low -= laid.missed
@@ -211,7 +213,7 @@ def clear_share(
     span: tuple[float, float] | None = None,
     width: float = 1e-4,
     level: float | None = None,
-    most: int = MOST_BOXES,
+    most: int | None = None,
 ) -> Share:
     """Bracket the share of time, of several latitudes of area and time, with `fold` in view.
 
@@ -224,12 +226,13 @@ def clear_share(
     level
         Stop, too, when both are on one side of this.
     most
-        Boxes to look at.
+        Boxes to look at; `MOST_BOXES` if left out.
     """
     _check(constellation, users, fold)
     if constellation.size < fold:
         return Share(0.0, 0.0, 0)
     laid = _lay_out(constellation, users, span)
+    most = MOST_BOXES if most is None else most
     finest, total = 1e-2, 0
     while True:
         found = _share(laid, fold, False, finest, most - total)
@@ -263,7 +266,7 @@ def worst_share(
     *,
     width: float = 1e-3,
     level: float | None = None,
-    most: int = MOST_BOXES,
+    most: int | None = None,
 ) -> tuple[Share, float]:
     """Bracket the share of time with `fold` in view at the worst latitude of a belt, for ever.
 
@@ -279,6 +282,7 @@ def worst_share(
     _check(constellation, users, fold)
     if constellation.size < fold:
         return Share(0.0, 0.0, 0), users.south
+    most = MOST_BOXES if most is None else most
     south = 0.0 if users.south == -users.north and users.alike_all_around else users.south
     edges = np.linspace(south, users.north, max(2, int(np.ceil((users.north - south) / 0.1)) + 1))
     open_belts: list[tuple[float, float, float]] = []
@@ -451,9 +455,7 @@ def _torus(c: Constellation, users: Users) -> tuple[NDArray[np.float64], float]:
     east = around / turns
     if south == north and abs(south) == np.pi / 2 and users.alike_all_around:
         east = 0.0  # a pole has one longitude
-    return np.array(
-        [[south, north], [0.0, east], [first, first + around * half / phases]]
-    ), missed
+    return np.array([[south, north], [0.0, east], [first, first + around * half / phases]]), missed
 
 
 def _place(

@@ -1,7 +1,8 @@
 """Whether a fold is always, or often enough, in view of a requirement's users."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -129,8 +130,8 @@ def fold_verdict(
     return _always(design.constellation, users, requirement, course)
 
 
-def _left(
-    c: Constellation, requirement: Requirement, users: tuple[Users, ...], course: Course
+def losses_of(
+    c: Constellation, requirement: Requirement, users: Sequence[Users], course: Course
 ) -> Iterator[tuple[tuple[str, ...], int, Constellation]]:
     """Names of lost satellites, how many sets they stand for, and what is left without them."""
     if not requirement.losses:
@@ -168,7 +169,7 @@ def _always(
     assert requirement.fold is not None
     found = [
         (_ask(left, each, requirement.fold, course), each, lost, alike, left)
-        for lost, alike, left in _left(c, requirement, users, course)
+        for lost, alike, left in losses_of(c, requirement, users, course)
         for each in users
     ]
     low = min(clearance.low for clearance, *_ in found)
@@ -219,13 +220,13 @@ def _often(
 ) -> Verdict:
     """Verdict on a fold wanted for a share of the time, or of area and time."""
     shares: list[tuple[Share, float, tuple[str, ...], int]] = []
-    for lost, alike, left in _left(c, requirement, users, course):
+    for lost, alike, left in losses_of(c, requirement, users, course):
         parts = [_share_of(left, each, requirement, course) for each in users]
         told = [part for part in parts if part is not None]
         if len(told) < len(parts):
             reason = (
                 "the share of time at the worst place of a region that turns with Mars is not "
-                "bracketed; ask for its latitudes, or for share_of = \"area-time\" over closed tracks"
+                'bracketed; ask for its latitudes, or for share_of = "area-time" on closed tracks'
             )
             return undecided(requirement, course.words, reason)
         least = min(told, key=lambda part: part[0].low)
@@ -251,17 +252,19 @@ def _share_of(
 ) -> tuple[Share, float] | None:
     """Share of users, and the latitude it is worst at; None where it cannot be bracketed."""
     assert requirement.fold is not None
-    asked = {"fold": requirement.fold, "level": requirement.share, "most": SHARE_BOXES}
+    fold, level = requirement.fold, requirement.share
     latitude = centric(0.5 * (users.south + users.north), users.figure)
     if users.longitude is not None:
         place = users.belt() if course.span is None else users
-        return clear_share(c, place, span=course.span, **asked), latitude
+        share = clear_share(c, place, fold, span=course.span, level=level, most=SHARE_BOXES)
+        return share, latitude
     if requirement.share_of == "area-time":
         if course.span is None and not users.is_belt:
             return None
         span = None if users.is_belt and one_period(c) else course.span
-        return clear_share(c, users, span=span, width=1e-3, **asked), latitude
+        asked: dict[str, Any] = {"span": span, "width": 1e-3, "level": level, "most": SHARE_BOXES}
+        return clear_share(c, users, fold, **asked), latitude
     if course.span is not None:  # a place's own share, not that of its circle
         return None
-    share, worst = worst_share(c, users.belt(), **asked)
+    share, worst = worst_share(c, users.belt(), fold, level=level, most=SHARE_BOXES)
     return share, centric(worst, users.figure)

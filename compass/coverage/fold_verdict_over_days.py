@@ -1,6 +1,7 @@
 """Whether a fold is kept along real paths for a span of days, by a requirement's users."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -37,16 +38,16 @@ def fold_verdict_over_days(
     ArgumentError
         As `prove_span` and `compass.orbits.motion.Motion.trajectory`.
     """
-    assert days is not None and requirement.fold is not None
+    assert days is not None
+    assert requirement.fold is not None
     motion = design.motion
     scope = f"over {days:g} days from day {start_day:g}, {motion.title}, at the place"
     if requirement.share < 1.0 or requirement.losses:
         what = "shares" if requirement.share < 1.0 else "losses"
         return undecided(requirement, scope, f"{what} along real paths are not bracketed")
     if not design.figure.is_sphere and not requirement.sites:
-        return undecided(
-            requirement, scope, "regions along real paths are proven on a sphere; name one as figure"
-        )
+        reason = "regions along real paths are proven on a sphere; name one as figure"
+        return undecided(requirement, scope, reason)
     start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY
     path = motion.trajectory(design.constellation, start, stop)
     mask, outcomes = _mask(design, requirement), []
@@ -61,7 +62,12 @@ def fold_verdict_over_days(
         low, high = each.mask.lowest - lean, each.mask.highest + lean
         claims.append((square(site), float(np.linalg.norm(site.r_mcmf)), low, high))
     for region, radius, low, high in claims:
-        asked = {"sphere_radius": radius, "region": region, "start": start, "stop": stop}
+        asked: dict[str, Any] = {
+            "sphere_radius": radius,
+            "region": region,
+            "start": start,
+            "stop": stop,
+        }
         found = prove_span(path, requirement.fold, mask=high, **asked)
         if found.outcome is Outcome.REFUTED and low < high:
             lowest = prove_span(path, requirement.fold, mask=low, **asked)
@@ -80,17 +86,13 @@ def _verdict(requirement: Requirement, scope: str, found: list[Lasting]) -> Verd
         assert w is not None
         worst = Worst(w.time, w.latitude, w.longitude, w.fold)
         kept = first.days_proven / ((first.stop - first.start) / SECONDS_PER_DAY)
-        return Verdict(
-            requirement, False, "proven", scope, (kept, 1.0), -w.shortfall, worst
-        )
+        return Verdict(requirement, False, "proven", scope, (kept, 1.0), -w.shortfall, worst)
     if all(one.outcome is Outcome.PROVEN for one in found):
         estimated = {one.estimated for one in found} - {""}
         given = f"; given an estimated {', '.join(estimated)}" if estimated else ""
         return Verdict(requirement, True, "proven", scope + given, (1.0, 1.0))
     days = min(one.days_proven for one in found)
-    return undecided(
-        requirement, scope, f"proven for {days:.6g} days; then neither could be shown"
-    )
+    return undecided(requirement, scope, f"proven for {days:.6g} days; then neither could be shown")
 
 
 def _mask(design: Design, requirement: Requirement) -> float:
@@ -101,7 +103,7 @@ def _mask(design: Design, requirement: Requirement) -> float:
 
 def square(site: Site) -> Region:
     """A convex polygon of some hundred metres about a site."""
-    east, north, up = site.enu_mcmf
+    east, north, _ = site.enu_mcmf
     middle = site.r_mcmf / np.linalg.norm(site.r_mcmf)
     corners = [middle + SQUARE * (x * east + y * north) for x, y in _CORNERS]
     r = np.array(corners)
@@ -110,4 +112,3 @@ def square(site: Site) -> Region:
 
 
 _CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
-

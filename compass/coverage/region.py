@@ -10,7 +10,7 @@ from compass.errors import ArgumentError
 from compass.frames import direction, latitude_longitude
 
 _FORMS = (
-    "write globe, lat:MIN:MAX, or polygon:LAT,LON;LAT,LON;... with three or more corners, in degrees"
+    "write globe, lat:MIN:MAX, or polygon:LAT,LON;LAT,LON;... of three or more corners, in degrees"
 )
 
 

@@ -106,9 +106,7 @@ def _is_laid_out(c: Constellation) -> bool:
     if c.pattern is None or abs(c.pattern.raan) > 2 * np.pi:
         return False
     radius = float(c.semi_major_axis[0])
-    told = from_pattern(
-        c.pattern, radius, name=c.name, epoch=c.epoch, gm=c.gm, repeat=c.repeat
-    )
+    told = from_pattern(c.pattern, radius, name=c.name, epoch=c.epoch, gm=c.gm, repeat=c.repeat)
     return told == c
 
 
@@ -128,8 +126,9 @@ def _pattern(c: Constellation, figure: Figure) -> list[str]:
 
 
 def _orbit(radius: float, repeat: tuple[int, int] | None, figure: Figure) -> str:
-    """How a pattern's tracks close, if that is declared; else its radius, or its altitude where
-    only that gives the same number back.
+    """How a pattern's tracks close, if that is declared; else its radius.
+
+    Where only the altitude gives the same number back it is written instead.
     """
     if repeat == (1, 1):
         return 'orbit = "areosynchronous"'

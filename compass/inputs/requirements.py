@@ -109,7 +109,8 @@ def _faults(table: dict[str, Any], field: str, names: list[str]) -> list[str]:
     for name in sites if isinstance(sites, list) else []:
         if isinstance(name, str) and name not in names:
             allowed = ", ".join(names) or "none; add a [[station]] of that name"
-            faults.append(fault(f"{field}.sites", name, f"no such [[station]]; there are {allowed}"))
+            problem = f"no such [[station]]; there are {allowed}"
+            faults.append(fault(f"{field}.sites", name, problem))
     region = table.get("region")
     for text in region if isinstance(region, list) else [region]:
         if isinstance(text, str):

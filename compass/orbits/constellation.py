@@ -209,9 +209,7 @@ def keplerian(
     if len(names) != a.size:
         raise ArgumentError(f"satellite_names: {len(names)} names for {a.size} satellites")
     laid: dict[str, Any] = dict(zip(ELEMENTS, elements, strict=True))
-    return Constellation(
-        name, epoch=epoch, satellite_names=names, gm=gm, repeat=repeat, **laid
-    )
+    return Constellation(name, epoch=epoch, satellite_names=names, gm=gm, repeat=repeat, **laid)
 
 
 def from_pattern(

@@ -151,7 +151,9 @@ def rosette(
         N and P.
     multiplier
         m: an integer 0 ... N-1 for P = N, else a multiple of P/N such as ``"1/4"`` or 1.75.
-    inclination_deg, radius_km, altitude_km, orbit, repeat, raan_deg, phase_deg, figure, name, epoch, gm
+    inclination_deg, radius_km, altitude_km, orbit, repeat
+        As in `walker_delta`.
+    raan_deg, phase_deg, figure, name, epoch, gm
         As in `walker_delta`.
 
     Raises

@@ -22,10 +22,11 @@ from compass.orbits import (
     walker_star,
 )
 from compass.orbits.constellation import from_pattern
+from compass.orbits.period import repeat_radius
 from compass.sites import Mask
 
 IAU = FIGURES["iau-sphere"]
-SAME = ("name", "epoch", "satellite_names", "pattern", "gm")
+SAME = ("name", "epoch", "satellite_names", "pattern", "gm", "repeat")
 ELEMENTS = ("semi_major_axis", "eccentricity", "inclination", "raan", "argument_of_periapsis",
             "mean_anomaly")  # fmt: skip
 
