@@ -40,6 +40,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
         walker_star,
     )
     from compass.pages.report import report
+    from compass.pages.view import view
     from compass.sites import Mask, Site
 
 __version__ = "0.1.0"
@@ -78,6 +79,7 @@ __all__ = [
     "show",
     "trade",
     "version",
+    "view",
     "walker_delta",
     "walker_star",
 ]
@@ -120,6 +122,7 @@ _HOMES = {
     "read_study": "compass.inputs.study",
     "report": "compass.pages.report",
     "rosette": "compass.orbits",
+    "view": "compass.pages.view",
     "walker_delta": "compass.orbits",
     "walker_star": "compass.orbits",
 } | {name: f"compass.api.{name}" for name in _COMMANDS}

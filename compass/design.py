@@ -147,10 +147,10 @@ class Design:
 
     Attributes
     ----------
-    name
-        What to call it.
     constellation
         The orbits.
+    name
+        What to call it; as the constellation is called if not said.
     source
         Where it comes from.
     paper
@@ -183,8 +183,8 @@ class Design:
         The file's name as given.
     """
 
-    name: str
     constellation: Constellation
+    name: str = ""
     source: str = ""
     paper: str | None = None
     figure: Figure = DEFAULT_FIGURE
@@ -202,7 +202,9 @@ class Design:
     label: str = "design"
 
     def __post_init__(self) -> None:
-        """Take a figure by its name too, as files do."""
+        """Take a figure by its name too, as files do, and a name from the constellation."""
+        if not self.name:
+            object.__setattr__(self, "name", self.constellation.name)
         if isinstance(self.figure, str):
             if self.figure not in FIGURES:
                 raise ArgumentError(

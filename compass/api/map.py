@@ -202,12 +202,12 @@ class MapResult(Result):
         ArgumentError
             There is no such variable or percentile.
         """
-        from compass.pictures.maps import SIZE, draw_map
+        from compass.pictures.maps import LARGE, draw_map
         from compass.pictures.style import axes_or_new
 
         values, title = self._layer(name, percentile)
         known = QUANTITIES.get(name)
-        drawn = axes_or_new(axes, *SIZE)
+        drawn = axes_or_new(axes, *LARGE)
         draw_map(
             drawn,
             values.values,
@@ -216,6 +216,7 @@ class MapResult(Result):
             known.heading if known else str(values.attrs["long_name"]),
             figure_name=self.design.figure.name,
             scale=_scale(name, values),
+            wanted=self.design.fold,
         )
         return drawn
 

@@ -62,7 +62,7 @@ CONTINUOUS = (
 
 def _dilution(name: str, of: str) -> Quantity:
     return Quantity(
-        name, "1", name.upper(), 3, "less", limits=(1.0, 10.0), ticks=(1, 2, 3, 4, 6, 10),
+        name, "1", name.upper(), 3, "less", limits=(1.0, 30.0), ticks=(1, 2, 3, 6, 10, 20, 30),
         meaning=f"{of} dilution of precision: error of the fix for one unit of range error; "
         "infinite with fewer than four satellites in view.",
     )  # fmt: skip
@@ -88,6 +88,10 @@ MAPS = (
     Quantity(
         "gdop_p95", "1", "GDOP, 95th percentile", 3, "less",
         meaning="Not exceeded over 95 % of area and time.",
+    ),
+    Quantity(
+        "gdop_share", "1", "share of area and time with GDOP 6 or less", 5, "more", "share",
+        meaning="Over all of Mars and the time that decides.",
     ),
     Quantity(
         "availability", "1", "share of area and time with a good PDOP", 5, "more", "share",
