@@ -39,7 +39,9 @@ def little_to_certify():
         if config.DISABLE_JIT:
             patch.setattr("compass.study.certified.BUDGET_BOXES", 0)
             patch.setattr("compass.coverage.clearance.MARGIN_BOXES", 100)
-            patch.setattr("compass.coverage.clearance.MOST_BOXES", 3000)
+            patch.setattr("compass.coverage.clearance.MOST_BOXES", 500)
+            patch.setattr("compass.coverage.fold_verdict.MISSED_BOXES", 100)
+            patch.setattr("compass.coverage.fold_verdict.SHARE_BOXES", 300)
         yield
 
 

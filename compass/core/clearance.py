@@ -88,15 +88,16 @@ def bounds(orbits, figure, turn, azimuths, elevations, k, box, near):
         # turned to the longitude of the user, who stays at 0
         dx, dy, dz = ca * x + sa * y - eye_x, ca * y - sa * x, z - eye_z
         distance = math.sqrt(dx * dx + dy * dy + dz * dz)
-        up = cb * dx + sb * dz
-        elevation = math.asin(min(max(up / distance, -1.0), 1.0))
+        up, north = cb * dx + sb * dz, cb * dz - sb * dx
+        # an arc sine would lose half of the digits overhead
+        elevation = math.atan2(up, math.sqrt(dy * dy + north * north))
         strays = o[9] * box[5] + math.sqrt(x * x + y * y) * box[4] + figure[3] * box[3]
         delta = math.pi
         if strays < distance:
             delta = math.asin(strays / distance) + box[3] + SLACK
         here = bottom = top = level
         if top_of_all > level:
-            azimuth = math.atan2(dy, cb * dz - sb * dx)
+            azimuth = math.atan2(dy, north)
             here, _ = profile_range(azimuths, elevations, azimuth, 0.0)
             flat = math.cos(elevation)
             far = delta >= 0.5 * math.pi or math.sin(delta) >= flat

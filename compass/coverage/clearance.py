@@ -256,7 +256,8 @@ def _share(laid: "_Laid", fold: int, everywhere: bool, finest: float, most: int)
     # sums of so many parts round by so many last places; what symmetry misses moves rims
     error = 4e-16 * boxes + 1e-10 + 0.5 * laid.orbits.shape[0] * laid.missed
     low = max(0.0, clear / whole - error)
-    return Share(low, max(low, min(1.0, (clear + undecided) / whole + error)), int(boxes))
+    high = max(low, min(1.0, (clear + undecided) / whole + error))
+    return Share(float(low), float(high), int(boxes))
 
 
 def worst_share(

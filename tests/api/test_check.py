@@ -25,7 +25,7 @@ def ring(*requirements, satellites=6, **options):
     if "orbit" in orbit or "repeat" in orbit:
         del orbit["radius_km"]
     c = walker_delta(satellites, 1, 0, inclination_deg=0, **orbit)
-    return Design("ring", c, requirements=requirements, **options)
+    return Design(c, name="ring", requirements=requirements, **options)
 
 
 def verdict(design, **options):
@@ -43,12 +43,14 @@ def test_a_ring_is_seen_from_the_equator_and_not_from_the_pole():
     # 60 degrees apart: with one overhead the second stands 60 degrees away
     r, rho = design.figure.equatorial_radius, 2e7
     elevation = np.arctan2(np.cos(np.pi / 3) - r / rho, np.sin(np.pi / 3))
-    assert met.margin <= elevation < met.margin + 0.2
+    assert 0.0 <= met.margin <= elevation
     assert missed.worst.value == 0
-    assert missed.share == (0.0, 0.0)
+    assert missed.share == pytest.approx((0.0, 0.0), abs=1e-9)
     assert missed.margin == pytest.approx(np.arctan2(-r, rho), abs=1e-6)
     known = found.to_dict()["requirements"]
-    assert [set(one) >= {"name", "met", "evidence", "share", "margin_deg", "worst"} for one in known]
+    assert [
+        set(one) >= {"name", "met", "evidence", "share", "margin_deg", "worst"} for one in known
+    ]
     assert (known[0]["met"], known[0]["evidence"], known[0]["share"]) == (True, "proven", [1, 1])
     json.dumps(found.to_dict(), allow_nan=False)
     assert str(found).startswith("ring: MISSED: 2 requirement(s): 1 met, 1 missed")
@@ -57,9 +59,14 @@ def test_a_ring_is_seen_from_the_equator_and_not_from_the_pole():
 def test_without_requirements_the_coverage_of_the_file_is_asked():
     design = ring(fold=1, mask=Mask.constant(0.1))
     found = verdict(design)
-    assert (found.requirement.name, found.met, found.requirement.where) == ("coverage", False, "globe")
+    assert (found.requirement.name, found.met, found.requirement.where) == (
+        "coverage",
+        False,
+        "globe",
+    )
 
 
+@pytest.mark.slow
 def test_the_higher_of_mask_and_horizon_counts():
     high = Mask((0.0, np.pi), (0.0, np.radians(85)))
     wall = Site("wall", 0.2, 0.0, mask=high)
@@ -94,17 +101,18 @@ def compass_angle(design):
     return prime_meridian_angle(design.constellation.epoch, 0.0)
 
 
+@pytest.mark.slow
 def test_shares_on_the_circle_against_samples():
     c = walker_delta(4, 2, 1, inclination_deg=60, radius_km=15000)
     site = Site("a", np.radians(40), 0.5)
-    design = Design("four", c, requirements=(Requirement("r", sites=(site,), fold=2, share=0.5),))
+    design = Design(c, name="four", requirements=(Requirement("r", sites=(site,), fold=2, share=0.5),))
     found = verdict(design)
     # 61 incommensurate turns of the orbit: a fair sample of phases and longitudes
     times = np.random.default_rng(1).uniform(0, 600 * DAY, 4000)
     seen = site.sees(np.moveaxis(positions_mcmf(c, times), 1, 0)).sum(axis=-1)
     low, high = found.share
     assert low - 0.04 < (seen >= 2).mean() < high + 0.04  # 5 sigma
-    assert found.met is (low >= 0.5)
+    assert found.met is (True if low >= 0.5 else False if high < 0.5 else None)
     assert found.evidence == "bracket"
     belt = Requirement("r", regions=("lat:-20:20",), fold=1, share=0.2)
     assert verdict(replace(design, requirements=(belt,))).met is True
@@ -118,7 +126,7 @@ def test_any_loss_of_a_ring_is_alike_and_of_a_closed_one_is_not():
     assert (lost.met, lost.alike, len(lost.lost)) == (True, 6, 1)
     closed = verdict(ring(asked, satellites=3, orbit={"orbit": "areosynchronous"}))
     assert (closed.met, closed.alike) == (False, 1)
-    assert "after the loss of" in str(compass.check(ring(asked, satellites=4)))
+    assert "loss of P1S1 or one of 6 sets alike" in str(compass.check(ring(asked)))
 
 
 def test_orbits_of_two_periods_need_days():
@@ -127,7 +135,7 @@ def test_orbits_of_two_periods_need_days():
         satellite_names=("a", "b", "c", "d"),
     )
     asked = Requirement("one", sites=(EQUATOR,), fold=1)
-    design = Design("two", both_radii, requirements=(asked,))
+    design = Design(both_radii, name="two", requirements=(asked,))
     found = verdict(design)
     assert (found.met, found.evidence) == (None, "none")
     assert "every combination of their phases; give days" in found.reason
@@ -147,7 +155,7 @@ def test_geometry_is_certified_and_losses_too():
     c = walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
     asked = Requirement("g", regions=("globe",), limits=(("pdop", 6.0),), share=0.97,
                         share_of="area-time")  # fmt: skip
-    design = Design("COMPASS", c, figure="kelly2018-sphere", requirements=(asked,))
+    design = Design(c, name="COMPASS", figure="kelly2018-sphere", requirements=(asked,))
     found = verdict(design)
     # a prototype of its own: the share lies in [0.9736164, 0.9736178]
     assert found.share[0] <= 0.9736178

@@ -66,6 +66,7 @@ def clearances(c, site, longitude, phase):
     return np.array(found)
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 10**6), figure=st.sampled_from([SPHERE, ELLIPSOID]))
 @settings(max_examples=12, deadline=None)
 def test_no_sample_is_below_the_bracket_and_its_place_shows_it(seed, figure):
@@ -85,6 +86,7 @@ def test_no_sample_is_below_the_bracket_and_its_place_shows_it(seed, figure):
         assert (there[0] >= 0).sum() == found.seen
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 10**6), height=st.sampled_from([0.0, 2e5]))
 @settings(max_examples=8, deadline=None)
 def test_at_a_place_for_a_span_against_its_own_path(seed, height):
@@ -106,6 +108,7 @@ def test_at_a_place_for_a_span_against_its_own_path(seed, height):
     assert found.longitude == pytest.approx(site.longitude)
 
 
+@pytest.mark.slow
 def test_a_site_and_a_polygon_about_it_agree():
     c = walker_delta(8, 4, 1, inclination_deg=50, orbit="areosynchronous")
     site = Site("a", np.radians(20), np.radians(40), figure=SPHERE)
@@ -158,6 +161,7 @@ def test_shares_of_a_belt_against_exact_areas_and_of_a_circle_against_samples():
     assert at.low - 0.05 < mean < at.high + 0.05  # 4.5 sigma of 2000 draws
 
 
+@pytest.mark.slow
 def test_the_worst_latitude_has_the_least_share():
     c = walker_delta(6, 3, 1, inclination_deg=50, radius_km=20427)
     belt = region_users(read_region("lat:-30:60"), SPHERE, Mask())

@@ -66,7 +66,7 @@ def test_tracks_close_only_if_that_is_said():
     closed = design("", 'orbit = "areosynchronous"').constellation
     radius = float(closed.semi_major_axis[0]) / 1e3
     assert design("", f"radius_km = {radius!r}").constellation.repeat is None
-    with pytest.raises(DesignError, match="repeat = .30, 1.: so many revolutions need a radius"):
+    with pytest.raises(DesignError, match=r"repeat = .30, 1.: so many revolutions need a radius"):
         design("", "repeat = [30, 1]")
 
 
@@ -99,5 +99,5 @@ def test_faults_name_the_field_and_the_remedy(table, message):
 
 def test_a_site_without_any_station_is_told_to_add_one():
     text = DESIGN.format(orbit="radius_km = 20000", more="").partition("[[station]]")[0]
-    with pytest.raises(DesignError, match="there are none; add a .*station.* of that name"):
+    with pytest.raises(DesignError, match=r"there are none; add a .*station.* of that name"):
         read_design_text(text + '[[requirement]]\nsites = ["Gale"]\nfold = 1\n')
