@@ -30,6 +30,14 @@ def seed_design():
 
 
 @pytest.fixture(scope="session", autouse=True)
+def own_answers(tmp_path_factory):
+    """Keep answers that took long in a folder of the tests, not in the user's."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
 def little_to_certify():
     """Let maps show the bracket that they begin with where kernels are interpreted.
 

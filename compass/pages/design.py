@@ -13,6 +13,7 @@ import numpy as np
 from compass.api.access import access
 from compass.api.fold import FoldResult, fold
 from compass.api.map import MapResult
+from compass.api.outlook import outlook
 from compass.api.reproduce import comparison_table
 from compass.api.show import show
 from compass.coverage.site import site_coverage
@@ -35,6 +36,7 @@ from compass.pages.fold import fold_section, quality_table
 from compass.pages.found import Found
 from compass.pages.globe.piece import globe
 from compass.pages.globe.still import still_picture
+from compass.pages.lasting import lasting_section
 from compass.pages.neighbours import Neighbour, neighbours
 from compass.pages.orbits import cap_picture, orbit_picture, track_picture
 from compass.pages.page import render
@@ -99,9 +101,9 @@ def look_at(
     progress("access")
     wanted = design.access
     linked = design.stations or wanted.moons or wanted.earth or wanted.crosslinks
-    return Found(
-        design, show(design), mapped, proven, access(design, eclipse=True) if linked else None
-    )
+    links = access(design, eclipse=True) if linked else None
+    progress("how long it lasts")
+    return Found(design, show(design), mapped, proven, links, outlook(design))
 
 
 def provenance_rows(found: Found, command: str) -> list[tuple[str, str]]:
@@ -257,6 +259,7 @@ SECTIONS: tuple[tuple[str, Callable[[Found, list[Neighbour]], Section | None]], 
     ("geometry and accuracy", _accuracy),
     ("stations and links", _links),
     ("orbits", _orbits),
+    ("how long it lasts", lambda found, _: lasting_section(found.design, found.outlook)),
     ("losses", _losses),
     ("caps and gaps", _caps),
     ("comparison", _comparison),

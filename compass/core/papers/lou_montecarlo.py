@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry_dynamics import BANK, rk4_step
-from compass.core.entry_measurement import ACCELERATIONS, predict_measurements
-from compass.core.filters.common import Array, Epoch, make_bank, make_work, start_bank
-from compass.core.filters.step import start, step
 from compass.core.jit import kernel
+from compass.core.papers.lou_common import Array, Epoch, make_bank, make_work, start_bank
+from compass.core.papers.lou_measurement import ACCELERATIONS, predict_measurements
+from compass.core.papers.lou_steps import start, step
 from compass.core.smallmatrix import cholesky
 
 #: Normal numbers a run takes for its start (the largest state), and for the states of the truth.
@@ -187,7 +187,7 @@ def track(algorithm, settings, belief, x0, bank_angles, beacons, alive, trace):
     Parameters
     ----------
     algorithm, settings
-        Of `compass.core.filters.step`.
+        Of `compass.core.papers.lou_steps`.
     belief
         What the filter assumes.
     x0

@@ -5,16 +5,7 @@ the subsystems' information matrices with coefficients c_i:
 ``P = (sum_i c_i Y_i)^-1``, ``x = P sum_i c_i Y_i x_i``.
 """
 
-from compass.core.filters.common import (
-    add_noise,
-    choose_rows,
-    linearise,
-    predict_state,
-    propagate,
-    sound,
-    update,
-)
-from compass.core.fusion import (
+from compass.core.entry.weights import (
     DETERMINANT,
     EQUAL,
     FAST,
@@ -25,6 +16,15 @@ from compass.core.fusion import (
     weighted_sum,
 )
 from compass.core.jit import kernel
+from compass.core.papers.lou_common import (
+    add_noise,
+    choose_rows,
+    linearise,
+    predict_state,
+    propagate,
+    sound,
+    update,
+)
 from compass.core.smallmatrix import invert
 
 

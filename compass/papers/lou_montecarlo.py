@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry_measurement import ACCELERATIONS
-from compass.core.montecarlo import (
+from compass.core.papers.lou_measurement import ACCELERATIONS
+from compass.core.papers.lou_montecarlo import (
     START_DRAWS,
     TRUTH_STATES,
     Tally,
@@ -20,11 +20,11 @@ from compass.core.montecarlo import (
     one_run,
     run_block,
 )
-from compass.entry.case import NavigationCase
 from compass.entry.consistency import nees_bounds
 from compass.entry.faults import Fault
-from compass.entry.filters import STATE_NAMES, STATE_UNITS, FilterSettings, divergence_message
 from compass.errors import ArgumentError
+from compass.papers.lou_case import NavigationCase
+from compass.papers.lou_filters import STATE_NAMES, STATE_UNITS, FilterSettings, divergence_message
 
 if TYPE_CHECKING:
     import xarray as xr

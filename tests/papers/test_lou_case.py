@@ -1,4 +1,4 @@
-"""Navigation cases: check values along the flights, visibility, faults, and what is refused."""
+"""The papers' entries: check values along the flights, visibility, and what is refused."""
 
 from dataclasses import replace
 
@@ -7,12 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from compass.core.entry_dynamics import entry_rates
-from compass.entry.case import beacons_from_states
-from compass.entry.faults import Fault, fault_tables
-from compass.entry.imu import Imu
 from compass.entry.radio import STAGNATION, WAKE, ElectronTable, critical_density, crossing_times
 from compass.errors import ArgumentError
 from compass.papers import lou2017_case, lou2019_case
+from compass.papers.lou_case import Imu, beacons_from_states
 
 TIMES = np.arange(11.0)
 NAMES = ("a", "b")
@@ -102,43 +100,6 @@ def test_orbiters_move_as_kepler_says():
     assert np.all(found.r[:, 1] == [4e6, 0, 0])
 
 
-def test_faults_are_laid_over_epochs_and_beacons():
-    tables = fault_tables(
-        [
-            Fault("outage", "a", 3, 5),
-            Fault("bias", "b", 2, 4, 100.0),
-            Fault("spike", "b", 3.2, size=7.0),
-            Fault("subsystem-dead", "a", 9),
-            Fault("all-ranges-lost", start=10),
-        ],
-        TIMES,
-        NAMES,
-    )
-    assert np.flatnonzero(tables.lost[:, 0]).tolist() == [3, 4, 5, 10]
-    assert np.flatnonzero(tables.lost[:, 1]).tolist() == [10]
-    assert tables.offset[:, 1].tolist() == [0, 0, 100, 107, 100, 0, 0, 0, 0, 0, 0]
-    assert np.flatnonzero(~tables.alive[:, 0]).tolist() == [9, 10]
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: Fault("fire"), "kind = 'fire'"),
-        (lambda: Fault("outage", "a", 5, 3), "before the start"),
-        (lambda: Fault("bias", "a", 5, 6), "needs a size"),
-        (lambda: Fault("bias", "a", size=np.nan), "finite"),
-        (lambda: fault_tables([Fault("outage", "c")], TIMES, NAMES), "beacon = 'c': allowed a, b"),
-        (lambda: fault_tables([Fault("outage", "a", 99)], TIMES, NAMES), "choose times inside"),
-        (lambda: fault_tables([Fault("spike", "a", 99, size=1)], TIMES, NAMES), "times inside"),
-        (lambda: Imu((1e-3, -1.0, 1e-3)), "sigma = -1.0"),
-        (lambda: Imu(bias=(0.0, np.inf, 0.0)), "bias = inf"),
-    ],
-)
-def test_bad_faults_and_sensors_are_refused(make, message):
-    with pytest.raises(ArgumentError, match=message):
-        make()
-
-
 def test_bad_cases_are_refused():
     case = lou2019_case.case()
     twins = beacons_from_states(NAMES, [[4e6, 0, 0], [4e6, 0, 0]], np.zeros((2, 3)), TIMES, 4.28e13)
@@ -155,3 +116,10 @@ def test_bad_cases_are_refused():
     buried = replace(case, start=np.array([3398e3, 0, 0, 5515.0, -0.5, 0.1]))
     with pytest.raises(ArgumentError, match="the flight ends at 1 s"):
         buried.nominal  # noqa: B018
+
+
+def test_bad_sensors_are_refused():
+    with pytest.raises(ArgumentError, match=r"sigma = -1\.0"):
+        Imu((1e-3, -1.0, 1e-3))
+    with pytest.raises(ArgumentError, match="bias = inf"):
+        Imu(bias=(0.0, np.inf, 0.0))

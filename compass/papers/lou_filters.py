@@ -1,26 +1,21 @@
-"""Filters for entry navigation: which there are, what they are set to, and one run of one.
+"""The filters of Lou et al. 2017 and 2019: which there are, and what they are set to.
 
-The algorithms themselves, one a file, are in `compass.core.filters`.
+The algorithms themselves are in `compass.core.papers.lou_steps`.
 """
 
 from dataclasses import dataclass, replace
 from math import exp, inf, isfinite
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core import fusion
-from compass.core.entry_measurement import ACCELERATIONS
-from compass.core.filters import step as steps
-from compass.core.filters.common import Settings
-from compass.core.montecarlo import Belief, make_trace, track
-from compass.entry.beacons import Beacons
+from compass.core.entry import weights as rules
+from compass.core.papers import lou_steps as steps
+from compass.core.papers.lou_common import Settings
+from compass.core.papers.lou_montecarlo import Belief
 from compass.entry.model import EntryModel
-from compass.errors import ArgumentError, CompassError
-
-if TYPE_CHECKING:
-    import xarray as xr
+from compass.errors import ArgumentError
 
 Array = NDArray[np.float64]
 Algorithm = Literal[
@@ -39,10 +34,10 @@ _STEPS = {
     "federated": steps.FEDERATED,
 }
 _WEIGHTINGS = {
-    "determinant": fusion.DETERMINANT,
-    "trace": fusion.TRACE,
-    "fast": fusion.FAST,
-    "equal": fusion.EQUAL,
+    "determinant": rules.DETERMINANT,
+    "trace": rules.TRACE,
+    "fast": rules.FAST,
+    "equal": rules.EQUAL,
 }
 #: How the sources weigh: determinant for covariance intersection, eq. 21 for DCIFAIF.
 _USUAL = {"ci": "determinant", "ci-feedback": "determinant", "dcifaif": "fast"}
@@ -66,10 +61,6 @@ STATE_UNITS = ("m", "rad", "rad", "m/s", "rad", "rad", "1", "1", "m/s^2", "m/s^2
 
 #: Size of each state in which information is weighed (u of the fast rule).
 SCALE = np.array([1e3, 3e-4, 3e-4, 10.0, 3e-3, 3e-3, 0.1, 0.02, 1e-2, 1e-2, 1e-2])
-
-
-class DivergenceError(CompassError):
-    """A filter that lost its state: the message says when and at which estimate."""
 
 
 @dataclass(frozen=True)
@@ -251,105 +242,6 @@ class FilterSettings:
             trusts=self.algorithm == "information",
         )
         return _STEPS[self.algorithm], settings, belief
-
-
-def run_filter(
-    settings: FilterSettings,
-    beacons: Beacons,
-    measurements: Array,
-    arrived: NDArray[np.bool_] | None = None,
-    alive: NDArray[np.bool_] | None = None,
-) -> "xr.Dataset":
-    """Run a filter over measurements.
-
-    Parameters
-    ----------
-    settings
-        The filter.
-    beacons
-        The m beacons at evenly spaced epochs 0 to K.
-    measurements
-        Accelerations (m/s^2) and ranges (m), shape (K+1, 3 + m); row 0, the start, is not used.
-    arrived
-        Which of them arrived, same shape; all if None.
-    alive
-        Which subsystems work, shape (K+1, m); all if None.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over (time, state, beacon): `estimate`, `sigma`, `weight`; over (time, sensor): `refused`.
-
-    Raises
-    ------
-    ArgumentError
-        Shapes that do not fit, or a measurement that arrived and is nan or infinite.
-    DivergenceError
-        The filter diverged; says when and at which estimate.
-    """
-    import xarray as xr
-
-    z = np.asarray(measurements, dtype=float)
-    times, epochs, m = beacons.times, beacons.times.size, beacons.size
-    step = float(times[1] - times[0])
-    if z.shape != (epochs, ACCELERATIONS + m):
-        raise ArgumentError(
-            f"measurements of shape {z.shape}: must be ({epochs}, {ACCELERATIONS + m}): three "
-            "accelerations and one range a beacon at every epoch of the beacons"
-        )
-    if np.size(settings.range_variance) != m:
-        raise ArgumentError(
-            f"range_variance: {np.size(settings.range_variance)} values for {m} beacons"
-        )
-    came = np.ones(z.shape, bool) if arrived is None else np.asarray(arrived, dtype=bool)
-    sensors = ["drag", "side", "lift", *beacons.names]
-    wrong = np.argwhere(came[1:] & ~np.isfinite(z[1:]))
-    if wrong.size:
-        k, row = wrong[0]
-        raise ArgumentError(
-            f"measurement {sensors[row]} at {times[k + 1]:g} s = {z[k + 1, row]}: must be a finite "
-            "number; mark a measurement that is missing as not arrived"
-        )
-    algorithm, kernel_settings, belief = settings.kernel_arguments(step)
-    n, size = settings.states, belief.x0.size
-    trace = make_trace(n, size, epochs, m)
-    trace.z[:] = np.where(came, z, 0.0)
-    trace.arrived[:] = came
-    works = np.ones((epochs, m), bool) if alive is None else np.asarray(alive, dtype=bool)
-    banks = settings.model.vehicle.bank(times)
-    end = track(
-        algorithm,
-        kernel_settings,
-        belief,
-        belief.x0,
-        banks,
-        np.ascontiguousarray(beacons.r),
-        works,
-        trace,
-    )
-    if end >= 0:
-        raise DivergenceError(divergence_message(settings, end * step, trace.x[max(end - 1, 0)]))
-    sigma = np.sqrt(np.diagonal(trace.cov, axis1=1, axis2=2))
-    return xr.Dataset(
-        {
-            "estimate": (("time", "state"), trace.x[:, :n], {"long_name": "estimate"}),
-            "sigma": (("time", "state"), sigma, {"long_name": "1 sigma of the estimate"}),
-            "weight": (("time", "beacon"), trace.weights, {"units": "1", "long_name": "weight"}),
-            "refused": (
-                ("time", "sensor"),
-                trace.gated,
-                {"long_name": "measurement refused by the gate"},
-            ),
-        },
-        coords={
-            "time": ("time", times, {"units": "s", "long_name": "time after entry"}),
-            "state": list(STATE_NAMES[:n]),
-            "unit": ("state", list(STATE_UNITS[:n])),
-            "beacon": sensors[ACCELERATIONS:],
-            "sensor": sensors,
-        },
-        attrs={"algorithm": settings.algorithm, "step_s": step},
-    )
 
 
 def divergence_message(settings: FilterSettings, time: float, x: Array) -> str:

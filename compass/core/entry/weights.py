@@ -6,6 +6,10 @@ rule do. Subsystems that are not alive get weight 0.
 """
 
 import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.jit import kernel
 from compass.core.smallmatrix import cholesky, cholesky_solve, invert, log_determinant, matmul
@@ -16,6 +20,40 @@ EQUAL, FAST, DETERMINANT, TRACE = 0, 1, 2, 3
 #: this share of the trace of P (both follow from the gradient alone, the problems being convex).
 WEIGHT_GAP = 1e-10
 MOST_STEPS = 60
+
+Array = NDArray[np.float64]
+
+
+class Scratch(NamedTuple):
+    """What the rules write before they read: (n, n) thrice, (m, n, n), (m,), (m, m) and so on."""
+
+    a: Array
+    b: Array
+    c: Array
+    stack: Array
+    gradient: Array
+    hessian: Array
+    factor: Array
+    direction: Array
+    trial: Array
+    used: NDArray[np.bool_]
+
+
+@kernel
+def make_scratch(n, m):
+    """Return scratch for m subsystems of n states."""
+    return Scratch(
+        np.zeros((n, n)),
+        np.zeros((n, n)),
+        np.zeros((n, n)),
+        np.zeros((m, n, n)),
+        np.zeros(m),
+        np.zeros((m, m)),
+        np.zeros((m, m)),
+        np.zeros(m),
+        np.zeros(m),
+        np.zeros(m, dtype=np.bool_),
+    )
 
 
 @kernel
@@ -115,7 +153,7 @@ def optimal_weights(information, alive, by_trace, weights, work):
     weights
         Start and result, shape (m,).
     work
-        Scratch as made by `compass.core.filters.common.make_work`.
+        Scratch as made by `make_scratch`.
     """
     m, n = information.shape[0], information.shape[1]
     y, p, factor, product = work.a, work.b, work.c, work.stack

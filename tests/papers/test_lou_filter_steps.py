@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compass.core.entry_measurement import predict_measurements
-from compass.core.filters import step as steps
-from compass.core.filters.common import (
+from compass.core.entry.weights import DETERMINANT, EQUAL, FAST, TRACE
+from compass.core.papers import lou_steps as steps
+from compass.core.papers.lou_common import (
     Epoch,
     Settings,
     add_noise,
@@ -18,14 +18,14 @@ from compass.core.filters.common import (
     start_bank,
     update,
 )
-from compass.core.filters.information import (
+from compass.core.papers.lou_information import (
     add_information,
     information_start,
     predict_information,
 )
-from compass.core.fusion import DETERMINANT, EQUAL, FAST, TRACE
-from compass.entry.filters import SCALE, FilterSettings
+from compass.core.papers.lou_measurement import predict_measurements
 from compass.papers import lou2019_case as paper
+from compass.papers.lou_filters import SCALE, FilterSettings
 
 RULES = {"equal": EQUAL, "fast": FAST, "determinant": DETERMINANT, "trace": TRACE}
 

@@ -4,13 +4,13 @@ import mpmath
 import numpy as np
 import pytest
 
-from compass.entry.imu_observability import (
+from compass.papers import lou2019_case as paper
+from compass.papers.lou_observability import (
     imu_range_matrix,
     observability_degree,
     rotation_about_beacon,
     singular_values,
 )
-from compass.papers import lou2019_case as paper
 
 CASE = paper.case()
 STILL = np.zeros((4, 3))

@@ -1,19 +1,17 @@
-"""Monte Carlo: reproducible, streaming, honest about divergence; filters' settings checked."""
+"""The papers' Monte Carlo: reproducible, streaming, honest about divergence; filters' settings checked."""
 
 from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
-from compass.entry.accuracy import error_ellipse
 from compass.entry.beacons import Beacons
 from compass.entry.consistency import nees_bounds
 from compass.entry.faults import Fault
-from compass.entry.filters import DivergenceError, run_filter
-from compass.entry.montecarlo import BLOCK, monte_carlo
 from compass.errors import ArgumentError
 from compass.papers import lou2017_case
 from compass.papers import lou2019_case as paper
+from compass.papers.lou_montecarlo import BLOCK, monte_carlo
 
 
 def shortened(case, epochs):
@@ -42,8 +40,8 @@ def test_threads_do_not_change_the_numbers():
 
 def test_streaming_statistics_are_those_of_all_the_runs():
     """Each run alone, then NumPy over all of them."""
-    from compass.core.montecarlo import make_trace, one_run
-    from compass.entry.montecarlo import _draws
+    from compass.core.papers.lou_montecarlo import make_trace, one_run
+    from compass.papers.lou_montecarlo import _draws
 
     runs = BLOCK + 3
     data = monte_carlo(SHORT, EKF, runs, seed=9)
@@ -144,31 +142,6 @@ def test_linear_density_is_judged_as_linear():
     assert data.rmse.sel(state="rho0")[0] == pytest.approx(2e-5, rel=1e-9)
 
 
-def test_measurements_of_a_flight_are_filtered_alone():
-    from compass.core.entry_measurement import predict_measurements
-
-    z, slopes = np.empty((7, 7)), np.empty((7, 8))
-    for k, x in enumerate(SHORT.nominal):
-        p = SHORT.truth.parameters()
-        predict_measurements(x, 8, p, False, SHORT.beacons.r[k], z[k], slopes)
-    data = run_filter(EKF, SHORT.beacons, z)
-    error = data.estimate[-1] - SHORT.nominal[-1]
-    assert np.all(np.abs(error) < 3 * data.sigma[-1])
-    z[3, 4] = np.nan
-    with pytest.raises(ArgumentError, match=r"measurement surface 2 at 3 s = nan"):
-        run_filter(EKF, SHORT.beacons, z)
-    arrived = np.isfinite(z)
-    again = run_filter(EKF, SHORT.beacons, z, arrived)
-    assert np.isfinite(again.estimate).all()
-    with pytest.raises(ArgumentError, match="measurements of shape"):
-        run_filter(EKF, SHORT.beacons, z[:, :5])
-    with pytest.raises(ArgumentError, match="range_variance: 1 values for 4"):
-        run_filter(EKF.changed(range_variance=[20.0]), SHORT.beacons, z)
-    z[3, 4] = -1e12
-    with pytest.raises(DivergenceError, match="ekf: diverged at 3 s; one epoch before: radius"):
-        run_filter(EKF, SHORT.beacons, z)
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -200,30 +173,6 @@ def test_bad_experiments_are_refused():
         monte_carlo(SHORT, EKF, 0)
     with pytest.raises(ArgumentError, match="range_variance: 1 values for 4 beacons"):
         monte_carlo(SHORT, EKF.changed(range_variance=[1.0]), 1)
-    with pytest.raises(ArgumentError, match="runs = 0"):
-        nees_bounds(8, 0)
-
-
-def test_nees_bounds_are_the_chi_square_s():
-    # Bar-Shalom et al. 2001, section 5.4.2: 50 runs of 2 states: [1.5, 2.6]
-    low, high = nees_bounds(2, 50)
-    assert (round(low, 1), round(high, 1)) == (1.5, 2.6)
-
-
-def test_error_ellipse_holds_what_it_says():
-    rng = np.random.default_rng(1)
-    turn = np.array([[np.cos(0.4), -np.sin(0.4)], [np.sin(0.4), np.cos(0.4)]])
-    covariance = turn @ np.diag([1.0, 25.0]) @ turn.T
-    ellipse = error_ellipse(np.array([3.0, -2.0]), covariance)
-    assert ellipse.semi_major == pytest.approx(5 * np.sqrt(-2 * np.log(0.05)))
-    points = rng.multivariate_normal([3.0, -2.0], covariance, 4000) - [3.0, -2.0]
-    inside = np.einsum("ia,ab,ib->i", points, np.linalg.inv(covariance), points) <= -2 * np.log(
-        0.05
-    )
-    assert inside.mean() == pytest.approx(0.95, abs=5 * np.sqrt(0.95 * 0.05 / 4000))
-    outline = ellipse.outline() - [3.0, -2.0]
-    level = np.einsum("ia,ab,ib->i", outline, np.linalg.inv(covariance), outline)
-    np.testing.assert_allclose(level, -2 * np.log(0.05), rtol=1e-9)
 
 
 def test_settings_are_what_they_say():

@@ -6,8 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from compass.core.filters.common import make_work
-from compass.core.fusion import equal_weights, fast_weights, infinity_norm, optimal_weights
+from compass.core.entry.weights import (
+    equal_weights,
+    fast_weights,
+    infinity_norm,
+    make_scratch,
+    optimal_weights,
+)
 
 #: Information matrices of the exact check, and of two sensors.
 FOUR = np.array(
@@ -30,7 +35,7 @@ def fast(information, alive=None):
 
 def optimal(information, by_trace=False, alive=None):
     m, n = information.shape[:2]
-    weights, work = np.empty(m), make_work(n, n, m, 0)
+    weights, work = np.empty(m), make_scratch(n, m)
     here = np.ones(m, bool) if alive is None else alive
     assert optimal_weights(information, here, by_trace, weights, work)
     return weights
@@ -102,8 +107,8 @@ def test_a_useless_estimate_is_left_out():
 
 def test_indefinite_information_has_no_weights():
     nothing = np.zeros((2, 2, 2))
-    assert not optimal_weights(nothing, np.ones(2, bool), False, np.empty(2), make_work(2, 2, 2, 0))
-    assert not optimal_weights(nothing, np.ones(2, bool), True, np.empty(2), make_work(2, 2, 2, 0))
+    assert not optimal_weights(nothing, np.ones(2, bool), False, np.empty(2), make_scratch(2, 2))
+    assert not optimal_weights(nothing, np.ones(2, bool), True, np.empty(2), make_scratch(2, 2))
 
 
 def test_infinity_norm_is_the_largest_row_sum():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from compass.core.entry_dynamics import DRAG, rk4_step
-from compass.core.entry_measurement import predict_measurements, surface_density
+from compass.core.papers.lou_measurement import predict_measurements, surface_density
 from compass.papers import lou2019_case as paper
 
 X = np.array([3450e3, 0.1, 0.2, 5000.0, -0.2, 0.3, np.log(2e-4), 0.156, 0.01, -0.02, 0.03])

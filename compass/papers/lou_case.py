@@ -1,17 +1,18 @@
-"""A navigation case: who flies where, past which beacons, and what is measured."""
+"""An entry of Lou et al.: who flies where, past which beacons, and what is measured."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.core.entry_dynamics import STATES, rk4_step
-from compass.core.montecarlo import World
+from compass.core.papers.lou_montecarlo import World
 from compass.entry.beacons import Beacons
 from compass.entry.faults import Fault, fault_tables
-from compass.entry.imu import Imu
+from compass.entry.inertial import check_distinct
 from compass.entry.model import EntryModel
 from compass.entry.radio import (
     WAKE,
@@ -21,15 +22,36 @@ from compass.entry.radio import (
     check_probabilities,
     electron_density,
 )
-from compass.entry.schedule import Measurements, in_view
+from compass.entry.schedule import in_view
 from compass.errors import ArgumentError
 from compass.orbits import states_mci
 from compass.orbits.states import from_states
 
 Array = NDArray[np.float64]
 
-#: Two beacons nearer than this are one: their ranges tell the same.
-SAME_PLACE = 1.0
+
+@dataclass(frozen=True)
+class Imu:
+    """Accelerometers along the drag, side and lift axes: ``a~ = a + b + noise``.
+
+    Attributes
+    ----------
+    sigma
+        Standard deviation of the white noise of one sample, m/s^2, one for each axis.
+    bias
+        Constant bias b, m/s^2, one for each axis.
+    """
+
+    sigma: tuple[float, float, float] = (1e-3, 1e-3, 1e-3)
+    bias: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        for sigma in self.sigma:
+            if not (isfinite(sigma) and sigma >= 0):
+                raise ArgumentError(f"imu: sigma = {sigma} m/s^2: must be 0 or more, and finite")
+        for bias in self.bias:
+            if not isfinite(bias):
+                raise ArgumentError(f"imu: bias = {bias} m/s^2: must be a finite number")
 
 
 @dataclass(frozen=True)
@@ -55,8 +77,6 @@ class NavigationCase:
         (density as ln rho0). Needed wherever the consistency of a filter is judged.
     arrival
         Probability that a range gets through the plasma, shape (K+1, m) or (K+1, 1); 1 if None.
-    measurements
-        When ranges are taken; at every epoch if None.
     """
 
     name: str
@@ -67,7 +87,6 @@ class NavigationCase:
     imu: Imu = field(default_factory=Imu)
     process_noise: Array = field(default_factory=lambda: np.zeros(STATES))
     arrival: Array | None = None
-    measurements: Measurements | None = None
 
     def __post_init__(self) -> None:
         m, times = self.beacons.size, self.beacons.times
@@ -162,8 +181,6 @@ class NavigationCase:
         tables = fault_tables(faults, self.times, self.beacons.names)
         arrival = np.ones(self.visible.shape) if self.arrival is None else self.arrival
         open_path = np.ones(self.visible.shape, dtype=bool) if see_through else self.visible
-        if self.measurements is not None:
-            open_path = self.measurements.taken(open_path, self.times)
         open_path = open_path & ~tables.lost
         return World(
             x0=self.truth.full_state(self.start),
@@ -178,25 +195,6 @@ class NavigationCase:
             offset=tables.offset,
             alive=tables.alive,
         )
-
-
-def check_distinct(beacons: Beacons) -> None:
-    """Refuse beacons at one place, whose ranges tell the same.
-
-    Raises
-    ------
-    ArgumentError
-        Two beacons that come within a metre of each other.
-    """
-    for i in range(beacons.size):
-        for j in range(i):
-            apart = np.linalg.norm(beacons.r[:, i] - beacons.r[:, j], axis=-1)
-            if apart.min() < SAME_PLACE:
-                raise ArgumentError(
-                    f"beacons {beacons.names[j]} and {beacons.names[i]}: at one place (within "
-                    f"{apart.min():.3g} m at {beacons.times[apart.argmin()]:g} s); move or remove "
-                    "one"
-                )
 
 
 def beacons_from_states(

@@ -14,14 +14,14 @@ Lou et al. 2017, doi 10.1155/2017/4378640, eqs. 20 to 29; its A has Phi's transp
 
 import math
 
-from compass.core.filters.common import (
+from compass.core.jit import kernel
+from compass.core.papers.lou_common import (
     choose_rows,
     linearise,
     predict_state,
     row_noise,
     sound,
 )
-from compass.core.jit import kernel
 from compass.core.smallmatrix import invert, matmul, solve_general
 
 
