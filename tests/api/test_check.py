@@ -105,7 +105,9 @@ def compass_angle(design):
 def test_shares_on_the_circle_against_samples():
     c = walker_delta(4, 2, 1, inclination_deg=60, radius_km=15000)
     site = Site("a", np.radians(40), 0.5)
-    design = Design(c, name="four", requirements=(Requirement("r", sites=(site,), fold=2, share=0.5),))
+    design = Design(
+        c, name="four", requirements=(Requirement("r", sites=(site,), fold=2, share=0.5),)
+    )
     found = verdict(design)
     # 61 incommensurate turns of the orbit: a fair sample of phases and longitudes
     times = np.random.default_rng(1).uniform(0, 600 * DAY, 4000)

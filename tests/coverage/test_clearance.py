@@ -82,7 +82,8 @@ def test_no_sample_is_below_the_bracket_and_its_place_shows_it(seed, figure):
         there = clearances(
             c, site, [found.longitude + angle], np.array([found.time * c.mean_motion[0]])
         )
-        assert there[0, fold - 1] == pytest.approx(found.high, abs=1e-9)
+        # straight below, where azimuths say little, the profile is read 1e-8 rad apart
+        assert there[0, fold - 1] == pytest.approx(found.high, abs=1e-6)
         assert (there[0] >= 0).sum() == found.seen
 
 
