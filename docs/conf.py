@@ -1,4 +1,4 @@
-"""The documentation site: pages by hand, and reference pages made from the code before each build."""
+"""The documentation site: pages by hand, and a reference made from the code before each build."""
 
 import sys
 from pathlib import Path

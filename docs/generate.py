@@ -106,7 +106,7 @@ def quantities() -> str:
     """Every number that results print: its name in JSON, unit and meaning."""
     parts = [
         "# Quantities\n",
-        "Numbers in JSON and in files have these names; in text and on pages they have the words.\n",
+        "Numbers in JSON and in files have these names; in text and on pages the words.\n",
         "| name | words | unit | meaning |\n| --- | --- | --- | --- |",
     ]
     parts += [
@@ -120,8 +120,8 @@ def errata() -> str:
     """Where the printed papers are shown to be wrong, from the rows that show it."""
     parts = [
         "# Published against exact\n",
-        "Where a source's formula or number is wrong, the exact one is used, and the printed one is "
-        "kept under a name that says so. Each row is computed when this page is built; "
+        "Where a source's formula or number is wrong, the exact one is used, and the printed one "
+        "is kept under a name that says so. Each row is computed when this page is built; "
         "`compass reproduce PAPER` prints all rows.\n",
     ]
     for paper in PAPERS:
