@@ -1,4 +1,4 @@
-"""Fewest satellites in view of a polar constellation."""
+"""Fewest satellites in view of a Ballard rosette: red is fewer than wanted."""
 
 import compass
 
