@@ -127,7 +127,7 @@ def answer_section(
     """The answers, the picture that carries them, and what to do."""
     rows = tuple(row for question in ANSWERS for row in question(found))
     advice = (Sentence(words) for words in what_to_do(found, neighbours))
-    return Section("The answer", (Answers("Met, and how sure", rows), *carrying, *advice))
+    return Section("The answer", (*advice, Answers("Met, and how sure", rows), *carrying))
 
 
 def what_to_do(found: Found, neighbours: Sequence[Neighbour]) -> list[str]:

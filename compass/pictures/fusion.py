@@ -54,7 +54,7 @@ def _rmse_picture(found: FusionRuns) -> Picture:
     sets = [(TITLES["clear"] if found.faulty else "", found.clear)]
     if found.faulty:
         sets.append((TITLES["faulty"], found.faulty))
-    figure = new_figure(9.0, 4.0)
+    figure = new_figure(6.4, 4.0)
     with look():
         panels = figure.subplots(1, len(sets), sharey=True, squeeze=False)[0]
         for axes, (title, runs) in zip(panels, sets, strict=True):
@@ -77,7 +77,7 @@ def _rmse_picture(found: FusionRuns) -> Picture:
 
 
 def _error_picture(data: "xr.Dataset", name: str, how: str) -> Picture:
-    figure = new_figure(9.0, 5.6)
+    figure = new_figure(6.4, 5.6)
     with look():
         panels = figure.subplots(2, 3).ravel()
         for j, axes in enumerate(panels):
@@ -103,7 +103,7 @@ def _error_picture(data: "xr.Dataset", name: str, how: str) -> Picture:
 
 
 def _nees_picture(found: FusionRuns) -> Picture:
-    figure = new_figure(8.0, 4.0)
+    figure = new_figure(5.8, 3.8)
     with look():
         axes = figure.subplots()
         for name, colour in _colours(list(found.clear)).items():
@@ -127,7 +127,7 @@ def _nees_picture(found: FusionRuns) -> Picture:
 
 
 def _weight_picture(weighted: "dict[str, xr.Dataset]") -> Picture:
-    figure = new_figure(9.0, 2.4 * len(weighted) + 0.6)
+    figure = new_figure(6.4, 2.4 * len(weighted) + 0.6)
     with look():
         panels = figure.subplots(len(weighted), 1, sharex=True, squeeze=False)[:, 0]
         for axes, (name, data) in zip(panels, weighted.items(), strict=True):
@@ -158,7 +158,7 @@ def _plasma_picture(found: FusionRuns) -> Picture:
     n = case.electrons(plan.electrons)
     beta = case.arrival
     assert beta is not None
-    figure = new_figure(9.0, 5.4)
+    figure = new_figure(6.4, 5.4)
     with look():
         above, below = figure.subplots(2, 1, sharex=True)
         above.semilogy(case.times, n / PER_CM3, color=INK)
