@@ -37,7 +37,7 @@ def little_to_certify():
     """
     with pytest.MonkeyPatch.context() as patch:
         if config.DISABLE_JIT:
-            patch.setattr("compass.study.certified.BUDGET_BOXES", 0)
+            patch.setattr("compass.coverage.certified_geometry.BUDGET_BOXES", 0)
             patch.setattr("compass.coverage.circle.ROOM", 0.1)
             patch.setattr("compass.coverage.circle.ROOM_BOXES", 100)
         yield

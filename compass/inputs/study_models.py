@@ -4,6 +4,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
+from compass.design import PDOP_MAX
 from compass.entry.arrivals import MOST_SAMPLES
 from compass.inputs.models import SatelliteCount, Table
 
@@ -112,7 +113,7 @@ class MapTable(Table):
 
     step_deg: float = Field(10.0, ge=1, le=45, description="cell of the equal-area grid, degrees")
     epochs: int = Field(12, ge=1, le=10_000, description="epochs in the time that decides")
-    pdop_max: float = Field(6.0, gt=0, description="largest PDOP that counts as available")
+    pdop_max: float = Field(PDOP_MAX, gt=0, description="largest PDOP that counts as available")
 
 
 class EntryStageTable(Table):

@@ -11,6 +11,8 @@ from compass.api.fold import FoldResult, fold
 from compass.api.map import MapResult
 from compass.api.reproduce import comparison_table
 from compass.api.show import ShowResult, show
+from compass.core.ranking import nearest_rank
+from compass.coverage.certified_geometry import CertifiedGeometry
 from compass.coverage.site import site_coverage
 from compass.design import Design
 from compass.document.blocks import Section, Table, arranged
@@ -22,6 +24,7 @@ from compass.pages.page import render
 from compass.pictures.maps import map_figure
 from compass.pictures.style import picture
 from compass.quantities import quantity
+from compass.study.certified import certified_figures
 from compass.study.mapping import DesignMap, MapOptions, make_map, provenance
 
 
@@ -48,11 +51,12 @@ def design_report(
     progress("coverage map")
     shown = show(design)
     mapped = make_map(design, options, command)
+    certified = certified_figures(design, options or MapOptions())
     sections = []
     for name, part in (
         ("constellation", lambda: _constellation(shown)),
         ("geometry", lambda: _geometry(shown)),
-        ("coverage pictures", lambda: _coverage(design, mapped)),
+        ("coverage pictures", lambda: _coverage(design, mapped, certified)),
         ("continuous fold", lambda: _fold(design)),
         ("stations", lambda: _stations(design, mapped)),
         ("access", lambda: _access(design)),
@@ -106,7 +110,7 @@ def _geometry(shown: ShowResult) -> Section:
     return arranged("Caps and gaps", (text, *shown.notes()), pictures, shown.geometry_tables())
 
 
-def _coverage(design: Design, mapped: DesignMap) -> Section:
+def _coverage(design: Design, mapped: DesignMap, certified: CertifiedGeometry | None) -> Section:
     data, grid, name = mapped.dataset, mapped.grid, design.figure.name
     shapes = gap_shapes(design)
     first = mapped.view.r[0]
@@ -135,11 +139,12 @@ def _coverage(design: Design, mapped: DesignMap) -> Section:
         "weighted by area and time. With fewer than four satellites or singular geometry a "
         "dilution of precision is infinite, and counts as such in every percentile."
     )
+    made = MapResult(design, mapped, certified)
     return arranged(
         "Coverage",
-        (text,),
+        (text, *(f"{said[0].upper()}{said[1:]}." for said in made.certain())),
         (snapshot, *map_pictures(data, grid, name), *fold_pictures(data)),
-        MapResult(design, mapped).tables(),
+        made.tables(),
     )
 
 
@@ -208,7 +213,7 @@ def _stations(design: Design, mapped: DesignMap) -> Section | None:
 
 def _nearest_rank(values: Any, q: int) -> float:
     """Return the smallest value that at least q percent of the values do not exceed."""
-    return float(np.sort(values)[max(-(-q * values.size // 100), 1) - 1])
+    return float(np.sort(values)[nearest_rank(values.size, q)])
 
 
 def _comparison(design: Design) -> Section | None:

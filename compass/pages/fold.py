@@ -8,11 +8,10 @@ from numpy.typing import NDArray
 
 from compass.api.fold import FoldResult
 from compass.coverage.fold import caps_of, fold_extremes
-from compass.coverage.gdop import gdop_percentile, gdop_share
 from compass.coverage.margin import CoveringRadius, covering_radius
 from compass.coverage.symmetry import Span
 from compass.coverage.witness import Witness
-from compass.document.blocks import Picture, Section, Table, arranged
+from compass.document.blocks import Picture, Section, arranged
 from compass.frames import direction, latitude_longitude, mcmf_from_mci, prime_meridian_angle
 from compass.orbits import Constellation, Pattern, orbital_period, positions_mcmf
 from compass.orbits.constellation import from_pattern
@@ -54,12 +53,10 @@ def fold_section(result: FoldResult, *, inclinations: int = 46, moments: int = 4
         )
     if not design.figure.is_sphere:
         text += (
-            " Pictures, the common cap radius, shares and GDOP are of the sphere of the equatorial "
+            " Pictures, the common cap radius and shares are of the sphere of the equatorial "
             "radius, on which all caps of one orbit are alike."
         )
     tables = (result.margins(), *result.shares_tables())
-    if one_circle(c):
-        tables = (*tables, _quality(c, sphere, mask, span))
     pictures = [
         _refuted(c, sphere, mask, witness)
         if witness
@@ -69,21 +66,6 @@ def fold_section(result: FoldResult, *, inclinations: int = 46, moments: int = 4
     if c.pattern is not None and one_circle(c):
         pictures.append(_margin_by_inclination(c, c.pattern, result.fold, sphere, inclinations))
     return arranged("Exact fold and margins", (text,), tuple(pictures), tables)
-
-
-def _quality(c: Constellation, sphere: float, mask: float, span: Span) -> Table:
-    """GDOP over area and time, each number with its error."""
-    rows: list[tuple[object, ...]] = []
-    p95 = gdop_percentile(c, 95.0, sphere_radius=sphere, mask=mask, span=span)
-    six = gdop_share(c, 6.0, sphere_radius=sphere, mask=mask, span=span)
-    if np.isfinite(p95.value):
-        rows.append(("GDOP, 95th percentile", p95.value, p95.error, ""))
-    rows.append(("GDOP of 6 or less", 100 * six.value, 100 * six.error, "% of area-time"))
-    return Table(
-        "GDOP over area and time",
-        ("quantity", "value", "error", "unit"),
-        tuple(rows),
-    )
 
 
 def _refuted(c: Constellation, sphere: float, mask: float, witness: Witness) -> Picture:
