@@ -16,11 +16,14 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.keep import keep
     from compass.api.land import land
     from compass.api.map import map
+    from compass.api.new import new
     from compass.api.optimize import optimize
     from compass.api.reproduce import reproduce
+    from compass.api.schema import schema
     from compass.api.search import search
     from compass.api.show import show
     from compass.api.trade import trade
+    from compass.api.version import version
     from compass.design import Design
     from compass.entry.fusion import covariance_intersection, intersection_weights
     from compass.inputs import read_design
@@ -36,6 +39,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
         walker_star,
     )
     from compass.pages.report import report
+    from compass.pages.view import view
     from compass.sites import Mask, Site
 
 __version__ = "0.1.0"
@@ -59,6 +63,7 @@ __all__ = [
     "keep",
     "land",
     "map",
+    "new",
     "optimize",
     "read_design",
     "read_scenario",
@@ -66,9 +71,12 @@ __all__ = [
     "report",
     "reproduce",
     "rosette",
+    "schema",
     "search",
     "show",
     "trade",
+    "version",
+    "view",
     "walker_delta",
     "walker_star",
 ]
@@ -83,11 +91,14 @@ _COMMANDS = (
     "keep",
     "land",
     "map",
+    "new",
     "optimize",
     "reproduce",
+    "schema",
     "search",
     "show",
     "trade",
+    "version",
 )
 
 #: Where the other public names live.
@@ -106,6 +117,7 @@ _HOMES = {
     "read_study": "compass.inputs.study",
     "report": "compass.pages.report",
     "rosette": "compass.orbits",
+    "view": "compass.pages.view",
     "walker_delta": "compass.orbits",
     "walker_star": "compass.orbits",
 } | {name: f"compass.api.{name}" for name in _COMMANDS}

@@ -11,6 +11,7 @@ from compass.errors import ArgumentError
 from compass.frames import DEFAULT_FIGURE, FIGURES, Figure
 from compass.orbits.constellation import Constellation
 from compass.orbits.motion import Motion
+from compass.ranging import Signal
 from compass.sites import Mask, Site
 
 #: Largest PDOP that counts as good, unless someone says otherwise.
@@ -77,10 +78,10 @@ class Design:
 
     Attributes
     ----------
-    name
-        What to call it.
     constellation
         The orbits.
+    name
+        What to call it; as the constellation is called if not said.
     source
         Where it comes from.
     paper
@@ -103,14 +104,16 @@ class Design:
         Radio links.
     motion
         How the satellites move.
+    signal
+        The errors of ranges to the satellites, or None where nothing is known of them.
     text
         Of the file it was read from, for provenance; empty without one.
     label
         The file's name as given.
     """
 
-    name: str
     constellation: Constellation
+    name: str = ""
     source: str = ""
     paper: str | None = None
     figure: Figure = DEFAULT_FIGURE
@@ -122,11 +125,14 @@ class Design:
     conjunction: float = float(np.radians(2.0))
     radios: tuple[Radio, ...] = ()
     motion: Motion = field(default_factory=Motion)
+    signal: Signal | None = None
     text: str = ""
     label: str = "design"
 
     def __post_init__(self) -> None:
-        """Take a figure by its name too, as files do."""
+        """Take a figure by its name too, as files do, and a name from the constellation."""
+        if not self.name:
+            object.__setattr__(self, "name", self.constellation.name)
         if isinstance(self.figure, str):
             if self.figure not in FIGURES:
                 raise ArgumentError(

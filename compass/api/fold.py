@@ -183,7 +183,7 @@ class FoldResult(Result):
             self.margins(),
             *self._stations(),
             *self._shares(),
-            *(self._losses(number, sets) for number, sets in enumerate(self.coverage.losses, 1)),
+            *self.losses_tables(),
             Sentence(how),
         ]
         return Page(self.design.name, tuple(blocks))
@@ -280,6 +280,10 @@ class FoldResult(Result):
                 "are curves on which GDOP is infinite"
             ),
         ]
+
+    def losses_tables(self) -> tuple[Table, ...]:
+        """What is left after so many losses, a table each."""
+        return tuple(self._losses(number, s) for number, s in enumerate(self.coverage.losses, 1))
 
     def _losses(self, number: int, sets: Any) -> Table:
         cap, least = quantity("cap_radius_min_deg"), quantity("min_fold")

@@ -100,12 +100,12 @@ class MapResult(Result):
         return Value(quantity(name), numbers[name][percentile], evidence)
 
     def certain(self) -> tuple[str, ...]:
-        """What was certified, and how."""
+        """What was certified, and how, in a sentence; nothing where nothing was."""
         if not self.certified:
             return ()
         return (
-            "availability and the 95th percentile of GDOP lie between the bounds shown, "
-            f"everywhere and not only at cells, {self.certified.scope}",
+            "Availability and the 95th percentile of GDOP lie between the bounds shown, "
+            f"everywhere and not only at cells, {self.certified.scope}.",
         )
 
     def _between_epochs(self) -> list[Sentence]:
@@ -199,12 +199,12 @@ class MapResult(Result):
         ArgumentError
             There is no such variable or percentile.
         """
-        from compass.pictures.maps import SIZE, draw_map
+        from compass.pictures.maps import LARGE, draw_map
         from compass.pictures.style import axes_or_new
 
         values, title = self._layer(name, percentile)
         known = QUANTITIES.get(name)
-        drawn = axes_or_new(axes, *SIZE)
+        drawn = axes_or_new(axes, *LARGE)
         draw_map(
             drawn,
             values.values,
@@ -213,6 +213,7 @@ class MapResult(Result):
             known.heading if known else str(values.attrs["long_name"]),
             figure_name=self.design.figure.name,
             scale=_scale(name, values),
+            wanted=self.design.fold,
         )
         return drawn
 

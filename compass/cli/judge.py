@@ -11,6 +11,7 @@ from compass.cli.shared import (
     json_option,
     print_result,
     say,
+    watched,
 )
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ def command(designs: tuple[Path, ...], folder: Path | None, as_json: bool, **opt
 
     if folder is not None:
         check_page_folder(folder)
-    found = compass.judge(designs, **options, command=command_line(), progress=True)
+    found = compass.judge(designs, **options, command=command_line(), progress=watched())
     if options["rival"] is not None:
         say(f"wrote {options['rival']}")
     if folder is not None:

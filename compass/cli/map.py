@@ -12,6 +12,7 @@ from compass.cli.shared import (
     json_option,
     print_result,
     say,
+    watched,
 )
 
 
@@ -83,9 +84,9 @@ def command(
             check_writable(path, [design])
     if output and picture and output == picture:
         raise ArgumentError(f"--figure = {picture}: is the netCDF file too; give another name")
-    made = compass.map(read, **options, command=command_line(), progress=True)
+    made = compass.map(read, **options, command=command_line(), progress=watched())
     if output:
-        made.write(output, time_series=time_series, progress=True)
+        made.write(output, time_series=time_series, progress=watched())
     if picture:
         made.save_plot(picture)
     print_result(made, as_json)

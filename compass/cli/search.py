@@ -5,7 +5,14 @@ from typing import Any
 
 import click
 
-from compass.cli.shared import announce_compilation, command_line, json_option, print_result, say
+from compass.cli.shared import (
+    announce_compilation,
+    command_line,
+    json_option,
+    print_result,
+    say,
+    watched,
+)
 
 
 @click.command()
@@ -51,7 +58,7 @@ def command(output: Path | None, as_json: bool, **options: Any) -> None:
 
     if output is not None:
         check_writable(output)
-    found = compass.search(**options, progress=True)
+    found = compass.search(**options, progress=watched())
     print_result(found, as_json)
     if output is not None:
         found.write(output, command=command_line())

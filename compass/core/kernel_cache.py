@@ -1,11 +1,14 @@
-"""Where compiled kernels are kept: under a digest of all kernel sources, whichever place is taken.
+"""Where compiled kernels are kept: under a digest of all that they are made of, in any place.
 
 Numba keys a compiled kernel to its own file. One that calls a kernel of another file, which is
-compiled into it, would keep the old one after an update; so the digest stands in every path.
+compiled into it, would keep the old one after an update; so the digest of a file and of all that it
+imports from here, however far, stands in the path of its kernels. What an edit does not reach is
+not compiled again.
 """
 
 import hashlib
 import os
+import re
 import stat
 import tempfile
 from collections.abc import Callable
@@ -28,12 +31,43 @@ SOURCES = Path(__file__).parent
 REMEDY = "no folder to keep them can be written; set NUMBA_CACHE_DIR to one that can"
 
 
+#: An import of the house's style: `from package.module import name, name`.
+IMPORT = re.compile(rb"^\s*from ([\w.]+) import (\([^)]*\)|[^\n]*)", re.MULTILINE)
+
+
 @cache
-def digest(folder: Path) -> str:
-    """Sixteen hexadecimal digits of all sources below a folder."""
+def imports(source: Path) -> frozenset[Path]:
+    """Files below `SOURCES` that a file imports itself.
+
+    Modules of other packages are not kernels; one that a pattern does not find would be missed,
+    which a test compares with what Python itself reads.
+    """
+    package = SOURCES.parent.parent
+    found = set()
+    for module, names in IMPORT.findall(source.read_bytes()):
+        home = package.joinpath(*module.decode().split("."))
+        among = [home, *(home / name for name in re.findall(r"\w+", names.decode()))]
+        files = [file for path in among for file in (path.with_suffix(".py"), path / "__init__.py")]
+        found |= {file for file in files if file.is_relative_to(SOURCES) and file.is_file()}
+    return frozenset(found)
+
+
+@cache
+def parts(source: Path) -> tuple[Path, ...]:
+    """A file and all that it imports from `SOURCES`, however far, in order of their names."""
+    found, new = {source}, {source}
+    while new:
+        new = {file for part in new for file in imports(part)} - found
+        found |= new
+    return tuple(sorted(found))
+
+
+@cache
+def digest(source: Path) -> str:
+    """Sixteen hexadecimal digits of a file and of all that it imports from here."""
     found = hashlib.sha256()
-    for source in sorted(folder.rglob("*.py")):
-        found.update(source.read_bytes())
+    for part in parts(source):
+        found.update(hashlib.sha256(part.read_bytes()).digest())
     return found.hexdigest()[:16]
 
 
@@ -48,8 +82,7 @@ def lasting_places() -> list[Path]:
     with suppress(RuntimeError):  # a user without a home
         own = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
         roots.append(Path(own) / "compass")
-    name = f"kernels-{digest(SOURCES)}"
-    return [root / name for root in roots]
+    return [root / "kernels" for root in roots]
 
 
 def passing_place() -> Path | None:
@@ -63,7 +96,7 @@ def passing_place() -> Path | None:
         found = place.lstat()
         own = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
         if own and not found.st_mode & 0o022:
-            return place / f"kernels-{digest(SOURCES)}"
+            return place / "kernels"
     return None
 
 
@@ -99,12 +132,17 @@ def _kept_in(place: Path) -> Callable[[Callable[..., Any]], Any]:
     class Locator(_SourceFileBackedLocatorMixin, _CacheLocator):
         def __init__(self, function: Callable[..., Any], file: str) -> None:
             self._py_file, self._lineno = file, function.__code__.co_firstlineno
-            inside = Path(file).is_relative_to(SOURCES)
-            part = Path(file).parent.relative_to(SOURCES) if inside else "elsewhere"
-            self._place = str(place / part)
+            source = Path(file)
+            inside = source.is_relative_to(SOURCES)
+            part = source.relative_to(SOURCES).with_suffix("") if inside else Path(source.stem)
+            self._place = str(place / part.with_name(f"{part.name}-{digest(source)}"))
 
         def get_cache_path(self) -> str:
             return self._place
+
+        def get_source_stamp(self) -> Any:
+            # the path says what the source is; its date differs from one installation to another
+            return self._lineno
 
         def ensure_cache_path(self) -> None:
             os.makedirs(self._place, exist_ok=True)

@@ -106,3 +106,17 @@ def is_number(value: object) -> bool:
     if isinstance(value, Value):
         value = value.value
     return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def number_of(value: object) -> float:
+    """Return the number in a cell."""
+    found = value.value if isinstance(value, Value) else value
+    assert isinstance(found, int | float)
+    return float(found)
+
+
+def padding(written: list[str]) -> list[str]:
+    """What to put behind the numbers of a column, unseen, so that their decimal points align."""
+    behind = [len(entry) - entry.index(".") if "." in entry else 0 for entry in written]
+    most = max(behind, default=0)
+    return [("." if most and not long else "") + "0" * (most - max(long, 1)) for long in behind]

@@ -25,6 +25,7 @@ from compass.inputs.models import (
 )
 from compass.inputs.motion import motion_faults, motion_of_table
 from compass.inputs.reading import parse, read_text
+from compass.inputs.signal import signal_faults, signal_of_table
 from compass.orbits import (
     Constellation,
     keplerian,
@@ -74,6 +75,7 @@ def read_design_text(text: str, label: str = "design") -> Design:
         access_duration=file.access.duration_sols * SOLAR_DAY.value,
         conjunction=float(np.radians(file.access.conjunction_deg)),
         radios=tuple(_radio(link) for link in file.link),
+        signal=None if file.signal is None else signal_of_table(file.signal),
         text=text,
         label=label,
         motion=motion,
@@ -209,7 +211,7 @@ def cross_faults(raw: dict[str, Any]) -> list[str]:
             faults += _satellite_faults(table.get("satellite"), figure)
         elif table.get("pattern") != "ephemeris":
             faults += _pattern_faults(table) + _orbit_faults(table, figure)
-    faults += motion_faults(raw)
+    faults += motion_faults(raw) + signal_faults(raw)
     if isinstance(raw.get("coverage"), dict):
         faults += _horizon_faults(raw["coverage"], "coverage")
     stations, names = raw.get("station"), set()

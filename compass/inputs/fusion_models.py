@@ -4,7 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from compass.inputs.models import Kilometres, Table
+from compass.inputs.models import Kilometres
+from compass.inputs.table import Table
 
 Positive = Annotated[float, Field(gt=0, le=1e15)]
 NotNegative = Annotated[float, Field(ge=0, le=1e15)]

@@ -2,11 +2,14 @@
 
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, GetJsonSchemaHandler, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 
 from compass.design import PDOP_MAX
 from compass.entry.arrivals import MOST_SAMPLES
-from compass.inputs.models import SatelliteCount, Table
+from compass.inputs.models import SatelliteCount
+from compass.inputs.table import Table
 
 
 class _Values(Table):
@@ -28,6 +31,15 @@ class _Values(Table):
         if not isinstance(given, dict):
             raise ValueError("must be a number, a list of them or a range { least, most, step }")
         return given
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Schema of the table, and of what may be written instead of it."""
+        table = handler.resolve_ref_schema(handler(core))
+        listed = next(s for s in table["properties"]["values"]["anyOf"] if s["type"] == "array")
+        return {"anyOf": [table, listed, listed["items"]], "description": table["description"]}
 
 
 class Counts(_Values):

@@ -81,7 +81,7 @@ def judge_section(
         Told the name of each part before it is made.
     """
     record, found = ranking.record, ranking.judgements
-    samples, seed, goal = record["drawn"], record["seed"], record["goal_m"]
+    samples, seed, goal = record["samples"], record["seed"], record["goal_m"]
     campaign = found[0].campaign
     ranked = [designs[row["given"] - 1] for row in record["designs"]]
 

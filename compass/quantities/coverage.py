@@ -53,7 +53,7 @@ CONTINUOUS = (
 
 def _dilution(name: str, of: str) -> Quantity:
     return Quantity(
-        name, "1", name.upper(), 3, "less", limits=(1.0, 10.0), ticks=(1, 2, 3, 4, 6, 10),
+        name, "1", name.upper(), 3, "less", limits=(1.0, 30.0), ticks=(1, 2, 3, 6, 10, 20, 30),
         meaning=f"{of} dilution of precision: error of the fix for one unit of range error; "
         "infinite with fewer than four satellites in view.",
     )  # fmt: skip

@@ -9,14 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry_geometry import cartesian_of
-from compass.core.judging import bounds, count_in_view, information
+from compass.core.entry.many import bounds, count_in_view, information
 from compass.digest import digest_of
 from compass.entry.arrivals import draw_arrivals
 from compass.entry.campaign import Campaign, check_sigmas, fly_campaign
 from compass.entry.fisher import noise_variances
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
-from compass.entry.trajectory import fly
 from compass.errors import ArgumentError
 from compass.frames import Figure, prime_meridian_angle
 from compass.inputs.scenario import Scenario
@@ -31,10 +29,6 @@ NODE_STEP = 30.0
 
 #: Entries handed to a thread at once.
 BLOCK = 64
-
-#: Metres by which a flight in the scenario's steps may be off at its end: a tenth of what landers
-#: commonly know on arrival.
-STEP_ERROR = 100.0
 
 
 @dataclass(frozen=True)
@@ -232,27 +226,15 @@ def due(scenario: Scenario, times: Array) -> NDArray[np.bool_]:
 def check_lander(scenario: Scenario, samples: int, seed: int = 0) -> None:
     """Refuse a lander that cannot be judged, before work is spent on constellations for it.
 
-    The first of its entries are flown: one that never deploys does so nowhere. One is flown by
-    an integrator with error control as well: it shows what the scenario's steps are worth.
+    The first of its entries are flown: one that never deploys does so nowhere.
 
     Raises
     ------
     ArgumentError
-        As `check_measurements` and `compass.entry.campaign.fly_campaign`; or steps that are off
-        by more than `STEP_ERROR` at deployment.
+        As `check_measurements` and `compass.entry.campaign.fly_campaign`.
     """
     check_measurements(scenario)
-    campaign = campaign_of(scenario, min(samples, BLOCK), seed)
-    own = campaign.states[0, : campaign.stops[0] + 1]
-    exact = fly(campaign.model, own[0], campaign.times[: len(own)])
-    off = np.inf
-    if exact.times.size == len(own):
-        off = float(np.linalg.norm((cartesian_of(own[-1]) - cartesian_of(exact.states[-1]))[:3]))
-    if off > STEP_ERROR:
-        raise ArgumentError(
-            f"{scenario.label}: entry.step_s = {campaign.times[1]:g}: steps of the filter are off "
-            f"by {off:.3g} m at the end of an entry, allowed {STEP_ERROR:g} m; take a smaller step"
-        )
+    campaign_of(scenario, min(samples, BLOCK), seed)
 
 
 def check_measurements(scenario: Scenario) -> None:

@@ -15,7 +15,7 @@ from compass.entry.consistency import FALSE_ALARM, nees_bounds
 from compass.entry.navigation import MonteCarlo, run_monte_carlo
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
 from compass.entry.trajectory import fly
-from compass.entry.views import cartesian_of, spherical_jacobian
+from compass.entry.views import spherical_of
 from compass.errors import ArgumentError
 from compass.frames import Figure, prime_meridian_angle
 from compass.inputs.scenario import Scenario
@@ -156,10 +156,9 @@ def _run(
     """Run the filter in one entry, each run with arrivals of its own."""
     campaign, beacons = found.campaign, entry_beacons(found, entry)
     count = beacons.times.size
-    start = campaign.states[entry, 0]
-    spread = spherical_jacobian(cartesian_of(start[:6])) @ campaign.spreads[entry, :6]
+    spread = campaign.spreads[entry, :6]
     settings = replace(scenario.settings, covariance0=spread @ spread.T)
-    truth = fly(scenario.truth, start[:6], beacons.times)
+    truth = fly(scenario.truth, spherical_of(campaign.paths[entry, 0]), beacons.times)
     if truth.times.size < count:
         raise ArgumentError(
             f"{scenario.label}: entry {entry + 1}: {truth.ending}, before its deployment at "

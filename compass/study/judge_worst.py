@@ -73,7 +73,7 @@ def worst_entry(
             tried = _around(best[case], SHRINK**k * REACH, generator)
             try:
                 flown = campaign.again(tried)
-            except ArgumentError:  # all of them over a pole
+            except ArgumentError:  # one of them comes to no deployment
                 break
             found = judge_entries(constellation, flown, scenario, **place)
             best = {one: _worst(found, rows, one) for one, rows in best.items()}
@@ -87,8 +87,7 @@ def _around(best: np.ndarray, reach: np.ndarray, generator: np.random.Generator)
     """`BATCH` arrivals around the worst so far."""
     centres = np.repeat(best[:, :4], -(-BATCH // len(best)), axis=0)[:BATCH]
     tried = centres + reach * generator.uniform(-1, 1, centres.shape)
-    limit = np.pi / 2 - 1e-3
-    latitude = np.clip(tried[:, 0], -limit, limit)
+    latitude = np.clip(tried[:, 0], -np.pi / 2, np.pi / 2)
     return Arrivals(latitude, tried[:, 1], tried[:, 2], tried[:, 3] % 1)
 
 

@@ -131,8 +131,7 @@ def rank_designs(
     record = {
         "scenario": scenario.name,
         "deployment": campaign.deployment,
-        "drawn": samples,
-        "samples": campaign.size,
+        "samples": samples,
         "seed": seed,
         "goal_m": goal,
         "density_sigma": density_sigma,

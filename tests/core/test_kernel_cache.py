@@ -1,5 +1,6 @@
 """Compiled kernels are kept where they can be, and never outlive their sources."""
 
+import ast
 import os
 import shutil
 import subprocess
@@ -19,33 +20,39 @@ OUTER = (
     "from compass.core.jit import kernel\nfrom compass.core.inner import inner\n\n"
     "@kernel\ndef outer():\n    return inner()\n"
 )
+OTHER = "from compass.core.jit import kernel\n\n@kernel\ndef other():\n    return 0\n"
+#: What a user may have set that would decide the place.
+OWN = ("XDG_CACHE_HOME", "TMPDIR", "NUMBA_CACHE_DIR")
 CALL = (
     "from compass.core.outer import outer; from compass.core import kernel_cache as k\n"
-    "print(outer(), k.places()[1], k.is_lasting(), sum(outer.stats.cache_hits.values()))"
+    "from compass.core.other import other; found = outer(), other()\n"
+    "hits = [sum(f.stats.cache_hits.values()) for f in (outer, other)]\n"
+    "print(found[0], k.places()[1], k.is_lasting(), *hits)"
 )
 
 
 @pytest.fixture
 def package(tmp_path):
-    """A package of two kernels, one compiled into the other, and a caller of it."""
+    """A package of a kernel, one it is compiled into, and another; and a caller of them."""
     core = tmp_path / "site" / "compass" / "core"
     core.mkdir(parents=True)
     for name in ("jit.py", "kernel_cache.py", "__init__.py"):
         shutil.copy(kernel_cache.SOURCES / name, core)
     (core.parent / "__init__.py").touch()
     (core / "outer.py").write_text(OUTER)
+    (core / "other.py").write_text(OTHER)
 
     def call(value, **environment):
         (core / "inner.py").write_text(INNER.format(value))
-        where = {k: v for k, v in os.environ.items() if k not in ("XDG_CACHE_HOME", "TMPDIR")}
+        where = {k: v for k, v in os.environ.items() if k not in OWN}
         where |= {"PYTHONPATH": str(tmp_path / "site"), "HOME": str(tmp_path / "home")}
         done = subprocess.run(
             [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path / 'site')!r})\n"
              + CALL], env=where | environment, capture_output=True, text=True,
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
-        result, place, lasting, hits = done.stdout.split()
-        return int(result), Path(place), lasting == "True", int(hits)
+        result, place, lasting, *hits = done.stdout.split()
+        return int(result), Path(place), lasting == "True", *map(int, hits)
 
     call.core = core
     return call
@@ -71,49 +78,55 @@ def test_an_edit_of_what_is_compiled_in_is_seen_wherever_kernels_are(package, tm
         "passing": tmp_path / "now" / f"compass-{os.getuid()}",
     }[taken]  # fmt: skip
     first = package(1, **environment)
-    assert first == (1, first[1], taken != "passing", 0) and first[1].parent == root
-    assert package(1, **environment) == (*first[:3], 1)  # and kept
-    second = package(2, **environment)
-    assert second[0] == 2 and second[3] == 0 and second[1] != first[1]
+    assert first == (1, root / "kernels", taken != "passing", 0, 0)
+    assert package(1, **environment) == (*first[:3], 1, 1)  # and kept
+    assert package(2, **environment) == (2, *first[1:3], 0, 1)  # what was not edited is kept
 
 
 @pytest.mark.slow
 def test_kernels_that_came_with_a_package_that_cannot_be_written_are_used(package, tmp_path):
-    _, place, _, _ = package(1)
-    moved = tmp_path / "home" / ".cache" / "compass" / place.name
-    for file in place.iterdir():
-        file.chmod(0o444)
+    place = package(1)[1]
+    moved = tmp_path / "home" / ".cache" / "compass" / "kernels"
     # root writes anywhere: a folder that takes no more files is one whose path is a dead end
-    script = (
+    (package.core / "__init__.py").write_text(
         "from compass.core import kernel_cache as k\n"
         "k.can_be_written = lambda p, real=k.can_be_written: 'site' not in str(p) and real(p)\n"
     )
-    sitecustomize = tmp_path / "site" / "compass" / "core" / "__init__.py"
-    sitecustomize.write_text(script)  # changes the digest, so the kernels come along
-    digest = kernel_cache.digest.__wrapped__(package.core)
-    place.rename(place.with_name(f"kernels-{digest}"))
-    found = package(1)
-    assert found == (1, moved.with_name(f"kernels-{digest}"), True, 1)
+    kept = {file: file.stat().st_mtime_ns for file in place.rglob("*.nbi")}
+    (package.core / "outer.py").touch()  # an installation dates its files anew
+    assert package(1) == (1, moved, True, 1, 1)
+    assert kept == {file: file.stat().st_mtime_ns for file in place.rglob("*.nbi")}
 
 
-def test_every_place_has_the_digest_and_the_users_choice_is_first(tmp_path, monkeypatch):
+def test_the_users_choice_of_a_place_is_first(tmp_path, monkeypatch):
     monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path))
     monkeypatch.setenv("XDG_CACHE_HOME", "/x")
     places = [*kernel_cache.lasting_places(), kernel_cache.passing_place()]
-    name = f"kernels-{kernel_cache.digest(kernel_cache.SOURCES)}"
-    assert [p.name for p in places] == [name] * 4
+    assert [p.name for p in places] == ["kernels"] * 4
     assert [p.parent for p in places[:3]] == [
         tmp_path, kernel_cache.SOURCES / "__pycache__", Path("/x/compass"),
     ]  # fmt: skip
 
 
-def test_any_source_changes_the_digest(tmp_path):
-    seen = set()
-    for name, text in (("a.py", "1"), ("a.py", "2"), ("sub/b.py", "1"), ("sub/b.py", "2")):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text(text)
-        seen.add(kernel_cache.digest.__wrapped__(tmp_path))
-    assert len(seen) == 4
+def test_the_imports_found_are_those_that_python_reads():
+    def read(source):
+        package = kernel_cache.SOURCES.parent.parent
+        found = set()
+        for node in ast.walk(ast.parse(source.read_bytes())):
+            assert not isinstance(node, ast.Import) or "compass" not in ast.unparse(node)
+            if isinstance(node, ast.ImportFrom):
+                assert node.level == 0
+                home = package.joinpath(*node.module.split("."))
+                for path in (home, *(home / alias.name for alias in node.names)):
+                    found |= {path.with_suffix(".py"), path / "__init__.py"}
+        return {file for file in found if file.is_relative_to(kernel_cache.SOURCES)}
+
+    for source in kernel_cache.SOURCES.rglob("*.py"):
+        assert kernel_cache.imports(source) == {file for file in read(source) if file.is_file()}
+    dop = kernel_cache.SOURCES / "dop.py"
+    assert {"dop.py", "runs.py", "jit.py", "kernel_cache.py"} <= {
+        file.name for file in kernel_cache.parts(dop)
+    }
 
 
 @pytest.mark.parametrize("spoil", [lambda p: p.chmod(0o777), lambda p: p.rmdir() or p.touch()])
@@ -151,7 +164,8 @@ def test_a_place_that_is_full_or_damaged_costs_a_compilation_only(tmp_path, monk
 
     monkeypatch.setattr(kernel_cache, "places", lambda: ((tmp_path,), tmp_path))
     kept = KernelCache(kernel_cache.digest.__wrapped__)
-    assert kept.cache_path == str(tmp_path)
+    source = kernel_cache.SOURCES / "kernel_cache.py"
+    assert kept.cache_path == str(tmp_path / f"kernel_cache-{kernel_cache.digest(source)}")
     kept._all[0].save_overload = full
     kept.save_overload(None, None)
     kept._all[0].load_overload = full

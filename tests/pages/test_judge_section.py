@@ -70,7 +70,7 @@ def ranking_of(designs, scenario, samples):
             }
         )  # fmt: skip
     record = {
-        "designs": rows, "drawn": samples, "seed": 0, "goal_m": 10.0, "density_sigma": 0.0,
+        "designs": rows, "samples": samples, "seed": 0, "goal_m": 10.0, "density_sigma": 0.0,
         "lift_sigma": 0.0,
     }  # fmt: skip
     return Ranking(record, tuple(judgements))

@@ -8,12 +8,13 @@ from scipy.stats import chi2
 
 from compass.entry.arrivals import Arrivals
 from compass.entry.campaign import fly_campaign
+from compass.entry.covariance import linear_covariance
 from compass.entry.schedule import in_view
 from compass.entry.trajectory import Trigger
+from compass.entry.views import spherical_of
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
 from compass.orbits import keplerian, walker_delta
-from compass.papers.yu2018_filter import cramer_rao_bound
 from compass.sites import Mask
 from compass.study.judge import _FLOWN, MOST_FLOWN, campaign_of, judge, judge_entries
 from compass.study.judge_filter import entry_beacons, judge_filter
@@ -45,18 +46,17 @@ def entries(constellation, scenario, samples=4, mask=0.0, **options):
     ids=["range", "rate", "both"],
 )
 def test_bound_is_that_of_the_recursion_over_epochs(short, five, kind):
-    """The recursive bound of the filter's kernel, in other coordinates and with exact orbits."""
+    """The recursive covariance of the filter's kernel, with exact orbits."""
     both = "range_sigma_m = 50\nrange_rate_sigma_m_s = 0.1"
     scenario = short(("range_sigma_m = 50", both if kind == "both" else kind))
     found = entries(five, scenario, electrons=None)
     for m in range(found.campaign.size):
         beacons = entry_beacons(found, m)
-        states = found.campaign.states[m]
-        seen = in_view(beacons, states, FIGURE.equatorial_radius)
+        path, spread = found.campaign.paths[m], found.campaign.spreads[m, :6]
+        seen = in_view(beacons, spherical_of(path), FIGURE.equatorial_radius)
         assert np.array_equal(seen, found.seen[m])
-        spread = found.campaign.spreads[m, :6]
-        bound = cramer_rao_bound(
-            scenario.model, states, beacons, seen, scenario.measurements, spread @ spread.T
+        bound = linear_covariance(
+            scenario.model, path, beacons, seen, scenario.measurements, spread @ spread.T
         )
         # interpolated orbits are off by 2e-6 m of 2e7 m, so directions by 1e-13
         assert found.sigma[m, 0] == pytest.approx(
@@ -205,7 +205,8 @@ def test_a_campaign_of_another_deployment_is_another(scenario):
         trigger = Trigger("parachute", "altitude", level)
         lower = replace(scenario, state=scenario.state * [1, 1, 1, 1, 2, 1], triggers=(trigger,))
         flown = campaign_of(lower, 2)
-        ends.append(flown.states[0, flown.stops[0], 0] - flown.model.planet_radius)
+        last = flown.paths[0, flown.stops[0], :3]
+        ends.append(np.linalg.norm(last) - flown.model.planet_radius)
     assert ends[1] <= 60e3 < ends[0] <= 90e3
 
 
@@ -372,20 +373,24 @@ def test_deployment_is_the_trigger_named_so(short, designs):
     assert other.deployment is None
 
 
-def test_steps_that_are_too_long_are_refused(designs):
+@pytest.mark.slow
+def test_steps_decide_nothing_about_the_flight(designs):
+    """At the longest step allowed the entry is the same as at one of a second: 2 mm at 13 g."""
     from compass.inputs.scenario import read_scenario_text
-    from compass.study.judge import check_lander
 
     text = (designs / "landing.toml").read_text()
     text = text.replace('[beacons]\ndesign = "compass-15-5-1.toml"\n', "")
-    text = text.replace("duration_s = 320", "duration_s = 330\nstep_s = 30")
-    with pytest.raises(ArgumentError, match=r"step_s = 30: steps of the filter are off by .* m at"):
-        check_lander(read_scenario_text(text), 4)
-    check_lander(read_scenario_text(text.replace("step_s = 30", "step_s = 5")), 4)
+    fine = campaign_of(read_scenario_text(text), 2)
+    coarse = campaign_of(
+        read_scenario_text(text.replace("duration_s = 320", "duration_s = 330\nstep_s = 30")), 2
+    )
+    count = int(fine.stops.min()) // 30 + 1
+    miss = coarse.paths[:, :count] - fine.paths[:, : 30 * count : 30]
+    assert np.abs(miss[..., :3]).max() < 0.01
 
 
 def test_a_lander_that_was_changed_is_flown_anew(short):
     scenario = short()
     faster = replace(scenario, state=scenario.state * [1, 1, 1, 1.1, 1, 1])
-    first, second = (campaign_of(s, 2).states[0, 0, 3] for s in (scenario, faster))
+    first, second = (np.linalg.norm(campaign_of(s, 2).paths[0, 0, 3:]) for s in (scenario, faster))
     assert second == pytest.approx(1.1 * first, rel=1e-12)

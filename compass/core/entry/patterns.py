@@ -9,15 +9,15 @@ where ``a, b, c, d, e, f = cos W cos x, cos W sin x, sin W cos x, sin W sin x, c
 the radius are the same for all of them. So a satellite at an epoch costs some products and no
 interpolation. What all satellites together tell at an epoch about Cartesian position and velocity
 is the matrix ``M = sum w c c^T`` over their rows of the measurement matrix; the gains G of
-`compass.core.judging.fly_many` carry it over to u but once: ``F = sum over epochs of G^T M G``.
+`compass.core.entry.many.fly_many` carry it over to u but once: ``F = sum over epochs of G^T M G``.
 """
 
 import math
 
 import numpy as np
 
+from compass.core.entry.many import bound
 from compass.core.jit import fast_kernel, inline_kernel, kernel
-from compass.core.judging import bound
 from compass.core.screen import circles, lay_out
 from compass.core.smallmatrix import cholesky
 
@@ -60,9 +60,9 @@ def judge_patterns(
         When each entry begins, seconds after the patterns' epoch, and the rotation angle then,
         radians, shape (c, m).
     paths, gains, stops
-        Of `compass.core.judging.fly_many`, shapes (m, t, 6), (m, t, 6, d), (m,).
+        Of `compass.core.entry.many.fly_many`, shapes (m, t, 6), (m, t, 6, d), (m,).
     weights, variances, omega, dt
-        As in `compass.core.judging.information`.
+        As in `compass.core.entry.many.information`.
     sphere_radius, sin_mask, cos_mask
         Of the sphere that blocks the view, metres; of the mask over its limb, shape (c,).
     sigma
@@ -134,7 +134,7 @@ def _tabulate(step, out):
 def _set_limits(tile, radius, sin_mask, cos_mask):
     """Square, with its sign, of distance from the centre times sine of the lowest elevation seen.
 
-    See `compass.core.judging.horizon`; squares save a root a satellite.
+    See `compass.core.entry.many.horizon`; squares save a root a satellite.
     """
     for t in range(TILE):
         x, y, z = tile[PX + t], tile[PY + t], tile[PZ + t]

@@ -1,72 +1,72 @@
 """Many entries past a constellation: flights with sensitivities, information, bounds.
 
-Errors are carried in prior-whitened coordinates u of d components: the error of the eight states at
-any epoch is ``S u`` with ``S S^T`` the prior moved to that epoch, so u has the unit matrix as its
-prior covariance. Without process noise u is constant through the entry and information about it
-simply adds up, satellite by satellite; losing one is leaving out its share. Matrices of
-information are kept packed: the d (d + 1)/2 entries of the lower triangle, row by row.
+Errors are carried in prior-whitened coordinates u of d components: the error of position, velocity,
+density and lift at any epoch is ``S u`` with ``S S^T`` the prior moved to that epoch, so u has the
+unit matrix as its prior covariance. Without process noise u is constant through the entry and
+information about it simply adds up, satellite by satellite; losing one is leaving out its share.
+Matrices of information are kept packed: the d (d + 1)/2 entries of the lower triangle, row by row.
 """
 
 import math
 
 import numpy as np
 
-from compass.core.entry_dynamics import BANK, STATES, rk4_step_transition
-from compass.core.entry_geometry import cartesian, cartesian_jacobian
+from compass.core.entry.dop853 import WATCH_RADIUS, WATCH_SPEED, watched
+from compass.core.entry.flow import advance_transition
+from compass.core.entry.rates import COLUMNS
+from compass.core.entry.rates import LIFT as RATIO
 from compass.core.jit import fast_kernel, kernel
 
 
 @kernel
-def fly_many(starts, spreads, p, banks, dt, watch, level, ground, states, paths, gains, stops):
-    """Fly every entry to its end, by Runge-Kutta steps and their derivatives.
+def fly_many(
+    starts, spreads, p, bank, times, longest, watch, level, ground, paths, gains, stops
+):  # fmt: skip
+    """Fly every entry to its end, with the derivative of every flight.
 
     Parameters
     ----------
     starts
-        States (8) at entry, shape (m, 8).
+        Positions and velocities at entry, shape (m, 6).
     spreads
-        S at entry, shape (m, 8, d).
-    p, banks
-        Parameters of the dynamics, and the bank angle from each epoch to the next, (t,).
-    dt
-        Seconds between epochs.
+        S at entry, shape (m, 8, d): of position, velocity, logarithm of the density and L/D.
+    p, bank, longest
+        As in `compass.core.entry.flow.advance`.
+    times
+        Epochs, s, shape (t,).
     watch, level
-        The flight ends at the first epoch at which this state is at or below the level; -1 for
-        the last epoch.
+        The flight ends at the first epoch at which what is watched (see
+        `compass.core.entry.dop853.watched`) is at or below the level; -1 for the last epoch.
     ground
         Radius below which the flight has failed, metres.
-    states
-        Output, (m, t, 8).
     paths
-        Output, Cartesian position and velocity, (m, t, 6).
+        Output, position and velocity, (m, t, 6).
     gains
         Output, (m, t, 6, d): derivative of `paths` in u.
     stops
         Output, (m,): index of the last epoch; ``-1 - t`` where the flight failed at epoch t.
     """
-    p = p.copy()
-    after, phi = np.empty(STATES), np.empty((STATES, STATES))
-    size = spreads.shape[2]
-    jacobian, spread, moved = np.empty((6, 6)), np.empty((STATES, size)), np.empty((STATES, size))
-    last = banks.size - 1
+    size, last = spreads.shape[2], times.size - 1
+    phi, spread = np.empty((6, COLUMNS)), np.empty((COLUMNS, size))
     for m in range(starts.shape[0]):
-        states[m, 0] = starts[m]
+        paths[m, 0] = starts[m]
         spread[:, :] = spreads[m]
         stops[m] = last
         for t in range(last + 1):
+            here, gain = paths[m, t], gains[m, t]
             if t > 0:
-                p[BANK] = banks[t - 1]
-                rk4_step_transition(states[m, t - 1], p, dt, after, phi)
-                states[m, t] = after
-                _product(phi, spread, moved)
-                spread[:, :] = moved
-            if not states[m, t, 0] > ground or not math.isfinite(states[m, t, 5]):
+                advance_transition(
+                    paths[m, t - 1], 0.0, p[RATIO], p, bank, times[t - 1], times[t], longest, here,
+                    phi,
+                )  # fmt: skip
+                _product(phi, spread, gain)
+                spread[:6] = gain
+            else:
+                gain[:] = spread[:6]
+            if not (watched(here, WATCH_RADIUS) > ground and watched(here, WATCH_SPEED) > 0.0):
                 stops[m] = -1 - t
                 break
-            cartesian(states[m, t], paths[m, t])
-            cartesian_jacobian(states[m, t], jacobian)
-            _product(jacobian, spread, gains[m, t])
-            if watch >= 0 and states[m, t, watch] <= level:
+            if watch >= 0 and watched(here, watch) <= level:
                 stops[m] = t
                 break
 
