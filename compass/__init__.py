@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.access import access
+    from compass.api.check import check
     from compass.api.drift import drift
     from compass.api.export import export
     from compass.api.fold import fold
@@ -24,7 +25,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.show import show
     from compass.api.trade import trade
     from compass.api.version import version
-    from compass.design import Design
+    from compass.design import Design, Requirement
     from compass.entry.fusion import covariance_intersection, intersection_weights
     from compass.inputs import read_design
     from compass.inputs.scenario import read_scenario
@@ -48,10 +49,12 @@ __all__ = [
     "Constellation",
     "Design",
     "Mask",
+    "Requirement",
     "Site",
     "__version__",
     "access",
     "areosynchronous_radius",
+    "check",
     "covariance_intersection",
     "drift",
     "ephemeris",
@@ -84,6 +87,7 @@ __all__ = [
 #: The commands, each in the file of `compass.api` that has its name.
 _COMMANDS = (
     "access",
+    "check",
     "drift",
     "export",
     "fold",
@@ -106,6 +110,7 @@ _HOMES = {
     "Constellation": "compass.orbits",
     "Design": "compass.design",
     "Mask": "compass.sites",
+    "Requirement": "compass.design",
     "Site": "compass.sites",
     "areosynchronous_radius": "compass.orbits",
     "covariance_intersection": "compass.entry.fusion",

@@ -11,17 +11,19 @@ from compass.api.given import given_design
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.coverage.certified_geometry import CertifiedGeometry
+from compass.coverage.errors import ERRORS, FACTOR_95
 from compass.coverage.files import write_map
 from compass.coverage.gaps import next_prime
 from compass.coverage.maps import DOPS
 from compass.design import PDOP_MAX, Design
-from compass.document import Bracket, Page, Sentence, Table, Value, Verdict
+from compass.document import Bracket, Page, Sampled, Sentence, Table, Value, Verdict
 from compass.document.blocks import facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.orbits.motion import MotionModel
 from compass.quantities import QUANTITIES, quantity
 from compass.saving import replacing
+from compass.signal.ranges import Weighting
 from compass.study.certified import certified_figures
 from compass.study.mapping import DesignMap, MapOptions, make_map
 
@@ -87,6 +89,7 @@ class MapResult(Result):
             (
                 Verdict("" if met else "missed", claim, met),
                 *self.tables(),
+                *self._errors(),
                 *(Sentence(said) for said in self.certain()),
                 Sentence(how),
                 *self._between_epochs(),
@@ -106,6 +109,49 @@ class MapResult(Result):
         return (
             "Availability and the 95th percentile of GDOP lie between the bounds shown, "
             f"everywhere and not only at cells, {self.certified.scope}.",
+        )
+
+    def _errors(self) -> tuple[Table | Sentence, ...]:
+        """Errors of fixes over area and time, with what sampling leaves of doubt."""
+        if "global_error" not in self.dataset:
+            return ()
+        made, attrs = self.dataset, self.dataset.attrs
+        percentiles = made.global_percentile.values.tolist()
+        rows = []
+        for name in ERRORS:
+            of = made.sel(error=name)
+            values = (
+                Value(
+                    quantity(name),
+                    float(value),
+                    Sampled(float(doubt) if np.isfinite(doubt) else None),
+                )
+                for value, doubt in zip(
+                    of.global_error.values, of.global_error_sampling.values, strict=True
+                )
+            )
+            share = Value(
+                quantity("error_share"),
+                float(of.global_error_share),
+                Sampled(float(of.global_error_share_sampling)),
+            )
+            rows.append((quantity(name).title, *values, share))
+        header = (
+            "",
+            *(f"p{int(q)}" for q in percentiles),
+            f"% within {attrs['error_limit_m']:g} m",
+        )
+        title = "Errors of a fix, m, one sigma: percentiles over area and time"
+        p95 = float(made.global_error.sel(error="error_horizontal_m", global_percentile=95))
+        known = "their variances" if attrs["error_weights"] == "variance" else "nothing: all alike"
+        return (
+            Table(title, header, tuple(rows)),
+            Sentence(
+                f"a user on the surface who weighs ranges by {known}: for 95 % of area and time, "
+                f"95 % of the fixes are within {FACTOR_95 * p95:.3g} m horizontally (1.96 times "
+                "one sigma, at least 95 % whatever the shape of the error ellipse); ± is a "
+                "standard error of sampling"
+            ),
         )
 
     def _between_epochs(self) -> list[Sentence]:
@@ -249,7 +295,7 @@ class MapResult(Result):
 
 def _scale(name: str, values: "xr.DataArray") -> Any:
     """How the colours of a map run."""
-    if name in DOPS:
+    if name in DOPS or name in ERRORS:
         return "dilution"
     if np.issubdtype(values.dtype, np.integer):
         return "counts"
@@ -268,6 +314,8 @@ def map(
     motion: MotionModel | None = None,
     start_day: float = 0.0,
     duration_h: float | None = None,
+    error_max_m: float = 30.0,
+    weights: Weighting = "variance",
     workers: int | None = None,
     command: str = "",
     progress: bool = False,
@@ -276,7 +324,8 @@ def map(
 
     A dilution of precision is infinite with fewer than four satellites in view; infinities count
     in every percentile and against availability. Availability and the 95th percentile of GDOP
-    over all area and time are bracketed besides, with proven bounds.
+    over all area and time are bracketed besides, with proven bounds. A design with a signal is
+    mapped in metres too.
 
     Parameters
     ----------
@@ -296,6 +345,10 @@ def map(
         Days after the epoch at which the period begins.
     duration_h
         Period to map, hours; else until the ground tracks repeat.
+    error_max_m
+        Largest error of a fix that counts as within, metres, one sigma; of designs with a signal.
+    weights
+        How a fix weighs ranges: by their ``variance``, or all ``equal``.
     workers
         Threads; by default one a core. The numbers do not depend on it.
     command
@@ -325,6 +378,8 @@ def map(
         motion=motion,
         start_day=start_day,
         duration_h=duration_h,
+        error_max_m=error_max_m,
+        weights=weights,
     )
     read = given_design(design)
     with bar(progress, "map", unit="row", leave=False) as rows:
@@ -355,7 +410,7 @@ def statistics(dataset: "xr.Dataset") -> dict[str, Any]:
         }
         for name in dataset.dop.values
     }
-    return {
+    return error_statistics(dataset) | {
         "count": {
             "min": int(dataset.count_min.min()),
             "mean": float(dataset.global_count_mean),
@@ -373,3 +428,20 @@ def statistics(dataset: "xr.Dataset") -> dict[str, Any]:
             (dataset.mean_response_time.mean("lon") * dataset.cell_share * dataset.lon.size).sum()
         ),
     }
+
+
+def error_statistics(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Percentiles of the errors of fixes over area and time, with their sampling errors."""
+    if "global_error" not in dataset:
+        return {}
+    names = [f"p{int(q)}" for q in dataset.global_percentile.values]
+    found: dict[str, Any] = {}
+    for name in dataset.error.values.tolist():
+        of = dataset.sel(error=name)
+        found[name] = dict(zip(names, of.global_error.values.tolist(), strict=True))
+        found[name]["sampling"] = dict(
+            zip(names, of.global_error_sampling.values.tolist(), strict=True)
+        )
+        found[name]["share"] = float(of.global_error_share)
+        found[name]["share_sampling"] = float(of.global_error_share_sampling)
+    return found | {"error_limit_m": dataset.attrs["error_limit_m"]}

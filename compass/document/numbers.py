@@ -91,13 +91,13 @@ def significant(value: float, digits: int) -> str:
 
 
 def cell(value: object) -> str:
-    """One cell of a table, whatever stands in it: a number without quantity to seven digits."""
+    """One cell of a table, whatever stands in it: a number without quantity to four digits."""
     if value is None:
         return ""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return significant(value, 7)
+        return significant(value, 4)
     return str(value)
 
 

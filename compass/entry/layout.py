@@ -27,6 +27,7 @@ BLOCKS = (
     Block("lift", 1, ("1",), "true less known lift-to-drag ratio"),
     Block("clock", 2, ("m", "m/s"), "the receiver's clock and its drift"),
     Block("bias", None, ("m",), "bias of the ranges of each beacon"),
+    Block("imu", 3, ("m/s^2", "m/s^2", "m/s^2"), "biases of the accelerometers"),
 )
 
 #: In every state, at its head.
@@ -131,7 +132,7 @@ class Layout:
 
     def numbers(self) -> NDArray[np.int64]:
         """Places as the kernels take them, see `compass.core.entry.measure.PLACES`."""
-        names = ("air", "lift", "clock", "bias")
+        names = ("air", "lift", "clock", "bias", "imu")
         return np.array([self.estimated, *(self.place(name) for name in names)], dtype=np.int64)
 
     def covariance(self, motion: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -13,6 +13,7 @@ from compass.document import Answer, Answers, Bracket, Sampled, Section, Sentenc
 from compass.document.blocks import Block
 from compass.document.numbers import significant
 from compass.pages.found import Found
+from compass.pages.lasting import lasting_advice, lasting_answers
 from compass.pages.neighbours import Neighbour
 from compass.quantities import quantity
 
@@ -105,8 +106,19 @@ def losses(found: Found) -> list[Answer]:
     return [Answer("After any one loss, in view at least", left, None, found.fold.scope)]
 
 
+def lasting(found: Found) -> list[Answer]:
+    """How long it lasts left alone, what keeping costs, which radius does without."""
+    return lasting_answers(found.design, found.outlook) if found.outlook else []
+
+
 #: In the order of the page.
-ANSWERS: tuple[Callable[[Found], list[Answer]], ...] = (coverage, geometry, stations, losses)
+ANSWERS: tuple[Callable[[Found], list[Answer]], ...] = (
+    coverage,
+    lasting,
+    geometry,
+    stations,
+    losses,
+)
 
 
 def answer_section(
@@ -115,15 +127,18 @@ def answer_section(
     """The answers, the picture that carries them, and what to do."""
     rows = tuple(row for question in ANSWERS for row in question(found))
     advice = (Sentence(words) for words in what_to_do(found, neighbours))
-    return Section("The answer", (Answers("Met, and how sure", rows), *carrying, *advice))
+    return Section("The answer", (*advice, Answers("Met, and how sure", rows), *carrying))
 
 
 def what_to_do(found: Found, neighbours: Sequence[Neighbour]) -> list[str]:
     """Recommend in a sentence; name the rival, and what would change the advice."""
     result, c = found.fold, found.design.constellation
     wanted = f"{result.fold}-fold coverage above {result.mask_deg:g}°"
+    real = lasting_advice(found.outlook) if found.outlook else ""
     words = {
-        Outcome.PROVEN: f"Build it as it is: it has {wanted}, with nothing left to chance.",
+        Outcome.PROVEN: f"Build it as it is: it has {wanted}, with nothing left to chance."
+        if not real
+        else f"It has {wanted} on undisturbed orbits. {real}",
         Outcome.REFUTED: f"Do not build it for {wanted}: there is a place and a moment without.",
     }.get(result.outcome, f"Decide after a finer look: {wanted} is neither proven nor refuted.")
     said = [words]

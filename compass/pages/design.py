@@ -13,6 +13,7 @@ import numpy as np
 from compass.api.access import access
 from compass.api.fold import FoldResult, fold
 from compass.api.map import MapResult
+from compass.api.outlook import outlook
 from compass.api.reproduce import comparison_table
 from compass.api.show import show
 from compass.core.ranking import nearest_rank
@@ -36,6 +37,7 @@ from compass.pages.fold import fold_section
 from compass.pages.found import Found
 from compass.pages.globe.piece import globe
 from compass.pages.globe.still import still_picture
+from compass.pages.lasting import lasting_section
 from compass.pages.neighbours import Neighbour, neighbours
 from compass.pages.orbits import cap_picture, orbit_picture, track_picture
 from compass.pages.page import render
@@ -100,9 +102,9 @@ def look_at(
     progress("access")
     wanted = design.access
     linked = design.stations or wanted.moons or wanted.earth or wanted.crosslinks
-    return Found(
-        design, show(design), mapped, proven, access(design, eclipse=True) if linked else None
-    )
+    links = access(design, eclipse=True) if linked else None
+    progress("how long it lasts")
+    return Found(design, show(design), mapped, proven, links, outlook(design))
 
 
 def provenance_rows(found: Found, command: str) -> list[tuple[str, str]]:
@@ -260,6 +262,7 @@ SECTIONS: tuple[tuple[str, Callable[[Found, list[Neighbour]], Section | None]], 
     ("geometry and accuracy", _accuracy),
     ("stations and links", _links),
     ("orbits", _orbits),
+    ("how long it lasts", lambda found, _: lasting_section(found.design, found.outlook)),
     ("losses", _losses),
     ("caps and gaps", _caps),
     ("comparison", _comparison),

@@ -38,7 +38,6 @@ def fold_section(
     design, found = result.design, result.coverage
     c, sphere, mask = design.constellation, design.figure.equatorial_radius, found.mask
     certificate, span, worst = found.certificate, found.span, found.worst
-    assert worst is not None  # of the whole sphere there is one
     when = "for all time" if span.for_all_time else f"over {span.stop / 3600:.4g} h"
     witness = certificate.witness
     text = (
@@ -59,10 +58,11 @@ def fold_section(
             " Pictures, the common cap radius and shares are of the sphere of the equatorial "
             "radius, on which all caps of one orbit are alike."
         )
-    pictures = [
-        _refuted(result, sphere, mask, witness) if witness else _pinched(result, sphere, worst),
-        _fold_over_time(c, sphere, mask, result.fold, moments),
-    ]
+    pictures = [_fold_over_time(c, sphere, mask, result.fold, moments)]
+    if witness:
+        pictures.insert(0, _refuted(result, sphere, mask, witness))
+    elif worst is not None:  # on an ellipsoid caps have no common radius, and none is the tightest
+        pictures.insert(0, _pinched(result, sphere, worst))
     if beside:
         pictures.append(margin_by_inclination(design, result.fold, beside))
     return arranged(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from compass.api.access import AccessResult
 from compass.api.fold import FoldResult
 from compass.api.map import MapResult
+from compass.api.outlook import Outlook
 from compass.api.show import ShowResult
 from compass.design import Design
 
@@ -21,6 +22,8 @@ class Found:
         Of `compass.show`, `compass.map` and `compass.fold` (with one satellite lost, two-body).
     access
         Of `compass.access`, or None where nothing is to be linked.
+    outlook
+        How long it lasts on real orbits; None where nobody asked.
     """
 
     design: Design
@@ -28,3 +31,4 @@ class Found:
     mapped: MapResult
     fold: FoldResult
     access: AccessResult | None
+    outlook: Outlook | None = None

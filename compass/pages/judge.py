@@ -5,7 +5,9 @@ from typing import Any
 
 from compass.api.judge import filter_table, ranking_table, surface_table, unknown_air
 from compass.design import PDOP_MAX, Design
-from compass.document.blocks import Section, arranged
+from compass.document import Answer, Answers, Section, Sentence
+from compass.document.blocks import Picture, arranged
+from compass.document.numbers import significant
 from compass.entry.arrivals import draw_arrivals
 from compass.entry.campaign import Campaign
 from compass.inputs.scenario import Scenario, provenance
@@ -37,8 +39,11 @@ def judge_report(
     command
         The command line, for provenance.
     """
+    judged = judge_section(ranking, designs, scenario, threads=threads, progress=progress)
+    carrying, *others = judged.pictures
     sections = [
-        judge_section(ranking, designs, scenario, threads=threads, progress=progress),
+        answer_section(ranking.record, carrying),
+        arranged(judged.title, judged.paragraphs[:1], others, judged.tables),
         surface_section(ranking.record),
     ]
     made = provenance(scenario, command)
@@ -57,6 +62,32 @@ def judge_report(
         scenario.text,
     )
     return page, sections
+
+
+def answer_section(record: dict[str, Any], carrying: Picture) -> Section:
+    """Which design is best, and whether a lander on each knows its place well enough."""
+    rows, goal = record["designs"], record["goal_m"]
+    best = rows[0]
+    lead = (
+        f"{best['design']} is the best of {len(rows)}: a lander knows its place at "
+        f"{record['deployment']} to {significant(best['crlb_position_m']['p95'], 3)} m in 95 % of "
+        f"{record['samples']:,} entries; {goal:g} m are wanted."
+    )
+    if len(rows) > 1:
+        ratio = rows[1]["crlb_position_m"]["p95"] / best["crlb_position_m"]["p95"]
+        lead += f" Its rival {rows[1]['design']} has {significant(ratio, 3)} times as much."
+    answers = (
+        Answer(
+            str(row["design"]),
+            f"{significant(row['crlb_position_m']['p95'], 3)} m in 95 %, worst found "
+            f"{significant(row['worst_found']['value'], 3)} m",
+            row["crlb_position_m"]["p95"] <= goal and row["worst_found"]["value"] <= goal,
+            str(row["answer"]),
+        )
+        for row in rows
+    )
+    title = f"Within {goal:g} m at {record['deployment']}, anywhere and at any time?"
+    return Section("The answer", (Sentence(lead), Answers(title, tuple(answers)), carrying))
 
 
 def judge_section(
@@ -103,7 +134,7 @@ def judge_section(
             own.append(judged(design, again))
     unknown = ", ".join(unknown_air(record))
     paragraphs = (
-        f'{campaign.size} entries of the lander of "{scenario.name}" to {campaign.deployment}, '
+        f'{campaign.size:,} entries of the lander of "{scenario.name}" to {campaign.deployment}, '
         "spread evenly over the globe, all azimuths and the repeat period. For each, the "
         f"posterior Cramer-Rao bound of position and velocity there from {_measured(scenario)} to "
         "every satellite in view, each weighted with the probability that it gets through the "

@@ -124,7 +124,7 @@ def report(
         title, (page, sections) = flown.scenario.name, landing_report(flown)
     else:
         chosen = given_design(read)
-        with bar(progress, "report", total=12, unit="part", leave=False) as parts:
+        with bar(progress, "report", total=14, unit="part", leave=False) as parts:
             title = chosen.name
             page, several = design_report(
                 chosen, command, MapOptions(**options), progress=lambda part: _step(parts, part)

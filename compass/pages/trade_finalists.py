@@ -9,7 +9,8 @@ import numpy as np
 
 from compass.coverage.certificate import prove_fold
 from compass.design import Design
-from compass.document.blocks import Section, Table, arranged
+from compass.document import Answer, Answers, Sentence
+from compass.document.blocks import Picture, Section, Table, arranged
 from compass.handover.czml import czml
 from compass.handover.geojson import geojson
 from compass.handover.instants import sample_times
@@ -115,6 +116,59 @@ def recommendation(
         )
     tables = (_objective_table(study, chosen, measure), _figure_table(study, chosen, measure))
     return arranged("Recommendation", tuple(paragraphs), (), tables)
+
+
+def answer_section(
+    study: Study,
+    chosen: Sequence[Entrant],
+    measure: Yardstick | None,
+    ranking: dict[str, Any] | None,
+    carrying: Sequence[Picture],
+) -> Section:
+    """Say what to build, what it is worth and how sure that is, and what its rival is.
+
+    Parameters as of `recommendation`; `carrying` is the front with the finalists.
+    """
+    first = chosen[0].finalist
+    row = first.row
+    planes = f"{row['planes']} plane{'s' if row['planes'] > 1 else ''}"
+    file = chosen[0].design.label
+    lead = f"Build {row['satellites']} satellites in {planes}: {first.notation} ({file})."
+    if len(chosen) > 1:
+        other = chosen[1].finalist
+        lead += f" Its rival is {other.notation}: {against(study, first, other)}."
+    rows = [
+        Answer(
+            f"{study.fold} in view above {first.mask_deg:g}°, everywhere",
+            chosen[0].certificate,
+            chosen[0].certificate == "proven",
+            "for all time, two-body motion",
+        )
+    ]
+    for o in study.objectives:
+        how, error = sampling_of(study, o.figure), first.errors.get(o.figure, 0.0)
+        value = worth(o.figure, first.figures[o.figure])
+        beside = (
+            ""
+            if measure is None
+            else f"; {measure.role} has {worth(o.figure, measure.figures[o.figure])}"
+        )
+        sure = f"sampled over {how}" + (f", ± {error:.2g}" if error else "") if how else "exact"
+        rows.append(Answer(MERITS[o.figure].title, value, None, sure + beside))
+    if ranking is not None:
+        judged = next(row for row in ranking["designs"] if row["given"] == 1)
+        bound = judged["crlb_position_m"]["p95"]
+        rows.append(
+            Answer(
+                f"Landing: place known to {ranking['goal_m']:g} m at {ranking['deployment']}",
+                f"{bound:.3g} m in 95 % of entries",
+                bound <= ranking["goal_m"],
+                str(judged["answer"]),
+            )
+        )
+    return Section(
+        "The answer", (Sentence(lead), Answers("What it is worth", tuple(rows)), *carrying)
+    )
 
 
 def worth(name: str, value: float) -> str:

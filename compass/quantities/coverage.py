@@ -37,6 +37,15 @@ CONTINUOUS = (
         meaning="Part of the sphere and of the time with so many satellites in view.",
     ),
     Quantity(
+        "requirement_share", "1", "share for which it is so", 6, "more", "share",
+        meaning="Part of the time, or of area and time, for which a requirement is met.",
+    ),
+    Quantity(
+        "requirement_margin_deg", "deg", "horizon may rise by", 4, "more",
+        meaning="The whole horizon of the users may be so much higher, proven; negative: it is "
+        "too high by this.",
+    ),
+    Quantity(
         "alike", "1", "sets alike", form="count",
         meaning="Sets of satellites that the pattern's symmetry makes equal to this one.",
     ),

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compass.document import Answers
 from compass.inputs import read_design_text
 from compass.inputs.study import read_study_text
 from compass.pages import trade_pictures
@@ -90,8 +91,14 @@ def test_words():
 
 def test_recommendation_names_file_and_units(landing, tmp_path, coarse):
     made = traded(landing, tmp_path / "store")
-    section = made.sections[0]
-    assert "(finalist-1.toml)" in section.paragraphs[0]
+    answered, section = made.sections[:2]
+    assert (
+        "(finalist-1.toml)" in answered.paragraphs[0] and "Its rival is" in answered.paragraphs[0]
+    )
+    (answers,) = (block for block in answered.blocks if isinstance(block, Answers))
+    assert answers.rows[0].holds and answers.rows[0].answer == "proven"
+    assert any("Three areostationary relays has" in row.sure for row in answers.rows)
+    assert len(answered.pictures) == 1 and "(finalist-1.toml)" in section.paragraphs[0]
     answer = made.summary["landing"]["designs"]
     own = next(row["answer"] for row in answer if row["file"] == "finalist-1.toml")
     assert any(own[1:] in text for text in section.paragraphs)

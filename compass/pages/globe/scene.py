@@ -21,9 +21,10 @@ from compass.quantities import quantity
 
 KM = 1e3
 #: Samples of a path in a revolution: between them the page draws a cubic, good to metres.
-A_REVOLUTION = 180
-#: A globe goes over no more revolutions than this, and its paths have no more numbers.
-MOST_REVOLUTIONS, MOST_NUMBERS = 10, 900_000
+A_REVOLUTION = 120
+#: A globe goes over no more revolutions than this, and its paths have no more numbers: those of
+#: many satellites are shorter, never coarser.
+MOST_REVOLUTIONS, MOST_NUMBERS = 10, 300_000
 #: Most satellites in view that have a colour of their own.
 MOST_COUNTED = 12
 
@@ -37,8 +38,10 @@ def scene(design: Design) -> dict[str, Any]:
     c, figure = design.constellation, design.figure
     periods = orbital_period(c.semi_major_axis, c.gm)
     duration = min(repeat_period(c).duration, MOST_REVOLUTIONS * float(periods.max()))
-    samples = int(np.ceil(duration / float(periods.min()) * A_REVOLUTION)) + 1
-    samples = min(samples, max(MOST_NUMBERS // (3 * c.size), 2))
+    step = float(periods.min()) / A_REVOLUTION
+    most = max(MOST_NUMBERS // (3 * c.size), 4)
+    samples = min(int(np.ceil(duration / step)) + 1, most)
+    duration = min(duration, step * (samples - 1))
     times = np.linspace(0.0, duration, samples)
     path = np.moveaxis(positions_mcmf(c, times, design.motion), 0, 1) / KM
     low, high = quantity("gdop").limits or (1.0, 10.0)
