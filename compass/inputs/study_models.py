@@ -6,6 +6,7 @@ from pydantic import Field, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
+from compass.design import PDOP_MAX
 from compass.entry.arrivals import MOST_SAMPLES
 from compass.inputs.models import SatelliteCount
 from compass.inputs.table import Table
@@ -124,7 +125,7 @@ class MapTable(Table):
 
     step_deg: float = Field(10.0, ge=1, le=45, description="cell of the equal-area grid, degrees")
     epochs: int = Field(12, ge=1, le=10_000, description="epochs in the time that decides")
-    pdop_max: float = Field(6.0, gt=0, description="largest PDOP that counts as available")
+    pdop_max: float = Field(PDOP_MAX, gt=0, description="largest PDOP that counts as available")
 
 
 class EntryStageTable(Table):
