@@ -1,18 +1,16 @@
 """Candidate constellations ranked by landing-navigation quality."""
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from compass.api.given import given_design, given_scenario
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.design import Design
-from compass.document import Page, Sentence, Table, Value, Verdict
+from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError, DesignError
 from compass.inputs import read_design
@@ -273,9 +271,8 @@ def unknown_air(record: dict[str, Any]) -> list[str]:
 def surface_table(rows: Sequence[dict[str, Any]]) -> Table:
     """Coverage and geometry of every design for users on the surface."""
     margin = quantity("mask_margin_deg")
-    header = (
-        "design", "continuous coverage", margin.heading, "GDOP p50", "p95", "GDOP <= 6, %"
-    )  # fmt: skip
+    good = quantity("availability")
+    header = ("design", "continuous coverage", margin.heading, "GDOP p50", "p95", good.heading)
     return Table("Users on the surface", header, tuple(_surface(row, margin) for row in rows))
 
 
@@ -285,10 +282,15 @@ def _surface(row: dict[str, Any], margin: Quantity) -> tuple[object, ...]:
     return (
         row["design"],
         f"{known['fold']['wanted']}-fold {known['fold']['outcome']}",
-        Value(margin, "no mask has it" if highest is None else highest),
-        *(estimate(known["gdop"][key], known["gdop_error"][key]) for key in ("p50", "p95")),
-        estimate(100 * known["gdop_share"], 100 * known["gdop_share_error"]),
+        Value(margin, "no mask has it" if highest is None else highest, Proven()),
+        *(_bracketed("gdop", known["gdop"], key) for key in ("p50", "p95")),
+        _bracketed("availability", known, "availability"),
     )
+
+
+def _bracketed(name: str, known: Mapping[str, Any], key: str) -> Value:
+    """One of the figures that stand between proven bounds."""
+    return Value(quantity(name), known[key], Bracket(*known[f"{key}_bracket"]))
 
 
 def ranking_table(rows: Sequence[dict[str, Any]]) -> Table:
@@ -365,14 +367,6 @@ def _consistent(row: dict[str, Any]) -> str:
     if not row["believed"]:
         return f"no: errors {row['errors_over_claim']:.3g} times its claim"
     return "yes" if row["consistent"] else "no"
-
-
-def estimate(value: float, error: float) -> str:
-    """A sampled value and its standard error, to two digits of the error."""
-    if not (np.isfinite(value) and 0 < error < np.inf):
-        return f"{value:.4g}"
-    digits = max(0, 1 - int(np.floor(np.log10(error))))
-    return f"{value:.{digits}f} ± {error:.{digits}f}"
 
 
 def _digits(value: float) -> float:

@@ -10,7 +10,7 @@ from compass.api.judge import (
     surface_table,
     unknown_air,
 )
-from compass.design import Design
+from compass.design import PDOP_MAX, Design
 from compass.document import Answer, Answers, Section, Sentence
 from compass.document.blocks import Picture, arranged
 from compass.document.numbers import significant
@@ -174,7 +174,7 @@ def surface_section(record: dict[str, Any]) -> Section:
     """Show what the ranked designs are worth to users on the surface."""
     text = (
         "Coverage at the design's mask is proven or refuted for all time; the highest mask is the "
-        "one up to which that fold holds. GDOP is sampled over area and time, and given with its "
-        "standard error."
+        "one up to which that fold holds. Percentiles of GDOP and the share of area and time with "
+        f"PDOP at most {PDOP_MAX:g} lie between the bounds shown, for all time."
     )
     return arranged("Users on the surface", (text,), (), (surface_table(record["designs"]),))

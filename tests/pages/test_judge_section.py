@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from compass.api.judge import estimate
 from compass.entry.arrivals import draw_arrivals
 from compass.inputs import read_design_text
 from compass.inputs.scenario import read_scenario_text
@@ -106,10 +105,3 @@ def test_cells_keep_their_largest_bound(scenario):
     row = int((np.sin(latitude[0]) + 1) / 2 * pictures.ROWS)
     column = int((longitude[0] + np.pi) / (2 * np.pi) * pictures.COLUMNS)
     assert cells[row, column] >= found[0].position_sigma[0]
-
-
-def test_a_sampled_value_has_the_digits_of_its_error():
-    assert estimate(23.2054, 1.254) == "23.2 ± 1.3"
-    assert estimate(2.05512, 0.0087) == "2.0551 ± 0.0087"
-    assert estimate(1234.0, 123.0) == "1234 ± 123"
-    assert estimate(float("inf"), float("nan")) == "inf" and estimate(100.0, 0.0) == "100"
