@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.access import access
+    from compass.api.check import check
     from compass.api.drift import drift
     from compass.api.export import export
     from compass.api.fold import fold
@@ -16,12 +17,15 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.keep import keep
     from compass.api.land import land
     from compass.api.map import map
+    from compass.api.new import new
     from compass.api.optimize import optimize
     from compass.api.reproduce import reproduce
+    from compass.api.schema import schema
     from compass.api.search import search
     from compass.api.show import show
     from compass.api.trade import trade
-    from compass.design import Design
+    from compass.api.version import version
+    from compass.design import Design, Requirement
     from compass.entry.fusion import covariance_intersection, intersection_weights
     from compass.inputs import read_design
     from compass.inputs.scenario import read_scenario
@@ -36,6 +40,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
         walker_star,
     )
     from compass.pages.report import report
+    from compass.pages.view import view
     from compass.sites import Mask, Site
 
 __version__ = "0.1.0"
@@ -44,10 +49,12 @@ __all__ = [
     "Constellation",
     "Design",
     "Mask",
+    "Requirement",
     "Site",
     "__version__",
     "access",
     "areosynchronous_radius",
+    "check",
     "covariance_intersection",
     "drift",
     "ephemeris",
@@ -59,6 +66,7 @@ __all__ = [
     "keep",
     "land",
     "map",
+    "new",
     "optimize",
     "read_design",
     "read_scenario",
@@ -66,9 +74,12 @@ __all__ = [
     "report",
     "reproduce",
     "rosette",
+    "schema",
     "search",
     "show",
     "trade",
+    "version",
+    "view",
     "walker_delta",
     "walker_star",
 ]
@@ -76,6 +87,7 @@ __all__ = [
 #: The commands, each in the file of `compass.api` that has its name.
 _COMMANDS = (
     "access",
+    "check",
     "drift",
     "export",
     "fold",
@@ -83,11 +95,14 @@ _COMMANDS = (
     "keep",
     "land",
     "map",
+    "new",
     "optimize",
     "reproduce",
+    "schema",
     "search",
     "show",
     "trade",
+    "version",
 )
 
 #: Where the other public names live.
@@ -95,6 +110,7 @@ _HOMES = {
     "Constellation": "compass.orbits",
     "Design": "compass.design",
     "Mask": "compass.sites",
+    "Requirement": "compass.design",
     "Site": "compass.sites",
     "areosynchronous_radius": "compass.orbits",
     "covariance_intersection": "compass.entry.fusion",
@@ -106,6 +122,7 @@ _HOMES = {
     "read_study": "compass.inputs.study",
     "report": "compass.pages.report",
     "rosette": "compass.orbits",
+    "view": "compass.pages.view",
     "walker_delta": "compass.orbits",
     "walker_star": "compass.orbits",
 } | {name: f"compass.api.{name}" for name in _COMMANDS}

@@ -1,6 +1,7 @@
 """What can go wrong because of what a user wrote, said in a way that helps to mend it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 
 
 class CompassError(Exception):
@@ -28,3 +29,12 @@ class ArgumentError(CompassError, ValueError):
 
 class OutputError(CompassError):
     """A result that cannot be written where it was asked for."""
+
+
+#: How alike two names must be, of 1, for the one to be offered for the other: a letter or two off.
+LIKENESS = 0.8
+
+
+def near(name: str, known: Iterable[str], most: int = 1) -> list[str]:
+    """Names that someone who wrote `name` may have meant, nearest first; often none."""
+    return get_close_matches(name, list(known), n=most, cutoff=LIKENESS)

@@ -28,14 +28,14 @@ def three():
 
 
 def test_a_design_of_python_is_the_one_of_a_file():
-    read, made = read_design_text(TEXT), compass.Design("Three", three())
+    read, made = read_design_text(TEXT), compass.Design(three())
     assert replace(read, text="") == made
     assert hash(replace(read, text="")) == hash(made)
     assert made.digest != read.digest
 
 
 def test_designs_differ_by_any_value():
-    made = compass.Design("Three", three())
+    made = compass.Design(three())
     moved = compass.walker_delta(
         3, 3, 1, inclination_deg=50, altitude_km=17000, raan_deg=12.1, name="Three"
     )
@@ -44,14 +44,11 @@ def test_designs_differ_by_any_value():
 
 
 def test_site_and_design_agree_on_the_figure():
-    assert compass.Site("x", 0.0, 0.0).figure == compass.Design("Three", three()).figure
+    assert compass.Site("x", 0.0, 0.0).figure == compass.Design(three()).figure
 
 
 def test_a_figure_goes_by_its_name_too():
     pattern = compass.walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
-    assert (
-        compass.Design("x", pattern, figure="kelly2018-sphere").figure
-        is FIGURES["kelly2018-sphere"]
-    )
+    assert compass.Design(pattern, figure="kelly2018-sphere").figure is FIGURES["kelly2018-sphere"]
     with pytest.raises(ArgumentError, match="figure = 'moon': not known; allowed iau-sphere"):
-        compass.Design("x", pattern, figure="moon")
+        compass.Design(pattern, figure="moon")

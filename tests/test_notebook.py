@@ -13,7 +13,6 @@ DESIGNS = Path(__file__).parents[1] / "designs"
 
 def test_a_design_made_in_a_notebook():
     design = compass.Design(
-        "sphere of the paper",
         compass.walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427),
         figure="kelly2018-sphere",
     )
@@ -33,7 +32,7 @@ def test_a_students_sweep_over_inclination():
         pattern = compass.walker_delta(
             5, 5, 1, inclination_deg=inclination, orbit="areosynchronous"
         )
-        margins[inclination] = compass.fold(compass.Design("x", pattern), fold=1).mask_margin_deg
+        margins[inclination] = compass.fold(compass.Design(pattern), fold=1).mask_margin_deg
     assert max(margins, key=margins.get) == 43.66
     assert margins[43.66] == pytest.approx(11.5, abs=0.05)
 

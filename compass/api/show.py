@@ -11,6 +11,7 @@ import numpy as np
 from compass.api.given import given_design
 from compass.api.reproduce import comparison_table
 from compass.api.results import Result
+from compass.api.show_signal import signal_blocks, signal_facts
 from compass.coverage.cap import cap, published_cap_area
 from compass.coverage.geometry import Geometry, pattern_geometry
 from compass.design import Design
@@ -47,6 +48,8 @@ class ShowResult(Result):
         """Plain values for JSON."""
         found: dict[str, Any] = {"constellation": constellation_facts(self.design)}
         found |= geometry_facts(self.geometry) if self.geometry else {"cap": None, "gap": None}
+        if self.design.signal is not None:
+            found["signal"] = signal_facts(self.design)
         return plain(found | {"comparison": [row.as_dict() for row in self.comparison]})
 
     def document(self) -> Page:
@@ -56,6 +59,7 @@ class ShowResult(Result):
             self.constellation_table(),
             *self.geometry_tables(),
             *(Sentence(note) for note in self.notes()),
+            *signal_blocks(self.design),
         ]
         if self.comparison:
             title = f"Published ({self.design.paper}) against exact"

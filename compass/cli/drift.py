@@ -5,7 +5,13 @@ from typing import Any
 
 import click
 
-from compass.cli.shared import announce_compilation, design_argument, json_option, print_result
+from compass.cli.shared import (
+    announce_compilation,
+    design_argument,
+    json_option,
+    print_result,
+    watched,
+)
 
 
 @click.command()
@@ -39,7 +45,7 @@ def command(
     from compass.api.drift import read_radii, write_elements
 
     radii = [] if radius_km is None else read_radii(radius_km)
-    found = compass.drift(design, radius_km=radii, progress=True, **options)
+    found = compass.drift(design, radius_km=radii, progress=watched(), **options)
     if elements is not None:
         write_elements(found, elements, design)
     print_result(found, as_json)

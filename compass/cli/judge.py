@@ -11,6 +11,7 @@ from compass.cli.shared import (
     json_option,
     print_result,
     say,
+    watched,
 )
 
 if TYPE_CHECKING:
@@ -34,6 +35,26 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--lift-sigma", type=float, default=0.0, help="Unknown L/D, relative; known if left out."
+)
+@click.option(
+    "--clock-m", type=float, default=3e4, show_default=True, help="Lander's clock at first, m."
+)
+@click.option(
+    "--clock-drift-m-s", type=float, default=0.3, show_default=True, help="Its drift, m/s."
+)
+@click.option(
+    "--orbit-m",
+    type=float,
+    nargs=3,
+    default=(2.0, 8.0, 5.0),
+    show_default=True,
+    help="Broadcast orbits: radial, along, cross, m.",
+)
+@click.option(
+    "--satellite-clock-m", type=float, default=3.0, show_default=True, help="Their clocks, m."
+)
+@click.option(
+    "--range-bias-m", type=float, default=1.0, show_default=True, help="Of each range, m."
 )
 @click.option("--finalists", type=int, default=3, show_default=True, help="Run the filter on them.")
 @click.option("--runs", type=int, default=512, show_default=True, help="Filter runs of each.")
@@ -66,7 +87,7 @@ def command(designs: tuple[Path, ...], folder: Path | None, as_json: bool, **opt
 
     if folder is not None:
         check_page_folder(folder)
-    found = compass.judge(designs, **options, command=command_line(), progress=True)
+    found = compass.judge(designs, **options, command=command_line(), progress=watched())
     if options["rival"] is not None:
         say(f"wrote {options['rival']}")
     if folder is not None:

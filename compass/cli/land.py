@@ -10,6 +10,7 @@ from compass.cli.shared import (
     json_option,
     print_result,
     say,
+    watched,
 )
 
 
@@ -45,7 +46,7 @@ def command(
     if figures:
         check_folder(figures)
     found = compass.land(
-        scenario, runs=runs, strict=strict, command=command_line(), progress=True, notice=say
+        scenario, runs=runs, strict=strict, command=command_line(), progress=watched(), notice=say
     )
     if output:
         found.write(output)

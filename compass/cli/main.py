@@ -26,6 +26,9 @@ from compass.errors import ArgumentError, CompassError
 
 DONE, CLAIM_FAILS, BAD_INPUT, BROKEN, INTERRUPTED = 0, 1, 2, 3, 130
 
+#: Where a command's context keeps whether it is to be quiet.
+QUIET = "compass.quiet"
+
 #: Whole numbers that a kernel can take.
 INT64 = click.IntRange(-(2**63), 2**63 - 1)
 
@@ -60,13 +63,28 @@ def _loaded(name: str) -> click.Command:
 def prepared(command: click.Command) -> click.Command:
     """Return a file's command as the program has it: its numbers bounded, its refusals in words."""
     loaded = copy(command)
-    loaded.params = [copy(parameter) for parameter in loaded.params]
+    loaded.params = [*(copy(parameter) for parameter in loaded.params), _quiet()]
     for parameter in loaded.params:
         if parameter.type is click.INT:
             parameter.type = INT64
     if loaded.callback is not None:
         loaded.callback = _in_words_of_the_user(loaded.callback)
     return loaded
+
+
+def _quiet() -> click.Option:
+    """Return the option by which a command keeps to itself what is no result; errors are said."""
+
+    def keep(context: click.Context, _parameter: click.Parameter, wanted: bool) -> None:
+        context.meta[QUIET] = wanted
+
+    return click.Option(
+        ["-q", "--quiet"],
+        is_flag=True,
+        expose_value=False,
+        callback=keep,
+        help="No progress and no messages; results and errors alone.",
+    )
 
 
 def _in_words_of_the_user(callback: Callable[..., Any]) -> Callable[..., Any]:

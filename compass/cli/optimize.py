@@ -4,7 +4,14 @@ from pathlib import Path
 
 import click
 
-from compass.cli.shared import announce_compilation, command_line, json_option, print_result, say
+from compass.cli.shared import (
+    announce_compilation,
+    command_line,
+    json_option,
+    print_result,
+    say,
+    watched,
+)
 
 
 @click.command("optimize")
@@ -21,7 +28,7 @@ def command(scenario: Path, figures: Path | None, as_json: bool) -> None:
 
     if figures:
         check_folder(figures)
-    found = compass.optimize(scenario, command=command_line(), progress=True)
+    found = compass.optimize(scenario, command=command_line(), progress=watched())
     if figures:
         pictures = found.pictures()
         write_pictures(pictures, figures)

@@ -11,6 +11,7 @@ from compass.cli.shared import (
     design_argument,
     json_option,
     print_result,
+    watched,
 )
 
 
@@ -48,5 +49,5 @@ def command(design: Path, as_json: bool, **options: Any) -> None:
     announce_compilation()
     import compass
 
-    made = compass.report(design, **options, command=command_line(), progress=True)
+    made = compass.report(design, **options, command=command_line(), progress=watched())
     print_result(made, as_json)

@@ -5,7 +5,14 @@ from typing import Any
 
 import click
 
-from compass.cli.shared import announce_compilation, command_line, json_option, print_result, say
+from compass.cli.shared import (
+    announce_compilation,
+    command_line,
+    json_option,
+    print_result,
+    say,
+    watched,
+)
 
 
 @click.command()
@@ -15,6 +22,13 @@ from compass.cli.shared import announce_compilation, command_line, json_option, 
 @click.option("--altitude-km", type=float, help="Orbit altitude over the equator.")
 @click.option("--orbit", type=click.Choice(["areosynchronous"]), help="An orbit by name.")
 @click.option("--max-satellites", type=int, required=True, help="Largest size to try.")
+@click.option(
+    "--beyond",
+    type=int,
+    default=0,
+    show_default=True,
+    help="Sizes to try beyond the smallest that has the fold.",
+)
 @click.option(
     "--pattern",
     type=click.Choice(["walker-delta", "walker-star", "rosette"]),
@@ -35,8 +49,8 @@ from compass.cli.shared import announce_compilation, command_line, json_option, 
 def command(output: Path | None, as_json: bool, **options: Any) -> None:
     """Find the smallest pattern with continuous k-fold coverage of the whole sphere.
 
-    Every pattern of every size, each at its best inclination to 0.01 degree; smallest first,
-    then largest mask margin. Exit status 1 if there is none.
+    Every pattern, size after size up to the smallest that has it, each at its best inclination to
+    0.01 degree; smallest first, then largest mask margin. Exit status 1 if there is none.
     """
     announce_compilation()
     import compass
@@ -44,7 +58,7 @@ def command(output: Path | None, as_json: bool, **options: Any) -> None:
 
     if output is not None:
         check_writable(output)
-    found = compass.search(**options, progress=True)
+    found = compass.search(**options, progress=watched())
     print_result(found, as_json)
     if output is not None:
         found.write(output, command=command_line())

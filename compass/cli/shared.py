@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from compass.cli.main import CLAIM_FAILS
+from compass.cli.main import CLAIM_FAILS, QUIET
 from compass.saving import readable
 
 if TYPE_CHECKING:
@@ -38,9 +38,16 @@ def print_result(result: "Result", as_json: bool) -> None:
         raise click.exceptions.Exit(CLAIM_FAILS)
 
 
+def watched() -> bool:
+    """Whether progress is wanted: not where the user asked for quiet."""
+    context = click.get_current_context(silent=True)
+    return not (context and context.meta.get(QUIET))
+
+
 def say(message: str) -> None:
-    """Tell the user something that is not a result (stderr)."""
-    click.echo(message, err=True)
+    """Tell the user something that is not a result (stderr), unless they asked for quiet."""
+    if watched():
+        click.echo(message, err=True)
 
 
 def print_table(title: str, rows: Sequence[Sequence[object]], header: Sequence[str] = ()) -> None:

@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from compass.cli.shared import announce_compilation, json_option, print_result, say
+from compass.cli.shared import announce_compilation, json_option, print_result, say, watched
 
 _FILE = click.Path(path_type=Path)
 
@@ -36,7 +36,7 @@ def command(study: Path, as_json: bool, **options: Any) -> None:
 
     if options["scheduler"] is not None:
         _silence_the_cluster()
-    found = compass.trade(study, **options, progress=True, notice=say)
+    found = compass.trade(study, **options, progress=watched(), notice=say)
     if as_json:
         for words in found.notes():
             say(words)

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from numba import config, njit
+from numba import config, njit, typeof, types
 
 from compass.core.kernel_cache import KernelCache
 
@@ -11,11 +11,31 @@ from compass.core.kernel_cache import KernelCache
 FASTMATH = {"contract", "reassoc", "nsz", "arcp", "afn"}
 
 
+def compile_for_types_alone(compiled: Any) -> None:
+    """Let a kernel that another calls be compiled for the types of its arguments and no more.
+
+    Numba compiles it again for each constant that a caller writes, and for each default that one
+    leaves out; where the constant matters, the compiler behind it puts it in all the same.
+    """
+    find = compiled.get_call_template
+
+    def general(kind: Any) -> Any:
+        omitted = isinstance(kind, types.Omitted)
+        return typeof(kind.value) if omitted else types.unliteral(kind)
+
+    def get_call_template(args: Any, kws: Any) -> Any:
+        _, args = compiled._compiler.fold_argument_types(args, kws)
+        return find(tuple(map(general, args)), {})
+
+    compiled.get_call_template = get_call_template
+
+
 def _compiler(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     def compile_cached(function: Callable[..., Any]) -> Any:
         compiled = njit(nogil=True, error_model="numpy", **options)(function)
         if not config.DISABLE_JIT:
             compiled._cache = KernelCache(function)
+            compile_for_types_alone(compiled)
         return compiled
 
     return compile_cached

@@ -74,7 +74,7 @@ class Domain:
     pace: float
     drift: float = 0.0
     turning: bool = False
-    motion: Motion = Motion()
+    motion: Motion = field(default_factory=Motion)
     breaks: NDArray[np.float64] = field(default_factory=lambda: np.zeros(1))
     paths: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 1, 3, 1)))
 

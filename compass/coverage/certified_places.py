@@ -38,11 +38,19 @@ class Tile:
 Place = Region | Circle | Spot | Tile
 
 
+def _check_tile(tile: Tile) -> None:
+    if not (tile.south < tile.north and tile.west < tile.east <= tile.west + 2 * np.pi):
+        raise ArgumentError(
+            "tile: give south below north, and west below east by at most 360 degrees"
+        )
+
+
 def for_ever(place: Place) -> Place:
     """What stands for a place when tracks do not close: it meets every longitude alike."""
     if isinstance(place, Spot):
         return Circle(place.latitude)
     if isinstance(place, Tile):
+        _check_tile(place)
         return latitude_band(place.south, place.north)
     if isinstance(place, Region) and place.mars_fixed:
         raise ArgumentError(
@@ -72,10 +80,7 @@ def sides_of(
         b = geodetic(place.latitude)
         return b, b, place.longitude, place.longitude, none
     if isinstance(place, Tile):
-        if not (place.south < place.north and place.west < place.east <= place.west + turn):
-            raise ArgumentError(
-                "tile: give south below north, and west below east by at most 360 degrees"
-            )
+        _check_tile(place)
         return geodetic(place.south), geodetic(place.north), place.west, place.east, none
     south, north = -np.pi / 2, np.pi / 2
     if place.mars_fixed:

@@ -1,5 +1,6 @@
 """What a certified figure is asked about, laid out once for the kernels."""
 
+from itertools import pairwise
 from typing import TypedDict
 
 import numpy as np
@@ -137,7 +138,7 @@ class Question:
             return [(start, stop)]
         inside = self.domain.breaks[(self.domain.breaks > start) & (self.domain.breaks < stop)]
         edges = np.concatenate([[start], inside, [stop]])
-        return list(zip(edges[:-1], edges[1:], strict=True))
+        return list(pairwise(edges))
 
 
 def _steps(low: float, high: float, longest: float) -> NDArray[np.float64]:

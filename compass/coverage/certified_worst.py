@@ -16,7 +16,7 @@ from compass.errors import ArgumentError
 from compass.frames import mcmf_from_mci, planetocentric_latitude, prime_meridian_angle
 from compass.orbits import Constellation
 from compass.orbits.motion import Motion
-from compass.sites import Mask, Site
+from compass.sites import Site
 
 #: A dilution above this is called unbounded: near a place where lines of sight lie on a cone it
 #: takes every value, and rounding hides more than this.
@@ -302,7 +302,7 @@ class _Pursuit:
             ratio * ratio,
             enough * enough,
             beyond * beyond,
-            self.few,
+            int(min(self.few, max(self.most, 1))),
             self.question.speed,
             self.question.domain.sides,
             *self.arrays,

@@ -1,7 +1,6 @@
 """Design files: a constellation written down so that reading it gives the same one back."""
 
-import json
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from datetime import timedelta
 
 import numpy as np
@@ -9,8 +8,11 @@ import numpy as np
 from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import J2000, Figure
+from compass.handover.decimals import decimal, number
+from compass.handover.signal_toml import signal_lines
 from compass.inputs.design import KM
-from compass.orbits import Constellation, areosynchronous_radius
+from compass.inputs.toml_values import toml_text
+from compass.orbits import Constellation
 from compass.orbits.constellation import from_pattern
 from compass.sites import Mask, Site
 
@@ -18,11 +20,11 @@ _NO_MASK = Mask()
 
 
 def design_toml(design: Design) -> str:
-    """Design file of a design: the same constellation, mask, fold and stations.
+    """Design file of a design: the same constellation, mask, fold, stations and signal.
 
     Stations get planetocentric latitudes; comments of the file it was read from are lost.
     """
-    return constellation_toml(
+    written = constellation_toml(
         design.constellation,
         design.figure,
         mask=design.mask,
@@ -31,6 +33,9 @@ def design_toml(design: Design) -> str:
         paper=design.paper,
         stations=design.stations,
     )
+    if design.signal is None:
+        return written
+    return "\n".join([written, *signal_lines(design.signal), ""])
 
 
 def constellation_toml(
@@ -71,12 +76,12 @@ def constellation_toml(
             f"gm = {c.gm!r} m^3/s^2: a design file is about Mars, {standard!r}; "
             "make the constellation with that"
         )
-    lines = [f"name = {_text(c.name)}"]
+    lines = [f"name = {toml_text(c.name)}"]
     if source:
-        lines.append(f"source = {_text(source)}")
+        lines.append(f"source = {toml_text(source)}")
     if paper is not None:
-        lines.append(f"paper = {_text(paper)}")
-    lines.append(f"figure = {_text(figure.name)}")
+        lines.append(f"paper = {toml_text(paper)}")
+    lines.append(f"figure = {toml_text(figure.name)}")
     if c.epoch:
         epoch = J2000 + timedelta(seconds=c.epoch)
         lines.append(f"epoch = {epoch.isoformat()} # TDB")
@@ -87,7 +92,7 @@ def constellation_toml(
         lines += [
             "",
             "[[station]]",
-            f"name = {_text(site.name)}",
+            f"name = {toml_text(site.name)}",
             f"latitude_deg = {_degrees(site.latitude)}",
             f"longitude_deg = {_degrees(site.longitude)}",
             f"height_km = {_kilometres(site.height)}",
@@ -101,30 +106,36 @@ def _is_laid_out(c: Constellation) -> bool:
     if c.pattern is None or abs(c.pattern.raan) > 2 * np.pi:
         return False
     radius = float(c.semi_major_axis[0])
-    return from_pattern(c.pattern, radius, name=c.name, epoch=c.epoch, gm=c.gm) == c
+    told = from_pattern(c.pattern, radius, name=c.name, epoch=c.epoch, gm=c.gm, repeat=c.repeat)
+    return told == c
 
 
 def _pattern(c: Constellation, figure: Figure) -> list[str]:
     pattern = c.pattern
     assert pattern is not None
     return [
-        f"pattern = {_text(pattern.kind)}",
+        f"pattern = {toml_text(pattern.kind)}",
         f"satellites = {pattern.satellites}",
         f"planes = {pattern.planes}",
         f"phasing = {pattern.phasing}",
         f"inclination_deg = {_degrees(pattern.inclination)}",
         *(f"raan_deg = {_degrees(pattern.raan)}" for _ in range(pattern.raan != 0.0)),
         *(f"phase_deg = {_degrees(pattern.phase)}" for _ in range(pattern.phase != 0.0)),
-        _orbit(float(c.semi_major_axis[0]), figure),
+        _orbit(float(c.semi_major_axis[0]), c.repeat, figure),
     ]
 
 
-def _orbit(radius: float, figure: Figure) -> str:
-    """Radius of a pattern's orbits; its altitude where only that gives the same number back."""
-    if radius == areosynchronous_radius():
+def _orbit(radius: float, repeat: tuple[int, int] | None, figure: Figure) -> str:
+    """How a pattern's tracks close, if that is declared; else its radius.
+
+    Where only the altitude gives the same number back it is written instead.
+    """
+    if repeat == (1, 1):
         return 'orbit = "areosynchronous"'
+    if repeat is not None:
+        return f"repeat = {list(repeat)}"
     surface = figure.equatorial_radius
-    altitude = _decimal((radius - surface) / KM, lambda km: km * KM + surface, radius)
+    altitude = decimal((radius - surface) / KM, lambda km: km * KM + surface, radius)
     if float(_kilometres(radius)) * KM != radius == float(altitude) * KM + surface:
         return f"altitude_km = {altitude}"
     return f"radius_km = {_kilometres(radius)}"
@@ -136,9 +147,9 @@ def _elements(c: Constellation) -> list[str]:
         lines += [
             "",
             "[[constellation.satellite]]",
-            f"name = {_text(name)}",
+            f"name = {toml_text(name)}",
             f"semi_major_axis_km = {_kilometres(c.semi_major_axis[k])}",
-            f"eccentricity = {_number(c.eccentricity[k])}",
+            f"eccentricity = {number(c.eccentricity[k])}",
             f"inclination_deg = {_degrees(c.inclination[k])}",
             f"raan_deg = {_degrees(c.raan[k])}",
             f"argument_of_periapsis_deg = {_degrees(c.argument_of_periapsis[k])}",
@@ -154,30 +165,9 @@ def _mask(mask: Mask) -> list[str]:
     return [f"horizon_deg = [{', '.join(f'[{_degrees(a)}, {_degrees(e)}]' for a, e in pairs)}]"]
 
 
-def _text(text: str) -> str:
-    """TOML string; one of several lines keeps them."""
-    lines = [json.dumps(line, ensure_ascii=False)[1:-1] for line in text.split("\n")]
-    escaped = "\n".join(lines).replace("\x7f", "\\u007f")  # JSON allows DEL, TOML does not
-    return f'"""\n{escaped}"""' if len(lines) > 1 else f'"{escaped}"'
-
-
 def _degrees(radians: float) -> str:
-    return _decimal(np.degrees(radians), np.radians, radians)
+    return decimal(np.degrees(radians), np.radians, radians)
 
 
 def _kilometres(metres: float) -> str:
-    return _decimal(metres / KM, lambda km: km * KM, metres)
-
-
-def _decimal(value: float, back: Callable[[float], float], wanted: float) -> str:
-    """Shortest decimal near `value` that `back` takes to `wanted` exactly; else the nearest."""
-    near = [float(value)]
-    for _ in range(4):
-        near = [np.nextafter(near[0], -np.inf), *near, np.nextafter(near[-1], np.inf)]
-    rounded = [float(f"{value:.{digits}g}") for digits in range(1, 17)]
-    tried = [*rounded, *near]
-    return _number(min(tried, key=lambda x: (abs(back(x) - wanted), len(repr(float(x))))))
-
-
-def _number(value: float) -> str:
-    return repr(float(value)).removesuffix(".0")
+    return decimal(metres / KM, lambda km: km * KM, metres)

@@ -1,11 +1,12 @@
 """Faults of an input file, each said with field, value, what is allowed and the remedy."""
 
-import difflib
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, get_origin
 
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
+
+from compass.errors import near
 
 _KINDS = {
     "int": "a whole number",
@@ -39,10 +40,7 @@ def _sentence(error: ErrorDetails, model: type[BaseModel]) -> str:
     if kind == "missing":
         return f"{path}: missing{hint or '; add it'}"
     if kind == "extra_forbidden":
-        known = sorted(owner.model_fields) if owner else []
-        near = difflib.get_close_matches(path.rpartition(".")[2], known, n=1)
-        guess = f"did you mean {near[0]}? " if near else ""
-        return fault(path, value, f"unknown key; {guess}allowed: {', '.join(known)}")
+        return fault(path, value, f"unknown key; {_guess(path, owner, model)}")
     if kind == "union_tag_not_found":
         name = str(context["discriminator"]).strip("'")
         return f"{path}.{name}: missing; add one of the kinds that {path} can have{hint}"
@@ -72,6 +70,30 @@ def _sentence(error: ErrorDetails, model: type[BaseModel]) -> str:
         if kind.startswith(stem) and (kind.endswith("_type") or kind.endswith("_parsing")):
             return fault(path, value, f"must be {words_for}{hint}")
     return fault(path, value, f"{error['msg'].removeprefix('Value error, ')}{hint}")
+
+
+def _guess(path: str, owner: type[BaseModel] | None, model: type[BaseModel]) -> str:
+    """Say what may have been meant by an unknown key, and what is allowed in its place.
+
+    A key of another table of nearly the same name is that table's: `name` in ``[beacons]``.
+    """
+    table, _, key = path.rpartition(".")
+    known = sorted(owner.model_fields) if owner else []
+    guess = "".join(f"did you mean {_written(name, owner)}? " for name in near(key, known))
+    for other in near(table, [name for name in model.model_fields if name != table]):
+        if any(
+            key in inner.model_fields for inner in _models(model.model_fields[other].annotation)
+        ):
+            guess += f"{_written(other, model)} has it; did you mean that? "
+    return f"{guess}allowed: {', '.join(known)}"
+
+
+def _written(name: str, owner: type[BaseModel] | None) -> str:
+    """Write a key as it stands in a file: ``[table]``, ``[[one of several]]`` or its name."""
+    annotation = owner.model_fields[name].annotation if owner else None
+    if not _models(annotation):
+        return name
+    return f"[[{name}]]" if get_origin(annotation) is list else f"[{name}]"
 
 
 def _locate(

@@ -4,7 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from compass.inputs.models import Kilometres, Table
+from compass.inputs.models import Kilometres
+from compass.inputs.table import Table
 
 Positive = Annotated[float, Field(gt=0, le=1e15)]
 NotNegative = Annotated[float, Field(ge=0, le=1e15)]
@@ -94,7 +95,7 @@ class FusionTable(Table):
         description="sigma of ln rho0 and L/D taken as known, for filters of six states",
     )
     published_linear_density: bool = Field(
-        False, description="carry rho0 itself as the seventh state, as the papers print it"
+        False, description="rho0 itself as the seventh state: in compass reproduce alone"
     )
     acceleration_sigma_m_s2: Positive = Field(description="accelerometer noise, m/s^2")
     acceleration_bias_m_s2: Triple = Field(

@@ -1,40 +1,24 @@
 """What a design file may say: one model a table, each field with unit, range and meaning."""
 
-import unicodedata
 from datetime import datetime
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import Field
 
 from compass.design import LinkEnd
+from compass.inputs.requirements import RequirementTable
+from compass.inputs.signal import SignalTable
+from compass.inputs.table import Table
 
 SatelliteCount = Annotated[int, Field(ge=1, le=10_000)]
 Inclination = Annotated[float, Field(ge=0, le=180)]
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+Rotations = Annotated[int, Field(ge=1, le=1000)]
 Kilometres = Annotated[float, Field(gt=0, le=1e7)]
 
 
-class Table(BaseModel):
-    """A TOML table: no unknown keys, no silent conversion, no nan or inf, text that can be shown.
-
-    A text is one line, but for `source`. Anything else in it would be drawn, printed and written
-    as something else than what it is: a terminal obeys it, a file format ends a line there.
-    """
-
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
-
-    @field_validator("*", mode="after")
-    @classmethod
-    def _shown(cls, given: Any, info: ValidationInfo) -> Any:
-        lines = "\n\t" if info.field_name == "source" else ""
-        for letter in given if isinstance(given, str) else "":
-            if unicodedata.category(letter) == "Cc" and letter not in lines:
-                raise ValueError(f"has the control character U+{ord(letter):04X}; leave it out")
-        return given
-
-
 class CircularOrbit(Table):
-    """How high the circular orbits of a pattern are: exactly one of the three."""
+    """How high the circular orbits of a pattern are: exactly one of the four."""
 
     radius_km: Kilometres | None = Field(None, description="orbit radius from Mars's centre, km")
     altitude_km: Kilometres | None = Field(
@@ -42,6 +26,9 @@ class CircularOrbit(Table):
     )
     orbit: Literal["areosynchronous"] | None = Field(
         None, description="areosynchronous: the radius that keeps pace with Mars"
+    )
+    repeat: Annotated[list[Rotations], Field(min_length=2, max_length=2)] | None = Field(
+        None, description="[revolutions, rotations of Mars] after which ground tracks close"
     )
 
 
@@ -55,7 +42,7 @@ class Placement(CircularOrbit):
 
 
 class WalkerTable(Placement):
-    """``i: t/p/f``."""
+    """Walker's pattern i: t/p/f."""
 
     pattern: Literal["walker-delta", "walker-star"] = Field(description="kind of pattern")
     satellites: SatelliteCount = Field(description="total number t, a whole number from 1 to 10000")
@@ -65,7 +52,7 @@ class WalkerTable(Placement):
 
 
 class RosetteTable(Placement):
-    """``(N, P, m)``."""
+    """Ballard's rosette (N, P, m)."""
 
     pattern: Literal["rosette"] = Field(description="kind of pattern")
     satellites: SatelliteCount = Field(description="total number N, a whole number from 1 to 10000")
@@ -101,7 +88,7 @@ class SatelliteTable(Table):
 
 
 class ElementsTable(Table):
-    """Explicit orbits."""
+    """Explicit orbits, satellite by satellite."""
 
     pattern: Literal["elements"] = Field(description="kind of pattern")
     satellite: list[SatelliteTable] = Field(
@@ -110,7 +97,7 @@ class ElementsTable(Table):
 
 
 class EphemerisTable(Table):
-    """Other people's trajectories."""
+    """Trajectories from files."""
 
     pattern: Literal["ephemeris"] = Field(description="kind of pattern")
     files: list[str] = Field(
@@ -243,3 +230,7 @@ class DesignFile(Table):
     link: list[LinkTable] = Field(
         default_factory=list, max_length=100, description="one [[link]] a kind of radio link"
     )
+    requirement: list[RequirementTable] = Field(
+        default_factory=list, max_length=100, description="one [[requirement]] a thing wanted"
+    )
+    signal: SignalTable | None = Field(None, description="what a user's ranges are worth")

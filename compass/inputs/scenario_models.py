@@ -5,7 +5,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from compass.inputs.fusion_models import FusionTable
-from compass.inputs.models import Inclination, Kilometres, Pair, Table
+from compass.inputs.models import Inclination, Kilometres, Pair
+from compass.inputs.table import Table
 
 Positive = Annotated[float, Field(gt=0, le=1e15)]
 #: Past Mars's sphere of influence, and short of an entry's radius in metres.

@@ -1,9 +1,9 @@
 """Faults between fields of a study, found on the raw tables, whatever is in them."""
 
-import difflib
 from math import inf
 from typing import Any
 
+from compass.errors import near
 from compass.frames import FIGURES
 from compass.inputs.faults import fault
 from compass.inputs.merit import MERITS
@@ -142,12 +142,12 @@ def _sampling_faults(table: dict[str, Any], method: object) -> list[str]:
     ]
     samples = table.get("samples")
     if method == "sobol" and isinstance(samples, int) and samples > 0 and samples & (samples - 1):
-        near = 1 << samples.bit_length()
+        power = 1 << samples.bit_length()
         faults.append(
             fault(
                 "sampling.samples",
                 samples,
-                f"Sobol points are balanced for powers of two; use {near // 2} or {near}",
+                f"Sobol points are balanced for powers of two; use {power // 2} or {power}",
             )
         )
     return faults
@@ -158,8 +158,7 @@ def _figure_faults(table: dict[str, Any], path: str, judged: bool) -> list[str]:
     if not isinstance(name, str):
         return []
     if name not in MERITS:
-        near = difflib.get_close_matches(name, MERITS, n=1)
-        guess = f"did you mean {near[0]}? " if near else ""
+        guess = "".join(f"did you mean {other}? " for other in near(name, MERITS))
         problem = f"no candidate has this figure; {guess}allowed: {', '.join(MERITS)}"
         return [fault(f"{path}.figure", name, problem)]
     if MERITS[name].stage == "entry" and not judged:

@@ -26,14 +26,7 @@ def elliptic(
     rates: tuple[NDArray[np.float64], ...] = (still, still, c.mean_motion)
     if drifting:
         rates = secular_rates(c.semi_major_axis, c.eccentricity, c.inclination, c.gm)
-    r, v = elliptic_states(
-        c.semi_major_axis,
-        c.eccentricity,
-        c.inclination,
-        c.raan,
-        c.argument_of_periapsis,
-        c.mean_anomaly,
-        *rates,
-        seconds,
-    )
+    elements = (c.semi_major_axis, c.eccentricity, c.inclination, c.raan, c.argument_of_periapsis)
+    # a copy, for what a constellation holds is read-only, which is another type to the compiler
+    r, v = elliptic_states(*np.stack([*elements, c.mean_anomaly, *rates]), seconds)
     return r, v

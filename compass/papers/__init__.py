@@ -1,4 +1,12 @@
 """The source papers, number by number: published, computed, and who is right."""
 
 #: Keys of the papers: each names a module of this folder with its `TITLE` and `rows()`.
-PAPERS = ("kelly2018", "ballard1980", "yu2018", "lou2017", "lou2019", "areostationary")
+PAPERS = (
+    "kelly2018",
+    "ballard1980",
+    "yu2018",
+    "lou2017",
+    "lou2019",
+    "areostationary",
+    "montenbruck2018",
+)

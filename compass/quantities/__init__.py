@@ -6,21 +6,21 @@ label or a digit.
 """
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, near
 from compass.quantities.access import ACCESS
 from compass.quantities.coverage import CONTINUOUS, MAPS
 from compass.quantities.design import DESIGN
 from compass.quantities.geometry import GEOMETRY
 from compass.quantities.lasting import LASTING
 from compass.quantities.record import Quantity
+from compass.quantities.signal import SIGNAL
 
 __all__ = ["QUANTITIES", "Quantity", "quantity"]
 
 #: All quantities, by name.
 QUANTITIES: Mapping[str, Quantity] = {
-    q.name: q for q in (*DESIGN, *GEOMETRY, *CONTINUOUS, *MAPS, *ACCESS, *LASTING)
+    q.name: q for q in (*DESIGN, *GEOMETRY, *CONTINUOUS, *MAPS, *ACCESS, *LASTING, *SIGNAL)
 }
 
 
@@ -34,8 +34,8 @@ def quantity(name: str) -> Quantity:
     """
     if name in QUANTITIES:
         return QUANTITIES[name]
-    near = get_close_matches(name, QUANTITIES, n=3)
+    guesses = near(name, QUANTITIES, 3)
     raise ArgumentError(
         f"quantity {name!r}: not known; "
-        + (f"did you mean {', '.join(near)}?" if near else f"known: {', '.join(QUANTITIES)}")
+        + (f"did you mean {', '.join(guesses)}?" if guesses else f"known: {', '.join(QUANTITIES)}")
     )

@@ -7,6 +7,7 @@ import numpy as np
 
 from compass.entry.arrivals import Arrivals
 from compass.entry.campaign import Campaign
+from compass.entry.unknowns import NOTHING, Unknowns
 from compass.errors import ArgumentError
 from compass.frames import Figure
 from compass.inputs.scenario import Scenario
@@ -37,6 +38,7 @@ def worst_entry(
     seed: int = 0,
     start: Judgement | None = None,
     lost: int | None = None,
+    unknowns: Unknowns = NOTHING,
 ) -> dict[str, Any]:
     """Worst bound of position at deployment that a search finds, and where and when.
 
@@ -49,7 +51,7 @@ def worst_entry(
 
     Parameters
     ----------
-    constellation, scenario, campaign, figure, mask
+    constellation, scenario, campaign, figure, mask, unknowns
         As in `compass.study.judge.judge_entries`.
     rounds, seed
         How often to draw anew, and from which seed.
@@ -59,7 +61,7 @@ def worst_entry(
         A satellite whose loss is looked at too: what is worst without it comes as
         ``after_loss``, of all entries that either search has tried.
     """
-    place: dict[str, Any] = {"figure": figure, "mask": mask}
+    place: dict[str, Any] = {"figure": figure, "mask": mask, "unknowns": unknowns}
     found = start or judge_entries(constellation, campaign, scenario, **place)
     generator = np.random.default_rng(seed)
     cases = (None,) if lost is None else (None, lost)
@@ -73,7 +75,7 @@ def worst_entry(
             tried = _around(best[case], SHRINK**k * REACH, generator)
             try:
                 flown = campaign.again(tried)
-            except ArgumentError:  # all of them over a pole
+            except ArgumentError:  # one of them comes to no deployment
                 break
             found = judge_entries(constellation, flown, scenario, **place)
             best = {one: _worst(found, rows, one) for one, rows in best.items()}
@@ -87,8 +89,7 @@ def _around(best: np.ndarray, reach: np.ndarray, generator: np.random.Generator)
     """`BATCH` arrivals around the worst so far."""
     centres = np.repeat(best[:, :4], -(-BATCH // len(best)), axis=0)[:BATCH]
     tried = centres + reach * generator.uniform(-1, 1, centres.shape)
-    limit = np.pi / 2 - 1e-3
-    latitude = np.clip(tried[:, 0], -limit, limit)
+    latitude = np.clip(tried[:, 0], -np.pi / 2, np.pi / 2)
     return Arrivals(latitude, tried[:, 1], tried[:, 2], tried[:, 3] % 1)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.bodies import MARS_GM, sidereal_day
-from compass.core.pattern_judging import judge_patterns
+from compass.core.entry.patterns import judge_patterns
 from compass.entry.fisher import noise_variances
 from compass.errors import ArgumentError
 from compass.frames import prime_meridian_angle

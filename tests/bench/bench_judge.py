@@ -11,6 +11,7 @@ import pytest
 
 from compass.entry.beacons import orbiting_beacons
 from compass.entry.schedule import in_view
+from compass.entry.views import spherical_jacobian, spherical_of
 from compass.frames import prime_meridian_angle
 from compass.inputs import read_design
 from compass.inputs.scenario import read_scenario
@@ -90,14 +91,14 @@ def test_against_the_recursion_with_losses(lander, seed):
 
     def recursive(m):
         times = campaign.times[: campaign.stops[m] + 1]
-        states = campaign.states[m, : times.size]
+        states = spherical_of(campaign.paths[m, : times.size])
         r, v = states_mci(c, found.epochs[m] + times)
         angle = float(prime_meridian_angle(c.epoch, found.epochs[m]))
         beacons = orbiting_beacons(
             r, v, times, omega=lander.model.omega, angle=angle, planet_radius=0.0
         )
         seen = in_view(beacons, states, seed.figure.equatorial_radius)
-        spread = campaign.spreads[m, :6]
+        spread = np.linalg.solve(spherical_jacobian(campaign.paths[m, 0]), campaign.spreads[m, :6])
         for lost in range(-1, c.size):
             taken = seen & (np.arange(c.size) != lost)
             cramer_rao_bound(

@@ -59,7 +59,7 @@ def test_entry_tells_all(coarse, tmp_path):
     with xr.open_dataset(output, engine="h5netcdf") as data:
         assert data.sizes["time"] == 11
         assert data.attrs["Conventions"] == "CF-1.11"
-        assert data.attrs["scenario_text"].startswith("name = ")
+        assert data.attrs["scenario_text"].startswith("#:schema schema/scenario.json\nname = ")
         assert float(data.observability_degree[0]) == pytest.approx(1.540708092093e-8, rel=1e-7)
         assert all(v.attrs.get("units") for v in data.data_vars.values())
 

@@ -21,6 +21,8 @@ OUTER = (
     "@kernel\ndef outer():\n    return inner()\n"
 )
 OTHER = "from compass.core.jit import kernel\n\n@kernel\ndef other():\n    return 0\n"
+#: What a user may have set that would decide the place.
+OWN = ("XDG_CACHE_HOME", "TMPDIR", "NUMBA_CACHE_DIR")
 CALL = (
     "from compass.core.outer import outer; from compass.core import kernel_cache as k\n"
     "from compass.core.other import other; found = outer(), other()\n"
@@ -42,7 +44,7 @@ def package(tmp_path):
 
     def call(value, **environment):
         (core / "inner.py").write_text(INNER.format(value))
-        where = {k: v for k, v in os.environ.items() if k not in ("XDG_CACHE_HOME", "TMPDIR")}
+        where = {k: v for k, v in os.environ.items() if k not in OWN}
         where |= {"PYTHONPATH": str(tmp_path / "site"), "HOME": str(tmp_path / "home")}
         done = subprocess.run(
             [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path / 'site')!r})\n"

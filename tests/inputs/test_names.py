@@ -55,8 +55,8 @@ def test_in_scenarios_and_studies_too(designs):
         (read_scenario_text, "landing.toml"), (read_study_text, "study-small.toml"),
     ):  # fmt: skip
         text = (designs / name).read_text()
-        first, _, rest = text.partition("\n")
-        assert first.startswith("name = ")
+        schema, first, rest = text.split("\n", 2)
+        assert schema.startswith("#:schema ") and first.startswith("name = ")
         with pytest.raises(DesignError, match=r"control character U\+001B"):
             read(f'name = "a\\u001b[31m"\n{rest}', name, designs)
 

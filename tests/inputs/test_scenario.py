@@ -204,7 +204,7 @@ def test_triggers_of_every_kind():
         ),
         ('kind = "ekf"', 'kind = "ekf"\niterations = 4', "only for kind = "),
         ("runs = 500", "runs = 0", r"monte_carlo\.runs = 0.*at least 1"),
-        ("[optimize]", "[optimise]", "unknown key; did you mean optimize"),
+        ("[optimize]", "[optimise]", r"unknown key; did you mean \[optimize\]"),
         ('what = "ground"', 'what = "orbiters"', r"optimize\.altitude_km: missing"),
         ("scale_height_km = 7.5", "scale_height_km = -7.5", r"atmosphere\.scale_height_km = -7.5"),
     ],

@@ -5,7 +5,8 @@ Within a box with centre c and half-widths h = (hb, hl, ht) a place and moment i
 from the centre, u(s) = s u with s from 0 to 1, dots are derivatives by s.
 
 User: geodetic latitude b, up n, place p at a height over the ellipsoid (eccentricity squared e2)
-with meridian and normal radii, height added, ``M <= N <= F``. With ``cm = max cos b, sm = max |sin b|``::
+with meridian and normal radii, height added, ``M <= N <= F``. With ``cm = max cos b`` and
+``sm = max |sin b|``::
 
     |n'|  <= v  = sqrt(hb^2 + cm^2 hl^2)            |p'|  <= F v
     |n''| <= wn = sqrt(v^4 + (sm cm hl^2)^2 + (2 sm hb hl)^2)

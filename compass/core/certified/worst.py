@@ -169,8 +169,8 @@ def climb(
             for d in range(3):
                 x = best[1 + d] + step * (l0 if d == 0 else (l1 if d == 1 else l2)) * box[3 + d]
                 trial[d] = min(max(x, sides[d, 0]), sides[d, 1])
-            value = value_at(trial, user, scratch, q, dq, rows, kinds, orbits, circles, breaks, paths,
-                             normals, numbers, mask)  # fmt: skip
+            value = value_at(trial, user, scratch, q, dq, rows, kinds, orbits, circles, breaks,
+                             paths, normals, numbers, mask)  # fmt: skip
             if value > best[0]:
                 grown = value > best[0] * 1.01
                 best[0] = value

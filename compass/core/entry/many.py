@@ -1,0 +1,409 @@
+"""Many entries past a constellation: flights with sensitivities, information, bounds.
+
+Errors are carried in prior-whitened coordinates u of d components: the error of position, velocity,
+density and lift at any epoch is ``S u`` with ``S S^T`` the prior moved to that epoch, so u has the
+unit matrix as its prior covariance. Without process noise u is constant through the entry and
+information about it simply adds up, satellite by satellite; losing one is leaving out its share.
+Matrices of information are kept packed: the d (d + 1)/2 entries of the lower triangle, row by row.
+"""
+
+import math
+
+import numpy as np
+
+from compass.core.entry.dop853 import WATCH_RADIUS, WATCH_SPEED, watched
+from compass.core.entry.flow import advance_transition
+from compass.core.entry.rates import COLUMNS
+from compass.core.entry.rates import LIFT as RATIO
+from compass.core.jit import fast_kernel, kernel
+from compass.core.smallmatrix import cholesky, cholesky_solve
+
+
+@kernel
+def fly_many(
+    starts, spreads, p, bank, times, longest, watch, level, ground, paths, gains, stops
+):  # fmt: skip
+    """Fly every entry to its end, with the derivative of every flight.
+
+    Parameters
+    ----------
+    starts
+        Positions and velocities at entry, shape (m, 6).
+    spreads
+        S at entry, shape (m, 8, d): of position, velocity, logarithm of the density and L/D.
+    p, bank, longest
+        As in `compass.core.entry.flow.advance`.
+    times
+        Epochs, s, shape (t,).
+    watch, level
+        The flight ends at the first epoch at which what is watched (see
+        `compass.core.entry.dop853.watched`) is at or below the level; -1 for the last epoch.
+    ground
+        Radius below which the flight has failed, metres.
+    paths
+        Output, position and velocity, (m, t, 6).
+    gains
+        Output, (m, t, 6, d): derivative of `paths` in u.
+    stops
+        Output, (m,): index of the last epoch; ``-1 - t`` where the flight failed at epoch t.
+    """
+    size, last = spreads.shape[2], times.size - 1
+    phi, spread = np.empty((6, COLUMNS)), np.empty((COLUMNS, size))
+    for m in range(starts.shape[0]):
+        paths[m, 0] = starts[m]
+        spread[:, :] = spreads[m]
+        stops[m] = last
+        for t in range(last + 1):
+            here, gain = paths[m, t], gains[m, t]
+            if t > 0:
+                advance_transition(
+                    paths[m, t - 1], 0.0, p[RATIO], p, bank, times[t - 1], times[t], longest, here,
+                    phi,
+                )  # fmt: skip
+                _product(phi, spread, gain)
+                spread[:6] = gain
+            else:
+                gain[:] = spread[:6]
+            if not (watched(here, WATCH_RADIUS) > ground and watched(here, WATCH_SPEED) > 0.0):
+                stops[m] = -1 - t
+                break
+            if watch >= 0 and watched(here, watch) <= level:
+                stops[m] = t
+                break
+
+
+@fast_kernel
+def _product(a, b, out):
+    """Write ``a b`` into `out`, of as many rows as `a` and of the rows of `b` that it takes."""
+    for i in range(a.shape[0]):
+        for j in range(b.shape[1]):
+            total = 0.0
+            for k in range(a.shape[1]):
+                total += a[i, k] * b[k, j]
+            out[i, j] = total
+
+
+@fast_kernel
+def turn_nodes(r, v, sample, nodes, angle, omega, step, out):
+    """States of all satellites at the nodes of one entry, from inertial to Mars-fixed axes.
+
+    Parameters
+    ----------
+    r, v
+        Inertial, shape (n, m * nodes, 3).
+    sample, nodes
+        Which entry, and how many nodes it has.
+    angle, omega, step
+        Rotation angle at its first node (rad), rotation rate (rad/s), seconds between nodes.
+    out
+        Output, (n, nodes, 6).
+    """
+    for j in range(nodes):
+        turned = angle + omega * step * j
+        c, s = math.cos(turned), math.sin(turned)
+        at = sample * nodes + j
+        for i in range(r.shape[0]):
+            x, y = r[i, at, 0], r[i, at, 1]
+            vx, vy = v[i, at, 0] + omega * y, v[i, at, 1] - omega * x
+            out[i, j, 0], out[i, j, 1], out[i, j, 2] = c * x + s * y, c * y - s * x, r[i, at, 2]
+            out[i, j, 3], out[i, j, 4], out[i, j, 5] = c * vx + s * vy, c * vy - s * vx, v[i, at, 2]
+
+
+@fast_kernel
+def hermite(s, step, out):
+    """Weights of a cubic between two nodes: `s` in [0, 1] of the `step` seconds; into `out` (6).
+
+    Position ``a + w0 (b - a) + w1 a' + w2 b'``, velocity ``w3 (b - a) + w4 a' + w5 b'``. The
+    position is off by at most ``(step n)^4 r / 384`` for a circle of rate n and radius r: 2e-6 m
+    at 20 000 km and 9 mm at 300 km above Mars, for nodes 30 s apart.
+    """
+    out[0], out[3] = s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / step
+    out[1], out[2] = s * (1.0 - s) * (1.0 - s) * step, s * s * (s - 1.0) * step
+    out[4], out[5] = (1.0 - s) * (1.0 - 3.0 * s), s * (3.0 * s - 2.0)
+
+
+@fast_kernel
+def horizon(x, y, z, radius, sin_mask, cos_mask):
+    """Distance of a lander from the centre, and the sine of the lowest elevation that it sees.
+
+    A satellite is seen that stands at least the mask above the limb of the sphere of `radius`:
+    ``sin(elevation) >= sin(mask - dip)``, ``cos(dip) = R/r``. For a mask of 0 that is a line of
+    sight that clears the sphere.
+    """
+    high = math.sqrt(x * x + y * y + z * z)
+    cos_dip = min(1.0, radius / high)
+    return high, sin_mask * cos_dip - cos_mask * math.sqrt(1.0 - cos_dip * cos_dip)
+
+
+@fast_kernel
+def directions(satellite, omega, axes):
+    """Write a satellite's radial, along and cross directions (rows) and return its rate, rad/s.
+
+    Of its inertial motion; `satellite` is position and velocity in axes that turn by `omega`.
+    """
+    x, y, z = satellite[0], satellite[1], satellite[2]
+    vx, vy, vz = satellite[3] - omega * y, satellite[4] + omega * x, satellite[5]
+    cx, cy, cz = y * vz - z * vy, z * vx - x * vz, x * vy - y * vx
+    r2 = x * x + y * y + z * z
+    r, c = math.sqrt(r2), math.sqrt(cx * cx + cy * cy + cz * cz)
+    axes[0, 0], axes[0, 1], axes[0, 2] = x / r, y / r, z / r
+    axes[2, 0], axes[2, 1], axes[2, 2] = cx / c, cy / c, cz / c
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        axes[1, i] = axes[2, j] * axes[0, k] - axes[2, k] * axes[0, j]
+    return c / r2
+
+
+@fast_kernel
+def information(
+    paths, gains, stops, weights, variances, r, v, angles, omega, step, dt, radius, sin_mask,
+    cos_mask, clock, roots, seen, out, sums,
+):  # fmt: skip
+    """Information on u that each satellite gives in each entry.
+
+    A satellite's own errors p, constant in its radial, along and cross directions, in its clock and
+    as a bias of its ranges, are whitened too: ``p = root e``. What it tells about u is what is left
+    after its errors are found out as far as they can be, ``F_uu - F_up (I + F_pp)^-1 F_pu``.
+
+    Parameters
+    ----------
+    paths, gains, stops
+        Of `fly_many`.
+    weights
+        Expected measurements at each epoch, (m, t): 0 where none is due, else the probability
+        that one arrives.
+    variances
+        Of ranges (m^2) and range rates (m^2/s^2); nan for one that is not measured.
+    r, v, angles, omega, step
+        Satellites at the nodes, as in `turn_nodes`; `angles` (m,).
+    dt
+        Seconds between epochs.
+    radius, sin_mask, cos_mask
+        As in `horizon`.
+    clock
+        Sigmas of the receiver's clock and drift, (2,), the last two components of u then; (0,)
+        for none.
+    roots
+        Of the satellites' errors, (n, 5, 5), the last column the bias of ranges; (n, 5, 0) for
+        none.
+    seen
+        Output, (m, t, n): which satellites are in view.
+    out
+        Output, (m, n, d (d + 1)/2): ``sum over epochs of weight h^T h / variance``, less what its
+        own errors take.
+    sums
+        Output, (m, 4, d (d + 1)/2), over all satellites: `F_uu` as if they had no errors; `F_up
+        F_pu`, by which a gain that does not know of them is spoilt; and the same of the best
+        gain for orbits and clocks, and for biases of ranges.
+    """
+    n, motion, errors = r.shape[0], gains.shape[3], roots.shape[2]
+    size = motion + clock.size
+    nodes = r.shape[1] // max(paths.shape[0], 1)
+    node, w = np.empty((n, nodes, 6)), np.empty(6)
+    gain, h = np.empty((6, motion)), np.zeros(size)
+    here, axes, s, g = np.empty(6), np.empty((3, 3)), np.ones(5), np.empty(errors)
+    cross, own = np.empty((n, size, errors)), np.empty((n, errors, errors))
+    ranged, rated = not math.isnan(variances[0]), not math.isnan(variances[1])
+    for m in range(paths.shape[0]):
+        turn_nodes(r, v, m, nodes, angles[m], omega, step, node)
+        cross[:] = 0.0
+        own[:] = 0.0
+        for t in range(stops[m] + 1):
+            weight = weights[m, t]
+            px, py, pz = paths[m, t, 0], paths[m, t, 1], paths[m, t, 2]
+            ux, uy, uz = paths[m, t, 3], paths[m, t, 4], paths[m, t, 5]
+            for i in range(6):
+                for j in range(motion):
+                    gain[i, j] = gains[m, t, i, j]
+            high, lowest = horizon(px, py, pz, radius, sin_mask, cos_mask)
+            k = min(int(t * dt / step), nodes - 2)
+            hermite(t * dt / step - k, step, w)
+            w0, w1, w2, w3, w4, w5 = w
+            for i in range(n):
+                ax, ay, az = node[i, k, 0], node[i, k, 1], node[i, k, 2]
+                dx, dy, dz = node[i, k + 1, 0] - ax, node[i, k + 1, 1] - ay, node[i, k + 1, 2] - az
+                x = px - ax - w0 * dx - w1 * node[i, k, 3] - w2 * node[i, k + 1, 3]
+                y = py - ay - w0 * dy - w1 * node[i, k, 4] - w2 * node[i, k + 1, 4]
+                z = pz - az - w0 * dz - w1 * node[i, k, 5] - w2 * node[i, k + 1, 5]
+                distance = math.sqrt(x * x + y * y + z * z)
+                if -(x * px + y * py + z * pz) < lowest * distance * high:
+                    continue
+                seen[m, t, i] = True
+                if weight == 0.0:
+                    continue
+                nx, ny, nz = x / distance, y / distance, z / distance
+                vx = ux - w3 * dx - w4 * node[i, k, 3] - w5 * node[i, k + 1, 3]
+                vy = uy - w3 * dy - w4 * node[i, k, 4] - w5 * node[i, k + 1, 4]
+                vz = uz - w3 * dz - w4 * node[i, k, 5] - w5 * node[i, k + 1, 5]
+                turn = 0.0
+                if errors > 0:
+                    here[0], here[1], here[2] = px - x, py - y, pz - z
+                    here[3], here[4], here[5] = ux - vx, uy - vy, uz - vz
+                    turn = directions(here, omega, axes)
+                if ranged:
+                    for j in range(motion):
+                        h[j] = nx * gain[0, j] + ny * gain[1, j] + nz * gain[2, j]
+                    if clock.size > 0:
+                        h[motion], h[motion + 1] = clock[0], clock[1] * t * dt
+                    _add_square(h, weight / variances[0], out, m, i)
+                    if errors > 0:
+                        for a in range(3):
+                            s[a] = -nx * axes[a, 0] - ny * axes[a, 1] - nz * axes[a, 2]
+                        s[3], s[4] = 1.0, 1.0
+                        _add_errors(h, s, weight / variances[0], roots[i], g, cross[i], own[i])
+                if rated:
+                    # R' = n . dv: (dv - R' n) / R on position, n on velocity
+                    rate = vx * nx + vy * ny + vz * nz
+                    vx, vy, vz = vx - rate * nx, vy - rate * ny, vz - rate * nz
+                    for j in range(motion):
+                        across = vx * gain[0, j] + vy * gain[1, j] + vz * gain[2, j]
+                        along = nx * gain[3, j] + ny * gain[4, j] + nz * gain[5, j]
+                        h[j] = across / distance + along
+                    if clock.size > 0:
+                        h[motion], h[motion + 1] = 0.0, clock[1]
+                    _add_square(h, weight / variances[1], out, m, i)
+                    if errors > 0:
+                        # the error stays in the satellite's directions, which turn with it
+                        tx, ty = turn * axes[2, 0], turn * axes[2, 1]
+                        tz = turn * axes[2, 2] - omega
+                        for a in range(3):
+                            ex, ey, ez = axes[a, 0], axes[a, 1], axes[a, 2]
+                            moves = nx * (ty * ez - tz * ey) + ny * (tz * ex - tx * ez)
+                            moves += nz * (tx * ey - ty * ex)
+                            s[a] = -(vx * ex + vy * ey + vz * ez) / distance - moves
+                        s[3], s[4] = 0.0, 0.0
+                        _add_errors(h, s, weight / variances[1], roots[i], g, cross[i], own[i])
+        for i in range(n):
+            _eliminate(cross[i], own[i], out[m, i], sums[m])
+
+
+@fast_kernel
+def _add_errors(h, s, weight, root, g, cross, own):
+    """Add ``weight h^T g`` and ``weight g^T g``, with ``g = s root``."""
+    for k in range(g.size):
+        total = 0.0
+        for a in range(s.size):
+            total += s[a] * root[a, k]
+        g[k] = total
+    for k in range(g.size):
+        scaled = weight * g[k]
+        for a in range(h.size):
+            cross[a, k] += scaled * h[a]
+        for a in range(g.size):
+            own[a, k] += scaled * g[a]
+
+
+@kernel
+def _eliminate(cross, own, share, sums):
+    """Take a satellite's own errors out of what it tells, in place; see `information`."""
+    size, errors = cross.shape
+    low = np.empty((errors, errors))
+    for a in range(errors):
+        own[a, a] += 1.0
+    cholesky(own, low)  # at least the unit matrix
+    gains = np.empty((size, errors))  # F_up (I + F_pp)^-1
+    for j in range(size):
+        gains[j] = cross[j]
+        cholesky_solve(low, gains[j])
+    k = 0
+    for a in range(size):
+        for b in range(a + 1):
+            sums[0, k] += share[k]
+            for e in range(errors):
+                share[k] -= gains[a, e] * cross[b, e]
+                sums[1, k] += cross[a, e] * cross[b, e]
+                sums[2 if e < errors - 1 else 3, k] += gains[a, e] * gains[b, e]
+            k += 1
+
+
+@fast_kernel
+def _add_square(h, weight, out, m, i):
+    """Add ``weight h h^T`` to a packed matrix."""
+    k = 0
+    for a in range(h.size):
+        scaled = weight * h[a]
+        for b in range(a + 1):
+            out[m, i, k + b] += scaled * h[b]
+        k += a + 1
+
+
+@kernel
+def bounds(shares, ends, out):
+    """Posterior sigma of position (m) and velocity (m/s) at the end of each entry.
+
+    Parameters
+    ----------
+    shares
+        Information of each satellite, (m, n, d (d + 1)/2).
+    ends
+        Gains B of `fly_many` at the end, (m, 6, d).
+    out
+        Output, (m, 1 + n, 2): with all satellites, then without each of them. Roots of the
+        traces of the parts of ``B (I + F)^-1 B^T``.
+    """
+    n, size = shares.shape[1], ends.shape[2]
+    low, y, packed = np.empty((size, size)), np.empty(size), np.empty(shares.shape[2])
+    for m in range(shares.shape[0]):
+        for lost in range(-1, n):
+            k = 0
+            for a in range(size):
+                for b in range(a + 1):
+                    total = 1.0 if a == b else 0.0
+                    for i in range(n):
+                        if i != lost:
+                            total += shares[m, i, k]
+                    packed[k] = total
+                    k += 1
+            bound(packed, ends[m], low, y, out[m, 1 + lost])
+
+
+@kernel
+def bound(packed, gain, low, y, out):
+    """Roots of the traces of the position and velocity parts of ``B A^-1 B^T``.
+
+    A, packed, is the prior's unit matrix and the information; B, `gain`, is (6, d); `low` (d, d)
+    and `y` (d,) are scratch.
+    """
+    size = y.size
+    k = 0
+    # Cholesky; every eigenvalue is at least 1
+    for a in range(size):
+        for b in range(a + 1):
+            total = packed[k]
+            for c in range(b):
+                total -= low[a, c] * low[b, c]
+            low[a, b] = math.sqrt(total) if a == b else total / low[b, b]
+            k += 1
+    for part in range(2):
+        trace = 0.0
+        for i in range(3 * part, 3 * part + 3):
+            for a in range(size):
+                total = gain[i, a]
+                for c in range(a):
+                    total -= low[a, c] * y[c]
+                y[a] = total / low[a, a]
+                trace += y[a] * y[a]
+        out[part] = math.sqrt(trace)
+
+
+@kernel
+def count_in_view(seen, stops, out):
+    """How often so many satellites are in view, over all entries and epochs up to deployment.
+
+    Parameters
+    ----------
+    seen, stops
+        Of `information` and `fly_many`.
+    out
+        Output, (1 + n, n + 1): times that 0 to n are in view, with all satellites and without
+        each of them.
+    """
+    n = seen.shape[2]
+    for m in range(seen.shape[0]):
+        for t in range(stops[m] + 1):
+            count = 0
+            for i in range(n):
+                count += seen[m, t, i]
+            out[0, count] += 1
+            for i in range(n):
+                out[1 + i, count - seen[m, t, i]] += 1

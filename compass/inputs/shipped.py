@@ -1,0 +1,115 @@
+"""The designs, scenarios and studies that come with the package, and the starters of each kind."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from compass.errors import ArgumentError, near
+from compass.inputs.models import DesignFile
+from compass.inputs.reading import KINDS, read_text
+from compass.inputs.scenario_models import ScenarioFile
+from compass.inputs.study_models import StudyFile
+
+#: What each kind of file must say, and the table it is known by.
+MODELS: dict[str, type[BaseModel]] = {
+    "design": DesignFile,
+    "scenario": ScenarioFile,
+    "study": StudyFile,
+}
+_TABLES = {"design": "constellation", "scenario": "vehicle", "study": "study"}
+
+
+def model_of(kind: str) -> type[BaseModel]:
+    """Return the model of a kind of file.
+
+    Raises
+    ------
+    ArgumentError
+        There is no such kind.
+    """
+    if kind not in MODELS:
+        raise ArgumentError(f"kind = {kind!r}: allowed: {', '.join(MODELS)}")
+    return MODELS[kind]
+
+
+def folder() -> Path:
+    """Where the shipped files are: in the installed package, or beside it in a clone."""
+    package = Path(__file__).parents[1]
+    installed = package / "designs"
+    return installed if installed.is_dir() else package.parent / "designs"
+
+
+def starter(kind: str) -> Path:
+    """Return the file to start from where none is named."""
+    return Path(__file__).parent / "starters" / f"{kind}.toml"
+
+
+def source(kind: str, name: str | Path | None) -> Path:
+    """File to make a new one of a kind from: a shipped one by its name, or any by its path.
+
+    Raises
+    ------
+    ArgumentError
+        There is none of that name, or it is of another kind.
+    """
+    if name is None:
+        return starter(kind)
+    path = Path(name)
+    if path.suffix != ".toml":
+        path = folder() / f"{name}.toml"
+        if not path.is_file():
+            known = names(kind)
+            guess = "".join(f"did you mean {other}? " for other in near(str(name), known))
+            raise ArgumentError(
+                f"from = {str(name)!r}: no {kind} comes with compass under this name; {guess}"
+                f"give the path of a .toml file, or one of {', '.join(known)}"
+            )
+    if _TABLES[kind] not in (raw := tables(path)):
+        is_a = next((KINDS[t] for t in KINDS if t in raw), "of no kind")
+        raise ArgumentError(f"from = {str(name)!r}: is {is_a}, not {KINDS[_TABLES[kind]]}")
+    return path
+
+
+def names(kind: str) -> list[str]:
+    """Names of the shipped files of a kind."""
+    found = sorted(folder().glob("*.toml"))
+    return [path.stem for path in found if _TABLES[kind] in tables(path)]
+
+
+def tables(path: Path) -> dict[str, Any]:
+    """Raw tables of a file; none if it is no TOML.
+
+    Raises
+    ------
+    DesignError
+        It cannot be read.
+    """
+    try:
+        return tomllib.loads(read_text(path))
+    except (ValueError, RecursionError):
+        return {}
+
+
+def companions(path: Path) -> list[Path]:
+    """Return the files beside `path` that it names, and those that these name in turn."""
+    found: list[Path] = []
+    waiting = [path]
+    while waiting:
+        here = waiting.pop()
+        for text in _texts(tables(here)):
+            other = here.parent / text
+            a_name = len(text) < 200 and not set(text) & set("/\n")
+            if a_name and other not in (path, *found) and other.is_file():
+                found.append(other)
+                waiting += [other] if other.suffix == ".toml" else []
+    return sorted(found)
+
+
+def _texts(value: Any) -> list[str]:
+    if isinstance(value, dict):
+        return [text for inner in value.values() for text in _texts(inner)]
+    if isinstance(value, list):
+        return [text for inner in value for text in _texts(inner)]
+    return [value] if isinstance(value, str) else []

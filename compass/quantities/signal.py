@@ -1,0 +1,46 @@
+"""What a range is worth, and a fix made of ranges."""
+
+from compass.quantities.record import Quantity
+
+
+def _error(name: str, title: str, meaning: str) -> Quantity:
+    return Quantity(
+        name, "m", title, 3, "less", limits=(1.0, 100.0), ticks=(1, 2, 5, 10, 20, 50, 100),
+        meaning=f"{meaning}, one sigma, of a fix by weighted least squares on all satellites in "
+        "view; infinite with fewer than four.",
+    )  # fmt: skip
+
+
+SIGNAL = (
+    Quantity("elevation_deg", "deg", "elevation", 4, meaning="Of the satellite over the horizon."),
+    Quantity(
+        "range_error_m", "m", "range error", 3, "less",
+        meaning="Of one range to one satellite, one sigma, all terms together.",
+    ),
+    Quantity("clock_error_m", "m", "clock", 3, "less", meaning="Of the satellite, one sigma."),
+    Quantity(
+        "orbit_error_m", "m", "orbit", 3, "less",
+        meaning="The satellite's position error along the line of sight, one sigma.",
+    ),
+    Quantity("receiver_error_m", "m", "receiver", 3, "less", meaning="The user's, one sigma."),
+    Quantity(
+        "ionosphere_error_m", "m", "ionosphere", 3, "less",
+        meaning="The delay that is not taken out, the Sun overhead; counted as one sigma.",
+    ),
+    Quantity(
+        "radial_weight", "1", "share of a radial error", 4,
+        meaning="In the range of the average user.",
+    ),
+    Quantity(
+        "across_weight_inverse", "1", "1 over the square share of an along or cross error", 4,
+        meaning="In the range of the average user.",
+    ),
+    _error("error_horizontal_m", "horizontal error", "Root of the east and north variances"),
+    _error("error_vertical_m", "vertical error", "Of the height"),
+    _error("error_position_m", "position error", "Root of the three variances"),
+    _error("error_time_m", "time error", "Of the user's clock, as length"),
+    Quantity(
+        "error_share", "1", "share of area and time within the limit", 5, "more", "share",
+        (0.0, 1.0), meaning="One sigma at most the limit asked for.",
+    ),
+)  # fmt: skip
