@@ -14,6 +14,9 @@ from compass.orbits.motion import Motion
 from compass.ranging import Signal
 from compass.sites import Mask, Site
 
+#: Largest PDOP that counts as good, unless someone says otherwise.
+PDOP_MAX = 6.0
+
 #: What can stand at an end of a link.
 LinkEnd = Literal["station", "satellite", "moon", "earth"]
 
