@@ -279,3 +279,6 @@ SECTIONS: tuple[tuple[str, Callable[[Found, list[Neighbour]], Section | None]], 
     ("caps and gaps", _caps),
     ("comparison", _comparison),
 )
+
+#: How many parts `design_report` tells of: what it looks at and draws first, then the sections.
+PARTS = 7 + len(SECTIONS)
