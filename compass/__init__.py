@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.access import access
+    from compass.api.determine import determine
     from compass.api.drift import drift
     from compass.api.export import export
     from compass.api.fold import fold
@@ -53,6 +54,7 @@ __all__ = [
     "access",
     "areosynchronous_radius",
     "covariance_intersection",
+    "determine",
     "drift",
     "ephemeris",
     "export",
@@ -84,6 +86,7 @@ __all__ = [
 #: The commands, each in the file of `compass.api` that has its name.
 _COMMANDS = (
     "access",
+    "determine",
     "drift",
     "export",
     "fold",

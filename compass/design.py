@@ -13,6 +13,7 @@ from compass.orbits.constellation import Constellation
 from compass.orbits.motion import Motion
 from compass.ranging import Signal
 from compass.sites import Mask, Site
+from compass.tracking import Tracking
 
 #: What can stand at an end of a link.
 LinkEnd = Literal["station", "satellite", "moon", "earth"]
@@ -103,6 +104,8 @@ class Design:
         How the satellites move.
     signal
         The errors of ranges to the satellites, or None where nothing is known of them.
+    tracking
+        Who tracks the satellites, or None.
     text
         Of the file it was read from, for provenance; empty without one.
     label
@@ -123,6 +126,7 @@ class Design:
     radios: tuple[Radio, ...] = ()
     motion: Motion = field(default_factory=Motion)
     signal: Signal | None = None
+    tracking: Tracking | None = None
     text: str = ""
     label: str = "design"
 
