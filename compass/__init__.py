@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.access import access
+    from compass.api.check import check
     from compass.api.determine import determine
     from compass.api.drift import drift
     from compass.api.export import export
@@ -25,7 +26,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.show import show
     from compass.api.trade import trade
     from compass.api.version import version
-    from compass.design import Design
+    from compass.design import Design, Requirement
     from compass.entry.fusion import covariance_intersection, intersection_weights
     from compass.inputs import read_design
     from compass.inputs.scenario import read_scenario
@@ -49,10 +50,12 @@ __all__ = [
     "Constellation",
     "Design",
     "Mask",
+    "Requirement",
     "Site",
     "__version__",
     "access",
     "areosynchronous_radius",
+    "check",
     "covariance_intersection",
     "determine",
     "drift",
@@ -86,6 +89,7 @@ __all__ = [
 #: The commands, each in the file of `compass.api` that has its name.
 _COMMANDS = (
     "access",
+    "check",
     "determine",
     "drift",
     "export",
@@ -109,6 +113,7 @@ _HOMES = {
     "Constellation": "compass.orbits",
     "Design": "compass.design",
     "Mask": "compass.sites",
+    "Requirement": "compass.design",
     "Site": "compass.sites",
     "areosynchronous_radius": "compass.orbits",
     "covariance_intersection": "compass.entry.fusion",

@@ -7,10 +7,13 @@ from typing import TYPE_CHECKING, Any
 from compass.api.given import given_design
 from compass.api.results import Result
 from compass.design import Design
+from compass.digest import digest_of
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError
+from compass.handover.signal_toml import text_with_signal
 from compass.handover.toml import design_toml
+from compass.inputs import read_design_text
 from compass.orbits.motion import MotionModel
 from compass.quantities import quantity
 from compass.ranging import MAS, Signal
@@ -167,7 +170,11 @@ class DetermineResult(Result):
 
     def design_text(self) -> str:
         """Return the design's file with the table ``[signal]`` that this tracking implies."""
-        return design_toml(replace(self.design, signal=self.signal))
+        meant = replace(self.design, signal=self.signal)
+        text = text_with_signal(self.design.text, self.signal) if self.design.text else ""
+        if text and digest_of(read_design_text(text, self.design.label)) == digest_of(meant):
+            return text
+        return design_toml(meant)
 
     def write(self, path: str | Path) -> None:
         """Write `design_text`.

@@ -16,6 +16,7 @@ from compass.api.map import MapResult
 from compass.api.outlook import outlook
 from compass.api.reproduce import comparison_table
 from compass.api.show import show
+from compass.core.ranking import nearest_rank
 from compass.coverage.site import site_coverage
 from compass.design import Design
 from compass.document.blocks import (
@@ -32,7 +33,7 @@ from compass.orbits.symmetry import one_circle
 from compass.pages.access import access_section
 from compass.pages.answers import answer_section
 from compass.pages.coverage import count_picture, dilution_pictures, fold_pictures, one_colour
-from compass.pages.fold import fold_section, quality_table
+from compass.pages.fold import fold_section
 from compass.pages.found import Found
 from compass.pages.globe.piece import globe
 from compass.pages.globe.still import still_picture
@@ -151,12 +152,11 @@ def _accuracy(found: Found, _: list[Neighbour]) -> Section:
         "weighted by area and time. With fewer than four satellites or singular geometry a "
         "dilution of precision is infinite, and counts as such in every percentile."
     )
-    quality = quality_table(found.fold)
     return arranged(
         "Geometry and accuracy",
-        (text, *one_colour(found.mapped)),
+        (text, *found.mapped.certain(), *one_colour(found.mapped)),
         dilution_pictures(found.mapped),
-        (found.mapped.tables()[1], *([quality] if quality else [])),
+        (found.mapped.tables()[1],),
     )
 
 
@@ -227,7 +227,10 @@ def _stations(found: Found) -> Section | None:
         rows.append(values("station", known))
     table = columns("Satellites and geometry at the stations", rows)
     named = tuple((site.name, *row) for site, row in zip(design.stations, table.rows, strict=True))
-    text = "Each station on its reference figure, at its height and over its own horizon."
+    text = (
+        "Each station on its reference figure, at its height and over its own horizon. Percentiles "
+        f"and availability are of time, sampled at {mapped.dataset.attrs['epochs']} epochs."
+    )
     return arranged(
         "Stations", (text,), (), (Table(table.title, ("station", *table.header), named),)
     )
@@ -235,7 +238,7 @@ def _stations(found: Found) -> Section | None:
 
 def _nearest_rank(values: Any, q: int) -> float:
     """Return the smallest value that at least q percent of the values do not exceed."""
-    return float(np.sort(values)[max(-(-q * values.size // 100), 1) - 1])
+    return float(np.sort(values)[nearest_rank(values.size, q)])
 
 
 def _comparison(found: Found, _: list[Neighbour]) -> Section | None:

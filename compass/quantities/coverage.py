@@ -37,6 +37,15 @@ CONTINUOUS = (
         meaning="Part of the sphere and of the time with so many satellites in view.",
     ),
     Quantity(
+        "requirement_share", "1", "share for which it is so", 6, "more", "share",
+        meaning="Part of the time, or of area and time, for which a requirement is met.",
+    ),
+    Quantity(
+        "requirement_margin_deg", "deg", "horizon may rise by", 4, "more",
+        meaning="The whole horizon of the users may be so much higher, proven; negative: it is "
+        "too high by this.",
+    ),
+    Quantity(
         "alike", "1", "sets alike", form="count",
         meaning="Sets of satellites that the pattern's symmetry makes equal to this one.",
     ),
@@ -79,10 +88,6 @@ MAPS = (
     Quantity(
         "gdop_p95", "1", "GDOP, 95th percentile", 3, "less",
         meaning="Not exceeded over 95 % of area and time.",
-    ),
-    Quantity(
-        "gdop_share", "1", "share of area and time with GDOP 6 or less", 5, "more", "share",
-        meaning="Over all of Mars and the time that decides.",
     ),
     Quantity(
         "availability", "1", "share of area and time with a good PDOP", 5, "more", "share",

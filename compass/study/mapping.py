@@ -15,7 +15,7 @@ from compass.coverage.gaps import coverage_gaps, shortest_pass
 from compass.coverage.grid import Grid, make_grid
 from compass.coverage.maps import coverage_map
 from compass.coverage.view import View, view
-from compass.design import Design
+from compass.design import PDOP_MAX, Design
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits import RepeatPeriod, repeat_period
@@ -70,7 +70,7 @@ class MapOptions:
     epochs: int = 109
     mask_deg: float | None = None
     fold: int | None = None
-    pdop_max: float = 6.0
+    pdop_max: float = PDOP_MAX
     motion: MotionModel | None = None
     start_day: float = 0.0
     duration_h: float | None = None

@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 import compass
+from compass.api.map import MapResult
 from compass.inputs import read_design_text
 from compass.pages.answers import ANSWERS, answer_section, latitude_words, losses, what_to_do
 from compass.pages.found import Found
 from compass.pages.neighbours import Neighbour
+from compass.study.mapping import MapOptions, make_map
 
 FILE = """
 name = "few"
@@ -36,7 +38,7 @@ def look(fold, inclination=43.7, lost=1):
     return Found(
         design,
         compass.show(design),
-        compass.map(design, step_deg=30, epochs=2),
+        MapResult(design, make_map(design, MapOptions(step_deg=30, epochs=2))),
         compass.fold(design, losses=lost),
         None,
     )
@@ -52,7 +54,6 @@ def beside(found, *masks):
     return [Neighbour(found.design.constellation.pattern, angles, np.array(masks, float))]
 
 
-@pytest.mark.slow
 def test_what_is_met_is_said_with_its_margin_and_how_sure(met):
     rows = {row.question: row for question in ANSWERS for row in question(met)}
     coverage = rows["1 in view above 0°, everywhere"]
@@ -64,7 +65,6 @@ def test_what_is_met_is_said_with_its_margin_and_how_sure(met):
     assert "sampled" in rows["GDOP, half of area and time below"].sure
 
 
-@pytest.mark.slow
 def test_the_advice_names_the_rival_and_what_would_change_it(met):
     (words,) = what_to_do(met, beside(met, 3.0, 20.0))
     assert words.startswith("Build it as it is")
@@ -74,7 +74,6 @@ def test_the_advice_names_the_rival_and_what_would_change_it(met):
     assert "No other phasing or inclination" in words
 
 
-@pytest.mark.slow
 def test_what_is_missed_is_not_to_be_built():
     found = look(4, lost=0)
     section = answer_section(found, [], beside(found, 1.0, 2.0))

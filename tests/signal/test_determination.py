@@ -415,7 +415,7 @@ def test_what_no_tracking_can_be(make, message):
 
 def test_the_command_tells_sigmas_and_writes_the_signal(tmp_path):
     path = tmp_path / "d.toml"
-    path.write_text(TEXT.format(text=RICH, more=STATION))
+    path.write_text(TEXT.format(text=RICH, more=f"[access]\nearth = true # kept\n{STATION}"))
     found = compass.determine(path, update_h=1.0)
     told = found.to_dict()
     assert set(told["by_tracking"]) >= {"without earth", "earth alone"}
@@ -425,6 +425,8 @@ def test_the_command_tells_sigmas_and_writes_the_signal(tmp_path):
     found.write(tmp_path / "o.toml")
     again = compass.read_design(tmp_path / "o.toml")
     assert again.signal == found.signal and again.tracking == found.design.tracking
+    assert again.access.earth and "# kept" in (tmp_path / "o.toml").read_text()
+    assert "[signal]" in replace(found, design=replace(found.design, text="")).design_text()
     assert found.plot().get_legend() is not None
     found.save_plot(tmp_path / "o.png")
     assert (tmp_path / "o.png").stat().st_size > 1000
