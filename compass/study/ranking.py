@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from compass.design import Design
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, said_of
 from compass.inputs.scenario import Scenario
 from compass.study.judge import campaign_of, check_lander, judge_entries
 from compass.study.judge_filter import NOT_RUN, judge_filter
@@ -86,47 +86,49 @@ def rank_designs(
     rows: list[dict[str, Any]] = []
     kept: list[Judgement] = []
     for design in progress(designs, total=len(designs), desc="designs"):
-        place: dict[str, Any] = {"figure": design.figure, "mask": design.mask}
-        c = design.constellation
-        found = judge_entries(c, campaign, scenario, threads=threads, **place)
-        kept.append(found)
-        judged = found.figures(goal)
-        worst = worst_entry(
-            c, scenario, campaign, seed=seed, start=found, lost=found.worst_loss, **place
-        )
-        if "after_loss" in worst:
-            judged["after_loss"]["worst_found"] = worst.pop("after_loss")
-        judged["worst_found"] = worst
-        rows.append(
-            {
-                "design": design.name,
-                "file": design.label,
-                "given": len(rows) + 1,
-                "satellites": design.constellation.size,
-                **judged,
-                "answer": answer(judged, goal),
-                **NOT_RUN,
-                "surface": judge_surface(c, fold=design.fold, **place),
-            }
-        )
+        with said_of(design.label):
+            place: dict[str, Any] = {"figure": design.figure, "mask": design.mask}
+            c = design.constellation
+            found = judge_entries(c, campaign, scenario, threads=threads, **place)
+            kept.append(found)
+            judged = found.figures(goal)
+            worst = worst_entry(
+                c, scenario, campaign, seed=seed, start=found, lost=found.worst_loss, **place
+            )
+            if "after_loss" in worst:
+                judged["after_loss"]["worst_found"] = worst.pop("after_loss")
+            judged["worst_found"] = worst
+            rows.append(
+                {
+                    "design": design.name,
+                    "file": design.label,
+                    "given": len(rows) + 1,
+                    "satellites": design.constellation.size,
+                    **judged,
+                    "answer": answer(judged, goal),
+                    **NOT_RUN,
+                    "surface": judge_surface(c, fold=design.fold, **place),
+                }
+            )
     order = sorted(
         range(len(rows)),
         key=lambda k: (rows[k]["crlb_position_m"]["p95"], rows[k]["satellites"]),
     )
     for k in progress(order[:finalists], total=min(finalists, len(order)), desc="filter"):
         design = designs[k]
-        rows[k].update(
-            judge_filter(
-                design.constellation,
-                scenario,
-                samples=samples,
-                runs=runs,
-                seed=seed,
-                figure=design.figure,
-                mask=design.mask,
-                threads=threads,
+        with said_of(design.label):
+            rows[k].update(
+                judge_filter(
+                    design.constellation,
+                    scenario,
+                    samples=samples,
+                    runs=runs,
+                    seed=seed,
+                    figure=design.figure,
+                    mask=design.mask,
+                    threads=threads,
+                )
             )
-        )
         rows[k]["answer"] = believed_answer(rows[k], goal)
     record = {
         "scenario": scenario.name,

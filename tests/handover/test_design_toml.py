@@ -184,18 +184,6 @@ def neighbours(value):
     return value + np.spacing(value) * np.arange(-4, 5)
 
 
-def test_phasings_beyond_the_planes_are_the_same_satellites():
-    c = walker_delta(15, 5, 7, inclination_deg=40.1, radius_km=20000)
-    read = read_design_text(constellation_toml(c, IAU)).constellation
-    assert read.pattern.phasing == 2
-    places = [
-        sorted((round(node, 9), round(float(np.mod(m, 2 * np.pi)), 9))
-               for node, m in zip(x.raan.tolist(), x.mean_anomaly.tolist(), strict=True))
-        for x in (c, read)
-    ]  # fmt: skip
-    assert places[0] == places[1]
-
-
 def test_another_planet_is_refused():
     c = walker_delta(3, 1, 0, inclination_deg=0.0, radius_km=20000, gm=3.986e14)
     with pytest.raises(ArgumentError, match="a design file is about Mars"):
