@@ -58,7 +58,7 @@ class Part:
     name
         Of the block, see `BLOCKS`.
     sigma
-        One sigma of each of its states (one for all biases), in the block's units.
+        One sigma of each of its states, in the block's units; of biases one for all, or one each.
     considered
         Whether its uncertainty is only taken into account (Schmidt), not reduced.
     """
@@ -69,6 +69,8 @@ class Part:
 
     def __post_init__(self) -> None:
         units = block(self.name).units
+        if self.name == "bias" and len(self.sigma) > 1:
+            units *= len(self.sigma)
         if self.name in ALWAYS:
             raise ArgumentError(f"block = {self.name!r}: is always there; leave it out")
         if len(self.sigma) != len(units):
@@ -100,11 +102,21 @@ class Layout:
         for name in names:
             if names.count(name) > 1:
                 raise ArgumentError(f"block = {name!r}: given twice; leave one out")
+        for part in self.parts:
+            if len(self._sigmas(part)) != self.count(part):
+                raise ArgumentError(
+                    f"{part.name}: {len(part.sigma)} sigmas for {self.count(part)} states"
+                )
 
     @cached_property
     def order(self) -> tuple[Part, ...]:
         """Parts as they stand: estimated before considered."""
         return tuple(sorted(self.parts, key=lambda part: part.considered))
+
+    def _sigmas(self, part: Part) -> tuple[float, ...]:
+        if len(part.sigma) == 1 and part.name == "bias":
+            return part.sigma * self.beacons
+        return part.sigma
 
     def count(self, part: Part) -> int:
         """Number of states of a part."""
@@ -139,10 +151,6 @@ class Layout:
         """Covariance of the whole state from that of position and velocity, (6, 6)."""
         out = np.zeros((self.size, self.size))
         out[:6, :6] = motion
-        sigmas = [
-            sigma
-            for part in self.order
-            for sigma in (part.sigma * self.beacons if part.name == "bias" else part.sigma)
-        ]
+        sigmas = [sigma for part in self.order for sigma in self._sigmas(part)]
         out[range(6, self.size), range(6, self.size)] = np.square(sigmas)
         return out

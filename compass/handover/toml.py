@@ -11,6 +11,7 @@ from compass.frames import J2000, Figure
 from compass.handover.decimals import decimal, number
 from compass.handover.design_tables import table_lines
 from compass.handover.signal_toml import signal_lines
+from compass.handover.tracking_toml import tracking_lines
 from compass.inputs.design import KM
 from compass.inputs.toml_values import toml_text
 from compass.orbits import Constellation
@@ -35,9 +36,11 @@ def design_toml(design: Design) -> str:
         stations=design.stations,
     )
     written = "\n".join([written.rstrip("\n"), *table_lines(design), ""])
-    if design.signal is None:
-        return written
-    return "\n".join([written, *signal_lines(design.signal), ""])
+    if design.signal is not None:
+        written = "\n".join([written, *signal_lines(design.signal), ""])
+    if design.tracking is not None:
+        written = "\n".join([written, *tracking_lines(design.tracking), ""])
+    return written
 
 
 def constellation_toml(

@@ -3,13 +3,20 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from compass.api.judge import filter_table, ranking_table, surface_table, unknown_air
+from compass.api.judge import (
+    budget_table,
+    filter_table,
+    ranking_table,
+    surface_table,
+    unknown_air,
+)
 from compass.design import PDOP_MAX, Design
 from compass.document import Answer, Answers, Section, Sentence
 from compass.document.blocks import Picture, arranged
 from compass.document.numbers import significant
 from compass.entry.arrivals import draw_arrivals
 from compass.entry.campaign import Campaign
+from compass.entry.unknowns import Unknowns
 from compass.inputs.scenario import Scenario, provenance
 from compass.pages.page import render
 from compass.pictures.judge import bound_distributions, bound_map
@@ -116,13 +123,14 @@ def judge_section(
     campaign = found[0].campaign
     ranked = [designs[row["given"] - 1] for row in record["designs"]]
 
-    def judged(design: Design, on: Campaign) -> Judgement:
+    def judged(design: Design, on: Campaign, unknowns: Unknowns) -> Judgement:
         return judge_entries(
             design.constellation,
             on,
             scenario,
             figure=design.figure,
             mask=design.mask,
+            unknowns=unknowns,
             threads=threads,
         )
 
@@ -131,14 +139,14 @@ def judge_section(
     for k in range(1, BATCHES):
         again = campaign.again(draw_arrivals(samples, seed + k))
         for own, design in zip(more, ranked, strict=False):
-            own.append(judged(design, again))
+            own.append(judged(design, again, own[0].unknowns))
     unknown = ", ".join(unknown_air(record))
     paragraphs = (
         f'{campaign.size:,} entries of the lander of "{scenario.name}" to {campaign.deployment}, '
         "spread evenly over the globe, all azimuths and the repeat period. For each, the "
         f"posterior Cramer-Rao bound of position and velocity there from {_measured(scenario)} to "
         "every satellite in view, each weighted with the probability that it gets through the "
-        f"plasma{'; ' + unknown if unknown else ''}.",
+        f"plasma{'; ' + unknown if unknown else ''}. {record['counted']}",
         *(f"{row['design']}: within {goal:g} m? {row['answer']}." for row in record["designs"]),
     )
     names = [design.name for design in ranked]
@@ -146,7 +154,7 @@ def judge_section(
         bound_map([(name, own) for name, own in zip(names, more, strict=False)], goal),
         bound_distributions(names, found, goal),
     )
-    tables = [ranking_table(record["designs"])]
+    tables = [ranking_table(record["designs"]), budget_table(record["designs"])]
     run = [row for row in record["designs"] if row["nees"] is not None]
     if run:
         tables.append(filter_table(run))

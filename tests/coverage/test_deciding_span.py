@@ -117,7 +117,7 @@ def test_spans_of_regions():
 def test_a_duration_is_taken_as_it_is():
     c = walker_delta(6, 3, 1, inclination_deg=57.3, radius_km=RADIUS / 1e3)
     assert shortest_span(c, duration=100.0).stop == 100.0
-    with pytest.raises(ArgumentError, match="duration_h = -0.000277778"):
+    with pytest.raises(ArgumentError, match=r"duration_h = -0\.000277778"):
         shortest_span(c, duration=-1.0)
 
 

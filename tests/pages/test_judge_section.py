@@ -64,12 +64,12 @@ def ranking_of(designs, scenario, samples):
             {
                 "rank": rank + 1, "design": design.name, "file": design.label, "given": designs.index(design) + 1,
                 "satellites": design.constellation.size, **with_worst(found),
-                "answer": "no",
+                "budget_m": found.budget(), "answer": "no",
                 **(NOT_RUN if rank else filtered),
             }
         )  # fmt: skip
     record = {
-        "designs": rows, "samples": samples, "seed": 0, "goal_m": 10.0, "density_sigma": 0.0,
+        "designs": rows, "samples": samples, "counted": "Counted.", "seed": 0, "goal_m": 10.0, "density_sigma": 0.0,
         "lift_sigma": 0.0,
     }  # fmt: skip
     return Ranking(record, tuple(judgements))
@@ -81,7 +81,8 @@ def test_section_has_maps_distributions_and_a_table(scenario):
     section = module.judge_section(ranking, [two, three], scenario)
     assert [picture.stem for picture in section.pictures] == ["judge-map", "judge-distributions"]
     assert all(picture.png.startswith(b"\x89PNG") for picture in section.pictures)
-    table, run = section.tables
+    table, budget, run = section.tables
+    assert budget.rows[0][0] == "3 satellites"
     assert len(table.rows) == 2 and len(table.rows[0]) == len(table.header)
     assert table.rows[0][1] == "3 satellites"
     (row,) = run.rows
