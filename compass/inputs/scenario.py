@@ -39,6 +39,7 @@ from compass.inputs.scenario_models import (
 from compass.inputs.scenario_notes import scenario_notes
 from compass.orbits import Constellation, keplerian, states_mci
 from compass.orbits.states import from_states
+from compass.orbits.touching import touching
 from compass.saving import readable
 
 KM = 1e3
@@ -375,8 +376,9 @@ def _orbiters(file: ScenarioFile, model: EntryModel, folder: Path) -> tuple[Orbi
             groups.append(Orbiters(constellation, 0.0, 0.0))
     if file.beacons.design is not None:
         design = read_design(folder / file.beacons.design)
-        constellation = design.constellation
-        start = file.beacons.start_s
+        constellation, start = design.constellation, file.beacons.start_s
+        if not design.motion.is_closed_form:
+            constellation, start = touching(constellation, design.motion, start), 0.0
         angle = float(prime_meridian_angle(constellation.epoch, start))
         groups.append(Orbiters(constellation, start, angle, design.mask.highest))
     return tuple(groups)
