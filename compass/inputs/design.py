@@ -36,7 +36,7 @@ from compass.orbits import (
     walker_star,
 )
 from compass.orbits.anomaly import mean_of_true
-from compass.orbits.kinds import WALKER_DELTA, check_counts, walker_phasing
+from compass.orbits.kinds import WALKER_DELTA, check_counts, check_phasing, walker_phasing
 from compass.orbits.patterns import orbit_radius
 from compass.orbits.states import from_states
 from compass.saving import readable
@@ -275,15 +275,11 @@ def _pattern_faults(table: dict[str, Any]) -> list[str]:
             return [fault("constellation.multiplier", multiplier, allowed)]
         return []
     phasing = table.get("phasing")
-    if isinstance(phasing, int) and not isinstance(phasing, bool) and phasing >= planes:
-        return [
-            fault(
-                "constellation.phasing",
-                phasing,
-                f"allowed 0 to {planes - 1} for {planes} planes; phasing is meant modulo planes, "
-                f"so write {phasing % planes}",
-            )
-        ]
+    if isinstance(phasing, int) and not isinstance(phasing, bool) and phasing >= 0:
+        try:
+            check_phasing(phasing, planes)
+        except ArgumentError as error:
+            return [f"constellation.{error}"]
     return []
 
 

@@ -16,10 +16,7 @@ from compass.cli.main import program
 from compass.coverage.certificate import Outcome
 from compass.document import text
 from compass.errors import ArgumentError
-from compass.handover.toml import design_toml
 from compass.inputs import read_design, read_design_text
-from compass.orbits.forces import ForceModel
-from compass.orbits.gravity import built_in_field
 from compass.orbits.motion import Motion
 from compass.orbits.trimming import Trim
 from tests.test_conventions import assert_in_conventions
@@ -219,12 +216,6 @@ def test_the_elements_to_inject_fly_under_the_same_forces(found):
     assert written.startswith("# Osculating elements to inject, trimmed over 3 days.")
     assert "#   semi_major_axis_km " in written
     assert read_design_text(written).motion == Motion("numerical")
-    assert "[motion]" not in design_toml(replace(design, motion=Motion()))
-    drifting = design_toml(replace(design, motion=Motion("j2")))
-    assert read_design_text(drifting).motion == Motion("j2")
-    other = ForceModel(replace(built_in_field().truncated(4), name="mine", gm=4.2e13))
-    with pytest.raises(ArgumentError, match="the gravity field mine is in a file of its own"):
-        design_toml(replace(design, motion=Motion("numerical", other)))
 
 
 def test_elements_need_a_trim(file, tmp_path):
