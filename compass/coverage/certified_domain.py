@@ -204,7 +204,7 @@ def _check(
     if not 0 <= since < np.inf:
         raise ArgumentError(f"since = {since:g} s: must be 0 or more")
     if duration is not None and not 0 < duration < np.inf:
-        raise ArgumentError(f"duration = {duration:g} s: must be positive and finite")
+        raise ArgumentError(f"duration_h = {duration / 3600.0:g}: must be positive and finite")
 
 
 def _along(
