@@ -295,7 +295,7 @@ def test_percentiles_stop_for_want_of_time_and_at_infinity():
         ({"limit": 0.5}, "limit = 0.5"),
         ({"dop": "xdop"}, "dop = 'xdop'"),
         ({"width": 0.0}, "width = 0"),
-        ({"duration": 0.0}, "duration = 0 s"),
+        ({"duration": 0.0}, "duration_h = 0"),
         ({"place": Circle(2.0)}, "latitude_deg"),
         ({"place": Tile(0.5, 0.2, 0.0, 1.0)}, "tile"),
     ],
