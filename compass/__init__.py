@@ -24,6 +24,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.show import show
     from compass.api.trade import trade
     from compass.api.version import version
+    from compass.api.warm import warm
     from compass.design import Design
     from compass.entry.fusion import covariance_intersection, intersection_weights
     from compass.inputs import read_design
@@ -77,6 +78,7 @@ __all__ = [
     "version",
     "walker_delta",
     "walker_star",
+    "warm",
 ]
 
 #: The commands, each in the file of `compass.api` that has its name.
@@ -97,6 +99,7 @@ _COMMANDS = (
     "show",
     "trade",
     "version",
+    "warm",
 )
 
 #: Where the other public names live.
