@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.access import access
+    from compass.api.check import check
     from compass.api.drift import drift
     from compass.api.export import export
     from compass.api.fold import fold
@@ -25,7 +26,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.trade import trade
     from compass.api.version import version
     from compass.api.warm import warm
-    from compass.design import Design
+    from compass.design import Design, Requirement
     from compass.entry.fusion import covariance_intersection, intersection_weights
     from compass.inputs import read_design
     from compass.inputs.scenario import read_scenario
@@ -40,6 +41,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
         walker_star,
     )
     from compass.pages.report import report
+    from compass.pages.view import view
     from compass.sites import Mask, Site
 
 __version__ = "0.1.0"
@@ -48,10 +50,12 @@ __all__ = [
     "Constellation",
     "Design",
     "Mask",
+    "Requirement",
     "Site",
     "__version__",
     "access",
     "areosynchronous_radius",
+    "check",
     "covariance_intersection",
     "drift",
     "ephemeris",
@@ -76,6 +80,7 @@ __all__ = [
     "show",
     "trade",
     "version",
+    "view",
     "walker_delta",
     "walker_star",
     "warm",
@@ -84,6 +89,7 @@ __all__ = [
 #: The commands, each in the file of `compass.api` that has its name.
 _COMMANDS = (
     "access",
+    "check",
     "drift",
     "export",
     "fold",
@@ -107,6 +113,7 @@ _HOMES = {
     "Constellation": "compass.orbits",
     "Design": "compass.design",
     "Mask": "compass.sites",
+    "Requirement": "compass.design",
     "Site": "compass.sites",
     "areosynchronous_radius": "compass.orbits",
     "covariance_intersection": "compass.entry.fusion",
@@ -118,6 +125,7 @@ _HOMES = {
     "read_study": "compass.inputs.study",
     "report": "compass.pages.report",
     "rosette": "compass.orbits",
+    "view": "compass.pages.view",
     "walker_delta": "compass.orbits",
     "walker_star": "compass.orbits",
 } | {name: f"compass.api.{name}" for name in _COMMANDS}

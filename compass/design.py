@@ -14,6 +14,9 @@ from compass.orbits.motion import Motion
 from compass.ranging import Signal
 from compass.sites import Mask, Site
 
+#: Largest PDOP that counts as good, unless someone says otherwise.
+PDOP_MAX = 6.0
+
 #: What can stand at an end of a link.
 LinkEnd = Literal["station", "satellite", "moon", "earth"]
 
@@ -69,6 +72,78 @@ class Radio:
         return sorted(self.between) == sorted((one, two))
 
 
+#: What a requirement may limit from above.
+LIMITS = ("pdop", "gdop", "hdop", "vdop", "tdop")
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """What must be so at places; whether it is so is another matter (`compass.check`).
+
+    Attributes
+    ----------
+    name
+        What to call it.
+    sites
+        Places, each over its own horizon where that is higher than the mask.
+    regions
+        As `compass.coverage.region.read_regions` reads them; without these and sites the globe.
+    fold
+        Satellites wanted in view at once, or None.
+    mask
+        Elevation mask, radians; None for the design's.
+    limits
+        Names of `LIMITS` and the largest values allowed.
+    share
+        Part of the time, or of area and time, for which it must be so; 1 means always.
+    share_of
+        ``time``, at the worst place, or ``area-time``.
+    altitude
+        Height of the users of regions above the figure, metres.
+    losses
+        It must be so without any so many satellites.
+    """
+
+    name: str
+    sites: tuple[Site, ...] = ()
+    regions: tuple[str, ...] = ()
+    fold: int | None = None
+    mask: float | None = None
+    limits: tuple[tuple[str, float], ...] = ()
+    share: float = 1.0
+    share_of: Literal["time", "area-time"] = "time"
+    altitude: float = 0.0
+    losses: int = 0
+
+    @property
+    def claim(self) -> str:
+        """What must be so, when and where, in words."""
+        return f"{self.wanted}, {self.when}, {self.where}"
+
+    @property
+    def wanted(self) -> str:
+        """What is wanted, in words."""
+        parts = [f"{self.fold} satellites"] if self.fold is not None else []
+        parts += [f"{name.upper()} at most {limit:g}" for name, limit in self.limits]
+        after = f" without any {self.losses}" if self.losses else ""
+        return " and ".join(parts) + after
+
+    @property
+    def when(self) -> str:
+        """How much of the time, in words."""
+        if self.share == 1.0:
+            return "always"
+        of = "of the time" if self.share_of == "time" else "of area and time"
+        return f"for {100 * self.share:g} % {of}"
+
+    @property
+    def where(self) -> str:
+        """Where, in words."""
+        named = [site.name for site in self.sites] + list(self.regions)
+        high = f", {self.altitude / 1e3:g} km above the ground" if self.altitude else ""
+        return (", ".join(named) or "globe") + high
+
+
 @dataclass(frozen=True)
 class Design:
     """A constellation and what it is for. Two are equal if all their values are.
@@ -101,6 +176,8 @@ class Design:
         Radio links.
     motion
         How the satellites move.
+    requirements
+        What must be so.
     signal
         The errors of ranges to the satellites, or None where nothing is known of them.
     text
@@ -122,6 +199,7 @@ class Design:
     conjunction: float = float(np.radians(2.0))
     radios: tuple[Radio, ...] = ()
     motion: Motion = field(default_factory=Motion)
+    requirements: tuple[Requirement, ...] = ()
     signal: Signal | None = None
     text: str = ""
     label: str = "design"

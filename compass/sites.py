@@ -63,6 +63,25 @@ class Mask:
         """The largest mask elevation, radians."""
         return max(self.elevation)
 
+    def or_higher(self, other: "Mask") -> "Mask":
+        """The higher of two masks in every direction, exactly: where they cross there is a corner.
+
+        Beside the crossing another corner may be needed at azimuths that double numbers tell apart
+        no more; there the higher of both is kept.
+        """
+        if self.is_constant and other.is_constant:
+            return Mask.constant(max(self.highest, other.highest))
+        azimuths = np.union1d(self.azimuth, other.azimuth)
+        following = np.append(azimuths[1:], azimuths[0] + 2 * np.pi)
+        start = self.at(azimuths) - other.at(azimuths)
+        end = np.roll(start, -1)
+        cross = start * end < 0
+        part = start[cross] / (start[cross] - end[cross])
+        between = azimuths[cross] + part * (following - azimuths)[cross]
+        azimuths = np.union1d(azimuths, np.mod(between, 2 * np.pi))
+        highest = np.maximum(self.at(azimuths), other.at(azimuths))
+        return Mask(tuple(azimuths.tolist()), tuple(highest.tolist()))
+
     def at(self, azimuth: ArrayLike) -> NDArray[np.float64]:
         """Mask elevation, radians, at azimuths in radians (any shape)."""
         return np.interp(np.asarray(azimuth), self.azimuth, self.elevation, period=2 * np.pi)

@@ -30,16 +30,26 @@ def seed_design():
 
 
 @pytest.fixture(scope="session", autouse=True)
+def own_answers(tmp_path_factory):
+    """Keep answers that took long in a folder of the tests, not in the user's."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
 def little_to_certify():
     """Let maps show the bracket that they begin with where kernels are interpreted.
 
-    And let the room over a station's horizon be found to some degrees.
+    And let clearances over a horizon be found to some degrees.
     """
     with pytest.MonkeyPatch.context() as patch:
         if config.DISABLE_JIT:
-            patch.setattr("compass.study.certified.BUDGET_BOXES", 0)
-            patch.setattr("compass.coverage.circle.ROOM", 0.1)
-            patch.setattr("compass.coverage.circle.ROOM_BOXES", 100)
+            patch.setattr("compass.coverage.certified_geometry.BUDGET_BOXES", 0)
+            patch.setattr("compass.coverage.clearance.MARGIN_BOXES", 100)
+            patch.setattr("compass.coverage.clearance.MOST_BOXES", 500)
+            patch.setattr("compass.coverage.fold_verdict.MISSED_BOXES", 100)
+            patch.setattr("compass.coverage.fold_verdict.SHARE_BOXES", 300)
         yield
 
 

@@ -93,9 +93,9 @@ class AccessResult(Result):
         """What is left out, and the Sun's part in links to the Earth."""
         notes = []
         if self.record["latency"] is None:
-            notes.append("store and forward between stations: left out, there is too much of it")
+            notes.append("Store and forward between stations is left out: there is too much of it.")
         if clear := [r["node"] for r in self.record["eclipses"] if not r["count"]]:
-            notes.append(f"no eclipses of {', '.join(clear)}")
+            notes.append(f"No eclipses of {', '.join(clear)}.")
         if earth := self.record["earth"]:
             angle, seasons = earth["sun_earth_mars_angle_deg"], len(earth["conjunction_seasons"])
             notes.append(

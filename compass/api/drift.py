@@ -1,6 +1,8 @@
 """A design left alone on real orbits: how long it lasts, and which radius keeps itself."""
 
+import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from math import degrees
 from pathlib import Path
@@ -23,6 +25,7 @@ from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.forces import ForceModel
 from compass.orbits.motion import Motion
+from compass.orbits.trajectory import COARSE
 from compass.orbits.trimming import Trim, beat_of, trim, with_axes
 from compass.quantities import quantity
 
@@ -402,9 +405,8 @@ def drift(
         step_days=step_days,
         progress=lambda x: bar(progress, "margins", x),
     )
-    radii = tuple(
-        _at_radius(read.constellation, radius, motion, wanted, sphere, mask, stop)
-        for radius in bar(progress and len(radius_km) > 0, "radii", list(radius_km))
+    radii = at_radii(
+        read, radius_km, days=start_day + days, fold=wanted, mask=mask, progress=progress
     )
     return DriftResult(read, degrees(mask), motion.title, found, done, radii)
 
@@ -429,6 +431,34 @@ def forces_of(motion: Motion) -> ForceModel:
     return motion.forces
 
 
+def at_radii(
+    design: Design,
+    radius_km: Sequence[float],
+    *,
+    days: float,
+    fold: int,
+    mask: float,
+    progress: bool = False,
+) -> tuple[RadiusLasts, ...]:
+    """How long a design's pattern lasts at other radii, km, from the epoch on; `mask` in radians.
+
+    Raises
+    ------
+    ArgumentError
+        Orbits that form no slots, or a motion without forces.
+    """
+    sphere, motion = design.figure.equatorial_radius, real_motion(design)
+
+    def look(radius: float) -> RadiusLasts:
+        stop = days * SECONDS_PER_DAY
+        return _at_radius(design.constellation, radius, motion, fold, sphere, mask, stop)
+
+    # kernels release the interpreter, so that two radii are followed at once on two cores
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, max(len(radius_km), 1))) as pool:
+        found = bar(progress and len(radius_km) > 0, "radii", pool.map(look, radius_km))
+        return tuple(found)
+
+
 def _at_radius(
     c: "Constellation",
     radius_km: float,
@@ -451,7 +481,7 @@ def _at_radius(
         if "resonance" not in str(error):
             raise
         chosen, trimmed = moved, False
-    path = motion.trajectory(chosen, 0.0, stop)
+    path = motion.trajectory(chosen, 0.0, stop, tolerance=COARSE)
     lasts = prove_span(path, fold, sphere_radius=sphere, mask=mask, stop=stop)
     found = drift_margin(path, fold, sphere, mask, lasts.proven_until)
     return RadiusLasts(

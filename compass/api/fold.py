@@ -10,7 +10,7 @@ from compass.api.lasting import LastingResult
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.coverage.certificate import Outcome
-from compass.coverage.circle import SiteCoverage, site_coverage_for_ever
+from compass.coverage.clearance import Clearance, least_clearance, site_users
 from compass.coverage.continuous import ContinuousCoverage, continuous_coverage
 from compass.coverage.lasting import prove_span
 from compass.coverage.region import GLOBE, read_region
@@ -23,7 +23,7 @@ from compass.frames import SECONDS_PER_DAY, latitude_longitude, mcmf_from_mci, p
 from compass.orbits.motion import Motion, MotionModel
 from compass.orbits.symmetry import one_period
 from compass.quantities import quantity
-from compass.sites import Mask
+from compass.sites import Mask, Site
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,7 +55,7 @@ class FoldResult(Result):
     mask_deg: float
     region: str
     coverage: ContinuousCoverage
-    sites: tuple[SiteCoverage, ...] = ()
+    sites: tuple[tuple[Site, Clearance], ...] = ()
 
     @property
     def outcome(self) -> Outcome:
@@ -128,11 +128,11 @@ class FoldResult(Result):
                 "max_fold_bounds": found.greatest,
                 "stations": [
                     {
-                        "name": one.site.name,
-                        "outcome": one.proof.outcome,
-                        "margin_deg": None if one.room is None else degrees(one.room),
+                        "name": site.name,
+                        "outcome": _OUTCOMES[clearance.holds],
+                        "margin_deg": degrees(clearance.low),
                     }
-                    for one in self.sites
+                    for site, clearance in self.sites
                 ],
                 "after_losses": [self._after(k, sets) for k, sets in enumerate(found.losses, 1)],
             }
@@ -183,7 +183,7 @@ class FoldResult(Result):
             self.margins(),
             *self._stations(),
             *self._shares(),
-            *(self._losses(number, sets) for number, sets in enumerate(self.coverage.losses, 1)),
+            *self.losses_tables(),
             Sentence(how),
         ]
         return Page(self.design.name, tuple(blocks))
@@ -236,19 +236,19 @@ class FoldResult(Result):
     def _stations(self) -> list[Block]:
         if not self.sites:
             return []
-        room = quantity("mask_margin_deg")
+        room = quantity("requirement_margin_deg")
         rows = tuple(
             (
-                one.site.name,
-                one.proof.outcome,
-                Value(room, None if one.room is None else degrees(one.room), Proven(self.scope)),
+                site.name,
+                _OUTCOMES[clearance.holds],
+                Value(room, degrees(clearance.low), Proven(self.scope)),
             )
-            for one in self.sites
+            for site, clearance in self.sites
         )
         return [
             Table(
                 f"Stations: {self.fold} above their own horizons, at any longitude",
-                ("", "claim", "horizon may rise by at least, deg"),
+                ("", "claim", room.heading),
                 rows,
             ),
             Sentence(
@@ -280,6 +280,10 @@ class FoldResult(Result):
                 "are curves on which GDOP is infinite"
             ),
         ]
+
+    def losses_tables(self) -> tuple[Table, ...]:
+        """What is left after so many losses, a table each."""
+        return tuple(self._losses(number, s) for number, s in enumerate(self.coverage.losses, 1))
 
     def _losses(self, number: int, sets: Any) -> Table:
         cap, least = quantity("cap_radius_min_deg"), quantity("min_fold")
@@ -387,10 +391,11 @@ def fold(
         progress=lambda sets: bar(progress, "losses", sets),
     )
     region_name = found.certificate.region.name
-    sites: tuple[SiteCoverage, ...] = ()
+    sites: tuple[tuple[Site, Clearance], ...] = ()
     if region is None and duration_h is None and one_period(read.constellation):
         sites = tuple(
-            site_coverage_for_ever(read.constellation, site, wanted) for site in read.stations
+            (site, least_clearance(read.constellation, site_users(site).belt(), wanted))
+            for site in read.stations
         )
     return FoldResult(read, wanted, degrees(found.mask), region_name, found, sites)
 
@@ -440,6 +445,10 @@ def _over_days(
         stop=stop,
     )
     return LastingResult(design, degrees(mask.highest), motion.title, found)
+
+
+#: What is said of a claim that holds, fails, or is open.
+_OUTCOMES = {True: Outcome.PROVEN, False: Outcome.REFUTED, None: Outcome.UNDECIDED}
 
 
 def _settled(bounds: tuple[int, int]) -> int | None:

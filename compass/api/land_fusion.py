@@ -32,13 +32,13 @@ def fusion_words(found: FusionRuns) -> tuple[str, ...]:
         words.append("as in the source, ranges are let through the planet all the same")
     said = [". ".join(word[0].upper() + word[1:] for word in words) + "."] if words else []
     if case.arrival is not None:
-        beta = case.arrival[:, 0]
+        beta, step = case.arrival[:, 0], case.times[1] - case.times[0]
         partial = (beta < 1) & (beta > 1.0001 * beta.min())
         dark = beta <= 1.0001 * beta.min()
         said.append(
-            f"The plasma dims the ranges for {case.step * partial.sum():g} s (about "
+            f"The plasma dims the ranges for {step * partial.sum():g} s (about "
             f"{beta[partial].sum():.1f} of them get through) and stops them for "
-            f"{case.step * dark.sum():g} s."
+            f"{step * dark.sum():g} s."
         )
     if found.faulty:
         said.append("The fault: " + "; ".join(_fault_words(f) for f in found.plan.faults) + ".")

@@ -10,18 +10,21 @@ import numpy as np
 from compass.api.given import given_design
 from compass.api.progress import bar
 from compass.api.results import Result
+from compass.coverage.certified_geometry import CertifiedGeometry
+from compass.coverage.errors import ERRORS, FACTOR_95
 from compass.coverage.files import write_map
 from compass.coverage.gaps import next_prime
 from compass.coverage.maps import DOPS
-from compass.design import Design
-from compass.document import Bracket, Page, Sentence, Table, Value, Verdict
+from compass.design import PDOP_MAX, Design
+from compass.document import Bracket, Page, Sampled, Sentence, Table, Value, Verdict
 from compass.document.blocks import facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.orbits.motion import MotionModel
 from compass.quantities import QUANTITIES, quantity
 from compass.saving import replacing
-from compass.study.certified import CertifiedFigures, certified_figures
+from compass.signal.ranges import Weighting
+from compass.study.certified import certified_figures
 from compass.study.mapping import DesignMap, MapOptions, make_map
 
 if TYPE_CHECKING:
@@ -46,7 +49,7 @@ class MapResult(Result):
 
     design: Design = field(repr=False)
     made: DesignMap = field(repr=False)
-    certified: CertifiedFigures | None = None
+    certified: CertifiedGeometry | None = None
 
     @property
     def dataset(self) -> "xr.Dataset":
@@ -61,10 +64,8 @@ class MapResult(Result):
         """Numbers over all area and time; certified ones are the middle of their brackets."""
         numbers = statistics(self.dataset)
         if self.certified:
-            share, p95 = self.certified.availability, self.certified.gdop_p95
-            numbers["availability"] = share.value
-            numbers["availability_bracket"] = [share.low, share.high]
-            numbers["gdop"] |= {"p95": p95.value, "p95_bracket": [p95.low, p95.high]}
+            known = self.certified.numbers()
+            numbers |= known | {"gdop": numbers["gdop"] | known["gdop"]}
         return numbers
 
     def document(self) -> Page:
@@ -88,7 +89,8 @@ class MapResult(Result):
             (
                 Verdict("" if met else "missed", claim, met),
                 *self.tables(),
-                *self._certain(),
+                *self._errors(),
+                *(Sentence(said) for said in self.certain()),
                 Sentence(how),
                 *self._between_epochs(),
             ),
@@ -100,16 +102,57 @@ class MapResult(Result):
         evidence = Bracket(*bounds) if bounds else None
         return Value(quantity(name), numbers[name][percentile], evidence)
 
-    def _certain(self) -> list[Sentence]:
-        """What was certified, and how."""
+    def certain(self) -> tuple[str, ...]:
+        """What was certified, and how, in a sentence; nothing where nothing was."""
         if not self.certified:
-            return []
-        return [
-            Sentence(
-                "availability and the 95th percentile of GDOP lie between the bounds shown, "
-                f"everywhere and not only at cells, {self.certified.scope}"
+            return ()
+        return (
+            "Availability and the 95th percentile of GDOP lie between the bounds shown, "
+            f"everywhere and not only at cells, {self.certified.scope}.",
+        )
+
+    def _errors(self) -> tuple[Table | Sentence, ...]:
+        """Errors of fixes over area and time, with what sampling leaves of doubt."""
+        if "global_error" not in self.dataset:
+            return ()
+        made, attrs = self.dataset, self.dataset.attrs
+        percentiles = made.global_percentile.values.tolist()
+        rows = []
+        for name in ERRORS:
+            of = made.sel(error=name)
+            values = (
+                Value(
+                    quantity(name),
+                    float(value),
+                    Sampled(float(doubt) if np.isfinite(doubt) else None),
+                )
+                for value, doubt in zip(
+                    of.global_error.values, of.global_error_sampling.values, strict=True
+                )
             )
-        ]
+            share = Value(
+                quantity("error_share"),
+                float(of.global_error_share),
+                Sampled(float(of.global_error_share_sampling)),
+            )
+            rows.append((quantity(name).title, *values, share))
+        header = (
+            "",
+            *(f"p{int(q)}" for q in percentiles),
+            f"% within {attrs['error_limit_m']:g} m",
+        )
+        title = "Errors of a fix, m, one sigma: percentiles over area and time"
+        p95 = float(made.global_error.sel(error="error_horizontal_m", global_percentile=95))
+        known = "their variances" if attrs["error_weights"] == "variance" else "nothing: all alike"
+        return (
+            Table(title, header, tuple(rows)),
+            Sentence(
+                f"a user on the surface who weighs ranges by {known}: for 95 % of area and time, "
+                f"95 % of the fixes are within {FACTOR_95 * p95:.3g} m horizontally (1.96 times "
+                "one sigma, at least 95 % whatever the shape of the error ellipse); ± is a "
+                "standard error of sampling"
+            ),
+        )
 
     def _between_epochs(self) -> list[Sentence]:
         """How well gaps are known, and whether the epochs are too few for the quickest pass."""
@@ -202,12 +245,12 @@ class MapResult(Result):
         ArgumentError
             There is no such variable or percentile.
         """
-        from compass.pictures.maps import SIZE, draw_map
+        from compass.pictures.maps import LARGE, draw_map
         from compass.pictures.style import axes_or_new
 
         values, title = self._layer(name, percentile)
         known = QUANTITIES.get(name)
-        drawn = axes_or_new(axes, *SIZE)
+        drawn = axes_or_new(axes, *LARGE)
         draw_map(
             drawn,
             values.values,
@@ -216,6 +259,7 @@ class MapResult(Result):
             known.heading if known else str(values.attrs["long_name"]),
             figure_name=self.design.figure.name,
             scale=_scale(name, values),
+            wanted=self.design.fold,
         )
         return drawn
 
@@ -251,7 +295,7 @@ class MapResult(Result):
 
 def _scale(name: str, values: "xr.DataArray") -> Any:
     """How the colours of a map run."""
-    if name in DOPS:
+    if name in DOPS or name in ERRORS:
         return "dilution"
     if np.issubdtype(values.dtype, np.integer):
         return "counts"
@@ -266,10 +310,12 @@ def map(
     epochs: int = 109,
     mask_deg: float | None = None,
     fold: int | None = None,
-    pdop_max: float = 6.0,
+    pdop_max: float = PDOP_MAX,
     motion: MotionModel | None = None,
     start_day: float = 0.0,
     duration_h: float | None = None,
+    error_max_m: float = 30.0,
+    weights: Weighting = "variance",
     workers: int | None = None,
     command: str = "",
     progress: bool = False,
@@ -278,7 +324,8 @@ def map(
 
     A dilution of precision is infinite with fewer than four satellites in view; infinities count
     in every percentile and against availability. Availability and the 95th percentile of GDOP
-    over all area and time are bracketed besides, with proven bounds.
+    over all area and time are bracketed besides, with proven bounds. A design with a signal is
+    mapped in metres too.
 
     Parameters
     ----------
@@ -298,6 +345,10 @@ def map(
         Days after the epoch at which the period begins.
     duration_h
         Period to map, hours; else until the ground tracks repeat.
+    error_max_m
+        Largest error of a fix that counts as within, metres, one sigma; of designs with a signal.
+    weights
+        How a fix weighs ranges: by their ``variance``, or all ``equal``.
     workers
         Threads; by default one a core. The numbers do not depend on it.
     command
@@ -327,14 +378,26 @@ def map(
         motion=motion,
         start_day=start_day,
         duration_h=duration_h,
+        error_max_m=error_max_m,
+        weights=weights,
     )
     read = given_design(design)
     with bar(progress, "map", unit="row", leave=False) as rows:
         made = make_map(read, options, command, workers=workers, progress=rows.update)
     certified = certified_figures(read, options)
     if certified:
-        made.dataset.attrs |= certified.attrs()
+        made.dataset.attrs |= _attributes(certified)
     return MapResult(read, made, certified)
+
+
+def _attributes(certified: CertifiedGeometry) -> dict[str, Any]:
+    """Return the brackets as attributes of a dataset."""
+    known = certified.numbers()
+    return {
+        "availability_bracket": known["availability_bracket"],
+        "gdop_p95_bracket": known["gdop"]["p95_bracket"],
+        "certified_scope": certified.scope,
+    }
 
 
 def statistics(dataset: "xr.Dataset") -> dict[str, Any]:
@@ -347,7 +410,7 @@ def statistics(dataset: "xr.Dataset") -> dict[str, Any]:
         }
         for name in dataset.dop.values
     }
-    return {
+    return error_statistics(dataset) | {
         "count": {
             "min": int(dataset.count_min.min()),
             "mean": float(dataset.global_count_mean),
@@ -365,3 +428,20 @@ def statistics(dataset: "xr.Dataset") -> dict[str, Any]:
             (dataset.mean_response_time.mean("lon") * dataset.cell_share * dataset.lon.size).sum()
         ),
     }
+
+
+def error_statistics(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Percentiles of the errors of fixes over area and time, with their sampling errors."""
+    if "global_error" not in dataset:
+        return {}
+    names = [f"p{int(q)}" for q in dataset.global_percentile.values]
+    found: dict[str, Any] = {}
+    for name in dataset.error.values.tolist():
+        of = dataset.sel(error=name)
+        found[name] = dict(zip(names, of.global_error.values.tolist(), strict=True))
+        found[name]["sampling"] = dict(
+            zip(names, of.global_error_sampling.values.tolist(), strict=True)
+        )
+        found[name]["share"] = float(of.global_error_share)
+        found[name]["share_sampling"] = float(of.global_error_share_sampling)
+    return found | {"error_limit_m": dataset.attrs["error_limit_m"]}

@@ -8,12 +8,15 @@ from typing import Any
 
 from compass.api.progress import bar
 from compass.api.results import Result
-from compass.document import Page, Proven, Sentence, Table, Value, Verdict
+from compass.design import PDOP_MAX
+from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
 from compass.handover.toml import constellation_toml
 from compass.orbits import areosynchronous_radius
+from compass.orbits.kinds import ROSETTE
+from compass.orbits.pattern import rosette_notation
 from compass.quantities import quantity
 from compass.saving import replacing
 from compass.sites import Mask
@@ -29,7 +32,7 @@ class SearchResult(Result):
 
     Attributes
     ----------
-    fold, mask_deg, radius_km, figure, pattern, max_satellites
+    fold, mask_deg, radius_km, figure, pattern, max_satellites, beyond
         What was looked for.
     candidates
         What was found.
@@ -41,12 +44,20 @@ class SearchResult(Result):
     figure: str
     pattern: str
     max_satellites: int
+    beyond: int
     candidates: tuple[engine.Candidate, ...]
 
     @property
     def holds(self) -> bool:
         """Whether there is any."""
         return bool(self.candidates)
+
+    @property
+    def tried(self) -> int:
+        """Largest size that was tried."""
+        if not self.candidates:
+            return self.max_satellites
+        return min(self.candidates[0].constellation.size + self.beyond, self.max_satellites)
 
     @property
     def best(self) -> engine.Candidate:
@@ -71,8 +82,12 @@ class SearchResult(Result):
                 "figure": self.figure,
                 "pattern": self.pattern,
                 "max_satellites": self.max_satellites,
+                "beyond": self.beyond,
+                "tried": self.tried,
                 "smallest": self.best.constellation.size if self.holds else None,
-                "candidates": [candidate.as_dict() for candidate in self.candidates],
+                "candidates": [
+                    candidate.as_dict() | {"pattern": self.pattern} for candidate in self.candidates
+                ],
             }
         )
 
@@ -86,7 +101,7 @@ class SearchResult(Result):
         best = self.best.constellation
         margin = Value(quantity("mask_margin_deg"), degrees(self.best.mask_margin), Proven())
         return (
-            f"{best.size} satellites, {_notation(self.best)}, have {wanted}; highest mask "
+            f"{best.size} satellites, {self._notation(self.best)}, have {wanted}; highest mask "
             f"{margin} deg"
         )
 
@@ -97,25 +112,36 @@ class SearchResult(Result):
             return Page(title, (Verdict("none", self._claim(), False),))
         count = len(self.candidates)
         how = (
-            f"every pattern of up to {self.max_satellites} satellites at its best inclination to "
+            f"every pattern of up to {self.tried} satellites at its best inclination to "
             f"0.01 deg, by branch and bound; {count} have the fold. Highest masks are proven, "
-            "rounding on the safe side; finalists have a certificate of their own"
+            "rounding on the safe side; finalists have a certificate of their own, and GDOP and "
+            f"the share of area and time with PDOP at most {PDOP_MAX:g} between proven bounds"
         )
+        if self.tried < self.max_satellites:
+            how += (
+                f". Larger ones, up to {self.max_satellites}, were not tried: ask how many sizes "
+                "beyond the smallest to try (beyond)"
+            )
         return Page(title, (Verdict("found", self._claim(), True), self._table(), Sentence(how)))
+
+    def _notation(self, candidate: engine.Candidate) -> str:
+        """What to call a pattern, in the notation of the kind that was looked for."""
+        pattern: Any = candidate.constellation.pattern
+        if self.pattern != ROSETTE.name:
+            return str(pattern.notation)
+        return rosette_notation(pattern.satellites, pattern.planes, pattern.multiplier)
 
     def _table(self) -> Table:
         names = (
             "satellites", "inclination_deg", "cap_radius_min_deg", "mask_margin_deg",
-            "closest_approach_deg", "gdop_p95",
+            "closest_approach_deg", "gdop_p95", "availability",
         )  # fmt: skip
         rows = []
         for candidate in self.candidates:
             known = candidate.as_dict()
             certificate = "proven" if candidate.proven else ""
-            numbers = (
-                "" if known[name] is None else Value(quantity(name), known[name]) for name in names
-            )
-            rows.append((_notation(candidate), *numbers, certificate))
+            numbers = (_cell(name, known) for name in names)
+            rows.append((self._notation(candidate), *numbers, certificate))
         header = ("pattern", *(quantity(name).heading for name in names), "certificate")
         return Table("Patterns that cover", header, tuple(rows), LISTED)
 
@@ -147,6 +173,7 @@ def search(
     radius_km: float | None = None,
     altitude_km: float | None = None,
     orbit: str | None = None,
+    beyond: int = 0,
     pattern: str = "walker-delta",
     figure: str = "iau-sphere",
     finalists: int = 10,
@@ -155,15 +182,17 @@ def search(
 ) -> SearchResult:
     """Find the smallest patterns with continuous k-fold coverage of the whole sphere.
 
-    Every pattern of every size, each at its best inclination to 0.01 degree; smallest first,
-    then largest mask margin.
+    Every pattern, size after size up to the smallest that has it, each at its best inclination to
+    0.01 degree; smallest first, then largest mask margin.
 
     Parameters
     ----------
     fold
         Satellites to be in view at once.
     max_satellites
-        Largest size to try.
+        Largest size to try; the search ends sooner, with the smallest size that has the fold.
+    beyond
+        How many sizes to try beyond that one.
     mask_deg
         Elevation mask, degrees.
     radius_km, altitude_km, orbit
@@ -173,7 +202,7 @@ def search(
     figure
         Sphere that is to be covered: ``iau-sphere`` or ``kelly2018-sphere``.
     finalists
-        How many of the best get a certificate and their GDOP.
+        How many of the best get a certificate, and GDOP and availability between proven bounds.
     workers
         Threads; by default one a core. The result does not depend on it.
     progress
@@ -200,14 +229,17 @@ def search(
         fold,
         radians(mask_deg),
         radius=radius,
-        sphere_radius=sphere,
+        figure=FIGURES[figure],
         largest=max_satellites,
+        beyond=beyond,
         kind=pattern,
         finalists=finalists,
         workers=workers or os.cpu_count() or 1,
         progress=lambda work, total: bar(progress, "patterns", work, total=total),
     )
-    return SearchResult(fold, mask_deg, radius / 1e3, figure, pattern, max_satellites, tuple(found))
+    return SearchResult(
+        fold, mask_deg, radius / 1e3, figure, pattern, max_satellites, beyond, tuple(found)
+    )
 
 
 def _radius(
@@ -234,6 +266,9 @@ def _radius(
     return radius
 
 
-def _notation(candidate: engine.Candidate) -> str:
-    pattern: Any = candidate.constellation.pattern
-    return str(pattern.notation)
+def _cell(name: str, known: dict[str, Any]) -> Value | str:
+    """One number of a candidate, with what is known of it; nothing where it was not asked for."""
+    if known[name] is None:
+        return ""
+    bounds = known.get(f"{name}_bracket")
+    return Value(quantity(name), known[name], Bracket(*bounds) if bounds else Proven())

@@ -19,7 +19,14 @@ from compass.cli.shared import (
 @click.command("map")
 @design_argument
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="netCDF file to write.")
-@click.option("--figure", "picture", type=click.Path(path_type=Path), help="PNG map of the GDOP.")
+@click.option("--figure", "picture", type=click.Path(path_type=Path), help="PNG map to draw.")
+@click.option(
+    "--of",
+    "drawn",
+    default="gdop",
+    show_default=True,
+    help="What the PNG map shows: gdop, error_horizontal_m, count_min, ...",
+)
 @click.option("--step-deg", default=1.0, show_default=True, help="Cell size, 0.05 to 90 degrees.")
 @click.option(
     "--grid",
@@ -56,12 +63,26 @@ from compass.cli.shared import (
     type=float,
     help="Period to map, hours; by default until the ground tracks repeat.",
 )
+@click.option(
+    "--error-max-m",
+    default=30.0,
+    show_default=True,
+    help="Largest error of a fix that counts as within, m; of designs with a [signal].",
+)
+@click.option(
+    "--weights",
+    default="variance",
+    show_default=True,
+    type=click.Choice(["variance", "equal"]),
+    help="How a fix weighs its ranges.",
+)
 @click.option("--time-series", is_flag=True, help="Also write every epoch's counts and DOPs.")
 @json_option
 def command(
     design: Path,
     output: Path | None,
     picture: Path | None,
+    drawn: str,
     time_series: bool,
     as_json: bool,
     **options: Any,
@@ -88,7 +109,7 @@ def command(
     if output:
         made.write(output, time_series=time_series, progress=watched())
     if picture:
-        made.save_plot(picture)
+        made.save_plot(picture, drawn)
     print_result(made, as_json)
     for path in (output, picture):
         if path:

@@ -23,6 +23,13 @@ from compass.cli.shared import (
 @click.option("--orbit", type=click.Choice(["areosynchronous"]), help="An orbit by name.")
 @click.option("--max-satellites", type=int, required=True, help="Largest size to try.")
 @click.option(
+    "--beyond",
+    type=int,
+    default=0,
+    show_default=True,
+    help="Sizes to try beyond the smallest that has the fold.",
+)
+@click.option(
     "--pattern",
     type=click.Choice(["walker-delta", "walker-star", "rosette"]),
     default="walker-delta",
@@ -42,8 +49,8 @@ from compass.cli.shared import (
 def command(output: Path | None, as_json: bool, **options: Any) -> None:
     """Find the smallest pattern with continuous k-fold coverage of the whole sphere.
 
-    Every pattern of every size, each at its best inclination to 0.01 degree; smallest first,
-    then largest mask margin. Exit status 1 if there is none.
+    Every pattern, size after size up to the smallest that has it, each at its best inclination to
+    0.01 degree; smallest first, then largest mask margin. Exit status 1 if there is none.
     """
     announce_compilation()
     import compass

@@ -47,6 +47,15 @@ def dops(n, sxx, syy, szz, sxy, sxz, syz, sx, sy, sz, ux, uy, uz):
     """
     if n < 4.0:
         return math.inf, math.inf, math.inf, math.inf, math.inf
+    return weighted_dops(n, sxx, syy, szz, sxy, sxz, syz, sx, sy, sz, ux, uy, uz)
+
+
+@inline_kernel
+def weighted_dops(n, sxx, syy, szz, sxy, sxz, syz, sx, sy, sz, ux, uy, uz):
+    """`dops` of moments with a weight each, n their sum; four or more sights are taken for given.
+
+    With weights 1/sigma^2 these are no dilutions but errors: sigmas of the fix.
+    """
     w = 1.0 / n
     a, b, c = sxx - sx * sx * w, syy - sy * sy * w, szz - sz * sz * w
     d, e, f = sxy - sx * sy * w, sxz - sx * sz * w, syz - sy * sz * w
@@ -57,8 +66,8 @@ def dops(n, sxx, syy, szz, sxy, sxz, syz, sx, sy, sz, ux, uy, uz):
         return math.inf, math.inf, math.inf, math.inf, math.inf
     r = 1.0 / det
     p2 = (caa + cbb + ccc) * r
-    v2 = _quadratic(caa, cbb, ccc, cab, cac, cbc, ux, uy, uz) * r
-    t2 = w + _quadratic(caa, cbb, ccc, cab, cac, cbc, sx, sy, sz) * r * w * w
+    v2 = quadratic(caa, cbb, ccc, cab, cac, cbc, ux, uy, uz) * r
+    t2 = w + quadratic(caa, cbb, ccc, cab, cac, cbc, sx, sy, sz) * r * w * w
     return (
         math.sqrt(p2 + t2),
         math.sqrt(p2),
@@ -69,7 +78,8 @@ def dops(n, sxx, syy, szz, sxy, sxz, syz, sx, sy, sz, ux, uy, uz):
 
 
 @inline_kernel
-def _quadratic(caa, cbb, ccc, cab, cac, cbc, x, y, z):
+def quadratic(caa, cbb, ccc, cab, cac, cbc, x, y, z):
+    """Value of a symmetric form at a vector."""
     return caa * x * x + cbb * y * y + ccc * z * z + 2.0 * (cab * x * y + cac * x * z + cbc * y * z)
 
 
@@ -115,6 +125,23 @@ def _solve(tile, slant, up_z):
 
 
 @kernel
+def row_runs(r, cos_cap, azimuths, elevations, place, cos_lon, sin_lon, lon0, runs, owners):
+    """Fill the runs of columns of a row that see a satellite, and whose they are; their number.
+
+    Parameters are those of `dop_row`.
+    """
+    found = 0
+    for s in range(r.shape[0]):
+        before = found
+        found += sight_runs(
+            r[s, 0], r[s, 1], r[s, 2], cos_cap[s], azimuths, elevations, place,
+            cos_lon, sin_lon, lon0, runs[found:],
+        )  # fmt: skip
+        owners[before:found] = s
+    return found
+
+
+@kernel
 def dop_row(
     r,
     cos_cap,
@@ -152,15 +179,7 @@ def dop_row(
         Filled; shape (5, column), in the order GDOP, PDOP, HDOP, VDOP, TDOP.
     """
     m = cos_lon.size
-    found = 0
-    for s in range(r.shape[0]):
-        rx, ry, rz = r[s, 0], r[s, 1], r[s, 2]
-        before = found
-        found += sight_runs(
-            rx, ry, rz, cos_cap[s], azimuths, elevations, place, cos_lon, sin_lon, lon0,
-            runs[found:],
-        )  # fmt: skip
-        owners[before:found] = s
+    found = row_runs(r, cos_cap, azimuths, elevations, place, cos_lon, sin_lon, lon0, runs, owners)
     out_from_axis, high, square = place[OUT], place[HIGH], place[SQUARE]
     for start in range(0, m, TILE):
         width = min(TILE, m - start)

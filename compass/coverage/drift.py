@@ -18,6 +18,9 @@ from compass.orbits.trajectory import Trajectory
 #: Moments at which margin and room are given, at most.
 MOMENTS = 200
 
+#: How close bounds of the least margin come, radians, before the first loss and after it.
+KEPT, LOST = 1e-4, 5e-3
+
 
 @dataclass(frozen=True)
 class Drift:
@@ -89,8 +92,16 @@ def drift_of(
     times = np.append(np.arange(start, stop - 1.0, step * SECONDS_PER_DAY), stop)
     first = min(start + SECONDS_PER_DAY, stop)
     spans = [(start, first), *pairwise(times.tolist())]
+    lost = stop if lasting.lost_at is None else lasting.lost_at
     least = [
-        least_margins(path, fold, ends, sphere_radius=sphere_radius, mask=mask)[0]
+        least_margins(
+            path,
+            fold,
+            ends,
+            sphere_radius=sphere_radius,
+            mask=mask,
+            tolerance=KEPT if ends[0] <= lost else LOST,
+        )[0]
         for ends in progress(spans)
     ]
     room, box = None, None

@@ -1,14 +1,17 @@
-"""Parts of the sphere: a band of latitude, or a convex polygon with great-circle edges."""
+"""Parts of the sphere: bands of latitude, polygons with great-circle edges, and unions of them."""
 
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.coverage.polygon import convex_parts
 from compass.errors import ArgumentError
-from compass.frames import direction
+from compass.frames import direction, latitude_longitude
 
-_FORMS = "write lat:MIN:MAX, or polygon:LAT,LON;LAT,LON;... with three or more corners, in degrees"
+_FORMS = (
+    "write globe, lat:MIN:MAX, or polygon:LAT,LON;LAT,LON;... of three or more corners, in degrees"
+)
 
 
 @dataclass(frozen=True)
@@ -58,6 +61,30 @@ class Region:
         rise = floors * stretch
         along = np.hypot(rise, np.sqrt(1.0 - floors**2))
         return replace(self, normals=normals, floors=np.where(level, rise / along, floors))
+
+    def latitudes(self) -> tuple[float, float]:
+        """Least and greatest latitude of any point, radians.
+
+        The extremes lie at a corner, where a great-circle edge comes nearest to a pole, or at one.
+        """
+        if not self.mars_fixed:
+            south, north = -np.pi / 2, np.pi / 2
+            for normal, floor in zip(self.normals, self.floors, strict=True):
+                if normal[2] > 0:
+                    south = float(np.arcsin(floor))
+                else:
+                    north = float(-np.arcsin(floor))
+            return south, north
+        n, pole = self.normals, np.array([0.0, 0.0, 1.0])
+        corners = np.cross(n, np.roll(n, -1, axis=0))
+        turns = pole - n * n[:, 2:]
+        found = np.concatenate([corners, turns, [pole]])
+        found = np.concatenate([found, -found])
+        length = np.linalg.norm(found, axis=1)
+        found = found[length > 1e-12] / length[length > 1e-12, np.newaxis]
+        inside = np.all(found @ n.T >= self.floors - 1e-12, axis=1)
+        latitude, _ = latitude_longitude(found[inside])
+        return float(latitude.min()), float(latitude.max())
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether unit vectors (..., 3) lie inside or on the rim."""
@@ -125,25 +152,59 @@ def convex_polygon(latitudes: ArrayLike, longitudes: ArrayLike) -> Region:
     return Region("polygon", normals, np.zeros(len(normals)), mars_fixed=True)
 
 
-def read_region(text: str) -> Region:
-    """Region from its text, ``lat:MIN:MAX`` or ``polygon:LAT,LON;LAT,LON;...``, degrees.
+def polygon(latitudes: ArrayLike, longitudes: ArrayLike) -> tuple[Region, ...]:
+    """Regions that together make a polygon of any shape (corners in radians, either sense).
 
     Raises
     ------
     ArgumentError
-        Anything else.
+        As `compass.coverage.polygon.convex_parts`.
+    """
+    parts = convex_parts(latitudes, longitudes)
+    return tuple(convex_polygon(*latitude_longitude(corners)) for corners in parts)
+
+
+def read_region(text: str) -> Region:
+    """Region in one convex part from its text; see `read_regions`.
+
+    Raises
+    ------
+    ArgumentError
+        As `read_regions`, or a polygon that is not convex.
+    """
+    parts = read_regions(text)
+    if len(parts) > 1:
+        raise ArgumentError(
+            f"region = {text}: not convex; split it into convex polygons and ask for each, or put "
+            "it in a [[requirement]]"
+        )
+    return parts[0]
+
+
+def read_regions(text: str) -> tuple[Region, ...]:
+    """Convex parts of a region from its text, degrees.
+
+    ``globe``, ``lat:MIN:MAX`` or ``polygon:LAT,LON;LAT,LON;...`` of any shape, across the
+    antimeridian or around a pole too.
+
+    Raises
+    ------
+    ArgumentError
+        Anything else, or a polygon whose sides cross.
     """
     kind, _, rest = text.partition(":")
     try:
+        if text == "globe":
+            return (GLOBE,)
         if kind == "lat":
             south, north = (float(part) for part in rest.split(":"))
-            return latitude_band(np.radians(south), np.radians(north))
+            return (latitude_band(np.radians(south), np.radians(north)),)
         if kind == "polygon":
             corners = [[float(x) for x in pair.split(",")] for pair in rest.split(";")]
             latitudes, longitudes = np.array(corners).reshape(len(corners), 2).T
             if not (np.all(np.abs(latitudes) <= 90) and np.all(np.isfinite(longitudes))):
                 raise ArgumentError(f"region = {text}: latitudes must lie between -90 and 90")
-            return convex_polygon(np.radians(latitudes), np.radians(longitudes))
+            return polygon(np.radians(latitudes), np.radians(longitudes))
     except ArgumentError:
         raise
     except ValueError as error:

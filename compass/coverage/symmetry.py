@@ -185,6 +185,8 @@ def unlike_subsets(
     size: int,
     region: Region = GLOBE,
     duration: float | None = None,
+    *,
+    backwards: bool = True,
 ) -> Alike:
     """Subsets of `size` satellites of which none is another turned, delayed or run backwards.
 
@@ -196,6 +198,9 @@ def unlike_subsets(
         As in `shortest_span`.
     size
         How many satellites a subset has.
+    backwards
+        Whether what runs backwards counts as alike: not for who looks over a horizon that north
+        and south do not share.
 
     Raises
     ------
@@ -210,7 +215,7 @@ def unlike_subsets(
             f"losses = {size}: {comb(n, size)} sets of {size} among {n} satellites are more than "
             f"{MOST_SUBSETS}; ask for fewer losses"
         )
-    moves, mismatch = _relabellings(constellation, region, duration)
+    moves, mismatch = _relabellings(constellation, region, duration, backwards)
     kinds: dict[tuple[int, ...], int] = {}
     for subset in combinations(range(n), size):
         images = np.sort(moves[:, list(subset)], axis=1)
@@ -220,18 +225,20 @@ def unlike_subsets(
 
 
 def _relabellings(
-    c: Constellation, region: Region, duration: float | None
+    c: Constellation, region: Region, duration: float | None, backwards: bool = True
 ) -> tuple[NDArray[np.int64], float]:
     """Satellites that take each other's places, shape (m, n), in all that the time shows."""
     still = np.arange(c.size)[np.newaxis], 0.0
     if region.mars_fixed or not one_circle(c):
         return still
-    forwards, backwards = shifts(c), mirrors(c)
+    forwards, mirrored = shifts(c), mirrors(c)
     period = float(orbital_period(c.semi_major_axis[0], c.gm))
     if duration is None or duration >= period:
+        if not backwards:
+            return forwards.image, forwards.mismatch
         return (
-            np.concatenate([forwards.image, backwards.image]),
-            forwards.mismatch + backwards.mismatch,
+            np.concatenate([forwards.image, mirrored.image]),
+            forwards.mismatch + mirrored.mismatch,
         )
     delay = np.abs(np.mod(forwards.phase + np.pi, 2 * np.pi) - np.pi)
     turns = delay <= TOLERANCE

@@ -5,6 +5,8 @@ they cannot differ.
 """
 
 from compass.document.blocks import (
+    Answer,
+    Answers,
     Block,
     Details,
     Page,
@@ -20,6 +22,8 @@ from compass.document.numbers import Value
 from compass.document.text import text
 
 __all__ = [
+    "Answer",
+    "Answers",
     "Block",
     "Bracket",
     "Details",

@@ -4,8 +4,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from compass.document.numbers import Value
+from compass.document.numbers import Value, is_number, number_of
 from compass.quantities import QUANTITIES, quantity
+
+#: A table of more rows is folded away on a page.
+LONG = 12
 
 
 @dataclass(frozen=True)
@@ -15,6 +18,50 @@ class Verdict:
     word: str
     claim: str
     holds: bool | None = None
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One question of those who decide: its answer, whether it is met, and how sure that is.
+
+    `holds` is None where nothing was asked for that could be met or missed.
+    """
+
+    question: str
+    answer: Value | str
+    holds: bool | None = None
+    evidence: str = ""
+
+    @property
+    def mark(self) -> str:
+        """Whether it is met, in a word."""
+        return {True: "met", False: "missed", None: ""}[self.holds]
+
+    @property
+    def sure(self) -> str:
+        """How well the answer is known."""
+        known = self.answer.evidence if isinstance(self.answer, Value) else None
+        return self.evidence or ("" if known is None else str(known))
+
+    @property
+    def written(self) -> str:
+        """The answer with its unit."""
+        unit = self.answer.quantity.shown_unit if isinstance(self.answer, Value) else ""
+        return f"{self.answer} {unit}".strip()
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What is to be known first, as a table of marks."""
+
+    title: str
+    rows: tuple[Answer, ...]
+
+    @property
+    def table(self) -> "Table":
+        """The same as a table of words."""
+        rows = tuple((a.mark, a.question, a.written, a.sure) for a in self.rows)
+        return Table(self.title, ("", "question", "answer", "how sure"), rows)
 
 
 @dataclass(frozen=True)
@@ -28,13 +75,31 @@ class Sentence:
 class Table:
     """A table: title, column headings with units, rows of values, numbers or text.
 
-    `shown` rows are drawn, all if None; how many are left out is said below.
+    `shown` rows are drawn, all if None; how many are left out is said below. `nothing` is said
+    instead of a table in which every number is zero.
     """
 
     title: str
     header: tuple[str, ...]
     rows: tuple[tuple[object, ...], ...]
     shown: int | None = None
+    nothing: str = ""
+
+    @property
+    def empty(self) -> bool:
+        """Whether it is better said in its sentence: it has one, and no number but zero."""
+        cells = [cell for row in self.rows for cell in row if is_number(cell)]
+        return bool(self.nothing) and not any(number_of(cell) for cell in cells)
+
+    @property
+    def narrow(self) -> bool:
+        """Whether another may stand beside it on a page."""
+        return len(self.header) <= 4 and not self.long and not self.empty
+
+    @property
+    def long(self) -> bool:
+        """Whether it is folded away on a page."""
+        return len(self.drawn) > LONG
 
     @property
     def drawn(self) -> tuple[tuple[object, ...], ...]:
@@ -50,7 +115,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture: file stem, title (also the alternative text), caption, PNG bytes, how wide.
+    """A picture: file stem, title, caption, PNG bytes, how wide, what it shows in words.
 
     A wide one takes the width of the page, others stand two to a row.
     """
@@ -60,17 +125,22 @@ class Picture:
     caption: str
     png: bytes
     wide: bool = False
+    alt: str = ""
 
 
 @dataclass(frozen=True)
 class Interactive:
-    """A picture that answers the pointer: file stem, title, caption, HTML, the script it needs."""
+    """A picture that answers the pointer: file stem, title, caption, HTML, the script it needs.
+
+    `still` stands in its place where scripts do not run, and on paper.
+    """
 
     stem: str
     title: str
     caption: str
     html: str
     script: str
+    still: Picture | None = None
 
 
 @dataclass(frozen=True)
@@ -117,7 +187,7 @@ class Page:
     blocks: tuple["Block", ...]
 
 
-Block = Verdict | Sentence | Table | Picture | Interactive | Details | Section
+Block = Verdict | Answers | Sentence | Table | Picture | Interactive | Details | Section
 
 
 def arranged(

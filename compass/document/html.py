@@ -4,8 +4,8 @@ import base64
 from functools import cache
 from typing import TYPE_CHECKING
 
-from compass.document.blocks import Block, Page
-from compass.document.numbers import cell, is_number
+from compass.document.blocks import Block, Page, Picture, Table
+from compass.document.numbers import cell, is_number, padding
 
 if TYPE_CHECKING:
     import jinja2
@@ -26,6 +26,28 @@ def kind(block: object) -> str:
     return type(block).__name__.lower()
 
 
+def beside(block: object) -> str:
+    """Name of the row that a block may share with others of its kind; none if it stands alone."""
+    if isinstance(block, Picture):
+        return "pictures"
+    return "tables" if isinstance(block, Table) and block.narrow and block.drawn else ""
+
+
+def aligned(table: Table) -> list[list[tuple[str, str, bool]]]:
+    """Rows of a table: each cell as text, what aligns it unseen, whether it is a number."""
+    columns = []
+    for values in zip(*table.drawn, strict=True):
+        written = [cell(value) for value in values]
+        numeric = [is_number(value) for value in values]
+        several = len(written) > 1 and all(
+            number or not text for number, text in zip(numeric, written, strict=True)
+        )
+        plain = all(len(text.split()) < 2 for text in written)
+        pads = padding(written) if several and plain else [""] * len(written)
+        columns.append(list(zip(written, pads, numeric, strict=True)))
+    return [list(row) for row in zip(*columns, strict=True)]
+
+
 @cache
 def environment() -> "jinja2.Environment":
     """Return the templates, one a block, with what they need to write a cell."""
@@ -39,6 +61,8 @@ def environment() -> "jinja2.Environment":
         undefined=jinja2.StrictUndefined,
     )
     made.filters |= {
+        "aligned": aligned,
+        "beside": beside,
         "base64": in_base64,
         "cell": cell,
         "kind": kind,

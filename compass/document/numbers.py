@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, floor, isfinite, isnan, log10
 
-from compass.document.evidence import Bracket, Evidence, Sampled
+from compass.document.evidence import Bracket, Evidence, Proven, Sampled
 from compass.quantities import Quantity
 
 #: Numbers nearer to zero than this are written with a power of ten.
@@ -33,6 +33,9 @@ class Value:
         q, evidence = self.quantity, self.evidence
         if isinstance(evidence, Bracket) and evidence.low != evidence.high:
             return f"{outward(evidence.low, q, floor)} to {outward(evidence.high, q, ceil)}"
+        if isinstance(evidence, Proven) and isinstance(self.value, float) and q.better:
+            # never better than what was proven
+            return outward(self.value, q, floor if q.better == "more" else ceil)
         written = in_words(self.value, q)
         if isinstance(evidence, Sampled) and evidence.error is not None:
             scale = 100.0 if q.form == "share" else 1.0
@@ -88,13 +91,13 @@ def significant(value: float, digits: int) -> str:
 
 
 def cell(value: object) -> str:
-    """One cell of a table, whatever stands in it: a number without quantity to seven digits."""
+    """One cell of a table, whatever stands in it: a number without quantity to four digits."""
     if value is None:
         return ""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return significant(value, 7)
+        return significant(value, 4)
     return str(value)
 
 
@@ -103,3 +106,17 @@ def is_number(value: object) -> bool:
     if isinstance(value, Value):
         value = value.value
     return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def number_of(value: object) -> float:
+    """Return the number in a cell."""
+    found = value.value if isinstance(value, Value) else value
+    assert isinstance(found, int | float)
+    return float(found)
+
+
+def padding(written: list[str]) -> list[str]:
+    """What to put behind the numbers of a column, unseen, so that their decimal points align."""
+    behind = [len(entry) - entry.index(".") if "." in entry else 0 for entry in written]
+    most = max(behind, default=0)
+    return [("." if most and not long else "") + "0" * (most - max(long, 1)) for long in behind]

@@ -4,6 +4,7 @@ import textwrap
 from collections.abc import Iterable
 
 from compass.document.blocks import (
+    Answers,
     Block,
     Details,
     Interactive,
@@ -38,8 +39,10 @@ def _lines(blocks: Iterable[Block]) -> list[str]:
                 block.text, WIDTH, initial_indent="  ", subsequent_indent="  ",
                 break_long_words=False, break_on_hyphens=False,
             )  # fmt: skip
+        elif isinstance(block, Answers):
+            lines += _table(block.table)
         elif isinstance(block, Table):
-            lines += _table(block)
+            lines += [f"  {block.nothing}"] if block.empty else _table(block)
         elif isinstance(block, Section | Details):
             lines += ["", block.title, "=" * len(block.title), *_lines(block.blocks)]
         else:

@@ -33,6 +33,9 @@ def nees_bounds(states: int, runs: int, level: float = 0.95) -> tuple[float, flo
     return float(low), float(high)
 
 
+#: A run whose error at the end is more than so many times what the filter claims is lost.
+LOST = 100.0
+
 #: A consistent filter is called inconsistent once in so many flights.
 FALSE_ALARM = 1e-3
 

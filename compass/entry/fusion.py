@@ -5,8 +5,12 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.filters.common import make_work
-from compass.core.fusion import equal_weights, fast_weights, optimal_weights
+from compass.core.entry.weights import (
+    equal_weights,
+    fast_weights,
+    make_scratch,
+    optimal_weights,
+)
 from compass.errors import ArgumentError
 
 Array = NDArray[np.float64]
@@ -42,7 +46,7 @@ def intersection_weights(
     if u.shape != (n,) or not np.all(u > 0):
         raise ArgumentError(f"scale: give {n} positive sizes, one a state")
     scaled = np.ascontiguousarray(information * np.outer(u, u))
-    weights, alive, work = np.empty(m), np.ones(m, bool), make_work(n, n, m, 0)
+    weights, alive, work = np.empty(m), np.ones(m, bool), make_scratch(n, m)
     if weighting == "equal":
         equal_weights(alive, weights)
     elif weighting == "fast":

@@ -27,6 +27,7 @@ BLOCKS = (
     Block("lift", 1, ("1",), "true less known lift-to-drag ratio"),
     Block("clock", 2, ("m", "m/s"), "the receiver's clock and its drift"),
     Block("bias", None, ("m",), "bias of the ranges of each beacon"),
+    Block("imu", 3, ("m/s^2", "m/s^2", "m/s^2"), "biases of the accelerometers"),
 )
 
 #: In every state, at its head.
@@ -57,7 +58,7 @@ class Part:
     name
         Of the block, see `BLOCKS`.
     sigma
-        One sigma of each of its states (one for all biases), in the block's units.
+        One sigma of each of its states, in the block's units; of biases one for all, or one each.
     considered
         Whether its uncertainty is only taken into account (Schmidt), not reduced.
     """
@@ -68,6 +69,8 @@ class Part:
 
     def __post_init__(self) -> None:
         units = block(self.name).units
+        if self.name == "bias" and len(self.sigma) > 1:
+            units *= len(self.sigma)
         if self.name in ALWAYS:
             raise ArgumentError(f"block = {self.name!r}: is always there; leave it out")
         if len(self.sigma) != len(units):
@@ -99,11 +102,21 @@ class Layout:
         for name in names:
             if names.count(name) > 1:
                 raise ArgumentError(f"block = {name!r}: given twice; leave one out")
+        for part in self.parts:
+            if len(self._sigmas(part)) != self.count(part):
+                raise ArgumentError(
+                    f"{part.name}: {len(part.sigma)} sigmas for {self.count(part)} states"
+                )
 
     @cached_property
     def order(self) -> tuple[Part, ...]:
         """Parts as they stand: estimated before considered."""
         return tuple(sorted(self.parts, key=lambda part: part.considered))
+
+    def _sigmas(self, part: Part) -> tuple[float, ...]:
+        if len(part.sigma) == 1 and part.name == "bias":
+            return part.sigma * self.beacons
+        return part.sigma
 
     def count(self, part: Part) -> int:
         """Number of states of a part."""
@@ -131,17 +144,13 @@ class Layout:
 
     def numbers(self) -> NDArray[np.int64]:
         """Places as the kernels take them, see `compass.core.entry.measure.PLACES`."""
-        names = ("air", "lift", "clock", "bias")
+        names = ("air", "lift", "clock", "bias", "imu")
         return np.array([self.estimated, *(self.place(name) for name in names)], dtype=np.int64)
 
     def covariance(self, motion: NDArray[np.float64]) -> NDArray[np.float64]:
         """Covariance of the whole state from that of position and velocity, (6, 6)."""
         out = np.zeros((self.size, self.size))
         out[:6, :6] = motion
-        sigmas = [
-            sigma
-            for part in self.order
-            for sigma in (part.sigma * self.beacons if part.name == "bias" else part.sigma)
-        ]
+        sigmas = [sigma for part in self.order for sigma in self._sigmas(part)]
         out[range(6, self.size), range(6, self.size)] = np.square(sigmas)
         return out

@@ -50,7 +50,7 @@ class Filter:
         if np.any(~(np.asarray(self.noise) >= 0)):
             raise ArgumentError("process noise: every variance must be 0 or more")
         try:
-            _root(np.asarray(self.covariance0, dtype=float))
+            root(np.asarray(self.covariance0, dtype=float))
         except np.linalg.LinAlgError as error:
             raise ArgumentError(
                 "initial covariance: not positive definite; every sigma must be above 0"
@@ -61,7 +61,7 @@ class Filter:
         return Layout(self.parts, beacons)
 
 
-def _root(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+def root(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
     """Cholesky factor, of the correlation matrix scaled back: metres beside radians cost none."""
     scale = np.sqrt(np.diag(covariance))
     if not np.all(scale > 0):
@@ -240,7 +240,7 @@ def run_monte_carlo(
     common = (
         path,
         flight.model.flight_parameters(),
-        _root(covariance0),
+        root(covariance0),
         covariance0,
         model.flight_parameters(),
         model.vehicle.bank_schedule(),

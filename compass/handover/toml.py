@@ -12,7 +12,7 @@ from compass.handover.decimals import decimal, number
 from compass.handover.signal_toml import signal_lines
 from compass.inputs.design import KM
 from compass.inputs.toml_values import toml_text
-from compass.orbits import Constellation, areosynchronous_radius
+from compass.orbits import Constellation
 from compass.orbits.constellation import from_pattern
 from compass.sites import Mask, Site
 
@@ -106,7 +106,8 @@ def _is_laid_out(c: Constellation) -> bool:
     if c.pattern is None or abs(c.pattern.raan) > 2 * np.pi:
         return False
     radius = float(c.semi_major_axis[0])
-    return from_pattern(c.pattern, radius, name=c.name, epoch=c.epoch, gm=c.gm) == c
+    told = from_pattern(c.pattern, radius, name=c.name, epoch=c.epoch, gm=c.gm, repeat=c.repeat)
+    return told == c
 
 
 def _pattern(c: Constellation, figure: Figure) -> list[str]:
@@ -120,14 +121,19 @@ def _pattern(c: Constellation, figure: Figure) -> list[str]:
         f"inclination_deg = {_degrees(pattern.inclination)}",
         *(f"raan_deg = {_degrees(pattern.raan)}" for _ in range(pattern.raan != 0.0)),
         *(f"phase_deg = {_degrees(pattern.phase)}" for _ in range(pattern.phase != 0.0)),
-        _orbit(float(c.semi_major_axis[0]), figure),
+        _orbit(float(c.semi_major_axis[0]), c.repeat, figure),
     ]
 
 
-def _orbit(radius: float, figure: Figure) -> str:
-    """Radius of a pattern's orbits; its altitude where only that gives the same number back."""
-    if radius == areosynchronous_radius():
+def _orbit(radius: float, repeat: tuple[int, int] | None, figure: Figure) -> str:
+    """How a pattern's tracks close, if that is declared; else its radius.
+
+    Where only the altitude gives the same number back it is written instead.
+    """
+    if repeat == (1, 1):
         return 'orbit = "areosynchronous"'
+    if repeat is not None:
+        return f"repeat = {list(repeat)}"
     surface = figure.equatorial_radius
     altitude = decimal((radius - surface) / KM, lambda km: km * KM + surface, radius)
     if float(_kilometres(radius)) * KM != radius == float(altitude) * KM + surface:

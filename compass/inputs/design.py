@@ -25,6 +25,7 @@ from compass.inputs.models import (
 )
 from compass.inputs.motion import motion_faults, motion_of_table
 from compass.inputs.reading import parse, read_text
+from compass.inputs.requirements import requirement_faults, requirements_of
 from compass.inputs.signal import signal_faults, signal_of_table
 from compass.orbits import (
     Constellation,
@@ -35,6 +36,7 @@ from compass.orbits import (
 )
 from compass.orbits.anomaly import mean_of_true
 from compass.orbits.kinds import WALKER_DELTA, check_counts, walker_phasing
+from compass.orbits.patterns import orbit_radius
 from compass.orbits.states import from_states
 from compass.saving import readable
 from compass.sites import Mask, Site
@@ -62,6 +64,7 @@ def read_design_text(text: str, label: str = "design") -> Design:
     figure, folder = FIGURES[file.figure], Path(label).parent
     table = _ephemeris(file, folder, label)
     motion = motion_of_table(file.motion, folder, label, table)
+    stations = tuple(_site(station, figure) for station in file.station)
     return Design(
         name=file.name,
         source=file.source,
@@ -70,7 +73,8 @@ def read_design_text(text: str, label: str = "design") -> Design:
         constellation=_constellation(file, figure, table),
         mask=_mask(file.coverage),
         fold=file.coverage.fold,
-        stations=tuple(_site(station, figure) for station in file.station),
+        stations=stations,
+        requirements=requirements_of(file.requirement, stations),
         access=_wanted(file.access),
         access_duration=file.access.duration_sols * SOLAR_DAY.value,
         conjunction=float(np.radians(file.access.conjunction_deg)),
@@ -133,6 +137,7 @@ def _constellation(
         "radius_km": table.radius_km,
         "altitude_km": table.altitude_km,
         "orbit": table.orbit,
+        "repeat": table.repeat,
         "raan_deg": table.raan_deg,
         "phase_deg": table.phase_deg,
         "figure": figure,
@@ -211,7 +216,7 @@ def cross_faults(raw: dict[str, Any]) -> list[str]:
             faults += _satellite_faults(table.get("satellite"), figure)
         elif table.get("pattern") != "ephemeris":
             faults += _pattern_faults(table) + _orbit_faults(table, figure)
-    faults += motion_faults(raw) + signal_faults(raw)
+    faults += motion_faults(raw) + requirement_faults(raw) + signal_faults(raw)
     if isinstance(raw.get("coverage"), dict):
         faults += _horizon_faults(raw["coverage"], "coverage")
     stations, names = raw.get("station"), set()
@@ -287,14 +292,21 @@ def _count(table: dict[str, Any], key: str) -> int | None:
 
 
 def _orbit_faults(table: dict[str, Any], figure: Figure) -> list[str]:
-    given = [key for key in ("radius_km", "altitude_km", "orbit") if key in table]
+    given = [key for key in ("radius_km", "altitude_km", "orbit", "repeat") if key in table]
     faults = []
     if len(given) != 1:
         found = " and ".join(given) or "none"
         faults.append(
-            f"constellation: needs exactly one of radius_km, altitude_km and orbit; found {found}"
+            "constellation: needs exactly one of radius_km, altitude_km, orbit and repeat; found "
+            f"{found}"
         )
     radius, surface = _number(table, "radius_km"), figure.equatorial_radius / KM
+    closed = table.get("repeat")
+    if len(given) == 1 and isinstance(closed, list):
+        try:
+            orbit_radius(None, None, None, [n if isinstance(n, int) else 1 for n in closed], figure)
+        except ArgumentError as error:
+            faults.append(f"constellation.{error}")
     if radius is not None and 0 < radius <= surface:
         faults.append(
             fault(

@@ -1,4 +1,4 @@
-"""The fusion part of a scenario, turned into a navigation case, filters and faults."""
+"""The fusion part of a scenario, turned into a case with accelerometers, filters and faults."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from compass.entry.atmosphere import read_atmosphere_table
 from compass.entry.beacons import Beacons
-from compass.entry.case import NavigationCase
-from compass.entry.faults import Fault
-from compass.entry.filters import SCALE, FilterSettings
-from compass.entry.imu import Imu
+from compass.entry.faults import Fault, fault_tables
+from compass.entry.fused import FusedFilter
+from compass.entry.inertial import InertialCase
 from compass.entry.radio import PER_CM3, STAGNATION, WAKE, ElectronModel, ElectronTable
+from compass.entry.trajectory import fly
+from compass.entry.views import cartesian_of, spherical_jacobian
 from compass.errors import ArgumentError, CompassError, DesignError
 from compass.inputs.fusion_models import EstimateTable, FusionTable, RadioTable
 
@@ -44,8 +45,8 @@ class FusionPlan:
         Of the Monte Carlo.
     """
 
-    case: NavigationCase
-    filters: tuple[FilterSettings, ...]
+    case: InertialCase
+    filters: tuple[FusedFilter, ...]
     faults: tuple[Fault, ...]
     electrons: ElectronModel | ElectronTable | None
     see_through: bool
@@ -73,54 +74,49 @@ def fusion_plan(scenario: "Scenario") -> FusionPlan | None:
 
 def _plan(scenario: "Scenario", table: FusionTable) -> FusionPlan:
     beacons = scenario.beacons()
-    sigma = _range_sigma(scenario, table, beacons)
     n = len(table.process_noise_si)
     if len(table.p0_si) != n:
         raise ArgumentError(
             f"p0_si: {len(table.p0_si)} values, process_noise_si: {n}; give as many"
         )
-    noise = np.zeros(8)
+    if table.published_linear_density:
+        raise ArgumentError(
+            "published_linear_density: filters here carry ln rho0; those of the papers, with rho0 "
+            "itself, are run by compass reproduce; leave it out"
+        )
+    noise = np.array(table.process_noise_si)
+    true_noise = np.zeros(8)
     if table.noisy_truth:
-        noise[: min(n, 8)] = table.process_noise_si[:8]
-    step = float(scenario.times[1] - scenario.times[0])
-    bias = table.acceleration_bias_m_s2
-    case = NavigationCase(
+        true_noise[: min(n, 8)] = noise[:8]
+    case = InertialCase(
         scenario.name,
-        scenario.truth,
-        scenario.state,
+        fly(scenario.truth, scenario.state, scenario.times),
         beacons,
-        sigma,
-        Imu((table.acceleration_sigma_m_s2,) * 3, (bias[0], bias[1], bias[2])),
-        noise * step,
-        measurements=scenario.measurements,
+        scenario.measurements,
+        _sigma(scenario, table, beacons),
+        np.full(3, table.acceleration_sigma_m_s2),
+        np.array(table.acceleration_bias_m_s2),
+        true_noise,
     )
-    for time in scenario.model.vehicle.bank_times:
-        if 0 < time < scenario.times[-1] and abs(time / step - round(time / step)) > 1e-9:
-            raise ArgumentError(
-                f"vehicle.bank_deg: a switch at {time:g} s is no epoch; with [fusion], whose "
-                "filters step from one to the next, give whole numbers of "
-                f"entry.step_s = {step:g}"
-            )
     electrons = _electrons(table.radio, Path(scenario.label).parent)
     if electrons is not None:
         case = case.through_plasma(electrons)
-    model = _assumed(scenario.model, table.estimate)
-    start = _start(scenario.state, table.estimate)
+    first = cartesian_of(_start(scenario.state, table.estimate))
+    turned = spherical_jacobian(first) * np.sqrt(table.p0_si[:6])
     assumed = table.assumed_acceleration_sigma_m_s2 or table.acceleration_sigma_m_s2
     filters = tuple(
-        FilterSettings(
+        FusedFilter(
             algorithm,
-            model,
-            start,
-            table.p0_si,
-            np.array(table.process_noise_si) * step,
+            _assumed(scenario.model, table.estimate),
+            first,
+            turned @ turned.T,
+            np.array(table.p0_si[6:]),
+            noise,
             np.full(3, assumed**2),
-            sigma**2,
             random_start=table.random_start,
-            parameter_sigma=(table.known_to[0], table.known_to[1]),
-            published_linear_density=table.published_linear_density,
+            known_to=(table.known_to[0], table.known_to[1]),
             weighting=table.weighting,
-            scale=SCALE[:n] if table.scaled_weights else None,
+            scaled=table.scaled_weights,
             weight_floor=table.weight_floor,
             gate_sigma=table.gate_sigma or np.inf,
             gate_start=table.gate_start_s,
@@ -131,24 +127,24 @@ def _plan(scenario: "Scenario", table: FusionTable) -> FusionPlan:
         Fault(f.kind, f.beacon, f.start_s, np.inf if f.end_s is None else f.end_s, f.size_m)
         for f in table.fault
     )
-    case.world(faults)  # says now what is wrong with them
+    fault_tables(faults, case.times, beacons.names)  # says now what is wrong with them
     return FusionPlan(
         case, filters, faults, electrons, table.see_through_planet, scenario.runs, scenario.seed
     )
 
 
-def _range_sigma(scenario: "Scenario", table: FusionTable, beacons: Beacons) -> NDArray[np.float64]:
-    """Range noise of each beacon, m: the table's own, or that of the measurements."""
-    common = scenario.measurements.range_sigma
-    if table.range_sigma_m is None and common is None:
-        raise ArgumentError("range_sigma_m: missing, and [measurements] has none either; give one")
-    given = table.range_sigma_m or [common or 0.0] * beacons.size
-    if len(given) != beacons.size:
-        raise ArgumentError(
-            f"range_sigma_m: {len(given)} values for {beacons.size} beacons "
-            f"({', '.join(beacons.names)}); give one each"
-        )
-    return np.array(given)
+def _sigma(scenario: "Scenario", table: FusionTable, beacons: Beacons) -> NDArray[np.float64]:
+    """Noise of each beacon's ranges (m), by the table's own numbers, and range rates (m/s)."""
+    common = (scenario.measurements.range_sigma, scenario.measurements.rate_sigma)
+    out = np.tile([np.nan if sigma is None else sigma for sigma in common], (beacons.size, 1))
+    if table.range_sigma_m is not None:
+        if len(table.range_sigma_m) != beacons.size:
+            raise ArgumentError(
+                f"range_sigma_m: {len(table.range_sigma_m)} values for {beacons.size} beacons "
+                f"({', '.join(beacons.names)}); give one each"
+            )
+        out[:, 0] = table.range_sigma_m
+    return out
 
 
 def _electrons(table: RadioTable | None, folder: Path) -> ElectronModel | ElectronTable | None:

@@ -95,7 +95,7 @@ class FusionTable(Table):
         description="sigma of ln rho0 and L/D taken as known, for filters of six states",
     )
     published_linear_density: bool = Field(
-        False, description="carry rho0 itself as the seventh state, as the papers print it"
+        False, description="rho0 itself as the seventh state: in compass reproduce alone"
     )
     acceleration_sigma_m_s2: Positive = Field(description="accelerometer noise, m/s^2")
     acceleration_bias_m_s2: Triple = Field(

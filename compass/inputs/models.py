@@ -6,17 +6,19 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from compass.design import LinkEnd
+from compass.inputs.requirements import RequirementTable
 from compass.inputs.signal import SignalTable
 from compass.inputs.table import Table
 
 SatelliteCount = Annotated[int, Field(ge=1, le=10_000)]
 Inclination = Annotated[float, Field(ge=0, le=180)]
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+Rotations = Annotated[int, Field(ge=1, le=1000)]
 Kilometres = Annotated[float, Field(gt=0, le=1e7)]
 
 
 class CircularOrbit(Table):
-    """How high the circular orbits of a pattern are: exactly one of the three."""
+    """How high the circular orbits of a pattern are: exactly one of the four."""
 
     radius_km: Kilometres | None = Field(None, description="orbit radius from Mars's centre, km")
     altitude_km: Kilometres | None = Field(
@@ -24,6 +26,9 @@ class CircularOrbit(Table):
     )
     orbit: Literal["areosynchronous"] | None = Field(
         None, description="areosynchronous: the radius that keeps pace with Mars"
+    )
+    repeat: Annotated[list[Rotations], Field(min_length=2, max_length=2)] | None = Field(
+        None, description="[revolutions, rotations of Mars] after which ground tracks close"
     )
 
 
@@ -224,5 +229,8 @@ class DesignFile(Table):
     )
     link: list[LinkTable] = Field(
         default_factory=list, max_length=100, description="one [[link]] a kind of radio link"
+    )
+    requirement: list[RequirementTable] = Field(
+        default_factory=list, max_length=100, description="one [[requirement]] a thing wanted"
     )
     signal: SignalTable | None = Field(None, description="what a user's ranges are worth")

@@ -32,6 +32,9 @@ class Constellation:
         One name a satellite.
     gm
         Gravitational parameter, m^3/s^2.
+    repeat
+        Revolutions and rotations of Mars after which the ground tracks are declared to close, for
+        ever; None where nobody says so, however near to closed they are.
     """
 
     name: str
@@ -44,6 +47,7 @@ class Constellation:
     epoch: float = 0.0
     satellite_names: tuple[str, ...] = ()
     gm: float = MARS_GM.value
+    repeat: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         for name in ELEMENTS:
@@ -89,7 +93,9 @@ class Constellation:
         both: dict[str, Any] = {
             e: np.concatenate([getattr(self, e), getattr(other, e)]) for e in ELEMENTS
         }
-        return replace(self, name=f"{self.name} + {other.name}", satellite_names=names, **both)
+        repeat = self.repeat if self.repeat == other.repeat else None
+        name = f"{self.name} + {other.name}"
+        return replace(self, name=name, satellite_names=names, repeat=repeat, **both)
 
     @property
     def size(self) -> int:
@@ -164,6 +170,7 @@ def keplerian(
     epoch: float = 0.0,
     satellite_names: Sequence[str] = (),
     gm: float = MARS_GM.value,
+    repeat: tuple[int, int] | None = None,
 ) -> Constellation:
     """Make a constellation from elements in metres and radians; scalars stand for every satellite.
 
@@ -173,7 +180,7 @@ def keplerian(
     ----------
     semi_major_axis, eccentricity, inclination, raan, argument_of_periapsis, mean_anomaly
         Broadcast to a common shape (n,).
-    name, epoch, satellite_names, gm
+    name, epoch, satellite_names, gm, repeat
         As in `Constellation`; satellites without names are numbered.
 
     Raises
@@ -202,7 +209,7 @@ def keplerian(
     if len(names) != a.size:
         raise ArgumentError(f"satellite_names: {len(names)} names for {a.size} satellites")
     laid: dict[str, Any] = dict(zip(ELEMENTS, elements, strict=True))
-    return Constellation(name, epoch=epoch, satellite_names=names, gm=gm, **laid)
+    return Constellation(name, epoch=epoch, satellite_names=names, gm=gm, repeat=repeat, **laid)
 
 
 def from_pattern(
@@ -212,6 +219,7 @@ def from_pattern(
     name: str = "",
     epoch: float = 0.0,
     gm: float = MARS_GM.value,
+    repeat: tuple[int, int] | None = None,
 ) -> Constellation:
     """Lay out a symmetric pattern on circular orbits of one radius (metres)."""
     raan, along = pattern.angles()
@@ -226,4 +234,5 @@ def from_pattern(
         epoch=epoch,
         satellite_names=pattern.satellite_names(),
         gm=gm,
+        repeat=repeat,
     )

@@ -9,7 +9,9 @@ it back, as fast as it may go to turn just before the other edge under the push 
     u' = -+ sqrt(2 (|u| + w) |u''|),    dv = -a du' / 3 .
 
 For a constant push that gives a burn every ``4 sqrt(w / |u''|)`` and ``a |u''| / 3`` of delta-v a
-second, whatever the box; here both are outcomes.
+second, whatever the box; here both are outcomes. About an unstable point of the field there is no
+turning before the other edge: a satellite that comes out there is sent less far by half from then
+on, so that it turns before that point.
 """
 
 from collections.abc import Callable, Sequence
@@ -24,7 +26,7 @@ from compass.frames import SECONDS_PER_DAY
 from compass.orbits.constellation import Constellation
 from compass.orbits.ellipse import elliptic
 from compass.orbits.forces import ForceModel
-from compass.orbits.trajectory import Trajectory, integrate
+from compass.orbits.trajectory import COARSE, Trajectory, integrate
 from compass.orbits.trimming import angular_rates, with_axes
 
 #: Revolutions over which the push is fitted before the first burn, and at most later.
@@ -115,7 +117,7 @@ def keep_slots(
     for k in progress(list(range(count))):
         path = integrate(
             r, v, forces, time + period, start=time, epoch=c.epoch,
-            satellite_names=c.satellite_names,
+            satellite_names=c.satellite_names, tolerance=COARSE,
         )  # fmt: skip
         gone, mean = _turn_and_mean(path)
         mean, theta, time = theta + mean, theta + gone, time + period
@@ -145,6 +147,8 @@ class _Slots:
         self.rate = 0.0
         # impulses so far: their moments, and what they did to each satellite's rate
         self.history: list[tuple[float, NDArray[np.float64]]] = []
+        # how far each may be sent, of the way to the other edge; on which side it burnt last
+        self.reach, self.side = np.ones(size), np.zeros(size)
         self.spent, self.worst = np.zeros(size), np.zeros(size)
         self.burns = np.zeros(size, dtype=np.int64)
         self.pushes: list[NDArray[np.float64]] = []
@@ -164,7 +168,10 @@ class _Slots:
         self.pushes.append(push)
         side = np.sign(place)
         out = (np.abs(place) >= self.half_width) & (speed * side > 0.0)
-        way = np.abs(place) + self.half_width  # to the other edge
+        across = out & (self.side == -side)
+        self.reach = np.where(across, 0.5 * self.reach, self.reach)
+        self.side = np.where(out, side, self.side)
+        way = self.reach * (np.abs(place) + self.half_width)  # up to the other edge
         wanted = -side * np.sqrt(2.0 * way * np.maximum(np.abs(push), WEAKEST))
         change = np.where(out, wanted - speed, 0.0)
         # the impulse comes half a revolution after the average's moment

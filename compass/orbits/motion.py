@@ -7,6 +7,7 @@ over a span.
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from threading import Lock
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
@@ -27,6 +28,7 @@ MODELS: tuple[MotionModel, ...] = get_args(MotionModel)
 #: Integrated trajectories that are kept, newest last: pages ask for the same one again and again.
 _KEPT: "OrderedDict[str, Trajectory]" = OrderedDict()
 MOST_KEPT = 8
+_KEEPING = Lock()
 
 
 @dataclass(frozen=True)
@@ -107,10 +109,12 @@ class Motion:
         start: float,
         stop: float,
         progress: Callable[[Sequence[Any]], Any] = iter,
+        tolerance: float | None = None,
     ) -> "Trajectory":
         """Paths over a span that reaches from `start` to `stop`, seconds after the epoch, or more.
 
-        Integrated ones are followed from the epoch, and kept for the next who asks for the same.
+        Integrated ones are followed from the epoch, to `tolerance` as of `integrate` if given, and
+        kept for the next who asks for the same.
 
         Raises
         ------
@@ -118,7 +122,7 @@ class Motion:
             A span outside the table, on both sides of the epoch under forces, or with a fall.
         """
         from compass.orbits.ellipse import elliptic
-        from compass.orbits.trajectory import integrate, through
+        from compass.orbits.trajectory import TOLERANCE, integrate, through
 
         if stop <= start:
             raise ArgumentError(
@@ -144,8 +148,10 @@ class Motion:
             raise ArgumentError("span: orbits under forces are followed one way from the epoch")
         end = start if start < 0.0 else stop
         r, v = elliptic(replace(c, gm=self.forces.field.gm), np.zeros(1))
-        key = digest_of((c.epoch, c.satellite_names, r, v, self.forces))
-        known = _KEPT.get(key)
+        wanted = TOLERANCE if tolerance is None else tolerance
+        key = digest_of((c.epoch, c.satellite_names, r, v, self.forces, wanted))
+        with _KEEPING:
+            known = _KEPT.get(key)
         if known is None or not known.start <= end <= known.stop:
             known = integrate(
                 r[:, 0],
@@ -154,12 +160,14 @@ class Motion:
                 end,
                 epoch=c.epoch,
                 satellite_names=c.satellite_names,
+                tolerance=wanted,
                 progress=progress,
             )
+        with _KEEPING:
             _KEPT[key] = known
-        _KEPT.move_to_end(key)
-        while len(_KEPT) > MOST_KEPT:
-            _KEPT.popitem(last=False)
+            _KEPT.move_to_end(key)
+            while len(_KEPT) > MOST_KEPT:
+                _KEPT.popitem(last=False)
         return known
 
 

@@ -19,7 +19,7 @@ from compass.orbits.kinds import (
     walker_phasing,
 )
 from compass.orbits.pattern import Pattern, rosette_notation
-from compass.orbits.period import areosynchronous_radius
+from compass.orbits.period import areosynchronous_radius, repeat_radius
 
 KM = 1e3
 
@@ -33,6 +33,7 @@ def walker_delta(
     radius_km: float | None = None,
     altitude_km: float | None = None,
     orbit: str | None = None,
+    repeat: Sequence[int] | None = None,
     raan_deg: float = 0.0,
     phase_deg: float = 0.0,
     figure: Figure = DEFAULT_FIGURE,
@@ -51,9 +52,10 @@ def walker_delta(
         t, p and f; f is meant modulo p.
     inclination_deg
         0 to 180 degrees.
-    radius_km, altitude_km, orbit
-        One of them: radius from Mars's centre, altitude over the figure's equator, or
-        ``"areosynchronous"``.
+    radius_km, altitude_km, orbit, repeat
+        One of them: radius from Mars's centre, altitude over the figure's equator,
+        ``"areosynchronous"``, or revolutions and rotations of Mars after which the ground tracks
+        close. Only with the last two do they count as closed.
     raan_deg, phase_deg
         Node and argument of latitude of the first satellite, degrees.
     figure
@@ -65,7 +67,7 @@ def walker_delta(
     ------
     ArgumentError
         The satellites do not divide into the planes, an inclination out of range, an orbit that
-        is not above the surface, none or several of radius_km, altitude_km and orbit.
+        is not above the surface, none or several of radius_km, altitude_km, orbit and repeat.
 
     References
     ----------
@@ -78,11 +80,11 @@ def walker_delta(
     >>> c.pattern.notation, c.size
     ('45°: 15/5/1', 15)
     """
-    radius = orbit_radius(radius_km, altitude_km, orbit, figure)
+    radius, closed = orbit_radius(radius_km, altitude_km, orbit, repeat, figure)
     pattern = _walker(
         WALKER_DELTA, satellites, planes, phasing, inclination_deg, raan_deg, phase_deg
     )
-    return from_pattern(pattern, radius, name=name, epoch=epoch, gm=gm)
+    return from_pattern(pattern, radius, name=name, epoch=epoch, gm=gm, repeat=closed)
 
 
 def walker_star(
@@ -94,6 +96,7 @@ def walker_star(
     radius_km: float | None = None,
     altitude_km: float | None = None,
     orbit: str | None = None,
+    repeat: Sequence[int] | None = None,
     raan_deg: float = 0.0,
     phase_deg: float = 0.0,
     figure: Figure = DEFAULT_FIGURE,
@@ -116,11 +119,11 @@ def walker_star(
     >>> compass.walker_star(66, 6, 2, inclination_deg=86.4, altitude_km=780).pattern.kind
     'walker-star'
     """
-    radius = orbit_radius(radius_km, altitude_km, orbit, figure)
+    radius, closed = orbit_radius(radius_km, altitude_km, orbit, repeat, figure)
     pattern = _walker(
         WALKER_STAR, satellites, planes, phasing, inclination_deg, raan_deg, phase_deg
     )
-    return from_pattern(pattern, radius, name=name, epoch=epoch, gm=gm)
+    return from_pattern(pattern, radius, name=name, epoch=epoch, gm=gm, repeat=closed)
 
 
 def rosette(
@@ -132,6 +135,7 @@ def rosette(
     radius_km: float | None = None,
     altitude_km: float | None = None,
     orbit: str | None = None,
+    repeat: Sequence[int] | None = None,
     raan_deg: float = 0.0,
     phase_deg: float = 0.0,
     figure: Figure = DEFAULT_FIGURE,
@@ -147,7 +151,9 @@ def rosette(
         N and P.
     multiplier
         m: an integer 0 ... N-1 for P = N, else a multiple of P/N such as ``"1/4"`` or 1.75.
-    inclination_deg, radius_km, altitude_km, orbit, raan_deg, phase_deg, figure, name, epoch, gm
+    inclination_deg, radius_km, altitude_km, orbit, repeat
+        As in `walker_delta`.
+    raan_deg, phase_deg, figure, name, epoch, gm
         As in `walker_delta`.
 
     Raises
@@ -177,6 +183,7 @@ def rosette(
         radius_km=radius_km,
         altitude_km=altitude_km,
         orbit=orbit,
+        repeat=repeat,
         raan_deg=raan_deg,
         phase_deg=phase_deg,
         figure=figure,
@@ -258,27 +265,42 @@ def orbit_radius(
     radius_km: float | None,
     altitude_km: float | None,
     orbit: str | None,
+    repeat: Sequence[int] | None = None,
     figure: Figure = DEFAULT_FIGURE,
-) -> float:
-    """Radius of circular orbits, metres, of the one of the three that is given.
+) -> tuple[float, tuple[int, int] | None]:
+    """Radius of circular orbits, metres, of the one of the four that is given.
+
+    Returns
+    -------
+    radius, repeat
+        Metres; revolutions and rotations of Mars after which the track is declared to close.
 
     Raises
     ------
     ArgumentError
         None or several of them, an orbit of another name, a radius that is not above the surface.
     """
-    options = {"radius_km": radius_km, "altitude_km": altitude_km, "orbit": orbit}
+    options = {"radius_km": radius_km, "altitude_km": altitude_km, "orbit": orbit, "repeat": repeat}
     given = [name for name, value in options.items() if value is not None]
     if len(given) != 1:
         raise ArgumentError(
-            "orbit: needs exactly one of radius_km, altitude_km and orbit; found "
+            "orbit: needs exactly one of radius_km, altitude_km, orbit and repeat; found "
             f"{' and '.join(given) or 'none'}"
         )
+    surface = figure.equatorial_radius
     if orbit is not None:
         if orbit != "areosynchronous":
             raise ArgumentError(f"orbit = {orbit!r}: allowed areosynchronous")
-        return areosynchronous_radius()
-    surface = figure.equatorial_radius
+        return areosynchronous_radius(), (1, 1)
+    if repeat is not None:
+        closed = _closed(repeat)
+        radius = repeat_radius(*closed)
+        if not radius > surface:
+            raise ArgumentError(
+                f"repeat = {list(closed)}: so many revolutions need a radius of {radius / KM:.6g} "
+                f"km, which is not above the surface ({surface / KM:g} km); ask for fewer"
+            )
+        return radius, closed
     radius = radius_km * KM if radius_km is not None else (altitude_km or 0.0) * KM + surface
     if not (np.isfinite(radius) and radius > surface):
         least = surface / KM if radius_km is not None else 0.0
@@ -287,7 +309,18 @@ def orbit_radius(
             f"{given[0]} = {options[given[0]]:g}: is not above the surface; must be more than "
             f"{least:g} km{hint}"
         )
-    return float(radius)
+    return float(radius), None
+
+
+def _closed(repeat: Sequence[int]) -> tuple[int, int]:
+    """Revolutions and rotations in lowest terms: no sooner does a track close."""
+    if len(repeat) != 2 or any(int(n) != n or not 1 <= n <= 1000 for n in repeat):
+        raise ArgumentError(
+            f"repeat = {list(repeat)}: must be two whole numbers from 1 to 1000, revolutions and "
+            "rotations of Mars"
+        )
+    whole = Fraction(int(repeat[0]), int(repeat[1]))
+    return whole.numerator, whole.denominator
 
 
 def _walker(

@@ -72,6 +72,15 @@ def areosynchronous_radius(
     return float(brentq(pace, 0.99 * kepler, 1.01 * kepler, xtol=1e-6, rtol=1e-14))
 
 
+def repeat_radius(revolutions: int, rotations: int, gm: float = MARS_GM.value) -> float:
+    """Radius at which so many revolutions take so many rotations of Mars, two-body, metres.
+
+    ``a = (GM/n^2)^(1/3)`` with ``n = omega revolutions/rotations``: the ground track closes.
+    """
+    motion = MARS_ROTATION_RATE.value * (revolutions / rotations)
+    return float((gm / motion**2) ** (1.0 / 3.0))
+
+
 @dataclass(frozen=True)
 class RepeatPeriod:
     """The time after which the ground tracks repeat, as nearly as they do.

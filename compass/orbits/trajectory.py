@@ -23,8 +23,9 @@ from compass.orbits.forces import ForceModel, Sky, sky_of
 NODES = 16
 
 #: What the last terms of a step's series may measure, m: at 1e-6 the ends of steps are exact to
-#: rounding, at 1e-3 they are not. First step in radians of the fastest satellite's turn.
-TOLERANCE, FIRST = 1e-6, 1.6
+#: rounding, at `COARSE` they are not (60 m in a Mars year), for a third of the time. First step in
+#: radians of the fastest satellite's turn.
+TOLERANCE, COARSE, FIRST = 1e-6, 1e-3, 1.6
 
 #: Steps that a call of the kernel has room for, and seconds between two signs of life.
 CHUNK, WINDOW = 256, 25.0 * SECONDS_PER_DAY
@@ -173,7 +174,8 @@ def integrate(
     Gauss-Legendre collocation of order 32, its steps sized so that the polynomial leaves out less
     than `tolerance`. `Trajectory.errors` adds to that what unfinished sweeps and rounding can have
     grown to: a step's error in position d moves a satellite by up to ``6 n d t`` along its track
-    t later (Clohessy and Wiltshire 1960), and all steps count as if they erred the same way.
+    t later (Clohessy and Wiltshire 1960), and all steps count as if they erred the same way. Where
+    `tolerance` is above `TOLERANCE` the ends of steps count as off by all of it.
 
     Parameters
     ----------
@@ -232,6 +234,7 @@ def integrate(
     errors = np.concatenate([part[2] for part in parts])
     number = np.arange(1, len(errors) + 1)[:, None]
     unfinished = 1e-3 * PASS_END * np.linalg.norm(states[:, :3], axis=1)
+    unfinished = unfinished + (tolerance if tolerance > TOLERANCE else 0.0)
     elapsed = np.abs(breaks[1:] - breaks[0])[:, None]
     errors = errors + unfinished * number * (4.0 + 3.0 * turn * elapsed)
     if stop < start:

@@ -26,10 +26,13 @@ from compass.orbits.constellation import Constellation
 from compass.orbits.forces import ForceModel
 from compass.orbits.motion import Motion
 from compass.orbits.period import secular_rates
-from compass.orbits.trajectory import Trajectory
+from compass.orbits.trajectory import COARSE, Trajectory
 
-#: Corrections of the axes, and beats that the horizon must hold.
+#: Corrections of the axes at most, and beats that the horizon must hold.
 ROUNDS, BEATS = 4, 4.0
+
+#: Share of the excursion below which what the rates part by in the horizon is left alone.
+GOOD = 0.05
 
 #: Longest horizon that is followed for a trim, s: two Mars years.
 LONGEST = 1400.0 * SECONDS_PER_DAY
@@ -106,7 +109,7 @@ def trim(
     before = (0.0, 0.0)
     trial = c
     for k in progress(list(range(ROUNDS + 1))):
-        path = Motion("numerical", forces).trajectory(trial, 0.0, span)
+        path = Motion("numerical", forces).trajectory(trial, 0.0, span, tolerance=COARSE)
         times, theta = turned(path)
         rates = mean_rates(times, theta)
         excursion = float(excursions(theta).max(initial=0.0))
@@ -115,6 +118,8 @@ def trim(
             before = (spread, excursion)
         if best is None or excursion < best[0]:
             best = (excursion, spread, trial)
+        if spread * span <= GOOD * excursion:
+            break
         step = (rates - rates.mean()) / (1.5 * c.mean_motion / c.semi_major_axis)
         trial = with_axes(trial, trial.semi_major_axis + step)
     assert best is not None

@@ -2,88 +2,110 @@
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from compass.api.map import MapResult
 from compass.document.blocks import Picture
 from compass.pictures.maps import map_figure
-from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture
+from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, look, new_figure, picture
 from compass.quantities import quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from compass.coverage.grid import Grid
+
+def count_picture(mapped: MapResult) -> Picture:
+    """Map of the fewest satellites in view over the period."""
+    dataset, design = mapped.dataset, mapped.design
+    fewest = dataset.count_min.values
+    figure = map_figure(
+        fewest,
+        mapped.made.grid,
+        "Fewest satellites in view over the period",
+        "satellites in view",
+        figure_name=design.figure.name,
+        scale="counts",
+        wanted=dataset.attrs["wanted_fold"],
+    )
+    return picture(
+        figure,
+        "count-min",
+        "Fewest satellites in view",
+        "The smallest number of satellites in view at any epoch, by cell; red: fewer than wanted.",
+        alt=f"Map of Mars: {fewest.min()} to {fewest.max()} satellites in view at least.",
+    )
 
 
-def map_pictures(dataset: "xr.Dataset", grid: "Grid", figure_name: str) -> list[Picture]:
-    """Count (fewest, mean) and dilution-of-precision maps over the period."""
-    threshold = dataset.attrs["pdop_threshold"]
-    made = [
-        picture(
-            map_figure(
-                dataset.count_min.values,
-                grid,
-                "Fewest satellites in view over the period",
-                "satellites",
-                figure_name=figure_name,
-                scale="counts",
-            ),
-            "count-min",
-            "Fewest satellites in view",
-            "The smallest number of satellites in view at any epoch, by cell.",
-        ),
-        picture(
-            map_figure(
-                dataset.count_mean.values,
-                grid,
-                "Mean satellites in view over the period",
-                "satellites, mean over the period",
-                figure_name=figure_name,
-                scale="linear",
-            ),
-            "count-mean",
-            "Mean satellites in view",
-            "The mean number of satellites in view over the period, by cell.",
-        ),
-    ]
-    for name, q in (("gdop", 50), ("gdop", 95), ("pdop", 95), ("hdop", 95), ("vdop", 95)):
-        text = f"{quantity(name).title}, {q}th percentile over time"
+def dilution_pictures(mapped: MapResult) -> list[Picture]:
+    """Maps of GDOP, large and with names, of its parts, and of the share of time with a good PDOP.
+
+    A map of one colour is no map; its sentence is in `one_colour`.
+    """
+    made = [_dilution(mapped, "gdop", 95, named=True)]
+    made += [_dilution(mapped, name, 95) for name in ("pdop", "hdop", "vdop", "tdop")]
+    dataset = mapped.dataset
+    threshold, share = dataset.attrs["pdop_threshold"], dataset.availability.values
+    if share.max() > share.min():
+        figure = map_figure(
+            share,
+            mapped.made.grid,
+            f"Share of time with PDOP at most {threshold:g}",
+            "share of time",
+            figure_name=mapped.design.figure.name,
+            scale="share",
+        )
         made.append(
             picture(
-                map_figure(
-                    dataset[name].sel(percentile=q).values,
-                    grid,
-                    text,
-                    quantity(name).title,
-                    figure_name=figure_name,
-                ),
-                f"{name}-p{q}",
-                text,
-                f"Below this value {q} % of the time; infinite where the geometry is singular or "
-                "fewer than four satellites are in view for longer than that.",
+                figure,
+                "availability",
+                "Availability",
+                f"Share of the period with a position dilution of at most {threshold:g}.",
+                alt=f"Map of Mars: from {share.min():.1%} to {share.max():.1%} of the time.",
             )
         )
-    made.append(
-        picture(
-            map_figure(
-                dataset.availability.values,
-                grid,
-                f"Availability: share of time with PDOP at most {threshold:g}",
-                "share of time",
-                figure_name=figure_name,
-                scale="share",
-            ),
-            "availability",
-            "Availability",
-            f"Share of the period with a position dilution of at most {threshold:g}.",
-        )
-    )
     return made
+
+
+def one_colour(mapped: MapResult) -> list[str]:
+    """Say what a map of one colour would show."""
+    share = mapped.dataset.availability.values
+    if share.max() > share.min():
+        return []
+    threshold = mapped.dataset.attrs["pdop_threshold"]
+    return [f"PDOP is at most {threshold:g} for {share.min():.1%} of the time, at every cell."]
+
+
+def _dilution(mapped: MapResult, name: str, q: int, *, named: bool = False) -> Picture:
+    """One map of a dilution, in the colours that all of them share."""
+    values = mapped.dataset[name].sel(percentile=q).values
+    text = f"{quantity(name).title}, {q}th percentile over time"
+    finite = values[np.isfinite(values)]
+    figure = map_figure(
+        values,
+        mapped.made.grid,
+        text,
+        quantity(name).title,
+        figure_name=mapped.design.figure.name,
+        threshold=mapped.dataset.attrs["pdop_threshold"] if name == "pdop" else None,
+        named=named,
+    )
+    range_of = f"from {finite.min():.3g} to {finite.max():.3g}" if finite.size else "none anywhere"
+    return picture(
+        figure,
+        f"{name}-p{q}",
+        text,
+        f"Below this value {q} % of the time; infinite where the geometry is singular or "
+        "fewer than four satellites are in view for longer than that.",
+        wide=named,
+        alt=f"Map of Mars: {text}, {range_of}.",
+    )
 
 
 def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
     """Fold by latitude, and the count's range over time."""
     share = dataset.fold_share_lat
     with look():
-        figure = new_figure(8.0, 4.2)
+        figure = new_figure(*HALF)
         axes = figure.add_subplot()
         partial = [k for k in share.fold.values if float(share.sel(fold=k).mean()) > 1e-9]
         whole = [k for k in partial if float(share.sel(fold=k).min()) >= 1 - 1e-9]
@@ -105,9 +127,7 @@ def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
         )
         axes.grid(True)
         if drawn:  # none if no cell of the map ever sees a satellite
-            axes.legend(
-                title="in view", loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False
-            )
+            axes.legend(title="in view", loc="best", fontsize=8, frameon=False)
         by_latitude = picture(
             figure,
             "fold-latitude",
@@ -115,7 +135,7 @@ def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
             "How much of each parallel and of the time has at least k satellites in view"
             + (f"; k up to {whole[-1]} is always met." if whole else "."),
         )
-        figure = new_figure(8.0, 3.4)
+        figure = new_figure(*HALF)
         axes = figure.add_subplot()
         hours = dataset.time / 3600
         low, mean, high = (dataset[f"count_{s}_time"] for s in ("min", "mean", "max"))
@@ -133,7 +153,9 @@ def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
         )
         axes.margins(x=0)
         axes.grid(True, color=FAINT, alpha=0.4)
-        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+        axes.legend(
+            loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=4, fontsize=8, frameon=False
+        )
         over_time = picture(
             figure,
             "fold-time",

@@ -1,42 +1,43 @@
 """Report section on continuous coverage: worst moment, fold over time, margin by inclination."""
 
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.api.fold import FoldResult
 from compass.coverage.fold import caps_of, fold_extremes
-from compass.coverage.gdop import gdop_percentile, gdop_share
+from compass.coverage.grid import equal_angle_grid
 from compass.coverage.margin import CoveringRadius, covering_radius
 from compass.coverage.symmetry import Span
 from compass.coverage.witness import Witness
-from compass.document.blocks import Picture, Section, Table, arranged
+from compass.design import Design
+from compass.document.blocks import Picture, Section, arranged
 from compass.frames import direction, latitude_longitude, mcmf_from_mci, prime_meridian_angle
-from compass.orbits import Constellation, Pattern, orbital_period, positions_mcmf
-from compass.orbits.constellation import from_pattern
+from compass.orbits import Constellation, orbital_period, positions_mcmf
 from compass.orbits.symmetry import one_circle
-from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture, steps_of
+from compass.pages.neighbours import Neighbour
+from compass.pictures.maps import LARGE, draw_map
+from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, look, new_figure, picture
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
-
-def fold_section(result: FoldResult, *, inclinations: int = 46, moments: int = 400) -> Section:
+def fold_section(
+    result: FoldResult, beside: Sequence[Neighbour] = (), *, moments: int = 400
+) -> Section:
     """Certificate, margins and pictures of continuous coverage, from its result.
 
     Parameters
     ----------
     result
         Of the whole sphere; of a mask that depends on azimuth it takes the highest elevation.
-    inclinations, moments
-        Points of the curves over inclination and time.
+    beside
+        Patterns beside the design's own, from `compass.pages.neighbours.neighbours`.
+    moments
+        Points of the curve over time.
     """
     design, found = result.design, result.coverage
     c, sphere, mask = design.constellation, design.figure.equatorial_radius, found.mask
     certificate, span, worst = found.certificate, found.span, found.worst
-    assert worst is not None  # of the whole sphere there is one
     when = "for all time" if span.for_all_time else f"over {span.stop / 3600:.4g} h"
     witness = certificate.witness
     text = (
@@ -54,51 +55,33 @@ def fold_section(result: FoldResult, *, inclinations: int = 46, moments: int = 4
         )
     if not design.figure.is_sphere:
         text += (
-            " Pictures, the common cap radius, shares and GDOP are of the sphere of the equatorial "
+            " Pictures, the common cap radius and shares are of the sphere of the equatorial "
             "radius, on which all caps of one orbit are alike."
         )
-    tables = (result.margins(), *result.shares_tables())
-    if one_circle(c):
-        tables = (*tables, _quality(c, sphere, mask, span))
-    pictures = [
-        _refuted(c, sphere, mask, witness)
-        if witness
-        else _pinched(c, sphere, mask, result.fold, worst),
-        _fold_over_time(c, sphere, mask, result.fold, moments),
-    ]
-    if c.pattern is not None and one_circle(c):
-        pictures.append(_margin_by_inclination(c, c.pattern, result.fold, sphere, inclinations))
-    return arranged("Exact fold and margins", (text,), tuple(pictures), tables)
-
-
-def _quality(c: Constellation, sphere: float, mask: float, span: Span) -> Table:
-    """GDOP over area and time, each number with its error."""
-    rows: list[tuple[object, ...]] = []
-    p95 = gdop_percentile(c, 95.0, sphere_radius=sphere, mask=mask, span=span)
-    six = gdop_share(c, 6.0, sphere_radius=sphere, mask=mask, span=span)
-    if np.isfinite(p95.value):
-        rows.append(("GDOP, 95th percentile", p95.value, p95.error, ""))
-    rows.append(("GDOP of 6 or less", 100 * six.value, 100 * six.error, "% of area-time"))
-    return Table(
-        "GDOP over area and time",
-        ("quantity", "value", "error", "unit"),
-        tuple(rows),
+    pictures = [_fold_over_time(c, sphere, mask, result.fold, moments)]
+    if witness:
+        pictures.insert(0, _refuted(result, sphere, mask, witness))
+    elif worst is not None:  # on an ellipsoid caps have no common radius, and none is the tightest
+        pictures.insert(0, _pinched(result, sphere, worst))
+    if beside:
+        pictures.append(margin_by_inclination(design, result.fold, beside))
+    return arranged(
+        "Exact fold and margins", (text,), pictures, (result.margins(), *result.shares_tables())
     )
 
 
-def _refuted(c: Constellation, sphere: float, mask: float, witness: Witness) -> Picture:
+def _refuted(result: FoldResult, sphere: float, mask: float, witness: Witness) -> Picture:
     """Map at the moment of a counter-example."""
-    radius = caps_of(c, sphere, mask, witness.time)[1]
+    radius = caps_of(result.design.constellation, sphere, mask, witness.time)[1]
     place = direction(witness.latitude, witness.longitude)
     title = f"Caps above {np.degrees(mask):g} deg at t = {witness.time:.1f} s, and a witness"
     caption = f"The star has {witness.fold} satellites in view, too few."
-    return _arrangement(c, witness.time, radius, place, title, caption)
+    return _arrangement(result, witness.time, radius, place, title, caption)
 
 
-def _pinched(
-    c: Constellation, sphere: float, mask: float, fold: int, worst: CoveringRadius
-) -> Picture:
+def _pinched(result: FoldResult, sphere: float, worst: CoveringRadius) -> Picture:
     """Map at the worst moment: with the smallest caps that will do, for equal circular orbits."""
+    c, mask = result.design.constellation, result.coverage.mask
     place = mcmf_from_mci(worst.place, prime_meridian_angle(c.epoch, worst.time))
     if one_circle(c):
         radius = np.full(c.size, worst.at_least)
@@ -110,77 +93,61 @@ def _pinched(
         radius = caps_of(c, sphere, mask, worst.time)[1]
         title = f"Caps above {np.degrees(mask):g} deg at t = {worst.time:.1f} s"
     caption = (
-        f"At the star the {fold}-th nearest satellite is as far as it ever gets anywhere: with "
-        f"caps any smaller a hole of fold {fold - 1} opens there."
+        f"At the star the {result.fold}-th nearest satellite is as far as it ever gets anywhere: "
+        f"with caps any smaller a hole of fold {result.fold - 1} opens there."
     )
-    return _arrangement(c, worst.time, radius, place, title, caption)
+    return _arrangement(result, worst.time, radius, place, title, caption)
 
 
 def _arrangement(
-    c: Constellation, time: float, radius: NDArray, place: NDArray, title: str, caption: str
+    result: FoldResult, time: float, radius: NDArray, place: NDArray, title: str, caption: str
 ) -> Picture:
     """Map of fold with the cap circles, the satellites and one place, all Mars-fixed."""
+    c = result.design.constellation
     r = positions_mcmf(c, [time])[:, 0]
     fixed = r / np.linalg.norm(r, axis=1, keepdims=True)
-    latitude, longitude = np.radians(np.arange(-90, 91)), np.radians(np.arange(-180, 181))
+    cells = equal_angle_grid(np.radians(1.0))
+    latitude = 0.5 * (cells.latitude_edges[1:] + cells.latitude_edges[:-1])
+    longitude = 0.5 * (cells.longitude_edges[1:] + cells.longitude_edges[:-1])
     grid = direction(latitude[:, np.newaxis], longitude)
     count = (grid @ fixed.T >= np.cos(radius)).sum(axis=-1)
-    figure = new_figure(9.0, 4.9)
+    figure = new_figure(*LARGE)
     with look():
         axes = figure.add_subplot()
-        low, high = int(count.min()), int(count.max())
-        image = axes.imshow(
-            count,
-            origin="lower",
-            extent=(-180.5, 180.5, -90.5, 90.5),
-            cmap=steps_of("viridis", high - low + 1),
-            vmin=low - 0.5,
-            vmax=high + 0.5,
-            aspect="auto",
-        )
+    lat, lon = np.degrees(latitude_longitude(fixed))
+    chart = draw_map(
+        axes, count, cells, title, "satellites whose caps cover the place",
+        figure_name=result.design.figure.name, scale="counts", wanted=result.fold, named=False,
+    )  # fmt: skip
+    with look():
         for centre, cap in zip(fixed, radius, strict=True):
-            _circle(axes, centre, float(cap))
-        lat, lon = np.degrees(latitude_longitude(fixed))
-        axes.plot(lon, lat, "o", color="white", markeredgecolor=INK, markersize=5, zorder=3)
-        for name, x, y in zip(c.satellite_names, lon, lat, strict=True):
-            if c.size <= 24:
-                axes.annotate(
-                    name, (x, y), xytext=(5, 4), textcoords="offset points", color="white", size=7
-                )
+            chart.track(*_circle(centre, float(cap)), colors="white", linewidths=0.9, alpha=0.85)
+        chart.points(lon, lat, marker="o", ms=5, mfc="white", mec=INK)
+        if c.size <= 24:
+            chart.names(c.satellite_names, lon, lat)
         at_lat, at_lon = np.degrees(latitude_longitude(place))
-        axes.plot(at_lon, at_lat, "*", color=MARS, markeredgecolor="white", markersize=16, zorder=4)
-        axes.set(
-            xlim=(-180, 180),
-            ylim=(-90, 90),
-            xlabel="east longitude, deg",
-            ylabel="latitude, deg",
-            xticks=range(-180, 181, 60),
-            yticks=range(-90, 91, 30),
-            title=title,
-        )
-        bar = figure.colorbar(image, ax=axes, ticks=range(low, high + 1))
-        bar.set_label("satellites whose caps cover the place")
+        chart.points(at_lon, at_lat, marker="*", ms=16, mfc=MARS, mec="white")
     return picture(
         figure,
         "fold-worst-moment",
         "Arrangement of caps at the worst moment",
         caption + " Circles are the rims of the caps, dots the points below the satellites; "
         "colours show the fold on a 1-degree grid, for the eye only.",
+        wide=True,
+        alt=f"Map of Mars: {count.min()} to {count.max()} caps over each place; the tightest is at "
+        f"latitude {float(at_lat):.1f}, longitude {float(at_lon):.1f} deg.",
     )
 
 
-def _circle(axes: "Axes", centre: NDArray, radius: float) -> None:
-    """Draw the rim of a cap in latitude and longitude, cut where it leaves the map."""
+def _circle(centre: NDArray, radius: float) -> tuple[NDArray, NDArray]:
+    """Longitudes and latitudes of the rim of a cap, degrees."""
     side = np.cross(centre, [0.0, 0.0, 1.0] if abs(centre[2]) < 0.9 else [1.0, 0.0, 0.0])
     side /= np.linalg.norm(side)
     other = np.cross(centre, side)
     turn = np.linspace(0, 2 * np.pi, 721)[:, np.newaxis]
     rim = np.cos(radius) * centre + np.sin(radius) * (np.cos(turn) * side + np.sin(turn) * other)
     lat, lon = np.degrees(latitude_longitude(rim))
-    cut = np.flatnonzero(np.abs(np.diff(lon)) > 180) + 1
-    axes.plot(
-        np.insert(lon, cut, np.nan), np.insert(lat, cut, np.nan), color="white", lw=0.8, alpha=0.8
-    )
+    return lon, lat
 
 
 def _fold_over_time(
@@ -193,7 +160,7 @@ def _fold_over_time(
     needed = [
         covering_radius(c, fold, span=Span(float(t), float(t), False, "")).at_least for t in times
     ]
-    figure = new_figure(8.0, 5.2)
+    figure = new_figure(5.6, 4.4)
     with look():
         above, below = figure.subplots(2, 1, sharex=True)
         hours = times / 3600
@@ -225,38 +192,20 @@ def _fold_over_time(
     )
 
 
-def _neighbours(pattern: Pattern) -> list[Pattern]:
-    """Patterns that differ in phasing alone, the design's first; at most eight."""
-    others = [f for f in range(pattern.planes) if f != pattern.phasing % pattern.planes]
-    near = sorted(others, key=lambda f: (abs(f - pattern.phasing), f))[:7]
-    return [
-        Pattern(pattern.kind, pattern.satellites, pattern.planes, f, pattern.inclination)
-        for f in [pattern.phasing, *near]
-    ]
-
-
-def _margin_by_inclination(
-    c: Constellation, pattern: Pattern, fold: int, sphere: float, inclinations: int
-) -> Picture:
+def margin_by_inclination(design: Design, fold: int, found: Sequence[Neighbour]) -> Picture:
     """Highest mask against inclination for the design's pattern and those beside it."""
-    angles = np.radians(np.linspace(20.0, 90.0, inclinations))
-    radius = float(c.semi_major_axis[0])
-    figure = new_figure(8.0, 4.6)
+    pattern = design.constellation.pattern
+    assert pattern is not None
+    figure = new_figure(*HALF)
     with look():
         axes = figure.add_subplot()
-        for k, other in enumerate(_neighbours(pattern)):
-            masks = []
-            for angle in angles:
-                tried = from_pattern(replace(other, inclination=angle), radius)
-                found = covering_radius(tried, fold, tolerance=2e-3)
-                cap = 0.5 * (found.radius + found.at_least)
-                masks.append(np.arctan2(np.cos(cap) - sphere / radius, np.sin(cap)))
+        for k, other in enumerate(found):
             axes.plot(
-                np.degrees(angles),
-                np.degrees(masks),
+                other.inclination_deg,
+                other.margin_deg,
                 color=CYCLE[k % len(CYCLE)],
                 lw=2.2 if k == 0 else 1.1,
-                label=f"{other.satellites}/{other.planes}/{other.phasing}",
+                label=other.name,
             )
         axes.axhline(0.0, color=FAINT, lw=1)
         axes.axvline(np.degrees(pattern.inclination), color=FAINT, ls="--", lw=1)
@@ -268,6 +217,7 @@ def _margin_by_inclination(
         axes.set_ylim(bottom=max(-20.0, axes.get_ylim()[0]))
         axes.grid(True)
         axes.legend(ncols=4, frameon=False, fontsize=8)
+    best = max(found, key=lambda n: n.mask_deg)
     return picture(
         figure,
         "fold-margin-inclination",
@@ -275,4 +225,6 @@ def _margin_by_inclination(
         "Highest elevation mask with continuous coverage, to 0.1 deg, for the design's pattern "
         "(thick) and those with other phasings; dashed: the design's inclination. Below zero there "
         "is no continuous coverage.",
+        alt=f"Curves of the highest mask over inclination; the best is {best.notation} with "
+        f"{best.mask_deg:.3g} deg.",
     )

@@ -9,17 +9,17 @@ from matplotlib.path import Path
 from numpy.typing import NDArray
 
 from compass.coverage.cap import cap_radius
-from compass.coverage.gap import gap, gap_outline, gap_polygons
+from compass.coverage.gap import gap, gap_outline
 from compass.design import Design
 from compass.document.blocks import Picture
 from compass.frames import latitude_longitude
 from compass.orbits import orbital_period, positions_mci, positions_mcmf, repeat_period
+from compass.pictures.maps import LARGE
 from compass.pictures.mars_map import MarsMap
 from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from shapely import MultiPolygon
 
 KM = 1e3
 #: Beyond this many satellites their names would cover the picture.
@@ -42,7 +42,7 @@ def orbit_picture(design: Design) -> Picture:
     now = positions_mci(c, [0.0])[:, 0] / KM
     sight = _viewpoint(24.0, -50.0)
     with look():
-        figure = new_figure(7.4, 6.6)
+        figure = new_figure(5.4, 4.9)
         axes = figure.add_subplot(projection="3d", computed_zorder=False)
         axes.view_init(elev=24, azim=-50)
         axes.set_proj_type("ortho")
@@ -65,7 +65,7 @@ def orbit_picture(design: Design) -> Picture:
         axes.set_xlabel("x, km", labelpad=8)
         axes.set_ylabel("y, km", labelpad=8)
         axes.set_zlabel("z (spin axis), km", labelpad=10)
-        axes.tick_params(labelsize=7.5)
+        axes.tick_params(labelsize=8)
         axes.set_title(f"{design.name}: orbits at the epoch")
     return picture(
         figure,
@@ -117,9 +117,10 @@ def track_picture(design: Design) -> Picture:
     lat, lon = latitude_longitude(positions_mcmf(c, np.linspace(0, duration, steps)))
     lat, lon = np.degrees(lat), np.degrees(lon)
     with look():
-        figure = new_figure(8.6, 4.9)
+        figure = new_figure(*LARGE)
         axes = figure.add_subplot()
         chart = MarsMap(axes, design.figure.name)
+        chart.relief()
         chart.graticule()
         chart.places()
         for n, group in enumerate(groups(design)):
@@ -131,7 +132,7 @@ def track_picture(design: Design) -> Picture:
                 for k in group:
                     x, y = chart.project(lon[k, 0], lat[k, 0])
                     axes.annotate(c.satellite_names[k], (float(x), float(y)), (5, 5),
-                                  textcoords="offset points", fontsize=6.5, color=colour,
+                                  textcoords="offset points", fontsize=8, color=colour,
                                   weight="bold", zorder=8)  # fmt: skip
         axes.set_title(f"{design.name}: ground tracks over {duration / 3600:.2f} h")
     return picture(
@@ -141,18 +142,7 @@ def track_picture(design: Design) -> Picture:
         f"Satellites at the epoch and their tracks; after {repeat.sidereal_days} rotation(s) of "
         f"Mars and {repeat.revolutions} revolution(s) the tracks miss their start by "
         f"{np.degrees(repeat.closure):.3g}°.",
-    )
-
-
-def gap_shapes(design: Design) -> list["MultiPolygon"]:
-    """Gap polygons over Mars at the epoch, degrees; none for explicit elements."""
-    if design.constellation.pattern is None:
-        return []
-    return gap_polygons(
-        design.constellation,
-        positions_mcmf(design.constellation, [0.0])[:, 0],
-        design.figure.equatorial_radius,
-        design.mask.lowest,
+        wide=True,
     )
 
 
@@ -183,7 +173,7 @@ def cap_picture(design: Design) -> Picture:
         else None
     )
     with look():
-        figure = new_figure(6.4, 6.4)
+        figure = new_figure(5.2, 5.2)
         axes = figure.add_subplot()
         axes.set_aspect("equal")
         axes.set_axis_off()

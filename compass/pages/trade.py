@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import compass
-from compass.document.blocks import Section, Table, arranged
+from compass.document.blocks import Section, Sentence, Table, arranged
 from compass.inputs.merit import MERITS, STAGES
 from compass.inputs.study import Free, Study
 from compass.pages.page import render
 from compass.pages.trade_finalists import (
     Entrant,
+    answer_section,
     entrants,
     handover_files,
     handover_section,
@@ -93,11 +94,22 @@ def trade_report(
     chosen, measure = entrants(study, finalists_of(study, results)), yardstick(study)
     ranked = rank_finalists(study, chosen, progress)
     ranking = None if ranked is None else ranked[0].record
-    sections = [recommendation(study, chosen, measure, ranking), _looked_at(study, results)]
+    advised = recommendation(study, chosen, measure, ranking)
+    sections = [advised, _looked_at(study, results)]
     if chosen:
         finalists = [e.finalist for e in chosen]
         progress("fronts")
-        sections.append(_fronts(study, results, finalists, measure))
+        fronts = _fronts(study, results, finalists, measure)
+        carrying = fronts.pictures[:1]
+        fronts = Section(fronts.title, tuple(b for b in fronts.blocks if b not in carrying))
+        sections = [
+            answer_section(study, chosen, measure, ranking, carrying),
+            Section(
+                "The finalists compared", (*map(Sentence, advised.paragraphs), *advised.tables)
+            ),
+            fronts,
+            _looked_at(study, results),
+        ]
         sections.append(_best(study, results))
         progress("sensitivity")
         sections.append(_sensitivity(study, results))

@@ -7,9 +7,12 @@ from typing import Any, Literal
 
 import numpy as np
 
+from compass.api.keep import keep
 from compass.coverage.certificate import prove_fold
 from compass.design import Design
-from compass.document.blocks import Section, Table, arranged
+from compass.document import Answer, Answers, Sentence
+from compass.document.blocks import Picture, Section, Table, arranged
+from compass.errors import ArgumentError
 from compass.handover.czml import czml
 from compass.handover.geojson import geojson
 from compass.handover.instants import sample_times
@@ -25,6 +28,9 @@ from compass.study.ranking import Ranking, rank_designs
 from compass.study.results import known_figures
 from compass.study.sampling import sampled_over, sampling_of
 from compass.study.yardstick import Yardstick, compared_mask_deg
+
+#: The figure that is of a quick law, and simulated for finalists.
+LAW = "delta_v_keeping_m_s_year"
 
 
 @dataclass(frozen=True)
@@ -115,6 +121,59 @@ def recommendation(
         )
     tables = (_objective_table(study, chosen, measure), _figure_table(study, chosen, measure))
     return arranged("Recommendation", tuple(paragraphs), (), tables)
+
+
+def answer_section(
+    study: Study,
+    chosen: Sequence[Entrant],
+    measure: Yardstick | None,
+    ranking: dict[str, Any] | None,
+    carrying: Sequence[Picture],
+) -> Section:
+    """Say what to build, what it is worth and how sure that is, and what its rival is.
+
+    Parameters as of `recommendation`; `carrying` is the front with the finalists.
+    """
+    first = chosen[0].finalist
+    row = first.row
+    planes = f"{row['planes']} plane{'s' if row['planes'] > 1 else ''}"
+    file = chosen[0].design.label
+    lead = f"Build {row['satellites']} satellites in {planes}: {first.notation} ({file})."
+    if len(chosen) > 1:
+        other = chosen[1].finalist
+        lead += f" Its rival is {other.notation}: {against(study, first, other)}."
+    rows = [
+        Answer(
+            f"{study.fold} in view above {first.mask_deg:g}°, everywhere",
+            chosen[0].certificate,
+            chosen[0].certificate == "proven",
+            "for all time, two-body motion",
+        )
+    ]
+    for o in study.objectives:
+        how, error = sampling_of(study, o.figure), first.errors.get(o.figure, 0.0)
+        value = worth(o.figure, first.figures[o.figure])
+        beside = (
+            ""
+            if measure is None
+            else f"; {measure.role} has {worth(o.figure, measure.figures[o.figure])}"
+        )
+        sure = f"sampled over {how}" + (f", ± {error:.2g}" if error else "") if how else "exact"
+        rows.append(Answer(MERITS[o.figure].title, value, None, sure + beside))
+    if ranking is not None:
+        judged = next(row for row in ranking["designs"] if row["given"] == 1)
+        bound = judged["crlb_position_m"]["p95"]
+        rows.append(
+            Answer(
+                f"Landing: place known to {ranking['goal_m']:g} m at {ranking['deployment']}",
+                f"{bound:.3g} m in 95 % of entries",
+                bound <= ranking["goal_m"],
+                str(judged["answer"]),
+            )
+        )
+    return Section(
+        "The answer", (Sentence(lead), Answers("What it is worth", tuple(rows)), *carrying)
+    )
 
 
 def worth(name: str, value: float) -> str:
@@ -221,8 +280,24 @@ def _figure_table(study: Study, chosen: Sequence[Entrant], measure: Yardstick | 
     ]
     rest = ("",) if measure else ()
     rows.append(("certificate of the fold", *(e.certificate for e in chosen), *rest))
+    if LAW in study.named:
+        title = "the same simulated under all forces for a year, m/s/year"
+        rows.append((title, *(simulated_keeping(e) for e in chosen), *rest))
     names = [*(e.design.label for e in chosen), *([measure.role] if measure else [])]
     return Table("Every figure of the finalists", ("figure of merit", *names), tuple(rows))
+
+
+def simulated_keeping(entrant: Entrant) -> object:
+    """What keeping the satellite that needs most costs, simulated, where the law says it must be.
+
+    The law is of the mean push; the simulation meets it as it is, with Sun, moons and sunlight.
+    """
+    if entrant.finalist.figures[LAW] == 0.0:
+        return "none needed"
+    try:
+        return number(keep(entrant.design).to_dict()[LAW])
+    except ArgumentError as error:
+        return str(error)
 
 
 def number(value: float) -> object:

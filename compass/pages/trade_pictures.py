@@ -58,7 +58,7 @@ def front_pictures(
     made = []
     for a, b in combinations([o.figure for o in study.objectives], 2):
         x, y = results[a].values, results[b].values
-        figure = new_figure(7.2, 4.8)
+        figure = new_figure(5.6, 5.2)
         with look():
             axes = figure.add_subplot()
             axes.plot(x[good], y[good], ".", ms=3, color=FAINT, alpha=0.5, label="feasible")
@@ -66,8 +66,13 @@ def front_pictures(
             for k, one in enumerate(chosen):
                 axes.plot(
                     one.figures[a], one.figures[b], "D", ms=8, mfc=CYCLE[(k + 1) % len(CYCLE)],
-                    mec=INK, label=f"{one.notation}",
+                    mec=INK, label=one.notation + (", recommended" if k == 0 else ""),
                 )  # fmt: skip
+            first = chosen[0].figures if chosen else {a: np.nan, b: np.nan}
+            axes.plot(first[a], first[b], "o", ms=17, mfc="none", mec=MARS, mew=2)
+            for axis, name in ((axes.xaxis, a), (axes.yaxis, b)):
+                if name in ("satellites", "planes"):
+                    axis.set_major_locator(MaxNLocator(integer=True))
             if measure is not None:
                 axes.plot(
                     measure.figures[a],
@@ -84,13 +89,13 @@ def front_pictures(
                 axes.yaxis.set_minor_formatter(ScalarFormatter())
             axes.set(xlabel=_label(a, 60), ylabel=_label(b))
             axes.grid(True)
-            axes.legend(frameon=False, fontsize=7.5, loc="center left", bbox_to_anchor=(1.01, 0.5))
+            figure.legend(frameon=False, fontsize=8, loc="outside lower center", ncols=2)
         made.append(
             picture(
                 figure,
                 f"front-{a}-{b}".replace(".", "-").replace("_", "-"),
                 f"{MERITS[b].title} against {MERITS[a].title}",
-                f"{MERITS[b].title} against {MERITS[a].title}.",
+                f"{MERITS[b].title} against {MERITS[a].title}; ringed: the recommended one.",
             )
         )
     return tuple(made)

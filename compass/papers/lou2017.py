@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from compass.core.entry_geometry import cartesian_of
 from compass.entry.faults import Fault
-from compass.entry.filters import FilterSettings
-from compass.entry.montecarlo import monte_carlo
 from compass.entry.radio import (
     BROWNOUT_DENSITY,
     PER_CM3,
@@ -23,6 +21,8 @@ from compass.entry.radio import (
 )
 from compass.papers import lou2017_case as paper
 from compass.papers.line_of_sight import misses
+from compass.papers.lou_filters import FilterSettings
+from compass.papers.lou_montecarlo import monte_carlo
 from compass.papers.verdict import Erratum, Row, claim, compare, computed
 
 if TYPE_CHECKING:

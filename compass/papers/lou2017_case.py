@@ -4,11 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.entry.atmosphere import Atmosphere
-from compass.entry.case import NavigationCase, beacons_from_states
-from compass.entry.filters import SCALE, Algorithm, FilterSettings
-from compass.entry.imu import Imu
 from compass.entry.model import EntryModel
 from compass.entry.vehicle import Vehicle
+from compass.papers.lou_case import Imu, NavigationCase, beacons_from_states
+from compass.papers.lou_filters import SCALE, Algorithm, FilterSettings
 
 GM, PLANET_RADIUS, SECONDS = 4.282829e13, 3397.2e3, 250
 BEACONS = ("orbiter 1", "orbiter 2", "orbiter 3")

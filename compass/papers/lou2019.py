@@ -6,19 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry_geometry import cartesian_of
-from compass.core.entry_measurement import predict_measurements
-from compass.core.montecarlo import make_trace, track
-from compass.entry.case import NavigationCase
-from compass.entry.filters import Algorithm, FilterSettings
-from compass.entry.imu_observability import (
+from compass.core.papers.lou_measurement import predict_measurements
+from compass.core.papers.lou_montecarlo import make_trace, track
+from compass.papers import lou2019_case as paper
+from compass.papers.line_of_sight import misses
+from compass.papers.lou2019_runs import fault_rows, published_runs, recommended_runs
+from compass.papers.lou_case import NavigationCase
+from compass.papers.lou_filters import Algorithm, FilterSettings
+from compass.papers.lou_observability import (
     imu_range_matrix,
     observability_degree,
     rotation_about_beacon,
     singular_values,
 )
-from compass.papers import lou2019_case as paper
-from compass.papers.line_of_sight import misses
-from compass.papers.lou2019_runs import fault_rows, published_runs, recommended_runs
 from compass.papers.verdict import Erratum, Row, claim, computed
 
 TITLE = (

@@ -3,11 +3,10 @@
 import numpy as np
 
 from compass.entry.atmosphere import Atmosphere
-from compass.entry.case import NavigationCase, beacons_from_states
-from compass.entry.filters import SCALE, Algorithm, FilterSettings, Weighting
-from compass.entry.imu import Imu
 from compass.entry.model import EntryModel
 from compass.entry.vehicle import Vehicle
+from compass.papers.lou_case import Imu, NavigationCase, beacons_from_states
+from compass.papers.lou_filters import SCALE, Algorithm, FilterSettings, Weighting
 
 GM, PLANET_RADIUS, SECONDS = 4.282829e13, 3397.2e3, 300
 LIFT_TO_DRAG, DRAG_AREA, DENSITY = 0.156, 0.016, 2e-4

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 from compass.entry.accuracy import error_ellipse
 from compass.entry.consistency import nees_bounds
 from compass.entry.faults import Fault
-from compass.entry.filters import Algorithm
-from compass.entry.montecarlo import monte_carlo
 from compass.papers import lou2019_case as paper
+from compass.papers.lou_filters import Algorithm
+from compass.papers.lou_montecarlo import monte_carlo
 from compass.papers.verdict import Erratum, Row, claim, computed
 
 if TYPE_CHECKING:

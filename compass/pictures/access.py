@@ -13,7 +13,7 @@ from compass.contacts.survey import Survey
 from compass.contacts.windows import Windows
 from compass.design import Radio
 from compass.document.blocks import Picture
-from compass.pictures.style import CYCLE, FAINT, INK, look, new_figure, picture
+from compass.pictures.style import CYCLE, FAINT, HALF, INK, look, new_figure, picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,7 +29,7 @@ def timeline(found: Survey, name: str) -> Picture:
     """Draw when a node sees each satellite, and any of them: a row a satellite, a bar a window."""
     pairs = found.of(name)
     shown = pairs[:MAX_ROWS]
-    figure = new_figure(8.0, height_of(found, name))
+    figure = new_figure(5.6, height_of(found, name))
     with look():
         draw_timeline(figure.add_subplot(), found, name)
     left_out = len(pairs) - len(shown)
@@ -60,7 +60,7 @@ def draw_timeline(axes: "Axes", found: Survey, name: str) -> None:
     axes.set_yticks([-1.2, *range(len(shown))], ["any", *labels], fontsize=8)
     axes.set_ylim(len(shown) - 0.4, -1.9)
     axes.set_xlim(0.0, min(SHOWN_SOLS, found.sols))
-    axes.set_xlabel("time after the epoch [sols]")
+    axes.set_xlabel("time after the epoch (sols)")
     axes.set_title(f"Satellites in sight of {name}")
     axes.grid(axis="x")
     axes.tick_params(axis="y", length=0)
@@ -73,7 +73,7 @@ def link_budget(found: Survey, radio: Radio) -> Picture:
     shown = pairs[: len(CYCLE)]
     # the Earth's distance changes over weeks, a satellite's over hours
     sols = found.sols if "earth" in radio.between else min(SHOWN_SOLS, found.sols)
-    figure = new_figure(8.0, 4.0)
+    figure = new_figure(*HALF)
     with look():
         axes = figure.add_subplot()
         for color, w in zip(CYCLE, shown, strict=False):
@@ -85,8 +85,8 @@ def link_budget(found: Survey, radio: Radio) -> Picture:
             axes.plot(time, ratio, color=color, label=f"{w.first} - {w.second}")
         axes.axhline(radio.required, color=INK, ls="--", lw=1, label="needed")
         axes.set_xlim(0.0, sols)
-        axes.set_xlabel("time after the epoch [sols]")
-        axes.set_ylabel("C/N₀ [dB Hz]")
+        axes.set_xlabel("time after the epoch (sols)")
+        axes.set_ylabel("C/N₀ (dB Hz)")
         title = f"Link budget, {radio.between[0]} - {radio.between[1]}"
         axes.set_title(f"{title}, {radio.frequency / 1e6:g} MHz")
         axes.grid()

@@ -29,7 +29,7 @@ def entry_pictures(found: Assessment) -> tuple[Picture, ...]:
 
 def _map_picture(flight: Trajectory, beacons: Beacons) -> Picture:
     with look():
-        figure = new_figure(7.5, 5.2)
+        figure = new_figure(5.8, 4.6)
         draw_map(figure.add_subplot(), flight, beacons)
         figure.legend(fontsize=8, frameon=False, loc="outside right upper")
     return picture(
@@ -81,7 +81,7 @@ def draw_map(axes: Axes, flight: Trajectory, beacons: Beacons) -> None:
 def _flight_picture(flight: Trajectory) -> Picture:
     data = trajectory_dataset(flight)
     with look():
-        figure = new_figure(8.0, 5.0)
+        figure = new_figure(5.8, 4.6)
         axes = figure.subplots(2, 2, sharex=True).ravel()
         for ax, values, label, colour in (
             (axes[0], data.altitude / KM, "altitude, km", CYCLE[0]),
@@ -114,7 +114,7 @@ def _flight_picture(flight: Trajectory) -> Picture:
 def _view_picture(found: Assessment) -> Picture:
     names, times = found.beacons.names, found.flight.times
     with look():
-        figure = new_figure(8.0, 1.4 + 0.24 * max(3, len(names)))
+        figure = new_figure(5.8, 1.4 + 0.24 * max(3, len(names)))
         axes = figure.add_subplot()
         step = times[1] - times[0]
         for k in range(len(names)):
@@ -138,7 +138,7 @@ def _view_picture(found: Assessment) -> Picture:
 def _observability_picture(found: Assessment) -> Picture:
     times = found.flight.times
     with look():
-        figure = new_figure(8.0, 5.0)
+        figure = new_figure(5.8, 4.6)
         upper, lower = figure.subplots(2, 1, sharex=True)
         for result, label, colour in (
             (found.observability, "metres, seconds, radians", CYCLE[0]),
@@ -169,7 +169,7 @@ def _observability_picture(found: Assessment) -> Picture:
 def _navigation_picture(found: Assessment) -> Picture:
     times, mc, bound = found.flight.times, found.monte_carlo, found.bound
     with look():
-        figure = new_figure(8.0, 5.4)
+        figure = new_figure(5.8, 4.8)
         both = figure.subplots(2, 1, sharex=True)
         for k, (rms, sigma, label) in enumerate(
             (

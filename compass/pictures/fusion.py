@@ -13,16 +13,6 @@ from compass.study.fusion import SETTLING, TITLES, FusionRuns
 if TYPE_CHECKING:
     import xarray as xr
 
-#: States shown in pictures: name, factor to the unit shown, unit.
-SHOWN = (
-    ("radius", 1.0, "m"),
-    ("longitude", 180 / np.pi, "deg"),
-    ("latitude", 180 / np.pi, "deg"),
-    ("speed", 1.0, "m/s"),
-    ("flight-path angle", 180 / np.pi, "deg"),
-    ("azimuth", 180 / np.pi, "deg"),
-)
-
 
 def fusion_pictures(found: FusionRuns) -> tuple[Picture, ...]:
     """All pictures of a plan."""
@@ -64,7 +54,7 @@ def _rmse_picture(found: FusionRuns) -> Picture:
     sets = [(TITLES["clear"] if found.faulty else "", found.clear)]
     if found.faulty:
         sets.append((TITLES["faulty"], found.faulty))
-    figure = new_figure(9.0, 4.0)
+    figure = new_figure(6.4, 4.0)
     with look():
         panels = figure.subplots(1, len(sets), sharey=True, squeeze=False)[0]
         for axes, (title, runs) in zip(panels, sets, strict=True):
@@ -87,22 +77,22 @@ def _rmse_picture(found: FusionRuns) -> Picture:
 
 
 def _error_picture(data: "xr.Dataset", name: str, how: str) -> Picture:
-    figure = new_figure(9.0, 5.6)
+    figure = new_figure(6.4, 5.6)
     with look():
         panels = figure.subplots(2, 3).ravel()
-        for j, (axes, (state, factor, unit)) in enumerate(zip(panels, SHOWN, strict=True)):
-            bound = 3 * factor * data.sigma[:, j].values
+        for j, axes in enumerate(panels):
+            bound = 3 * data.sigma[:, j].values
             axes.fill_between(data.time, -bound, bound, color=SKY, alpha=0.18, lw=0)
             axes.plot(data.time, bound, color=SKY, lw=0.7)
             axes.plot(data.time, -bound, color=SKY, lw=0.7)
-            axes.plot(data.time, factor * data.error[:, j], color=MARS, lw=1.0)
+            axes.plot(data.time, data.error[:, j], color=MARS, lw=1.0)
             settled = np.nanmax(bound[bound.size // SETTLING :], initial=0.0)
-            inside = np.abs(factor * data.error[:, j].values[bound.size // SETTLING :])
+            inside = np.abs(data.error[:, j].values[bound.size // SETTLING :])
             limit = 1.6 * max(settled, float(np.nanmax(inside, initial=0.0)))
             if limit > 0:
                 axes.set_ylim(-limit, limit)
-            axes.set_title(state)
-            _finish(axes, f"error, {unit}")
+            axes.set_title(str(data.state.values[j]))
+            _finish(axes, f"error, {data.unit.values[j]}")
     return picture(
         figure,
         f"fusion-errors{'-fault' if how else ''}",
@@ -113,7 +103,7 @@ def _error_picture(data: "xr.Dataset", name: str, how: str) -> Picture:
 
 
 def _nees_picture(found: FusionRuns) -> Picture:
-    figure = new_figure(8.0, 4.0)
+    figure = new_figure(5.8, 3.8)
     with look():
         axes = figure.subplots()
         for name, colour in _colours(list(found.clear)).items():
@@ -137,7 +127,7 @@ def _nees_picture(found: FusionRuns) -> Picture:
 
 
 def _weight_picture(weighted: "dict[str, xr.Dataset]") -> Picture:
-    figure = new_figure(9.0, 2.4 * len(weighted) + 0.6)
+    figure = new_figure(6.4, 2.4 * len(weighted) + 0.6)
     with look():
         panels = figure.subplots(len(weighted), 1, sharex=True, squeeze=False)[:, 0]
         for axes, (name, data) in zip(panels, weighted.items(), strict=True):
@@ -168,7 +158,7 @@ def _plasma_picture(found: FusionRuns) -> Picture:
     n = case.electrons(plan.electrons)
     beta = case.arrival
     assert beta is not None
-    figure = new_figure(9.0, 5.4)
+    figure = new_figure(6.4, 5.4)
     with look():
         above, below = figure.subplots(2, 1, sharex=True)
         above.semilogy(case.times, n / PER_CM3, color=INK)

@@ -40,7 +40,7 @@ def bound_map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> 
     high = max(np.nanmax(field) for field in fields)
     columns = min(2, len(fields))
     rows = -(-len(fields) // columns)
-    figure = new_figure(7.4 * columns, 0.7 + 3.7 * rows)
+    figure = new_figure(5.2 * columns, 0.7 + 3.0 * rows)
     edges = np.degrees(np.arcsin(np.linspace(-1, 1, ROWS + 1)))
     # each row drawn in strips, so that its cells follow the curved meridians
     latitudes = np.interp(np.arange(ROWS * STRIPS + 1) / STRIPS, np.arange(ROWS + 1), edges)
@@ -86,7 +86,7 @@ def bound_map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> 
 
 def bound_distributions(names: Sequence[str], found: Sequence[Judgement], goal: float) -> Picture:
     """Cumulative distributions of the bound over the entries, whole and after the worst loss."""
-    figure = new_figure(8.0, 4.6)
+    figure = new_figure(5.8, 4.0)
     with look():
         draw_distributions(figure.add_subplot(), names, found, goal)
     return picture(

@@ -8,8 +8,10 @@ from matplotlib import colormaps
 from matplotlib.colors import BoundaryNorm, LogNorm
 from numpy.typing import NDArray
 
+from compass.pictures.colours import count_map
 from compass.pictures.mars_map import MarsMap, colour_bar
-from compass.pictures.style import MARS, look, new_figure, steps_of
+from compass.pictures.style import MARS, look, new_figure
+from compass.quantities import quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,16 +22,19 @@ if TYPE_CHECKING:
 
 Scale = Literal["dilution", "counts", "share", "linear"]
 
-#: Width and height of a map, inches.
-SIZE = 8.6, 5.4
+#: Width and height, inches, of a map that takes half of a page, and of one across it with names.
+SMALL, LARGE = (5.5, 3.7), (9.6, 5.9)
 
 
-def map_figure(*drawn: Any, **options: Any) -> "Figure":
-    """Return a figure of one map; arguments as of `draw_map` without the axes."""
-    figure = new_figure(*SIZE)
+def map_figure(*drawn: Any, named: bool = False, **options: Any) -> "Figure":
+    """Return a figure of one map; arguments as of `draw_map` without the axes.
+
+    It is drawn for half the width of a page; `named`, with names of places, for all of it.
+    """
+    figure = new_figure(*(LARGE if named else SMALL))
     with look():
         axes = figure.add_subplot()
-    draw_map(axes, *drawn, **options)
+    draw_map(axes, *drawn, named=named, **options)
     return figure
 
 
@@ -42,6 +47,9 @@ def draw_map(
     *,
     figure_name: str,
     scale: Scale = "dilution",
+    wanted: int = 0,
+    threshold: float | None = None,
+    named: bool = True,
     shapes: Sequence["MultiPolygon"] = (),
     satellites: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
 ) -> MarsMap:
@@ -60,8 +68,14 @@ def draw_map(
     figure_name
         Reference figure.
     scale
-        ``dilution``: logarithmic, infinities in grey; ``counts``: whole numbers, one colour each;
-        ``share``: from 0 to 1; ``linear``.
+        ``dilution``: logarithmic, on one range for every map, infinities in grey; ``counts``: whole
+        numbers, one colour each; ``share``: from 0 to 1; ``linear``.
+    wanted
+        Counts below it are red.
+    threshold
+        Of a dilution: marked on the colour bar.
+    named
+        Whether places have names.
     shapes
         Outlines to draw on top, in degrees.
     satellites
@@ -73,7 +87,7 @@ def draw_map(
         if scale == "counts":
             low, high = int(values.min()), int(values.max())
             bounds = np.arange(low, high + 2) - 0.5
-            colours = steps_of("viridis", high - low + 1)
+            colours = count_map(wanted, low, high)
             mesh = chart.field(lon, lat, values, cmap=colours, norm=BoundaryNorm(bounds, colours.N))
             bar = colour_bar(axes, mesh, label, ticks=np.arange(low, high + 1))
             bar.ax.minorticks_off()
@@ -82,10 +96,12 @@ def draw_map(
             mesh = chart.field(lon, lat, values, cmap="viridis", vmin=ends[0], vmax=ends[1])
             colour_bar(axes, mesh, label)
         else:
-            _dop_field(chart, lon, lat, values, label)
+            _dop_field(chart, lon, lat, values, label, threshold)
+        chart.relief()
         chart.shapes(shapes, facecolor="none", edgecolor="white", linewidth=1.3)
         chart.graticule()
-        chart.places()
+        if named:
+            chart.places()
         if satellites is not None:
             chart.points(*satellites, marker="*", ms=9, mfc=MARS, mec="white", mew=0.7)
         axes.set_title(title)
@@ -93,21 +109,25 @@ def draw_map(
 
 
 def _dop_field(
-    chart: MarsMap, lon: NDArray[Any], lat: NDArray[Any], values: NDArray[Any], label: str
+    chart: MarsMap,
+    lon: NDArray[Any],
+    lat: NDArray[Any],
+    values: NDArray[Any],
+    label: str,
+    threshold: float | None,
 ) -> None:
-    """Logarithmic colours from the smallest value to the 99th percentile; infinity is grey."""
-    finite = values[np.isfinite(values)]
+    """Logarithmic colours over the range that all dilutions share; infinity is grey."""
+    dilution = quantity("gdop")
+    assert dilution.limits is not None
+    finite = np.isfinite(values)
     shown = np.ma.masked_invalid(values)
-    if finite.size == 0:
-        low, high = 1.0, 10.0
-    else:
-        low = float(finite.min())
-        high = max(float(np.quantile(finite, 0.99)), low * 1.05)
     colours = colormaps["magma_r"].with_extremes(bad="#8a8f98")
-    mesh = chart.field(lon, lat, shown, cmap=colours, norm=LogNorm(low, high))
-    missing = 1 - finite.size / values.size
+    mesh = chart.field(lon, lat, shown, cmap=colours, norm=LogNorm(*dilution.limits))
+    missing = 1 - finite.sum() / values.size
     note = f" (grey: none, {missing:.1%} of cells)" if missing else ""
-    bar = colour_bar(chart.axes, mesh, label + note, extend="max")
-    ticks = np.geomspace(low, high, 6)
-    bar.set_ticks(ticks, labels=[f"{tick:.3g}" for tick in ticks])
+    bar = colour_bar(chart.axes, mesh, label + note, extend="both")
+    bar.set_ticks(dilution.ticks, labels=[f"{tick:g}" for tick in dilution.ticks])
     bar.ax.minorticks_off()
+    if threshold is not None:
+        bar.ax.axvline(threshold, color="white", lw=3)
+        bar.ax.axvline(threshold, color="#0072B2", lw=1.6)

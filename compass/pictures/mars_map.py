@@ -13,6 +13,7 @@ from pyproj import Transformer
 
 from compass.frames import map_crs, mars_crs
 from compass.pictures.places import PLACES
+from compass.pictures.relief import finer_shade
 from compass.pictures.style import FAINT, INK
 
 if TYPE_CHECKING:
@@ -78,14 +79,14 @@ class MarsMap:
             x, y = self.project(-180.0, float(lat))
             label = self.axes.annotate(
                 _degrees(lat, "N", "S"), (float(x), float(y)), (-3, 0),
-                textcoords="offset points", ha="right", va="center", fontsize=7, color=INK,
+                textcoords="offset points", ha="right", va="center", fontsize=8, color=INK,
             )  # fmt: skip
             _halo(label)
         for lon in range(-180 + 2 * step_deg, 180, 2 * step_deg):
             x, y = self.project(float(lon), 0.0)
             self.axes.annotate(
                 _degrees(lon, "E", "W"), (float(x), float(y)), (2, 2),
-                textcoords="offset points", fontsize=6.5, color=INK, alpha=0.8, zorder=4,
+                textcoords="offset points", fontsize=7.8, color=INK, alpha=0.9, zorder=4,
             )  # fmt: skip
         self.axes.add_collection(
             LineCollection(lines, colors="white", linewidths=0.5, alpha=0.55, zorder=3)
@@ -99,6 +100,19 @@ class MarsMap:
             )
         )
 
+    def relief(self) -> None:
+        """Shade what is drawn by the relief, quietly: colours keep their meaning."""
+        shade = finer_shade(2)
+        lon, lat = np.meshgrid(np.linspace(0, 360, 361), np.linspace(90, -90, 181))
+        turn = shade.shape[1] // 2  # the map begins at 180 degrees west
+        light = np.concatenate([shade[:, turn:], shade[:, :turn]], axis=1)
+        x, y = self.project(lon - 180.0, lat)
+        dark = light < 0.7
+        ink = np.zeros((*light.shape, 4))
+        ink[..., :3] = np.where(dark, 0.0, 1.0)[..., np.newaxis]
+        ink[..., 3] = np.where(dark, 0.55 * (0.7 - light), 0.6 * (light - 0.7))
+        self.axes.pcolormesh(x, y, ink, rasterized=True, zorder=1.5)
+
     def places(self) -> None:
         """Mark the named places: triangles where something has landed, dots elsewhere."""
         for place in PLACES:
@@ -109,7 +123,7 @@ class MarsMap:
             dx, dy = _OFFSETS.get(place.name, (4, -3))
             text = self.axes.annotate(
                 place.name, (float(x), float(y)), (dx, dy), textcoords="offset points",
-                ha="right" if dx < 0 else "left", fontsize=6.2, color=INK, zorder=7,
+                ha="right" if dx < 0 else "left", fontsize=7.5, color=INK, zorder=7,
             )  # fmt: skip
             _halo(text)
 
@@ -132,6 +146,17 @@ class MarsMap:
         pieces = zip(np.split(lon, cuts), np.split(lat, cuts), strict=True)
         lines = [np.column_stack(self.project(a, b)) for a, b in pieces if a.size > 1]
         self.axes.add_collection(LineCollection(lines, zorder=2, **options))
+
+    def names(
+        self, words: Sequence[str], longitude_deg: ArrayLike, latitude_deg: ArrayLike
+    ) -> None:
+        """Write a name beside each point."""
+        for word, x, y in zip(words, *self.project(longitude_deg, latitude_deg), strict=True):
+            text = self.axes.annotate(
+                word, (float(x), float(y)), (5, 4), textcoords="offset points", fontsize=8,
+                color=INK, zorder=8,
+            )  # fmt: skip
+            _halo(text)
 
     def points(self, longitude_deg: ArrayLike, latitude_deg: ArrayLike, **options: Any) -> None:
         """Mark points."""

@@ -3,6 +3,22 @@
 from compass.quantities.record import Quantity
 
 ACCESS = (
+    Quantity("station.latitude_deg", "deg", "latitude", 5, meaning="Planetocentric, north."),
+    Quantity("station.longitude_deg", "deg", "longitude", 6, meaning="East."),
+    Quantity("station.height_km", "km", "height", 4, meaning="Over the reference figure."),
+    Quantity("station.mask_deg", "deg", "mask", 3, meaning="Lowest elevation that counts."),
+    Quantity(
+        "station.fewest", "1", "fewest in view", better="more", form="count",
+        meaning="At any epoch of the map.",
+    ),
+    Quantity("station.mean", "1", "in view, mean", 3, "more", meaning="Over the map's epochs."),
+    Quantity("station.gdop_p95", "1", "GDOP, 95 % below", 3, "less", meaning="In time."),
+    Quantity("station.pdop_p95", "1", "PDOP, 95 % below", 3, "less", meaning="In time."),
+    Quantity("station.hdop_p95", "1", "HDOP, 95 % below", 3, "less", meaning="In time."),
+    Quantity(
+        "station.availability", "1", "time with a good PDOP", 4, "more", "share",
+        meaning="PDOP at most the largest that is wanted.",
+    ),
     Quantity("access.node", "1", "node", form="text", meaning="A station, a moon or the Earth."),
     Quantity(
         "access.satellites", "1", "satellites", form="count", meaning="With which it is linked."

@@ -37,6 +37,15 @@ CONTINUOUS = (
         meaning="Part of the sphere and of the time with so many satellites in view.",
     ),
     Quantity(
+        "requirement_share", "1", "share for which it is so", 6, "more", "share",
+        meaning="Part of the time, or of area and time, for which a requirement is met.",
+    ),
+    Quantity(
+        "requirement_margin_deg", "deg", "horizon may rise by", 4, "more",
+        meaning="The whole horizon of the users may be so much higher, proven; negative: it is "
+        "too high by this.",
+    ),
+    Quantity(
         "alike", "1", "sets alike", form="count",
         meaning="Sets of satellites that the pattern's symmetry makes equal to this one.",
     ),
@@ -53,7 +62,7 @@ CONTINUOUS = (
 
 def _dilution(name: str, of: str) -> Quantity:
     return Quantity(
-        name, "1", name.upper(), 3, "less", limits=(1.0, 10.0), ticks=(1, 2, 3, 4, 6, 10),
+        name, "1", name.upper(), 3, "less", limits=(1.0, 30.0), ticks=(1, 2, 3, 6, 10, 20, 30),
         meaning=f"{of} dilution of precision: error of the fix for one unit of range error; "
         "infinite with fewer than four satellites in view.",
     )  # fmt: skip

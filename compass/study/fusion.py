@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from compass.entry.montecarlo import monte_carlo, single_run
+from compass.entry.fused_runs import monte_carlo
 from compass.inputs.fusion import FusionPlan
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def run_fusion(plan: FusionPlan, runs: int | None = None, progress: bool = True)
             (plan.faults, found.faulty, found.single_faulty),
         ):
             if faults or many is found.clear:
-                many[name] = monte_carlo(
+                many[name], one[name] = monte_carlo(
                     plan.case,
                     settings,
                     count,
@@ -70,8 +70,5 @@ def run_fusion(plan: FusionPlan, runs: int | None = None, progress: bool = True)
                     faults=faults,
                     see_through=plan.see_through,
                     progress=progress,
-                )
-                one[name] = single_run(
-                    plan.case, settings, plan.seed, faults=faults, see_through=plan.see_through
                 )
     return found

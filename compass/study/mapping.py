@@ -10,15 +10,17 @@ import numpy as np
 
 import compass
 from compass.conventions import epoch_text
+from compass.coverage.errors import error_map
 from compass.coverage.gaps import coverage_gaps, shortest_pass
 from compass.coverage.grid import Grid, make_grid
 from compass.coverage.maps import coverage_map
 from compass.coverage.view import View, view
-from compass.design import Design
+from compass.design import PDOP_MAX, Design
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits import RepeatPeriod, repeat_period
 from compass.orbits.motion import Motion, MotionModel
+from compass.signal.ranges import Weighting, range_errors
 from compass.sites import Mask
 
 if TYPE_CHECKING:
@@ -30,6 +32,8 @@ MAX_DURATION_H = 1e6
 # Bytes, as measured: a satellite at an epoch (the same where orbits are integrated, all epochs at
 # once), a cell, an epoch of a cell in the row at work.
 POSITION_BYTES, INTEGRATED_BYTES, CELL_BYTES, ROW_BYTES = 40, 110, 180, 25
+# And with errors besides, in the same order; their forms are made of all epochs at once.
+ERROR_POSITION_BYTES, ERROR_CELL_BYTES, ERROR_ROW_BYTES = 700, 50, 20
 
 
 @dataclass(frozen=True)
@@ -55,6 +59,10 @@ class MapOptions:
         Days after the epoch at which the period begins.
     duration_h
         Period to map, hours, instead of the ground tracks' repeat period.
+    error_max_m
+        Largest error of a fix that counts as within, metres, one sigma; of designs with a signal.
+    weights
+        How the fix weighs ranges: by their ``variance``, or all ``equal``.
     """
 
     step_deg: float = 1.0
@@ -62,10 +70,12 @@ class MapOptions:
     epochs: int = 109
     mask_deg: float | None = None
     fold: int | None = None
-    pdop_max: float = 6.0
+    pdop_max: float = PDOP_MAX
     motion: MotionModel | None = None
     start_day: float = 0.0
     duration_h: float | None = None
+    error_max_m: float = 30.0
+    weights: Weighting = "variance"
 
 
 @dataclass(frozen=True)
@@ -112,6 +122,10 @@ def make_map(
         )
     if not chosen.pdop_max > 0:
         raise ArgumentError(f"pdop_max = {chosen.pdop_max:g}: must be positive")
+    if chosen.weights not in ("variance", "equal"):
+        raise ArgumentError(f"weights = {chosen.weights!r}: allowed variance, equal")
+    if not chosen.error_max_m > 0:
+        raise ArgumentError(f"error_max_m = {chosen.error_max_m:g}: must be positive")
     mask = design.mask if chosen.mask_deg is None else option_mask(chosen.mask_deg)
     repeat = repeat_period(design.constellation)
     duration = repeat.duration if chosen.duration_h is None else chosen.duration_h * 3600
@@ -122,7 +136,9 @@ def make_map(
     motion = design.motion.or_of(chosen.motion)
     figure = design.figure
     grid = make_grid(chosen.grid, chosen.step_deg, figure.polar_radius / figure.equatorial_radius)
-    check_memory(design.constellation.size, chosen.epochs, grid, workers, motion)
+    check_memory(
+        design.constellation.size, chosen.epochs, grid, workers, motion, design.signal is not None
+    )
     sphere = figure.equatorial_radius
     fold = design.fold if chosen.fold is None else chosen.fold
     seen = view(design.constellation, times, sphere, mask, motion)
@@ -147,6 +163,13 @@ def make_map(
         workers=workers,
         progress=progress,
     )
+    if design.signal is not None:
+        ranges = range_errors(design, times, motion, chosen.weights)
+        errors = error_map(
+            seen, grid, ranges, limit=chosen.error_max_m, workers=workers, progress=progress
+        )
+        dataset = dataset.assign(errors.data_vars).assign_coords(errors.coords)
+        dataset.attrs |= errors.attrs | {"error_weights": chosen.weights}
     dataset.attrs |= provenance(design, command) | {
         "elevation_mask_deg": np.degrees(mask.elevation).tolist(),
         "motion_model": motion.model,
@@ -160,7 +183,12 @@ def make_map(
 
 
 def check_memory(
-    satellites: int, epochs: int, grid: Grid, workers: int | None, motion: Motion
+    satellites: int,
+    epochs: int,
+    grid: Grid,
+    workers: int | None,
+    motion: Motion,
+    errors: bool = False,
 ) -> None:
     """Refuse a map that does not fit into this machine's memory.
 
@@ -179,6 +207,12 @@ def check_memory(
         + CELL_BYTES * grid.rows * grid.columns
         + ROW_BYTES * threads * grid.columns * epochs
     )
+    if errors:
+        needed += (
+            ERROR_POSITION_BYTES * satellites * epochs
+            + ERROR_CELL_BYTES * grid.rows * grid.columns
+            + ERROR_ROW_BYTES * threads * grid.columns * epochs
+        )
     there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     if needed > 0.9 * there:
         raise ArgumentError(

@@ -1,7 +1,7 @@
 """Designs judged on the same entries, and ranked."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from compass.design import Design
@@ -12,6 +12,7 @@ from compass.study.judge_filter import NOT_RUN, judge_filter
 from compass.study.judge_surface import judge_surface
 from compass.study.judge_worst import worst_entry
 from compass.study.judgement import Judgement
+from compass.study.unknowns import NO_DOUBTS, Doubts
 
 #: Most runs of the filter on one design.
 MOST_RUNS = 100_000
@@ -42,6 +43,7 @@ def rank_designs(
     goal: float = 10.0,
     density_sigma: float = 0.0,
     lift_sigma: float = 0.0,
+    doubts: Doubts = NO_DOUBTS,
     finalists: int = 3,
     runs: int = 512,
     threads: int = 1,
@@ -64,6 +66,8 @@ def rank_designs(
         Position sigma wanted at deployment, metres.
     density_sigma, lift_sigma
         As in `compass.entry.campaign.fly_campaign`.
+    doubts
+        What the lander does not know of clocks, orbits and biases.
     finalists, runs
         On how many of the best to run the filter, and how often for each.
     threads
@@ -87,7 +91,8 @@ def rank_designs(
     kept: list[Judgement] = []
     for design in progress(designs, total=len(designs), desc="designs"):
         place: dict[str, Any] = {"figure": design.figure, "mask": design.mask}
-        c = design.constellation
+        c, unknowns = design.constellation, doubts.of(design)
+        place["unknowns"] = unknowns
         found = judge_entries(c, campaign, scenario, threads=threads, **place)
         kept.append(found)
         judged = found.figures(goal)
@@ -104,9 +109,12 @@ def rank_designs(
                 "given": len(rows) + 1,
                 "satellites": design.constellation.size,
                 **judged,
+                "budget_m": found.budget(),
                 "answer": answer(judged, goal),
                 **NOT_RUN,
-                "surface": judge_surface(c, fold=design.fold, **place),
+                "surface": judge_surface(
+                    c, fold=design.fold, figure=design.figure, mask=design.mask
+                ),
             }
         )
     order = sorted(
@@ -124,6 +132,9 @@ def rank_designs(
                 seed=seed,
                 figure=design.figure,
                 mask=design.mask,
+                density_sigma=density_sigma,
+                lift_sigma=lift_sigma,
+                unknowns=doubts.of(design),
                 threads=threads,
             )
         )
@@ -136,6 +147,8 @@ def rank_designs(
         "goal_m": goal,
         "density_sigma": density_sigma,
         "lift_sigma": lift_sigma,
+        "doubts": asdict(doubts),
+        "counted": doubts.sentence([d.name for d in designs if d.signal is not None]),
         "designs": [{"rank": rank + 1, **rows[k]} for rank, k in enumerate(order)],
     }
     return Ranking(record, tuple(kept[k] for k in order))

@@ -117,7 +117,7 @@ def known_figures(study: Study) -> list[str]:
     others = [
         name
         for name, merit in MERITS.items()
-        if name not in wanted and (study.entry or merit.stage != "entry")
+        if name not in wanted and merit.stage in ("cost", *study.stages)
     ]
     return wanted + others
 

@@ -21,6 +21,8 @@ def sampling_of(study: Study, figure: str) -> str:
     if stage == "map":
         grid = study.map
         return f"{grid.step_deg:g} deg cells, {grid.epochs} epoch{'s' * (grid.epochs > 1)}"
+    if stage == "orbits":
+        return f"{study.orbits.days:g} days"
     if stage == "entry" and study.entry is not None:
         return f"{study.entry.samples} entr{'ies' if study.entry.samples > 1 else 'y'}"
     return ""

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from compass.core.entry_dynamics import rk4_step_transition
-from compass.core.entry_measurement import predict_measurements
-from compass.entry.montecarlo import monte_carlo
+from compass.core.papers.lou_measurement import predict_measurements
 from compass.papers import lou2019_case as paper
 from compass.papers.lou2019 import noiseless, step_seconds
+from compass.papers.lou_montecarlo import monte_carlo
 
 CASE = paper.case(noisy_truth=True)
 #: Microseconds a step at most, on one core; the paper's MATLAB: 41 700, 19 000, 60 000.

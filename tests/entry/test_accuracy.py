@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from compass.entry.accuracy import accuracy, circular_error, projection
-from compass.entry.consistency import consistency
+from compass.entry.accuracy import accuracy, circular_error, error_ellipse, projection
+from compass.entry.consistency import consistency, nees_bounds
 from compass.entry.covariance import axes_covariance, linear_covariance
 from compass.entry.layout import Layout
 from compass.entry.schedule import Measurements
 from compass.entry.trajectory import Trigger, fly
 from compass.entry.views import along_cross_down, cartesian_of, local_axes, spherical_of
+from compass.errors import ArgumentError
 
 PRIOR = axes_covariance(100.0, 0.05)
 
@@ -90,3 +91,27 @@ def test_consistent_filters_are_believed_and_others_not():
     assert not told.holds
     assert told.ratio == pytest.approx(np.sqrt(1.5), rel=0.3)
     assert "too sure of itself" in told.sentence
+
+
+def test_error_ellipse_holds_what_it_says():
+    rng = np.random.default_rng(1)
+    turn = np.array([[np.cos(0.4), -np.sin(0.4)], [np.sin(0.4), np.cos(0.4)]])
+    covariance = turn @ np.diag([1.0, 25.0]) @ turn.T
+    ellipse = error_ellipse(np.array([3.0, -2.0]), covariance)
+    assert ellipse.semi_major == pytest.approx(5 * np.sqrt(-2 * np.log(0.05)))
+    points = rng.multivariate_normal([3.0, -2.0], covariance, 4000) - [3.0, -2.0]
+    inside = np.einsum("ia,ab,ib->i", points, np.linalg.inv(covariance), points) <= -2 * np.log(
+        0.05
+    )
+    assert inside.mean() == pytest.approx(0.95, abs=5 * np.sqrt(0.95 * 0.05 / 4000))
+    outline = ellipse.outline() - [3.0, -2.0]
+    level = np.einsum("ia,ab,ib->i", outline, np.linalg.inv(covariance), outline)
+    np.testing.assert_allclose(level, -2 * np.log(0.05), rtol=1e-9)
+
+
+def test_nees_bounds_are_the_chi_square_s():
+    # Bar-Shalom et al. 2001, section 5.4.2: 50 runs of 2 states: [1.5, 2.6]
+    low, high = nees_bounds(2, 50)
+    assert (round(low, 1), round(high, 1)) == (1.5, 2.6)
+    with pytest.raises(ArgumentError, match="runs = 0"):
+        nees_bounds(8, 0)

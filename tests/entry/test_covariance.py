@@ -247,10 +247,14 @@ def test_layouts_name_their_blocks():
     assert [layout.place(name) for name in ("position", "velocity", "clock", "bias", "air")] == [
         0, 3, 6, 8, -1,
     ]  # fmt: skip
-    assert layout.numbers().tolist() == [8, -1, -1, 6, 8]
+    assert layout.numbers().tolist() == [8, -1, -1, 6, 8, -1]
     np.testing.assert_allclose(np.diag(layout.covariance(PRIOR))[6:], [9, 0.01] + [25] * 4)
     with pytest.raises(ArgumentError, match="block = 'wind': allowed position, velocity, air"):
         block("wind")
+    several = Layout((Part("bias", (5.0, 6.0, 7.0)),), 3)
+    np.testing.assert_allclose(np.diag(several.covariance(PRIOR))[6:], [25, 36, 49])
+    with pytest.raises(ArgumentError, match="bias: 3 sigmas for 4 states"):
+        Layout(several.parts, 4)
     with pytest.raises(ArgumentError, match="is always there"):
         Part("position", (1.0,))
     with pytest.raises(ArgumentError, match="clock: 1 sigmas; give 2"):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compass.api.land_flight import assess_scenario, entry_facts, entry_section
-from compass.entry.montecarlo import monte_carlo
+from compass.entry.fused_runs import monte_carlo
 from compass.entry.trajectory import fly, trajectory_dataset
 from compass.errors import ArgumentError, DesignError
 from compass.inputs.fusion import fusion_plan
@@ -187,23 +187,26 @@ def test_fusion_honours_masks_schedule_and_noise():
         fusion_plan(read_scenario_text(t)) for t in (text, text.replace("mask_deg = 60", ""))
     )
     assert masked.case.visible[:, 0].sum() < plain.case.visible[:, 0].sum()
-    np.testing.assert_allclose(masked.case.range_sigma, 50.0)
+    np.testing.assert_allclose(masked.case.sigma[:, 0], 50.0)
     # variances a second: eight times as much in eight seconds
-    assert masked.filters[0].process_noise[0] == pytest.approx(8.0)
+    filtered = masked.filters[0]
+    steps = np.diff(masked.case.times)
+    assert steps[0] == 8.0 and filtered.noise[0] == 1.0
+    known = filtered.knowledge(masked.case)
+    up = masked.case.flight.path[1, :3] / np.linalg.norm(masked.case.flight.path[1, :3])
+    assert ((up @ known.noise[1, :3]) ** 2).sum() == pytest.approx(8.0)
     late = fusion_plan(read_scenario_text(text.replace("interval_s = 8", "interval_s = 16")))
-    assert not late.case.world().arrival[1::2].any()
-    assert late.case.world().arrival[::2, 1:].any()
+    heard = np.isfinite(late.case.truth(np.zeros((late.case.times.size, 6))).sigma[:, 3:])
+    assert not heard[1::2].any() and heard[::2].any()
     ends = [
-        float(monte_carlo(p.case, p.filters[0], 2, 0, progress=False).position_rmse[-1])
-        for p in (masked, plain)
+        float(monte_carlo(p.case, p.filters[0], 2, 0)[0].position_rmse[-1]) for p in (masked, plain)
     ]
     assert ends[0] != ends[1]
-    both = text.replace("range_sigma_m = 50", "range_rate_sigma_m_s = 0.1")
-    with pytest.raises(DesignError, match="range_sigma_m: missing"):
-        fusion_plan(read_scenario_text(both))
-    odd = text.replace("bank_deg = 0", "bank_deg = [[0, 10], [80.5, -10]]")
-    with pytest.raises(DesignError, match=r"a switch at 80\.5 s is no epoch"):
-        fusion_plan(read_scenario_text(odd))
+    both = text.replace("range_sigma_m = 50", "range_sigma_m = 50\nrange_rate_sigma_m_s = 0.1")
+    rated = fusion_plan(read_scenario_text(both))
+    better = monte_carlo(rated.case, rated.filters[0], 2, 0)[0]
+    poorer = monte_carlo(plain.case, plain.filters[0], 2, 0)[0]
+    assert better.sigma[-1, 3:6].max() < 0.5 * poorer.sigma[-1, 3:6].max()
 
 
 def test_a_mask_of_a_design_holds_in_landing_as_in_judging(tmp_path):

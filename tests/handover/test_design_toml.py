@@ -22,10 +22,11 @@ from compass.orbits import (
     walker_star,
 )
 from compass.orbits.constellation import from_pattern
+from compass.orbits.period import repeat_radius
 from compass.sites import Mask
 
 IAU = FIGURES["iau-sphere"]
-SAME = ("name", "epoch", "satellite_names", "pattern", "gm")
+SAME = ("name", "epoch", "satellite_names", "pattern", "gm", "repeat")
 ELEMENTS = ("semi_major_axis", "eccentricity", "inclination", "raan", "argument_of_periapsis",
             "mean_anomaly")  # fmt: skip
 
@@ -73,6 +74,7 @@ def patterns(draw):
             st.fixed_dictionaries({"radius_km": kilometres})
             | st.fixed_dictionaries({"altitude_km": kilometres})
             | st.just({"orbit": "areosynchronous"})
+            | st.sampled_from([{"repeat": (2, 1)}, {"repeat": (6, 4)}])
         ),
         "name": draw(texts),
         "epoch": draw(epochs),
@@ -156,11 +158,14 @@ def test_the_file_reads_well():
 
 
 def test_orbits_are_said_as_a_reader_would():
-    def orbit(radius):
-        c = from_pattern(Pattern("walker-delta", 3, 1, 0, 0.0), radius)
+    def orbit(radius, repeat=None):
+        c = from_pattern(Pattern("walker-delta", 3, 1, 0, 0.0), radius, repeat=repeat)
         return constellation_toml(c, IAU).split("inclination_deg = 0\n")[1].split("\n")[0]
 
-    assert orbit(areosynchronous_radius()) == 'orbit = "areosynchronous"'
+    assert orbit(areosynchronous_radius(), (1, 1)) == 'orbit = "areosynchronous"'
+    assert orbit(repeat_radius(2, 1), (2, 1)) == "repeat = [2, 1]"
+    # near is not closed: nobody said that the tracks close
+    assert orbit(areosynchronous_radius()).startswith("radius_km = 20427.6")
     assert orbit(20427e3) == "radius_km = 20427"
     # between 4096 and 4194.3 km doubles of kilometres are twice as coarse as those of metres
     surface = IAU.equatorial_radius

@@ -139,7 +139,7 @@ def test_epoch_is_tdb():
         ("radius_km = 20427", "radius_km = true", "must be a number"),
         ("radius_km = 20427", "altitude_km = -5", "must be above 0"),
         ("radius_km = 20427", "radius_km = 20427\naltitude_km = 9", "found radius_km and altitude_km"),
-        ("radius_km = 20427", "", "needs exactly one of radius_km, altitude_km and orbit; found none"),
+        ("radius_km = 20427", "", "needs exactly one of radius_km, altitude_km, orbit and repeat; found none"),
         ("radius_km = 20427", 'orbit = "geo"', "constellation.orbit = 'geo': allowed: 'areosynchronous'"),
         ("inclination_deg = 45", "inclination_deg = 181", "must be at most 180"),
         ('"walker-delta"', '"flower"', "constellation.pattern = 'flower': allowed: 'walker-delta', 'walker-star', 'rosette', 'elements'"),

@@ -51,6 +51,21 @@ def test_two_other_programs_are_met_over_a_mars_year():
         assert miss[-1] < path.errors[-1, k]
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-3, 1e-2])
+def test_a_coarse_orbit_is_within_its_own_bound(tolerance):
+    r, v = circle(radius=20000e3)
+    times = np.linspace(0, 100 * DAY, 200)
+    fine, coarse = (
+        integrate(r, v, ForceModel(), 100 * DAY, **options)
+        for options in ({}, {"tolerance": tolerance})
+    )
+    miss = np.linalg.norm(fine.states(times)[0] - coarse.states(times)[0], axis=-1)[0]
+    piece = np.searchsorted(coarse.breaks, times).clip(1) - 1
+    assert np.all(miss <= coarse.errors[piece, 0] + 0.01)
+    assert coarse.breaks.size < 0.7 * fine.breaks.size
+
+
 def test_ten_days_are_met():
     times, r, v = reference.states()["I45"]
     path = integrate(

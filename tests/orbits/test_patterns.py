@@ -193,12 +193,17 @@ def test_constellations_join():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"inclination_deg": 45}, "exactly one of radius_km, altitude_km and orbit; found none"),
+        (
+            {"inclination_deg": 45},
+            "exactly one of radius_km, altitude_km, orbit and repeat; found none",
+        ),
         ({"inclination_deg": 45, "radius_km": 1e4, "orbit": "x"}, "found radius_km and orbit"),
         (
             {"inclination_deg": 45, "orbit": "synchronous"},
             "orbit = 'synchronous': allowed areosync",
         ),
+        ({"inclination_deg": 45, "repeat": (1, 0)}, "must be two whole numbers from 1 to 1000"),
+        ({"inclination_deg": 45, "repeat": (99, 1)}, "so many revolutions need a radius of 954.5"),
         ({"inclination_deg": 45, "radius_km": 3000}, r"radius_km = 3000: is not above.*3396.19 km"),
         ({"inclination_deg": 45, "altitude_km": -5}, "altitude_km = -5: .* must be more than 0 km"),
         ({"inclination_deg": 45, "radius_km": np.nan}, "radius_km = nan: is not above"),

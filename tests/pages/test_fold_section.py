@@ -4,7 +4,8 @@ import pytest
 
 import compass
 from compass.inputs import read_design_text
-from compass.pages.fold import _neighbours, fold_section
+from compass.pages.fold import fold_section
+from compass.pages.neighbours import _phasings, neighbours
 
 PATTERN = """
 name = "small"
@@ -40,7 +41,9 @@ fold = {fold}
 
 def section(text, **values):
     found = compass.fold(read_design_text(text.format(**values)))
-    return fold_section(found, inclinations=2, moments=6)
+    c, sphere = found.design.constellation, found.design.figure.equatorial_radius
+    beside = neighbours(c, found.fold, sphere, inclinations=2) if c.pattern else ()
+    return fold_section(found, beside, moments=6)
 
 
 def test_a_proven_design():
@@ -80,6 +83,6 @@ def test_neighbours_start_with_the_design():
     from compass.orbits import rosette
 
     c = rosette(12, 12, 5, inclination_deg=57.3, radius_km=20000)
-    near = _neighbours(c.pattern)
+    near = _phasings(c.pattern)
     assert [p.phasing for p in near] == [5, 4, 6, 3, 7, 2, 8, 1]
     assert {p.kind for p in near} == {"walker-delta"}

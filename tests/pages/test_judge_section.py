@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from compass.api.judge import estimate
 from compass.entry.arrivals import draw_arrivals
 from compass.inputs import read_design_text
 from compass.inputs.scenario import read_scenario_text
@@ -65,12 +64,12 @@ def ranking_of(designs, scenario, samples):
             {
                 "rank": rank + 1, "design": design.name, "file": design.label, "given": designs.index(design) + 1,
                 "satellites": design.constellation.size, **with_worst(found),
-                "answer": "no",
+                "budget_m": found.budget(), "answer": "no",
                 **(NOT_RUN if rank else filtered),
             }
         )  # fmt: skip
     record = {
-        "designs": rows, "samples": samples, "seed": 0, "goal_m": 10.0, "density_sigma": 0.0,
+        "designs": rows, "samples": samples, "counted": "Counted.", "seed": 0, "goal_m": 10.0, "density_sigma": 0.0,
         "lift_sigma": 0.0,
     }  # fmt: skip
     return Ranking(record, tuple(judgements))
@@ -82,7 +81,8 @@ def test_section_has_maps_distributions_and_a_table(scenario):
     section = module.judge_section(ranking, [two, three], scenario)
     assert [picture.stem for picture in section.pictures] == ["judge-map", "judge-distributions"]
     assert all(picture.png.startswith(b"\x89PNG") for picture in section.pictures)
-    table, run = section.tables
+    table, budget, run = section.tables
+    assert budget.rows[0][0] == "3 satellites"
     assert len(table.rows) == 2 and len(table.rows[0]) == len(table.header)
     assert table.rows[0][1] == "3 satellites"
     (row,) = run.rows
@@ -105,10 +105,3 @@ def test_cells_keep_their_largest_bound(scenario):
     row = int((np.sin(latitude[0]) + 1) / 2 * pictures.ROWS)
     column = int((longitude[0] + np.pi) / (2 * np.pi) * pictures.COLUMNS)
     assert cells[row, column] >= found[0].position_sigma[0]
-
-
-def test_a_sampled_value_has_the_digits_of_its_error():
-    assert estimate(23.2054, 1.254) == "23.2 ± 1.3"
-    assert estimate(2.05512, 0.0087) == "2.0551 ± 0.0087"
-    assert estimate(1234.0, 123.0) == "1234 ± 123"
-    assert estimate(float("inf"), float("nan")) == "inf" and estimate(100.0, 0.0) == "100"

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compass.document import Answers
 from compass.inputs import read_design_text
 from compass.inputs.study import read_study_text
 from compass.pages import trade_pictures
@@ -90,8 +91,14 @@ def test_words():
 
 def test_recommendation_names_file_and_units(landing, tmp_path, coarse):
     made = traded(landing, tmp_path / "store")
-    section = made.sections[0]
-    assert "(finalist-1.toml)" in section.paragraphs[0]
+    answered, section = made.sections[:2]
+    assert (
+        "(finalist-1.toml)" in answered.paragraphs[0] and "Its rival is" in answered.paragraphs[0]
+    )
+    (answers,) = (block for block in answered.blocks if isinstance(block, Answers))
+    assert answers.rows[0].holds and answers.rows[0].answer == "proven"
+    assert any("Three areostationary relays has" in row.sure for row in answers.rows)
+    assert len(answered.pictures) == 1 and "(finalist-1.toml)" in section.paragraphs[0]
     answer = made.summary["landing"]["designs"]
     own = next(row["answer"] for row in answer if row["file"] == "finalist-1.toml")
     assert any(own[1:] in text for text in section.paragraphs)
@@ -156,7 +163,7 @@ def test_candidates_on_any_two_axes(tmp_path, coarse, opened):
 def test_page_without_the_extra_has_no_script(tmp_path, coarse, monkeypatch):
     monkeypatch.setitem(sys.modules, "plotly.graph_objects", None)
     made = traded(read_study_text(TEXT), tmp_path)
-    assert "<script" not in made.page and "front-satellites-gdop-p50" in made.page
+    assert "plotly" not in made.page and "front-satellites-gdop-p50" in made.page
 
 
 @pytest.fixture
@@ -169,8 +176,8 @@ def landing(tmp_path, designs, monkeypatch):
     (tmp_path / "lander.toml").write_text(text)
     surface = {
         "fold": {"wanted": 1, "outcome": "proven"}, "mask_margin_deg": 3.0,
-        "gdop": {"p50": 2.0, "p95": 3.0}, "gdop_error": {"p50": 0.1, "p95": 0.2},
-        "gdop_share": 0.9, "gdop_share_error": 0.01,
+        "gdop": {"p50": 2.0, "p50_bracket": [1.9, 2.1], "p95": 3.0, "p95_bracket": [2.9, 3.1]},
+        "availability": 0.9, "availability_bracket": [0.85, 0.95],
     }  # fmt: skip
     monkeypatch.setattr(ranking, "judge_surface", lambda *_, **__: surface)
     worst = {

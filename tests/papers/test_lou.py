@@ -9,9 +9,9 @@ import xarray as xr
 from compass.entry.beacons import Beacons
 from compass.entry.consistency import nees_bounds
 from compass.entry.faults import Fault
-from compass.entry.montecarlo import monte_carlo
 from compass.papers import lou2017, lou2017_case, lou2019, lou2019_case, lou2019_runs
 from compass.papers.line_of_sight import misses
+from compass.papers.lou_montecarlo import monte_carlo
 
 RUNS = 300
 ORDER = "position RMSE of EKF, DCIFAIF, CI, mean of 50 to 300 s"

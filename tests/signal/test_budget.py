@@ -25,7 +25,9 @@ R, ORBIT = 3.3962e6, 20.4277e6
 
 def design(**signal):
     constellation = walker_delta(3, 3, 1, inclination_deg=45, radius_km=ORBIT / 1e3)
-    return Design("d", constellation, figure="kelly2018-sphere", signal=Signal(**signal))
+    return Design(
+        name="d", constellation=constellation, figure="kelly2018-sphere", signal=Signal(**signal)
+    )
 
 
 def sights(mask, n=200_000, seed=3):

@@ -98,10 +98,11 @@ def absorb(row, residual, variance, estimated, gain, covariance, shift):
     size = row.size
     s = variance
     for i in range(size):
-        total = 0.0
-        for j in range(size):
-            total += covariance[i, j] * row[j]
-        gain[i] = total
+        gain[i] = 0.0
+    for j in range(size):
+        if row[j] != 0.0:  # a range knows three states and a bias
+            for i in range(size):
+                gain[i] += covariance[j, i] * row[j]
     for i in range(size):
         s += row[i] * gain[i]
         residual -= row[i] * shift[i]

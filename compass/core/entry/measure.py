@@ -1,4 +1,4 @@
-"""What a radio measurement to a beacon would be, and its row: the only list of kinds.
+"""What a measurement would be, and its row: radio to a beacon and accelerometers, all kinds.
 
 Rows stand against the states of a filter, whose first six are position and velocity; where the
 others are is told by `places` (see `compass.core.entry.filter`).
@@ -6,6 +6,7 @@ others are is told by `places` (see `compass.core.entry.filter`).
 
 import math
 
+from compass.core.entry.rates import DRAG, log_density
 from compass.core.jit import fast_kernel
 
 #: Kinds of measurement, as columns of variances and of measured values.
@@ -13,7 +14,10 @@ RANGE, RATE, KINDS = 0, 1, 2
 
 #: Columns of `places`: how many states are estimated (the rest is considered), then the first
 #: state of each further block, -1 where it is left out.
-ESTIMATED, AIR, LIFT, CLOCK, BIAS, PLACES = range(6)
+ESTIMATED, AIR, LIFT, CLOCK, BIAS, IMU, PLACES = range(7)
+
+#: Accelerometers: along the velocity, to the side and across it.
+AXES = 3
 
 
 @fast_kernel
@@ -69,3 +73,41 @@ def measurement_rows(x, beacon, number, places, range_row, rate_row):
         distance += x[places[BIAS] + number]
         range_row[places[BIAS] + number] = 1.0
     return distance, rate
+
+
+@fast_kernel
+def acceleration_rows(x, thicker, lift, p, cos_bank, sin_bank, places, rows, out):
+    """Predict what the accelerometers read, and write their rows.
+
+    ``a = [-D, -L sin(bank), L cos(bank)] + b``, with ``D = rho B V^2 / 2``, ``L = lift D`` and the
+    biases b where they are states. At a switch the bank is the one that holds from then on.
+
+    Parameters
+    ----------
+    x, thicker, lift, p, cos_bank, sin_bank
+        As in `compass.core.entry.rates.acceleration`; x of shape (s,).
+    places
+        See `PLACES`.
+    rows
+        Output, (>= 3, s); only the entries named here are written, the others must be zero.
+    out
+        Output, (>= 3,), m/s^2.
+    """
+    r = math.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
+    v = math.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5])
+    height, slope = log_density(r, p)
+    drag = 0.5 * math.exp(height + thicker) * p[DRAG] * v * v
+    for axis in range(AXES):
+        turned = 0.0 if axis == 0 else (-sin_bank if axis == 1 else cos_bank)
+        value = -drag if axis == 0 else turned * lift * drag
+        out[axis] = value
+        for i in range(3):
+            rows[axis, i] = value * slope * x[i] / r
+            rows[axis, 3 + i] = 2.0 * value * x[3 + i] / (v * v)
+        if places[AIR] >= 0:
+            rows[axis, places[AIR]] = value
+        if places[LIFT] >= 0:
+            rows[axis, places[LIFT]] = turned * drag
+        if places[IMU] >= 0:
+            out[axis] += x[places[IMU] + axis]
+            rows[axis, places[IMU] + axis] = 1.0

@@ -1,0 +1,176 @@
+"""Every requirement of a design: met or missed, with the evidence, the margin and the worst."""
+
+from dataclasses import dataclass, field, replace
+from math import degrees
+from pathlib import Path
+from typing import Any
+
+from compass.api.given import given_design
+from compass.api.progress import bar
+from compass.api.results import Result
+from compass.coverage.requirement_verdict import verdict_of
+from compass.coverage.verdict import Verdict as Answer
+from compass.design import Design, Requirement
+from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
+from compass.document.blocks import Block
+from compass.document.plain import plain
+from compass.errors import ArgumentError
+from compass.orbits.motion import MotionModel
+from compass.quantities import quantity
+
+
+@dataclass(frozen=True, repr=False)
+class CheckResult(Result):
+    """The requirements of a design and their verdicts.
+
+    Attributes
+    ----------
+    design
+        What was asked about.
+    verdicts
+        One a requirement, in the file's order.
+    """
+
+    design: Design = field(repr=False)
+    verdicts: tuple[Answer, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether all are met."""
+        return all(verdict.met is True for verdict in self.verdicts)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return plain(
+            {
+                "design": self.design.name,
+                "holds": self.holds,
+                "requirements": [verdict.as_dict() for verdict in self.verdicts],
+            }
+        )
+
+    def document(self) -> Page:
+        """The answer, the table of verdicts, and what is said of each."""
+        return Page(self.design.name, self.blocks())
+
+    def blocks(self) -> tuple[Block, ...]:
+        """What other results show of it."""
+        counts = [sum(v.met is met for v in self.verdicts) for met in (True, False, None)]
+        words = ("met", "missed", "undecided")
+        told = ", ".join(f"{n} {word}" for n, word in zip(counts, words, strict=True) if n)
+        holds = True if self.holds else False if counts[1] else None
+        word = {True: "met", False: "missed", None: "undecided"}[holds]
+        return (
+            Verdict(word, f"{len(self.verdicts)} requirement(s): {told}", holds),
+            verdict_table(self.verdicts),
+            *(Sentence(text) for text in verdict_sentences(self.verdicts)),
+        )
+
+
+def verdict_table(verdicts: tuple[Answer, ...]) -> Table:
+    """Requirements and their verdicts, one a row: the same table wherever they stand."""
+    share, margin = quantity("requirement_share"), quantity("requirement_margin_deg")
+    rows = tuple(
+        (
+            verdict.requirement.name,
+            verdict.word,
+            verdict.evidence,
+            _share(verdict),
+            Value(margin, None if verdict.margin is None else degrees(verdict.margin)),
+            verdict.requirement.claim,
+        )
+        for verdict in verdicts
+    )
+    header = ("", "verdict", "evidence", share.heading, margin.heading, "wanted")
+    return Table("Requirements", header, rows)
+
+
+def _share(verdict: Answer) -> Value:
+    share = quantity("requirement_share")
+    if verdict.share is None:
+        return Value(share, None)
+    low, high = verdict.share
+    return Value(share, low, Proven() if low == high else Bracket(low, high))
+
+
+def verdict_sentences(verdicts: tuple[Answer, ...]) -> list[str]:
+    """For each requirement where and when it is tightest or missed, why it is open, its scope."""
+    return [f"{verdict.requirement.name}: {_said(verdict)}" for verdict in verdicts]
+
+
+def _said(verdict: Answer) -> str:
+    parts = []
+    if verdict.reason:
+        parts.append(verdict.reason)
+    if (worst := verdict.worst) is not None:
+        place = f"latitude {degrees(worst.latitude):.4f}"
+        if worst.longitude is not None:
+            place += f", longitude {degrees(worst.longitude):.4f}"
+        when = "" if worst.time is None else f" at t = {worst.time:.3f} s"
+        word = "missed" if verdict.met is False else "tightest"
+        parts.append(f"{word} at {place} deg{when}, {_value(verdict)}")
+    if verdict.lost:
+        alike = f" or one of {verdict.alike} sets alike" if verdict.alike > 1 else ""
+        parts.append(f"after the loss of {', '.join(verdict.lost)}{alike}, which hurts most")
+    parts.append(verdict.scope)
+    return "; ".join(parts)
+
+
+def _value(verdict: Answer) -> str:
+    worst = verdict.worst
+    assert worst is not None
+    if worst.time is None:
+        return f"{100 * worst.value:.4f} % of the time"
+    if verdict.requirement.fold is not None:
+        return f"{worst.value:.0f} in view"
+    return f"{verdict.requirement.limits[0][0].upper()} {worst.value:.6g}"
+
+
+def check(
+    design: Design | str | Path,
+    *,
+    days: float | None = None,
+    start_day: float = 0.0,
+    motion: MotionModel | None = None,
+    budget_s: float | None = None,
+    progress: bool = False,
+) -> CheckResult:
+    """Settle every requirement of a design; one without any has its ``[coverage]`` everywhere.
+
+    Parameters
+    ----------
+    design
+        A design, or the path of its file.
+    days, start_day
+        For so many days from a day after the epoch on, at the places themselves; without days for
+        ever. Needed where the motion is integrated or a table.
+    motion
+        ``two-body``, ``j2`` or ``numerical``; else the design's.
+    budget_s
+        Seconds that each share of geometry may take; by default a number of boxes.
+    progress
+        Show bars on stderr.
+
+    Raises
+    ------
+    ArgumentError, DesignError
+        An option or the design is not allowed.
+
+    Examples
+    --------
+    >>> import compass
+    >>> found = compass.check("designs/compass-15-5-1.toml")
+    >>> found.holds, found.verdicts[0].evidence
+    (True, 'proven')
+    """
+    read = given_design(design)
+    if budget_s is not None and not budget_s > 0:
+        raise ArgumentError(f"budget_s = {budget_s:g}: must be positive")
+    if motion is not None:
+        read = replace(read, motion=read.motion.or_of(motion))
+    wanted = read.requirements or (Requirement("coverage", fold=read.fold),)
+    verdicts = tuple(
+        verdict_of(read, each, days=days, start_day=start_day, budget_s=budget_s)
+        for each in bar(progress, "requirements", wanted)
+    )
+    return CheckResult(read, verdicts)

@@ -1,0 +1,233 @@
+"""How long a design lasts on real orbits, which radius lasts longer, and what keeping costs.
+
+Other commands say each of these; here they are asked for together, as a page wants them, within a
+bound on the work, and kept on disk.
+"""
+
+import shlex
+import time
+from dataclasses import dataclass
+from math import ceil
+from typing import Any
+
+import numpy as np
+
+from compass.api.drift import RadiusLasts, at_radii, drift, real_motion
+from compass.api.given import given_mask
+from compass.api.keep import keep
+from compass.coverage.certificate import Outcome
+from compass.coverage.lasting import Lasting, prove_span
+from compass.coverage.room import has_slots
+from compass.design import Design
+from compass.document.plain import plain
+from compass.errors import ArgumentError
+from compass.frames import SECONDS_PER_DAY
+from compass.kept import kept
+from compass.orbits.trimming import beat_of
+
+#: A Mars year, days: how far a page looks ahead, and the look before that.
+HORIZON, GLANCE = 687.0, 40.0
+
+#: Days of all satellites that are followed at most, and satellites of a sweep or of keeping.
+SATELLITE_DAYS, MOST_SATELLITES = 15 * HORIZON, 40
+
+#: Other radii that are tried, km from the design's: the second pair where the first does not last.
+STEPS = ((-400.0, 400.0), (-800.0, 800.0))
+
+#: Beat, days, above which orbits keep pace with Mars and no trim helps.
+RESONANT = 100.0
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """A design's future, in plain values.
+
+    Attributes
+    ----------
+    fold, mask_deg, motion
+        What was asked of it, and under what motion.
+    horizon_days
+        How far was looked.
+    outcome, days_proven, first_loss_days, loss
+        The claim over the horizon; where it is lost, in words.
+    drift
+        Margin, room and places in the slots over the days, as `compass.drift` finds them; None
+        where the fold does not hold at the epoch.
+    radius_km
+        Of the design, if its orbits are circles of one radius.
+    radii
+        How long the pattern lasts at other radii.
+    keeping
+        What keeping costs, as `compass.keep` finds it.
+    notes
+        What was not looked at, and why.
+    seconds
+        Time it took.
+    known
+        Whether it was kept from an earlier run.
+    """
+
+    fold: int
+    mask_deg: float
+    motion: str
+    horizon_days: float
+    outcome: str
+    days_proven: float
+    first_loss_days: float | None
+    loss: str
+    drift: dict[str, Any] | None
+    radius_km: float | None
+    radii: tuple[RadiusLasts, ...]
+    keeping: dict[str, Any] | None
+    notes: tuple[str, ...]
+    seconds: float
+    known: bool
+
+    @property
+    def lasts(self) -> bool:
+        """Whether it is proven for the whole horizon."""
+        return self.outcome == Outcome.PROVEN.value
+
+    @property
+    def lasting_radii(self) -> tuple[RadiusLasts, ...]:
+        """Other radii at which it is proven for the whole horizon."""
+        return tuple(r for r in self.radii if r.days_proven >= self.horizon_days)
+
+
+def outlook(design: Design) -> Outlook:
+    """Find out what becomes of a design, or recall it.
+
+    Looked at: the fold over `HORIZON` days from the epoch, less for many satellites; if it is not
+    proven for all of it, other radii of `STEPS`, trimmed, and a year of station-keeping.
+
+    Parameters
+    ----------
+    design
+        The design.
+    """
+    wanted = (HORIZON, STEPS, design.constellation, design.motion, design.figure)
+    question = ("outlook", *wanted, design.fold, design.mask)
+    found, known = kept(question, lambda: _look(design))
+    radii = tuple(RadiusLasts(**row) for row in found.pop("radii"))
+    notes = tuple(found.pop("notes"))
+    return Outlook(**found, radii=radii, notes=notes, known=known)
+
+
+def commands(design: Design, found: Outlook) -> dict[str, str]:
+    """The command lines that prove what is said: ``lasts``, ``radii``, ``keeping``."""
+    name = shlex.quote(design.label)
+    radii = ",".join(f"{r.radius_km:g}" for r in found.lasting_radii or found.radii)
+    until = found.horizon_days if found.lasts else ceil(found.days_proven) + 1
+    return {
+        "lasts": f"compass drift {name} --days {until:g}",
+        "radii": f"compass drift {name} --days {found.horizon_days:g} --radius-km {radii}",
+        "keeping": f"compass keep {name}",
+    }
+
+
+def _look(design: Design) -> dict[str, Any]:
+    began = time.perf_counter()
+    c, mask = design.constellation, given_mask(None, design).highest
+    motion, notes = real_motion(design), []
+    horizon = min(HORIZON, SATELLITE_DAYS / max(c.size, 1))
+    if motion.table is not None:
+        horizon = min(horizon, motion.table.stop / SECONDS_PER_DAY)
+    if horizon < HORIZON:
+        notes.append(f"looked {horizon:.4g} days ahead, which is as far as was affordable or known")
+    lasting = _claim(design, horizon)
+    lost = lasting.outcome is not Outcome.PROVEN
+    over_time, keeping = None, None
+    radii: tuple[RadiusLasts, ...] = ()
+    if lasting.days_proven > 0.0:
+        end = min(horizon, max(1.25 * lasting.days_proven, 1.0)) if lost else horizon
+        over_time = _over_time(design, end)
+    if lost and over_time is not None:
+        if not has_slots(c) or motion.forces is None or c.size > MOST_SATELLITES:
+            notes.append(
+                "other radii and station-keeping are looked at for up to "
+                f"{MOST_SATELLITES} satellites under forces on circles of one radius"
+            )
+        else:
+            radii = _other_radii(design, horizon, mask)
+            try:
+                keeping = keep(design).to_dict()
+            except ArgumentError as error:
+                notes.append(f"keeping: {error}")
+    found = {
+        "fold": design.fold,
+        "mask_deg": float(np.degrees(mask)),
+        "motion": motion.title,
+        "horizon_days": horizon,
+        "outcome": lasting.outcome,
+        "days_proven": lasting.days_proven,
+        "first_loss_days": lasting.first_loss_days,
+        "loss": _place(lasting),
+        "drift": over_time,
+        "radius_km": float(c.semi_major_axis[0]) / 1e3 if has_slots(c) else None,
+        "radii": [r.as_dict() for r in radii],
+        "keeping": keeping,
+        "notes": notes,
+        "seconds": time.perf_counter() - began,
+    }
+    result: dict[str, Any] = plain(found)
+    return result
+
+
+def _claim(design: Design, horizon: float) -> Lasting:
+    """Settle the fold over a glance and, if it held, over the horizon."""
+    motion = real_motion(design)
+    for days in sorted({min(GLANCE, horizon), horizon}):
+        stop = days * SECONDS_PER_DAY
+        found = prove_span(
+            motion.trajectory(design.constellation, 0.0, stop),
+            design.fold,
+            sphere_radius=design.figure.equatorial_radius,
+            mask=design.mask.highest,
+            start=0.0,
+            stop=stop,
+        )
+        if found.outcome is not Outcome.PROVEN:
+            break
+    return found
+
+
+def _over_time(design: Design, days: float) -> dict[str, Any]:
+    """Margin, room and places in the slots over the days."""
+    result = drift(design, days=days)
+    found = result.drift
+    room, box = found.room, found.box
+    return {
+        "days": found.times / SECONDS_PER_DAY,
+        "margin_deg": np.degrees(found.least[:, 0]),
+        "room_deg": None if room is None else np.degrees(room.room),
+        "satellites": list(design.constellation.satellite_names),
+        "in_track_deg": None if room is None else np.degrees(room.along),
+        "cross_track_deg": None if room is None else np.degrees(room.across),
+        "slot_sideways_deg": None if box is None else float(np.degrees(box.sideways)),
+    }
+
+
+def _other_radii(design: Design, horizon: float, mask: float) -> tuple[RadiusLasts, ...]:
+    """How long the pattern lasts, trimmed, at its own radius if it can be trimmed, and others."""
+    c = design.constellation
+    own = float(c.semi_major_axis[0]) / 1e3
+    lowest = design.figure.equatorial_radius / 1e3
+    found: tuple[RadiusLasts, ...] = ()
+    tried = [(0.0,)] if beat_of(c) < RESONANT * SECONDS_PER_DAY else []
+    for steps in (*tried, *STEPS):
+        radii = [own + step for step in steps if own + step > lowest]
+        found += at_radii(design, radii, days=horizon, fold=design.fold, mask=mask)
+        if any(r.days_proven >= horizon for r in found):
+            break
+    return tuple(sorted(found, key=lambda r: r.radius_km))
+
+
+def _place(lasting: Lasting) -> str:
+    """Where coverage is lost first, in words; empty if it is not."""
+    w = lasting.witness
+    if w is None:
+        return ""
+    return (
+        f"{w.fold} in view at latitude {np.degrees(w.latitude):.2f}, "
+        f"longitude {np.degrees(w.longitude):.2f} deg"
+    )

@@ -1,0 +1,412 @@
+"""How far the k-th best satellite stands above a horizon: boxes of place and phase, halved.
+
+A user stands at a geodetic latitude and a longitude (seen from the node of the elements), the
+satellites have gone through a phase: ``M = M0 + pace phase``. Seen from the user at the centre of a
+box of half-widths hb, hl and ht, a satellite at distance d, which moves by at most `swift` for a
+radian of phase in the frame that turns with the user, strays by at most
+``s = swift ht + rho hl + m hb``: rho is its distance from the axis (turning the user to the east is
+turning the sky to the west) and m bounds the meridian's radius of curvature. Its direction turns by
+at most ``delta = asin(s/d) + hb``, the last for the user's axes; its elevation by as much, its
+azimuth by at most ``asin(sin delta / cos elevation)``. Elevation less delta, over the highest point
+of the profile in that range of azimuths, is a lower bound of its clearance in all of the box, and
+the k-th highest of these bounds is one of the k-th highest clearance.
+
+`least_clearance` keeps the least that any centre showed and halves the boxes whose bound is below
+it; `clear_share` adds up the boxes in which the clearance is surely positive or surely negative.
+
+Directions are good to 1e-13 rad for phases of a revolution; `SLACK` covers that many times over,
+and phases of thousands of revolutions.
+"""
+
+import math
+
+import numpy as np
+
+from compass.core.jit import kernel
+from compass.core.kepler import eccentric_anomaly
+
+#: Radians by which every comparison is made on the safe side.
+SLACK = 1e-11
+
+#: Columns of a box: centres and half-widths of latitude, longitude and phase, rad.
+BOX = 6
+
+#: Boxes that wait at once: each halving leaves one behind.
+DEEPEST = 400
+
+#: Longest side of the first boxes, rad.
+COARSE = 0.5
+
+
+@kernel
+def bounds(orbits, figure, turn, azimuths, elevations, k, box, near):
+    """Lowest, central and highest clearance of the k-th best satellite in a box.
+
+    Parameters
+    ----------
+    orbits
+        Rows: towards periapsis and across, times the axes (m, 3 each); e, mean anomaly, pace,
+        swift; shape (n, 10).
+    figure
+        Equatorial radius (m), eccentricity squared, height (m), bound of the meridian's radius
+        of curvature (m).
+    turn
+        Of the user with the phase, rad per rad.
+    azimuths, elevations
+        Profile of the horizon: increasing azimuths in [0, 2 pi) and elevations, shape (m,), rad.
+    k
+        Which satellite counts.
+    box
+        See `BOX`.
+    near
+        Room for three rows of the k highest so far, shape (3, k).
+
+    Returns
+    -------
+    lowest, central, highest
+        Radians: bounds for the box, and what its centre shows; minus infinity without k.
+    seen
+        Satellites above the horizon at the centre.
+    """
+    n = orbits.shape[0]
+    near[:, :] = -math.inf
+    if n < k:
+        return -math.inf, -math.inf, -math.inf, 0
+    cb, sb = math.cos(box[0]), math.sin(box[0])
+    across = figure[0] / math.sqrt(1.0 - figure[1] * sb * sb)
+    eye_x = (across + figure[2]) * cb
+    eye_z = (across * (1.0 - figure[1]) + figure[2]) * sb
+    angle = box[1] + turn * box[2]
+    ca, sa = math.cos(angle), math.sin(angle)
+    level, top_of_all = elevations.min(), elevations.max()
+    seen = 0
+    for s in range(n):
+        o = orbits[s]
+        anomaly = eccentric_anomaly(o[7] + o[8] * box[2], o[6])
+        p, q = math.cos(anomaly) - o[6], math.sin(anomaly)
+        x, y, z = o[0] * p + o[3] * q, o[1] * p + o[4] * q, o[2] * p + o[5] * q
+        # turned to the longitude of the user, who stays at 0
+        dx, dy, dz = ca * x + sa * y - eye_x, ca * y - sa * x, z - eye_z
+        distance = math.sqrt(dx * dx + dy * dy + dz * dz)
+        up, north = cb * dx + sb * dz, cb * dz - sb * dx
+        # an arc sine would lose half of the digits overhead
+        elevation = math.atan2(up, math.sqrt(dy * dy + north * north))
+        strays = o[9] * box[5] + math.sqrt(x * x + y * y) * box[4] + figure[3] * box[3]
+        delta = math.pi
+        if strays < distance:
+            delta = math.asin(strays / distance) + box[3] + SLACK
+        here = bottom = top = level
+        if top_of_all > level:
+            azimuth = math.atan2(dy, north)
+            here, _ = profile_range(azimuths, elevations, azimuth, 0.0)
+            flat = math.cos(elevation)
+            far = delta >= 0.5 * math.pi or math.sin(delta) >= flat
+            around = math.pi if far else math.asin(math.sin(delta) / flat) + SLACK
+            bottom, top = profile_range(azimuths, elevations, azimuth, around)
+        central = elevation - here
+        seen += 1 if central >= -SLACK else 0
+        _keep(near[0], max(elevation - delta, -0.5 * math.pi) - top)
+        _keep(near[1], central)
+        _keep(near[2], min(elevation + delta, 0.5 * math.pi) - bottom)
+    return near[0, k - 1], near[1, k - 1], near[2, k - 1], seen
+
+
+@kernel
+def _keep(highest, value):
+    """Put a value among the highest so far, in falling order, if it is one."""
+    k = highest.size
+    if value <= highest[k - 1]:
+        return
+    place = k - 1
+    while place > 0 and highest[place - 1] < value:
+        highest[place] = highest[place - 1]
+        place -= 1
+    highest[place] = value
+
+
+@kernel
+def side_of(box, figure, normals, floors):
+    """Whether a box lies inside (1) or outside (-1) a region for sure, or may do either (0).
+
+    Parameters
+    ----------
+    box
+        See `BOX`.
+    figure
+        As in `bounds`.
+    normals, floors
+        The region: planetocentric directions p at longitude 0 of the box's frame with
+        ``normals p >= floors``; shapes (m, 3) and (m,).
+    """
+    if floors.size == 0:
+        return 1
+    # a planetocentric direction turns by at most 1/(1 - e^2) of the geodetic latitude
+    reach = box[3] / (1.0 - figure[1]) + box[4] + SLACK
+    x, z = math.cos(box[0]), (1.0 - figure[1]) * math.sin(box[0])
+    length = math.sqrt(x * x + z * z)
+    x, z = x / length, z / length
+    side = 1
+    cl, sl = math.cos(box[1]), math.sin(box[1])
+    for m in range(floors.size):
+        height = normals[m, 0] * x * cl + normals[m, 1] * x * sl + normals[m, 2] * z - floors[m]
+        if height < -reach:
+            return -1
+        if height < reach:
+            side = 0
+    return side
+
+
+@kernel
+def least_clearance(
+    orbits,
+    figure,
+    turn,
+    azimuths,
+    elevations,
+    normals,
+    floors,
+    k,
+    domain,
+    enough,
+    tolerance,
+    most,
+):
+    """Least clearance of the k-th best satellite over a domain, between bounds.
+
+    Parameters
+    ----------
+    orbits, figure, turn, azimuths, elevations, k
+        As in `bounds`.
+    normals, floors
+        As in `side_of`.
+    domain
+        Least and greatest latitude, longitude and phase, shape (3, 2), rad.
+    enough
+        Clearances from this on need not be told apart, rad.
+    tolerance
+        How near the bounds are to come, rad.
+    most
+        Boxes to look at before what is left is bounded as it is.
+
+    Returns
+    -------
+    low, high
+        Bounds, rad; infinite of a domain without a place.
+    worst
+        Latitude, longitude and phase at which `high` was found, shape (3,).
+    seen
+        Satellites above the horizon there.
+    boxes
+        Boxes looked at.
+    """
+    near = np.empty((3, max(k, 1)))
+    cells = np.empty(3, dtype=np.int64)
+    for axis in range(3):
+        cells[axis] = max(1, math.ceil((domain[axis, 1] - domain[axis, 0]) / COARSE))
+    pace = _pace(orbits)
+    box, stack = np.zeros(BOX), np.empty((DEEPEST, BOX))
+    high, seen, worst = math.inf, 0, np.full(3, math.nan)
+    # a first guess: the lowest of the centres of the first boxes, and down from there
+    for cell in range(cells.prod()):
+        _cell(domain, cells, cell, box)
+        if side_of(np.array([box[0], box[1], box[2], 0.0, 0.0, 0.0]), figure, normals, floors) < 0:
+            continue
+        _, central, _, now = bounds(orbits, figure, turn, azimuths, elevations, k, box, near)
+        if central < high:
+            high, seen = central, now
+            worst[:] = box[:3]
+    step, spot = 0.5 * COARSE, np.zeros(BOX)
+    while step > 1e-7 and high < math.inf:
+        better = False
+        for axis in range(3):
+            for sign in (-1.0, 1.0):
+                spot[:3] = worst
+                moved = worst[axis] + sign * step
+                spot[axis] = min(max(moved, domain[axis, 0]), domain[axis, 1])
+                if side_of(spot, figure, normals, floors) < 0:
+                    continue
+                _, central, _, now = bounds(
+                    orbits, figure, turn, azimuths, elevations, k, spot, near
+                )
+                if central < high:
+                    high, seen, better = central, now, True
+                    worst[:] = spot[:3]
+        step = step if better else 0.5 * step
+    low, boxes = math.inf, 0
+    for cell in range(cells.prod()):
+        _cell(domain, cells, cell, stack[0])
+        depth = 1
+        while depth > 0:
+            depth -= 1
+            box[:] = stack[depth]
+            boxes += 1
+            side = side_of(box, figure, normals, floors)
+            if side < 0:
+                continue
+            bottom, central, _, now = bounds(
+                orbits, figure, turn, azimuths, elevations, k, box, near
+            )
+            if central < high:
+                spot[:3] = box[:3]
+                if side_of(spot, figure, normals, floors) >= 0:
+                    high, seen = central, now
+                    worst[:] = box[:3]
+            longest = _longest(box, pace)
+            done = bottom >= min(high - tolerance, enough) or boxes >= most
+            if done or depth + 2 > DEEPEST or box[3 + longest] < 1e-10:
+                low = min(low, bottom)
+                continue
+            box[3 + longest] *= 0.5
+            for sign in (-1.0, 1.0):
+                stack[depth] = box
+                stack[depth, longest] += sign * box[3 + longest]
+                depth += 1
+    return min(low, high), high, worst, seen, boxes
+
+
+@kernel
+def _cell(domain, cells, number, box):
+    """Write the first box of a number: the domain cut evenly into `cells` along its axes."""
+    for axis in range(3):
+        place = number % cells[axis]
+        number //= cells[axis]
+        half = 0.5 * (domain[axis, 1] - domain[axis, 0]) / cells[axis]
+        box[axis] = domain[axis, 0] + (2 * place + 1) * half
+        # the halves may fall short of the edges by rounding
+        box[3 + axis] = half * (1.0 + 1e-15) if half > 0.0 else 0.0
+
+
+@kernel
+def _pace(orbits):
+    """How fast satellites stray with the phase, in radii of the orbit."""
+    pace = 0.0
+    for o in orbits:
+        axis = math.sqrt(o[0] * o[0] + o[1] * o[1] + o[2] * o[2])
+        pace = max(pace, o[9] / axis)
+    return pace
+
+
+@kernel
+def _longest(box, pace):
+    """The axis along which satellites stray most, about so as seen from the user."""
+    lengths = (1.2 * box[3], box[4], pace * box[5])
+    longest = 0
+    for axis in range(1, 3):
+        if lengths[axis] > lengths[longest]:
+            longest = axis
+    return longest
+
+
+@kernel
+def clear_share(
+    orbits, figure, turn, azimuths, elevations, normals, floors, k, domain, whole, finest, most
+):
+    """Measure of a domain in which the k-th best satellite is clear for sure, is not, and open.
+
+    Parameters
+    ----------
+    orbits, figure, turn, azimuths, elevations, normals, floors, k, domain
+        As in `least_clearance`.
+    whole
+        Whether all latitudes of the domain must be clear at once: shares are then of longitude
+        and phase. Else they are of area and phase, of users on the figure itself.
+    finest
+        Boxes of a smaller measure are not split.
+    most
+        Boxes to look at before what is left stays open.
+
+    Returns
+    -------
+    clear, hidden, undecided, boxes
+        Measures, and boxes looked at.
+    """
+    near = np.empty((3, max(k, 1)))
+    cells = np.empty(3, dtype=np.int64)
+    for axis in range(3):
+        cells[axis] = max(1, math.ceil((domain[axis, 1] - domain[axis, 0]) / COARSE))
+    if whole:
+        cells[0] = 1
+    pace = _pace(orbits)
+    box, stack = np.zeros(BOX), np.empty((DEEPEST, BOX))
+    clear, hidden, undecided, boxes = 0.0, 0.0, 0.0, 0
+    for cell in range(cells.prod()):
+        _cell(domain, cells, cell, stack[0])
+        depth = 1
+        while depth > 0:
+            depth -= 1
+            box[:] = stack[depth]
+            boxes += 1
+            side = side_of(box, figure, normals, floors)
+            if side < 0:
+                continue
+            part = _measure(box, figure, whole, domain)
+            bottom, _, top, _ = bounds(orbits, figure, turn, azimuths, elevations, k, box, near)
+            if bottom >= 0.0 and side > 0:
+                clear += part
+                continue
+            if top < 0.0 and side > 0:
+                hidden += part
+                continue
+            if part <= finest or boxes >= most or depth + 2 > DEEPEST:
+                undecided += part
+                continue
+            split = box[3] if whole else 0.0
+            if whole:
+                box[3] = 0.0
+            longest = _longest(box, pace)
+            box[3 + longest] *= 0.5
+            if whole:
+                box[3] = split
+            for sign in (-1.0, 1.0):
+                stack[depth] = box
+                stack[depth, longest] += sign * box[3 + longest]
+                depth += 1
+    return clear, hidden, undecided, boxes
+
+
+@kernel
+def _measure(box, figure, whole, domain):
+    """Longitude times phase, and times the figure's area of the belt where that counts.
+
+    Sides of length zero, of a domain that has no more, count as one.
+    """
+    part = 1.0
+    for axis in (1, 2):
+        part *= 2.0 * box[3 + axis] if domain[axis, 1] > domain[axis, 0] else 1.0
+    if whole or domain[0, 1] == domain[0, 0]:
+        return part
+    return part * (_belt(box[0] + box[3], figure[1]) - _belt(box[0] - box[3], figure[1]))
+
+
+@kernel
+def _belt(latitude, flattening):
+    """Integral of ``cos b/(1 - e^2 sin^2 b)^2`` from the equator: the area of a belt, scaled."""
+    s = math.sin(latitude)
+    if flattening < 1e-12:
+        return s
+    e = math.sqrt(flattening)
+    return 0.5 * (s / (1.0 - flattening * s * s) + math.atanh(e * s) / e)
+
+
+@kernel
+def profile_range(azimuths, elevations, azimuth, turn):
+    """Lowest and highest elevation of a profile within `turn` of an azimuth, rad."""
+    m = azimuths.size
+    if m == 1 or turn >= math.pi:
+        return elevations.min(), elevations.max()
+    around = 2.0 * math.pi
+    bottom, top = math.inf, -math.inf
+    for k in range(m):
+        following = (k + 1) % m
+        start = azimuths[k]
+        width = azimuths[following] - start + (around if following == 0 else 0.0)
+        # how far into this piece the range begins: pieces before it are cut off at 0
+        first = azimuth - turn - start
+        first -= around * math.floor(first / around)
+        for shift in (0.0, -around):
+            begin, end = max(first + shift, 0.0), min(first + shift + 2.0 * turn, width)
+            if begin <= end:
+                slope = (elevations[following] - elevations[k]) / width
+                one, two = elevations[k] + slope * begin, elevations[k] + slope * end
+                bottom, top = min(bottom, one, two), max(top, one, two)
+    return bottom, top

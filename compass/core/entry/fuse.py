@@ -1,0 +1,246 @@
+"""Filters that hear accelerometers and beacons: all in one, or subsystems that are fused.
+
+A subsystem hears the accelerometers and its own beacon; a fusion node adds the information of the
+subsystems with coefficients c_i: ``P = (sum_i c_i Y_i)^-1``, ``x = P sum_i c_i Y_i x_i``. The
+algorithms differ in what a subsystem starts from and in the coefficients (see
+`compass.core.entry.groups.Arrangement`); dynamics, measurements and update are those of every
+other filter here.
+"""
+
+import math
+
+from compass.core.entry.filter import absorb, added, moved_covariance
+from compass.core.entry.flow import advance_transition, bank_at
+from compass.core.entry.groups import make_estimates, make_room
+from compass.core.entry.measure import (
+    AIR,
+    AXES,
+    CLOCK,
+    KINDS,
+    LIFT,
+    acceleration_rows,
+    measurement_rows,
+)
+from compass.core.entry.node import fuse, sound, weigh
+from compass.core.entry.rates import LIFT as RATIO
+from compass.core.entry.weights import make_scratch
+from compass.core.jit import fast_kernel, kernel
+
+#: Iterations stop when no state moves by more than this share of its predicted sigma.
+SMALL_STEP = 1e-6
+
+
+@kernel
+def flow_of(known, t, x, thicker, lift, room):
+    """Move position and velocity of `x` to epoch t into ``room.after``, derivative in `phi`."""
+    start = known.times[max(t - 1, 0)]
+    advance_transition(
+        x, thicker + added(x, known.places[AIR]),
+        known.p[RATIO] + lift + added(x, known.places[LIFT]), known.p, known.bank, start,
+        known.times[t], known.longest, room.after, room.phi,
+    )  # fmt: skip
+
+
+@kernel
+def move(known, t, x, cov, factor, room):
+    """Move an estimate along the flow in `room`, its process noise multiplied by `factor`."""
+    dt = known.times[t] - known.times[max(t - 1, 0)]
+    noise = room.noise[: 6 if known.noise.shape[0] > 0 else 0]
+    for i in range(noise.shape[0]):
+        for j in range(6):
+            noise[i, j] = math.sqrt(factor) * known.noise[t, i, j]
+    for i in range(x.size):
+        room.walk[i] = factor * known.walk[i]
+    moved_covariance(room.phi, dt, noise, room.walk, known.places, room.half, cov)
+    for i in range(6):
+        x[i] = room.after[i]
+    if known.places[CLOCK] >= 0:
+        x[known.places[CLOCK]] += dt * x[known.places[CLOCK] + 1]
+
+
+@kernel
+def linearise(known, t, x, thicker, lift, first, last, room):
+    """Write what `x` would measure, of beacons `first` to `last`, and the rows, into `room`."""
+    angle = known.bank[bank_at(known.times[t], known.bank), 1]
+    acceleration_rows(
+        x, thicker + added(x, known.places[AIR]),
+        known.p[RATIO] + lift + added(x, known.places[LIFT]), known.p, math.cos(angle),
+        math.sin(angle), known.places, room.rows, room.h,
+    )  # fmt: skip
+    for k in range(first, last):
+        r = AXES + KINDS * k
+        room.h[r], room.h[r + 1] = measurement_rows(
+            x, known.beacons[t, k], k, known.places, room.rows[r], room.rows[r + 1]
+        )
+
+
+@fast_kernel
+def innovation_variance(cov, row, noise):
+    """``h P h^T + R``."""
+    total = noise
+    for i in range(row.size):
+        part = 0.0
+        for j in range(row.size):
+            part += cov[i, j] * row[j]
+        total += row[i] * part
+    return total
+
+
+@kernel
+def learn(
+    arrangement, known, t, z, variances, x, cov, thicker, lift, first, last, factor, gated, room
+):  # fmt: skip
+    """Update an estimate by accelerometers and beacons `first` to `last`; False if it is lost.
+
+    The rows in `room` are those of `x`; accelerometers' variances are multiplied by `factor`. The
+    gate looks at each row alone, so its answer does not depend on their order.
+    """
+    size, used = x.size, room.used
+    shut = arrangement.gate < math.inf and known.times[t] >= arrangement.gate_start
+    for r in range(z.size):
+        beacon = (r - AXES) // KINDS
+        used[r] = (r < AXES or first <= beacon < last) and not math.isnan(variances[r])
+        if used[r] and shut:
+            residual = z[r] - room.h[r]
+            variance = innovation_variance(cov, room.rows[r], variances[r])
+            if not residual * residual <= arrangement.gate * variance:
+                used[r] = False
+                gated[r] = True
+    for i in range(size):
+        room.shift[i] = 0.0
+    room.prior[:, :] = cov
+    for k in range(arrangement.iterations):
+        for i in range(size):
+            room.before[i] = room.shift[i]
+            room.point[i] = x[i] + room.shift[i]
+            room.shift[i] = 0.0
+        if k > 0:
+            cov[:, :] = room.prior
+            linearise(known, t, room.point, thicker, lift, first, last, room)
+        for r in range(z.size):
+            if used[r]:
+                residual = z[r] - room.h[r]
+                for i in range(size):
+                    residual += room.rows[r, i] * room.before[i]
+                noise = variances[r] * (factor if r < AXES else 1.0)
+                absorb(room.rows[r], residual, noise, size, room.gain, cov, room.shift)
+        largest = 0.0
+        for i in range(size):
+            step = room.shift[i] - room.before[i]
+            largest = max(largest, step * step / room.prior[i, i])
+        if largest < SMALL_STEP * SMALL_STEP:
+            break
+    for i in range(size):
+        x[i] += room.shift[i]
+    return sound(x, cov)
+
+
+@kernel
+def fuse_epoch(
+    arrangement, known, t, z, variances, alive, thicker, lift, estimates, room, work
+):  # fmt: skip
+    """Move all estimates to epoch t and let them hear what there is; False if one is lost.
+
+    Dead subsystems wait; without feedback they come back from the fused estimate of the epoch
+    before. If all are dead the fused estimate is predicted.
+
+    Parameters
+    ----------
+    arrangement, known
+        Who hears what, and the world as they know it.
+    t
+        Epoch.
+    z, variances
+        Measurements and their variances, nan for what does not come, (3 + 2 m,): accelerometers,
+        then range and range rate of each beacon.
+    alive
+        Which subsystems work, (m,).
+    thicker, lift
+        Added to the logarithm of the density and to L/D that the filters know.
+    estimates, room, work
+        Of `make_estimates`, `make_room` and `compass.core.entry.weights.make_scratch`.
+    """
+    m, x, cov, gated = alive.size, estimates.x, estimates.P, estimates.gated
+    gated[:] = False
+    count = 0
+    for i in range(m):
+        count += 1 if alive[i] else 0
+    if arrangement.feedback or not arrangement.apart or count == 0:
+        flow_of(known, t, x, thicker, lift, room)
+        if not arrangement.apart or count == 0:
+            move(known, t, x, cov, 1.0, room)
+            estimates.waiting[:] = True
+            if arrangement.apart:
+                return sound(x, cov)
+            linearise(known, t, x, thicker, lift, 0, m, room)
+            return learn(
+                arrangement, known, t, z, variances, x, cov, thicker, lift, 0, m, 1.0, gated, room
+            )
+    for i in range(m):
+        own_x, own_cov = estimates.local_x[i], estimates.local_cov[i]
+        if not alive[i]:
+            estimates.waiting[i] = True
+            continue
+        shares = 1.0
+        if arrangement.feedback or estimates.waiting[i]:
+            own_x[:] = x
+            part = 1.0
+            if arrangement.divided:
+                shares = count
+                part = 1.0 / count
+            elif arrangement.fading:
+                part = max(estimates.weights[i], arrangement.floor)
+            for j in range(x.size):
+                for k in range(x.size):
+                    own_cov[j, k] = cov[j, k] / part
+            estimates.waiting[i] = False
+        if not arrangement.feedback:
+            flow_of(known, t, own_x, thicker, lift, room)
+        move(known, t, own_x, own_cov, shares, room)
+        linearise(known, t, own_x, thicker, lift, i, i + 1, room)
+        if not learn(
+            arrangement, known, t, z, variances, own_x, own_cov, thicker, lift, i, i + 1, shares,
+            gated, room,
+        ):  # fmt: skip
+            return False
+    if not weigh(arrangement, alive, estimates, room, work):
+        return False
+    coefficients = work.gradient
+    for i in range(m):
+        coefficients[i] = estimates.weights[i]
+        if arrangement.divided:
+            coefficients[i] = 1.0 if alive[i] else 0.0
+    return fuse(arrangement, coefficients, estimates, room, work)
+
+
+@kernel
+def fuse_run(
+    arrangement, known, x0, p0, z, variances, alive, thicker, lift, xs, ps, weights, gated
+):  # fmt: skip
+    """Filter all epochs; return -1, or the epoch at which an estimate was lost.
+
+    Parameters
+    ----------
+    arrangement, known, thicker, lift
+        As in `fuse_epoch`.
+    x0, p0
+        First estimate, before the first epoch's measurements, (s,) and (s, s).
+    z, variances, alive
+        At every epoch, (t, 3 + 2 m) and (t, m).
+    xs, ps, weights, gated
+        Outputs, (t, s), (t, s, s), (t, m), (t, 3 + 2 m).
+    """
+    m = alive.shape[1]
+    estimates, room = make_estimates(x0, p0, m), make_room(x0.size, m)
+    work = make_scratch(x0.size, m)
+    for t in range(known.times.size):
+        if not fuse_epoch(
+            arrangement, known, t, z[t], variances[t], alive[t], thicker, lift, estimates, room,
+            work,
+        ):  # fmt: skip
+            return t
+        xs[t] = estimates.x
+        ps[t] = estimates.P
+        weights[t] = estimates.weights
+        gated[t] = estimates.gated
+    return -1

@@ -1,0 +1,207 @@
+"""Error maps: how well a user anywhere is told where and when it is, in metres."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.core.error import SAMPLES, empty_error_histograms, error_map_row
+from compass.core.ranking import histogram_quantile
+from compass.coverage.grid import Grid
+from compass.coverage.maps import BLOCKS, CELL_PERCENTILES
+from compass.coverage.view import View
+from compass.errors import ArgumentError
+from compass.signal.ranges import RangeErrors
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Order of the errors in every array and table, with what they are.
+ERRORS = {
+    "error_horizontal_m": "horizontal error, root of the east and north variances",
+    "error_vertical_m": "vertical error",
+    "error_position_m": "position error, root of the three variances",
+    "error_time_m": "error of the user's time as length",
+}
+PERCENTILES = (50, 90, 95, 99)
+
+#: One sigma times this holds 95 % of the errors: exactly of a height or time, and at least of a
+#: horizontal or three-dimensional one, whatever the shape of its ellipse. A weighted sum of squares
+#: of normal numbers, weights adding up to 1, stays below 3.84 least often with all weight on one
+#: (Szekely and Bakirov 2003, Probability Theory and Related Fields 126:184).
+FACTOR_95 = 1.959963984540054
+
+
+def error_map(
+    view: View,
+    grid: Grid,
+    ranges: RangeErrors,
+    *,
+    limit: float = 30.0,
+    workers: int | None = None,
+    progress: Callable[[int], None] = lambda rows: None,
+) -> "xr.Dataset":
+    """Errors of fixes in each cell over time, and over the whole sphere; one sigma, metres.
+
+    Infinite with fewer than four satellites in view or singular geometry; infinities count.
+
+    Parameters
+    ----------
+    view
+        The constellation at the epochs, each with weight 1/epochs.
+    grid
+        Cells.
+    ranges
+        Errors of the ranges at the same epochs.
+    limit
+        An error counts as within if it is at most this, metres.
+    workers, progress
+        As of `compass.coverage.maps.coverage_map`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (percentile, lat, lon): ``error_horizontal_m``, ``error_vertical_m``,
+        ``error_position_m``, ``error_time_m``; over (error, lat, lon): ``error_share``; global:
+        ``global_error`` and its ``global_error_sampling`` over (error, global_percentile),
+        ``global_error_share`` and its ``global_error_share_sampling`` over error. The sampling
+        errors are standard errors from four interleaved quarters of the epochs of every row.
+
+    Raises
+    ------
+    ArgumentError
+        A limit that is not positive.
+    """
+    if not limit > 0:
+        raise ArgumentError(f"error_max_m = {limit:g}: must be positive")
+    shape, epochs = (grid.rows, grid.columns), view.times.size
+    share = np.empty((len(ERRORS), *shape), np.float32)
+    percentiles = np.empty((len(ERRORS), len(CELL_PERCENTILES), *shape), np.float32)
+    longitude, places, cell_share = grid.longitude, grid.places, grid.cell_share
+    columns = np.cos(longitude), np.sin(longitude), float(longitude[0])
+    ranks = np.array([max(-(-q * epochs // 100), 1) - 1 for q in CELL_PERCENTILES])
+
+    def one_block(rows: NDArray[np.int64]) -> NDArray[np.float64]:
+        histograms = empty_error_histograms()
+        errors = np.empty((len(ERRORS), grid.columns, epochs), np.float32)
+        good = np.empty((len(ERRORS), grid.columns))
+        for i in rows:
+            error_map_row(
+                view.r,
+                view.cos_cap,
+                view.azimuths,
+                view.elevations,
+                places[i],
+                *columns,
+                ranges.forms,
+                ranges.sun,
+                ranges.lit,
+                ranges.numbers,
+                limit,
+                cell_share[i] / epochs,
+                i,
+                good,
+                errors,
+                histograms,
+            )
+            share[:, i] = good
+            errors.sort(axis=-1)
+            percentiles[:, :, i] = np.moveaxis(errors[..., ranks], -1, 1)
+        return histograms
+
+    total = empty_error_histograms()
+    blocks = np.array_split(np.arange(grid.rows), min(BLOCKS, grid.rows))
+    with ThreadPoolExecutor(workers) as pool:
+        for block, histograms in zip(blocks, pool.map(one_block, blocks), strict=True):
+            total += histograms
+            progress(block.size)
+    weight = cell_share * grid.columns
+    return _dataset(percentiles, share, total, weight / weight.sum(), limit)
+
+
+def _dataset(
+    percentiles: NDArray[np.float32],
+    share: NDArray[np.float32],
+    total: NDArray[np.float64],
+    row_weight: NDArray[np.float64],
+    limit: float,
+) -> "xr.Dataset":
+    """Name, describe and summarise."""
+    import xarray as xr
+
+    quantiles, errors = sampled_quantiles(total)
+    by_row = share.mean(axis=2, dtype=np.float64)
+    over_all = by_row @ row_weight
+    data: dict[str, tuple] = {
+        name: (
+            ("percentile", "lat", "lon"),
+            percentiles[k],
+            _attrs(f"{text}, one sigma, percentile over time (nearest rank, inf counts)", "m"),
+        )
+        for k, (name, text) in enumerate(ERRORS.items())
+    }
+    within = f"with an error of one sigma of at most {limit:g} m"
+    data |= {
+        "error_share": (("error", "lat", "lon"), share, _attrs(f"share of time {within}")),
+        "global_error": (
+            ("error", "global_percentile"),
+            quantiles,
+            _attrs("percentile over area and time, one sigma", "m"),
+        ),
+        "global_error_sampling": (
+            ("error", "global_percentile"),
+            errors,
+            _attrs("standard error of the percentile from sampling cells and epochs", "m"),
+        ),
+        "global_error_share": ("error", over_all, _attrs(f"share of area and time {within}")),
+        "global_error_share_sampling": (
+            "error",
+            _share_sampling(total, limit),
+            _attrs("standard error of the share from sampling cells and epochs"),
+        ),
+    }
+    coords = {
+        "percentile": ("percentile", list(CELL_PERCENTILES), {"units": "percent"}),
+        "global_percentile": ("global_percentile", list(PERCENTILES), {"units": "percent"}),
+        "error": ("error", list(ERRORS)),
+    }
+    return xr.Dataset(data, coords, {"error_limit_m": limit})
+
+
+def sampled_quantiles(
+    histograms: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Percentiles of each error and their standard errors, each (error, percentile).
+
+    From the samples' own percentiles: spread over root of their number; infinite where one is.
+    """
+    whole = histograms.sum(axis=0)
+    found = np.array([[histogram_quantile(h, q / 100) for q in PERCENTILES] for h in whole])
+    each = np.array(
+        [
+            [[histogram_quantile(h, q / 100) for q in PERCENTILES] for h in part]
+            for part in histograms
+        ]
+    )
+    return found, _standard_error(each)
+
+
+def _standard_error(each: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Standard error of the mean of independent samples, the first axis; infinite if one is."""
+    finite = np.all(np.isfinite(each), axis=0)
+    spread = np.std(np.where(finite, each, 0.0), axis=0, ddof=1) / np.sqrt(SAMPLES)
+    return np.where(finite, spread, np.inf)
+
+
+def _share_sampling(histograms: NDArray[np.float64], limit: float) -> NDArray[np.float64]:
+    """Standard error of the share within a limit, from the samples' own; shape (error,)."""
+    from compass.core.ranking import histogram_share
+
+    each = np.array([[histogram_share(h, limit) for h in part] for part in histograms])
+    return _standard_error(each)
+
+
+def _attrs(long_name: str, units: str = "1") -> dict[str, str]:
+    return {"units": units, "long_name": long_name}

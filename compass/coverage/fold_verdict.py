@@ -1,0 +1,270 @@
+"""Whether a fold is always, or often enough, in view of a requirement's users."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from compass.bodies import MARS_ROTATION_RATE
+from compass.coverage.clearance import (
+    Clearance,
+    Share,
+    Users,
+    centric,
+    clear_share,
+    geodetic,
+    least_clearance,
+    region_users,
+    site_users,
+    worst_share,
+)
+from compass.coverage.region import Region, read_regions
+from compass.coverage.symmetry import unlike_subsets
+from compass.coverage.verdict import Verdict, Worst, undecided
+from compass.design import Design, Requirement
+from compass.frames import SECONDS_PER_DAY
+from compass.orbits import Constellation
+from compass.orbits.symmetry import one_circle, one_period
+from compass.sites import Mask
+
+#: Boxes for each share, and for that of a miss, which is told for what it is worth.
+SHARE_BOXES, MISSED_BOXES = 4_000_000, 300_000
+
+
+@dataclass(frozen=True)
+class Course:
+    """How long a claim runs, and whether users stand at a place or anywhere on its circle.
+
+    Attributes
+    ----------
+    span
+        Seconds after the epoch for which users stand on Mars; None: for ever, on circles.
+    for_ever
+        Whether what holds in the span holds always.
+    words
+        The same in words.
+    """
+
+    span: tuple[float, float] | None
+    for_ever: bool
+    words: str
+
+
+def course_of(design: Design, days: float | None, start_day: float) -> Course | None:
+    """Course of claims about a design; None where nothing can be said without days.
+
+    Ground tracks count as closed only if that is declared; else, with one period, longitude and
+    phase take every pair of values, and a place is as good as its circle.
+    """
+    c, j2 = design.constellation, design.motion.model == "j2"
+    motion = "mean motion under J2" if j2 else "two-body motion"
+    if days is not None:
+        start = start_day * SECONDS_PER_DAY
+        words = f"over {days:g} days from day {start_day:g}, {motion}, at the place"
+        return Course((start, start + days * SECONDS_PER_DAY), False, words)
+    if c.repeat is not None and not j2:
+        revolutions, rotations = c.repeat
+        words = (
+            f"for ever, {motion}, at the place: tracks declared closed after {revolutions} "
+            f"revolution(s) in {rotations} rotation(s) of Mars"
+        )
+        return Course((0.0, rotations * 2 * np.pi / MARS_ROTATION_RATE.value), True, words)
+    alike = one_circle(c) and np.unique(c.inclination).size <= 1
+    if not (alike if j2 else one_period(c)):
+        return None
+    words = f"for ever, {motion}, on the circle of latitude: tracks not declared closed"
+    return Course(None, True, words)
+
+
+def users_of(design: Design, requirement: Requirement) -> tuple[Users, ...]:
+    """Users of a requirement, over the higher of its mask and their own horizons."""
+    mask, below = design.mask, 0.0
+    if requirement.mask is not None:
+        below = min(requirement.mask, 0.0)
+        mask = Mask.constant(max(requirement.mask, 0.0))
+    places = [site_users(site, site.mask.or_higher(mask)) for site in requirement.sites]
+    named = requirement.regions or (() if places else ("globe",))
+    for text in named:
+        for region in read_regions(text):
+            users = region_users(
+                region, design.figure, mask, below=below, height=requirement.altitude
+            )
+            places.append(replace(users, name=text))
+    return tuple(places)
+
+
+def fold_verdict(
+    design: Design,
+    requirement: Requirement,
+    *,
+    days: float | None = None,
+    start_day: float = 0.0,
+) -> Verdict:
+    """Verdict on "so many satellites in view" of a requirement, on ellipses that keep their shape.
+
+    Parameters
+    ----------
+    design
+        Of two-body motion, or of mean motion under J2 where `course_of` has an answer.
+    requirement
+        Wants a fold.
+    days, start_day
+        Prove it for so many days from a day on, at the place, and not for ever.
+
+    Raises
+    ------
+    ArgumentError
+        As `least_clearance` and `compass.coverage.symmetry.unlike_subsets`.
+    """
+    course = course_of(design, days, start_day)
+    if course is None:
+        return undecided(
+            requirement,
+            "for ever",
+            "orbits of different periods meet in every combination of their phases; give days",
+        )
+    users = users_of(design, requirement)
+    if requirement.share < 1.0:
+        return _often(design.constellation, users, requirement, course)
+    return _always(design.constellation, users, requirement, course)
+
+
+def losses_of(
+    c: Constellation, requirement: Requirement, users: Sequence[Users], course: Course
+) -> Iterator[tuple[tuple[str, ...], int, Constellation]]:
+    """Names of lost satellites, how many sets they stand for, and what is left without them."""
+    if not requirement.losses:
+        yield (), 1, c
+        return
+    still = Region("places that turn with Mars", mars_fixed=course.span is not None)
+    turning = all(each.alike_all_around for each in users)
+    alike = unlike_subsets(c, requirement.losses, still, backwards=turning)
+    for subset, number in alike.sets.items():
+        yield tuple(c.satellite_names[s] for s in subset), number, c.without(subset)
+
+
+def _ask(c: Constellation, users: Users, fold: int, course: Course) -> Clearance:
+    """Least clearance of users on a course.
+
+    Who stands at every longitude sees in one revolution what he ever sees. Where tracks do not
+    close, users of a polygon meet whatever those on its latitudes meet.
+    """
+    if course.span is None:
+        return least_clearance(c, users.belt(), fold)
+    if users.longitude is None and one_period(c):
+        revolution = 2 * np.pi / float(c.mean_motion[0]) if c.size else 0.0
+        if users.is_belt and course.span[1] - course.span[0] >= revolution:
+            return least_clearance(c, users, fold)
+        belt = least_clearance(c, users.belt(), fold)
+        if belt.low >= 0.0:
+            return belt
+    return least_clearance(c, users, fold, span=course.span)
+
+
+def _always(
+    c: Constellation, users: tuple[Users, ...], requirement: Requirement, course: Course
+) -> Verdict:
+    """Verdict on a fold wanted always: the tightest of all users, after all losses."""
+    assert requirement.fold is not None
+    found = [
+        (_ask(left, each, requirement.fold, course), each, lost, alike, left)
+        for lost, alike, left in losses_of(c, requirement, users, course)
+        for each in users
+    ]
+    low = min(clearance.low for clearance, *_ in found)
+    tightest, whose, lost, alike, left = min(found, key=lambda one: one[0].high)
+    met = True if low >= 0.0 else False if tightest.high < 0.0 else None
+    worst = Worst(tightest.time, tightest.latitude, tightest.longitude, tightest.seen)
+    margin = low if met or met is None else tightest.high
+    verdict = Verdict(
+        requirement,
+        met,
+        "none" if met is None else "proven",
+        course.words,
+        (1.0, 1.0) if met else None,
+        margin if np.isfinite(margin) else None,
+        worst if np.isfinite(tightest.high) else None,
+        lost,
+        alike,
+    )
+    if met is None:
+        reason = (
+            f"the least clearance lies between {np.degrees(low):.2g} and "
+            f"{np.degrees(tightest.high):.2g} deg, nearer to none than is resolved"
+        )
+        return replace(verdict, reason=reason)
+    if met:
+        return verdict
+    share = _missed_share(left, whose, tightest, requirement.fold, course)
+    alone = len(found) == 1 and whose.longitude is not None
+    return replace(verdict, share=share if share is None or alone else (0.0, share[1]))
+
+
+def _missed_share(
+    c: Constellation, users: Users, tightest: Clearance, fold: int, course: Course
+) -> tuple[float, float] | None:
+    """Share of time at the place, or on the circle, at which a fold is missed by most."""
+    span = course.span if users.longitude is not None else None
+    if span is None:
+        if not one_period(c):
+            return None
+        latitude = geodetic(tightest.latitude, users.figure)
+        users = replace(users.belt(), south=latitude, north=latitude)
+    share = clear_share(c, users, fold, span=span, width=1e-4, most=MISSED_BOXES)
+    return share.low, share.high
+
+
+def _often(
+    c: Constellation, users: tuple[Users, ...], requirement: Requirement, course: Course
+) -> Verdict:
+    """Verdict on a fold wanted for a share of the time, or of area and time."""
+    shares: list[tuple[Share, float, tuple[str, ...], int]] = []
+    for lost, alike, left in losses_of(c, requirement, users, course):
+        parts = [_share_of(left, each, requirement, course) for each in users]
+        told = [part for part in parts if part is not None]
+        if len(told) < len(parts):
+            reason = (
+                "the share of time at the worst place of a region that turns with Mars is not "
+                'bracketed; ask for its latitudes, or for share_of = "area-time" on closed tracks'
+            )
+            return undecided(requirement, course.words, reason)
+        least = min(told, key=lambda part: part[0].low)
+        high = min(part[0].high for part in told)
+        if requirement.share_of == "area-time":  # a mean lies between its parts
+            high = max(part[0].high for part in told)
+        shares.append((replace(least[0], high=high), least[1], lost, alike))
+    share, latitude, lost, alike = min(shares, key=lambda one: one[0].low)
+    high = min(one[0].high for one in shares)
+    wanted = requirement.share
+    met = True if share.low >= wanted else False if high < wanted else None
+    reason = "" if met is not None else f"the bounds lie on both sides of {wanted:g}"
+    by_time = requirement.share_of == "time"
+    worst = Worst(None, latitude, None, 0.5 * (share.low + high)) if by_time else None
+    bounds = (min(share.low, high), high)
+    return Verdict(
+        requirement, met, "bracket", course.words, bounds, None, worst, lost, alike, reason
+    )
+
+
+def _share_of(
+    c: Constellation, users: Users, requirement: Requirement, course: Course
+) -> tuple[Share, float] | None:
+    """Share of users, and the latitude it is worst at; None where it cannot be bracketed."""
+    assert requirement.fold is not None
+    fold, level = requirement.fold, requirement.share
+    latitude = centric(0.5 * (users.south + users.north), users.figure)
+    if users.longitude is not None:
+        place = users.belt() if course.span is None else users
+        share = clear_share(c, place, fold, span=course.span, level=level, most=SHARE_BOXES)
+        return share, latitude
+    if requirement.share_of == "area-time":
+        if course.span is None and not users.is_belt:
+            return None
+        span = None if users.is_belt and one_period(c) else course.span
+        asked: dict[str, Any] = {"span": span, "width": 1e-3, "level": level, "most": SHARE_BOXES}
+        return clear_share(c, users, fold, **asked), latitude
+    if course.span is not None:  # a place's own share, not that of its circle
+        return None
+    share, worst = worst_share(c, users.belt(), fold, level=level, most=SHARE_BOXES)
+    return share, centric(worst, users.figure)

@@ -1,0 +1,84 @@
+"""A requirement's verdict: on its fold, its geometry, or both at once."""
+
+from math import isfinite
+
+from compass.coverage.fold_verdict import fold_verdict
+from compass.coverage.fold_verdict_over_days import fold_verdict_over_days
+from compass.coverage.geometry_verdict import geometry_verdict
+from compass.coverage.verdict import Verdict, both
+from compass.design import Design, Requirement
+from compass.errors import ArgumentError
+
+#: Longest span that is looked at, days: a century.
+LONGEST = 36525.0
+
+
+def verdict_of(
+    design: Design,
+    requirement: Requirement,
+    *,
+    days: float | None = None,
+    start_day: float = 0.0,
+    budget_s: float | None = None,
+) -> Verdict:
+    """Settle a requirement on a design.
+
+    Parameters
+    ----------
+    design
+        Its own motion counts.
+    requirement
+        Of this design or any other.
+    days, start_day
+        For so many days from a day after the epoch on; without days for ever, which only
+        ellipses that keep their shape allow.
+    budget_s
+        Seconds that each share of geometry may take; by default so many boxes, which is the same
+        on any machine.
+
+    Raises
+    ------
+    ArgumentError
+        A motion that needs days without them, days out of range, users above the satellites, a
+        mask below the limb, too many sets of lost satellites.
+    """
+    _check_days(design, days, start_day)
+    verdicts = []
+    if requirement.fold is not None:
+        settled = fold_verdict if closed_form(design, days) else fold_verdict_over_days
+        verdicts.append(settled(design, requirement, days=days, start_day=start_day))
+    for name, limit in requirement.limits:
+        verdicts.append(
+            geometry_verdict(
+                design, requirement, name, limit, days=days, start_day=start_day, budget_s=budget_s
+            )
+        )
+    if not verdicts:
+        raise ArgumentError(f"{requirement.name}: asks for nothing; add a fold or a limit")
+    verdict = verdicts[0]
+    for further in verdicts[1:]:
+        verdict = both(verdict, further)
+    return verdict
+
+
+def closed_form(design: Design, days: float | None) -> bool:
+    """Whether claims are settled on ellipses: not along paths that are integrated or drift."""
+    return design.motion.model == "two-body" or (design.motion.model == "j2" and days is None)
+
+
+def _check_days(design: Design, days: float | None, start_day: float) -> None:
+    if days is None:
+        if design.motion.model not in ("two-body", "j2"):
+            raise ArgumentError(
+                f"days: missing; under {design.motion.title} nothing is for ever: give the days to "
+                "prove"
+            )
+        if start_day:
+            raise ArgumentError(
+                f"start_day = {start_day:g}: counts with days only; give days too, or leave it out"
+            )
+        return
+    if not 0 < days <= LONGEST:
+        raise ArgumentError(f"days = {days:g}: allowed above 0 to {LONGEST:g}, a century")
+    if not (isfinite(start_day) and start_day >= 0):
+        raise ArgumentError(f"start_day = {start_day:g}: must be 0 or more days")

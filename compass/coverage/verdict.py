@@ -1,0 +1,134 @@
+"""What came of a requirement: met, missed or open, with the evidence, the margin and the worst."""
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from compass.design import Requirement
+
+EvidenceKind = Literal["proven", "bracket", "sampled", "none"]
+
+
+@dataclass(frozen=True)
+class Worst:
+    """Where and when it is worst.
+
+    Attributes
+    ----------
+    time
+        Seconds after the epoch, or None where a share of time is meant.
+    latitude, longitude
+        Planetocentric and Mars-fixed, radians; longitude None where it does not count.
+    value
+        Satellites in view, or the dilution of precision.
+    """
+
+    time: float | None
+    latitude: float
+    longitude: float | None
+    value: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values with degrees."""
+        return {
+            "time_s": self.time,
+            "latitude_deg": float(np.degrees(self.latitude)),
+            "longitude_deg": None if self.longitude is None else float(np.degrees(self.longitude)),
+            "value": self.value,
+        }
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The answer to a requirement.
+
+    Attributes
+    ----------
+    requirement
+        The question.
+    met
+        Whether it is met; None if that could not be told.
+    evidence
+        ``proven``; ``bracket``: a share between proven bounds; ``sampled``; ``none``.
+    scope
+        For which motion and how long, on the place or on its circle of latitude.
+    share
+        Bounds of the share for which it is so, or None.
+    margin
+        How much higher the horizon may be, radians, proven; of a miss how much too high it is,
+        negative. None where that was not asked.
+    worst
+        Where and when it is tightest, or missed.
+    lost
+        Names of the satellites whose loss does that, and how many sets they stand for.
+    reason
+        Why it is open, in a sentence; empty if it is not.
+    """
+
+    requirement: Requirement
+    met: bool | None
+    evidence: EvidenceKind
+    scope: str
+    share: tuple[float, float] | None = None
+    margin: float | None = None
+    worst: Worst | None = None
+    lost: tuple[str, ...] = ()
+    alike: int = 1
+    reason: str = ""
+
+    @property
+    def word(self) -> str:
+        """Met, missed or undecided."""
+        return {True: "met", False: "missed", None: "undecided"}[self.met]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values with degrees."""
+        return {
+            "name": self.requirement.name,
+            "met": self.met,
+            "evidence": self.evidence,
+            "share": None if self.share is None else list(self.share),
+            "margin_deg": None if self.margin is None else float(np.degrees(self.margin)),
+            "worst": None if self.worst is None else self.worst.as_dict(),
+            "scope": self.scope,
+            "lost": list(self.lost),
+            "alike": self.alike,
+            "reason": self.reason,
+        }
+
+
+def undecided(requirement: Requirement, scope: str, reason: str) -> Verdict:
+    """Return the verdict that nothing can be said, and why."""
+    return Verdict(requirement, None, "none", scope, reason=reason)
+
+
+def both(first: Verdict, second: Verdict) -> Verdict:
+    """Verdict on two halves of one requirement: met if both are, missed if one is.
+
+    Both shares hold together for at least what they leave of one another, and at most for the
+    smaller; margins and the worst are those of the half that is missed, open or closer.
+    """
+    order = {False: 0, None: 1, True: 2}
+    worse, other = sorted((first, second), key=lambda v: order[v.met])
+    share = None
+    if first.share is not None and second.share is not None:
+        (a, b), (c, d) = first.share, second.share
+        share = (max(0.0, a + c - 1.0), min(b, d))
+    met = worse.met
+    if first.requirement.share < 1.0 and share is not None:
+        wanted = first.requirement.share
+        met = True if share[0] >= wanted else False if share[1] < wanted else None
+    reason = worse.reason or (other.reason if met is None else "")
+    if met is None and not reason:
+        reason = "each of its parts holds for long enough, both together may not"
+    evidence = worse.evidence if worse.evidence == other.evidence else "bracket"
+    return replace(
+        worse,
+        met=met,
+        evidence=evidence,
+        share=share if share is not None else worse.share,
+        margin=first.margin if first.margin is not None else second.margin,
+        scope=worse.scope if worse.scope == other.scope else f"{worse.scope}; {other.scope}",
+        reason=reason,
+    )

@@ -1,0 +1,235 @@
+"""Fused filters: which there are, and what one is set to.
+
+Their kernels are in `compass.core.entry.fuse`.
+"""
+
+from dataclasses import dataclass
+from math import inf
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.core.entry.groups import Arrangement, Knowledge
+from compass.core.entry.weights import DETERMINANT, EQUAL, FAST, TRACE
+from compass.entry.covariance import LONGEST_STEP, beacon_states, noise_roots
+from compass.entry.fusion import Weighting
+from compass.entry.inertial import InertialCase
+from compass.entry.layout import Layout, Part
+from compass.entry.model import EntryModel
+from compass.entry.navigation import root
+from compass.errors import ArgumentError
+
+Array = NDArray[np.float64]
+Algorithm = Literal[
+    "ekf", "iterated", "information", "intermittent", "ci", "ci-feedback", "dcifaif", "federated"
+]
+
+_WEIGHTINGS = {"determinant": DETERMINANT, "trace": TRACE, "fast": FAST, "equal": EQUAL}
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """An algorithm: what `compass.core.entry.groups.Arrangement` says of it, and its usual rule."""
+
+    apart: bool = False
+    feedback: bool = False
+    divided: bool = False
+    fading: bool = False
+    weighting: Weighting = "equal"
+    iterations: int = 1
+    trusts: bool = False
+
+
+#: All algorithms. An information filter is algebraically the extended Kalman filter that skips
+#: what did not arrive; ``information`` takes a lost range for one that reads 0.
+KINDS_OF_FILTER: dict[Algorithm, _Kind] = {
+    "ekf": _Kind(),
+    "iterated": _Kind(iterations=5),
+    "intermittent": _Kind(),
+    "information": _Kind(trusts=True),
+    "ci": _Kind(apart=True, weighting="determinant"),
+    "ci-feedback": _Kind(apart=True, feedback=True, weighting="determinant"),
+    "dcifaif": _Kind(apart=True, feedback=True, fading=True, weighting="fast"),
+    "federated": _Kind(apart=True, feedback=True, divided=True),
+}
+
+#: States that may be estimated, position and velocity along the true flight, with their units.
+STATE_NAMES = (
+    "along track",
+    "cross track",
+    "down",
+    "velocity along",
+    "velocity across",
+    "velocity down",
+    "ln density",
+    "L/D",
+    "drag bias",
+    "side bias",
+    "lift bias",
+)
+STATE_UNITS = (*["m"] * 3, *["m/s"] * 3, "1", "1", *["m/s^2"] * 3)
+
+#: Size of each state in which information is weighed (u of the fast rule).
+SCALE = np.array([*[1e3] * 3, *[10.0] * 3, 0.1, 0.02, *[1e-2] * 3])
+
+
+@dataclass(frozen=True)
+class FusedFilter:
+    """A fused filter with everything it assumes.
+
+    Attributes
+    ----------
+    algorithm
+        One of `KINDS_OF_FILTER`.
+    model
+        The world it assumes.
+    first
+        First estimate of position and velocity, (6,), Mars-fixed.
+    covariance0
+        Its covariance, (6, 6).
+    further
+        Variances of the first estimates of the other states, (0,), (2,): logarithm of the density
+        and L/D, or (5,): and accelerometer biases.
+    noise
+        Process noise variance per second of the six spherical numbers, then of the other states.
+    imu_variance
+        R of the accelerometers, (m/s^2)^2, shape (3,).
+    random_start
+        Draw the first estimate of each run from its covariance, instead of taking it as it is.
+    known_to
+        For filters of six states: sigma of the error in each run of the logarithm of the density
+        and of L/D, which the filter takes as known.
+    weighting
+        Rule of the fusion weights; None takes the algorithm's usual one.
+    scaled
+        Weigh information in sizes of states rather than SI.
+    weight_floor
+        Smallest weight that a covariance is divided by.
+    gate_sigma, gate_start
+        Innovations larger than this many of their own sigma are refused, from so many seconds on:
+        a filter that starts far off claims too much after its first linear update, and a gate
+        would then refuse what could mend it.
+    """
+
+    algorithm: Algorithm
+    model: EntryModel
+    first: Array
+    covariance0: Array
+    further: Array
+    noise: Array
+    imu_variance: Array
+    random_start: bool = False
+    known_to: tuple[float, float] = (0.0, 0.0)
+    weighting: Weighting | None = None
+    scaled: bool = True
+    weight_floor: float = 1e-3
+    gate_sigma: float = inf
+    gate_start: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.further.size not in (0, 2, 5):
+            raise ArgumentError(
+                f"process_noise_si: {self.noise.size} values; give 6 (motion), 8 (and ln rho0, "
+                "L/D) or 11 (and accelerometer biases)"
+            )
+        try:
+            root(self.covariance0)
+        except np.linalg.LinAlgError as error:
+            raise ArgumentError(
+                "p0_si: not positive definite; every variance must be positive, "
+                "and longitude and heading defined"
+            ) from error
+        if self.further.size and any(self.known_to):
+            raise ArgumentError(
+                f"known_to = {list(self.known_to)}: this filter estimates ln rho0 and L/D; say how "
+                "well they are known in p0_si"
+            )
+
+    @property
+    def kind(self) -> _Kind:
+        """What the algorithm does."""
+        return KINDS_OF_FILTER[self.algorithm]
+
+    @property
+    def states(self) -> int:
+        """Number of states that are estimated."""
+        return 6 + self.further.size
+
+    @property
+    def layout(self) -> Layout:
+        """Where the states stand."""
+        sigma = tuple(np.sqrt(self.further).tolist())
+        parts = (("air", sigma[:1]), ("lift", sigma[1:2]), ("imu", sigma[2:]))
+        return Layout(tuple(Part(name, s) for name, s in parts if s))
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of the whole first estimate, (s, s)."""
+        return self.layout.covariance(self.covariance0)
+
+    @property
+    def chosen_weighting(self) -> Weighting:
+        """The rule of the weights."""
+        return self.weighting or self.kind.weighting
+
+    def arrangement(self) -> Arrangement:
+        """Who hears what, as the kernels take it."""
+        kind = self.kind
+        return Arrangement(
+            kind.apart,
+            kind.feedback,
+            kind.divided,
+            kind.fading,
+            _WEIGHTINGS[self.chosen_weighting],
+            self.weight_floor,
+            SCALE[: self.states].copy() if self.scaled else np.ones(self.states),
+            kind.iterations,
+            float(self.gate_sigma**2),
+            float(self.gate_start),
+        )
+
+    def knowledge(self, case: InertialCase) -> Knowledge:
+        """The world as the filter knows it, as the kernels take it."""
+        walk = np.zeros(self.states)
+        walk[6:] = self.noise[6:]
+        return Knowledge(
+            self.model.flight_parameters(),
+            self.model.vehicle.bank_schedule(),
+            np.array(case.times, dtype=float),
+            LONGEST_STEP,
+            noise_roots(case.flight.path, case.times, self.noise[:6]),
+            walk,
+            beacon_states(case.beacons),
+            self.layout.numbers(),
+        )
+
+    def assumed(self, case: InertialCase) -> Array:
+        """Variances that the filter assumes, (t, 3 + 2 m)."""
+        row = np.concatenate([self.imu_variance, np.square(case.sigma).ravel()])
+        return np.tile(row, (case.times.size, 1))
+
+    def offset(self, case: InertialCase) -> Array:
+        """What the truth is more than the filter's count of each state, (t, s).
+
+        Of the density times ``C_D S / m``, which act as their product, its logarithm over what
+        the filter knows, along the flight; of L/D the difference; and the accelerometers' biases.
+        """
+        true, radius = case.flight.model, case.flight.states[:, 0]
+        out = np.zeros((case.times.size, self.states))
+        if self.states > 6:
+            ratio = true.atmosphere.density(radius) / self.model.atmosphere.density(radius)
+            ratio *= true.vehicle.drag_area_per_mass / self.model.vehicle.drag_area_per_mass
+            out[:, 6] = np.log(ratio)
+            out[:, 7] = true.vehicle.lift_to_drag - self.model.vehicle.lift_to_drag
+        if self.states > 8:
+            out[:, 8:] = case.imu_bias
+        return out
+
+    def starts(self, normals: Array) -> Array:
+        """First estimate of each run, (runs, s), from normal numbers (runs, >= s)."""
+        out = np.zeros((len(normals), self.states))
+        out[:, :6] = self.first
+        if self.random_start:
+            out += normals[:, : self.states] @ root(self.covariance).T
+        return out

@@ -1,0 +1,167 @@
+"""An entry with accelerometers and beacons: what is true, what is measured, what goes wrong."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.core.entry.fused_runs import Truth
+from compass.core.entry.measure import AXES, KINDS
+from compass.entry.beacons import Beacons
+from compass.entry.covariance import noise_roots
+from compass.entry.faults import Fault, fault_tables
+from compass.entry.radio import (
+    WAKE,
+    ElectronModel,
+    ElectronTable,
+    arrival_probability,
+    check_probabilities,
+    electron_density,
+)
+from compass.entry.schedule import Measurements, in_view
+from compass.entry.trajectory import Trajectory
+from compass.errors import ArgumentError
+
+Array = NDArray[np.float64]
+
+#: Two beacons nearer than this are one: their ranges tell the same.
+SAME_PLACE = 1.0
+
+
+@dataclass(frozen=True)
+class InertialCase:
+    """A true flight past beacons, with accelerometers.
+
+    Attributes
+    ----------
+    name
+        What to call it.
+    flight
+        The true flight, at the epochs of the beacons.
+    beacons
+        The m beacons.
+    measurements
+        When radio is measured.
+    sigma
+        Of ranges (m) and range rates (m/s) of each beacon, shape (m, 2); nan for none.
+    imu_sigma, imu_bias
+        White noise of one sample and constant bias of the accelerometers along the velocity, to
+        the side and across it, m/s^2, shape (3,).
+    noise
+        Process noise of the truth, variance per second of the six spherical numbers, then of the
+        logarithm of the density and L/D, shape (8,).
+    arrival
+        Probability that a signal gets through the plasma, (t, m) or (t, 1); 1 if None.
+    """
+
+    name: str
+    flight: Trajectory
+    beacons: Beacons
+    measurements: Measurements
+    sigma: Array
+    imu_sigma: Array
+    imu_bias: Array
+    noise: Array
+    arrival: Array | None = None
+
+    def __post_init__(self) -> None:
+        if self.flight.times.size < self.beacons.times.size:
+            raise ArgumentError(
+                f"{self.flight.ending}, before the last epoch at {self.beacons.times[-1]:g} s; "
+                "shorten entry.duration_s"
+            )
+        check_distinct(self.beacons)
+        if self.arrival is not None:
+            check_probabilities(self.arrival)
+
+    @property
+    def times(self) -> Array:
+        """Epochs, s, shape (t,)."""
+        return self.beacons.times
+
+    @cached_property
+    def visible(self) -> NDArray[np.bool_]:
+        """Whether each beacon is in view, shape (t, m); see `compass.entry.schedule.in_view`."""
+        return in_view(self.beacons, self.flight.states, self.flight.model.planet_radius)
+
+    def electrons(self, model: ElectronModel | ElectronTable = WAKE) -> Array:
+        """Electrons per m^3 along the flight, shape (t,), by a model of `compass.entry.radio`."""
+        density = self.flight.model.atmosphere.density(self.flight.states[:, 0])
+        return electron_density(model, self.flight.altitude, density, self.flight.speed)
+
+    def through_plasma(self, model: ElectronModel | ElectronTable = WAKE) -> "InertialCase":
+        """Return the case with signals that arrive as the plasma of a model lets them."""
+        return replace(self, arrival=arrival_probability(self.electrons(model))[:, None])
+
+    def visibility_report(self) -> tuple[str, ...]:
+        """Return what is to be said about beacons that are hidden for part or all of the entry."""
+        seen, total = self.visible.sum(axis=0), self.times.size
+        lines = [
+            f"beacon {name}: in line of sight at {count} of {total} epochs"
+            for name, count in zip(self.beacons.names, seen, strict=True)
+            if count < total
+        ]
+        if not seen.any():
+            lines.append("no beacon is ever in line of sight: only the accelerometers measure")
+        return tuple(lines)
+
+    def truth(
+        self, offset: Array, faults: Sequence[Fault] = (), see_through: bool = False
+    ) -> Truth:
+        """Return the truth as the kernels take it.
+
+        Parameters
+        ----------
+        offset
+            What the truth is more than the filters' count of each state, (t, s).
+        faults
+            What goes wrong.
+        see_through
+            Let signals pass through the planet, as sources do that do not check the line of sight.
+        """
+        tables = fault_tables(faults, self.times, self.beacons.names)
+        epochs, m = self.visible.shape
+        seen = np.ones_like(self.visible) if see_through else self.visible
+        taken = self.measurements.taken(seen, self.times) & ~tables.lost
+        sigma = np.empty((epochs, AXES + KINDS * m))
+        sigma[:, :AXES] = self.imu_sigma
+        sigma[:, AXES:] = np.where(taken[..., None], self.sigma, np.nan).reshape(epochs, -1)
+        error = np.zeros_like(sigma)
+        error[:, :AXES] = self.imu_bias
+        error[:, AXES::KINDS] = tables.offset
+        arrival = np.ones((1, 1)) if self.arrival is None else self.arrival
+        walk = np.zeros(offset.shape[1])
+        walk[6:8] = self.noise[6 : offset.shape[1]][:2]
+        return Truth(
+            np.ascontiguousarray(self.flight.path),
+            self.flight.model.flight_parameters(),
+            self.flight.model.vehicle.bank_schedule(),
+            noise_roots(self.flight.path, self.times, self.noise[:6]),
+            walk,
+            offset,
+            sigma,
+            error,
+            np.array(np.broadcast_to(arrival, (epochs, m))),
+            tables.alive,
+        )
+
+
+def check_distinct(beacons: Beacons) -> None:
+    """Refuse beacons at one place, whose ranges tell the same.
+
+    Raises
+    ------
+    ArgumentError
+        Two beacons that come within a metre of each other.
+    """
+    for i in range(beacons.size):
+        for j in range(i):
+            apart = np.linalg.norm(beacons.r[:, i] - beacons.r[:, j], axis=-1)
+            if apart.min() < SAME_PLACE:
+                raise ArgumentError(
+                    f"beacons {beacons.names[j]} and {beacons.names[i]}: at one place (within "
+                    f"{apart.min():.3g} m at {beacons.times[apart.argmin()]:g} s); move or remove "
+                    "one"
+                )

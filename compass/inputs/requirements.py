@@ -1,0 +1,134 @@
+"""Tables ``[[requirement]]``: what must be so, checked and turned into requirements."""
+
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from compass.coverage.region import read_regions
+from compass.design import LIMITS, Requirement
+from compass.errors import ArgumentError
+from compass.inputs.faults import fault
+from compass.inputs.table import Table
+from compass.sites import Site
+
+Dilution = Annotated[float, Field(ge=1, le=1e5)]
+
+
+class RequirementTable(Table):
+    """What must be so at sites or in regions."""
+
+    name: str | None = Field(None, min_length=1, max_length=200, description="what to call it")
+    sites: list[str] | None = Field(
+        None, min_length=1, max_length=1000, description="names of [[station]] entries"
+    )
+    region: str | Annotated[list[str], Field(min_length=1, max_length=100)] | None = Field(
+        None,
+        description='"globe" (the default), "lat:MIN:MAX", "polygon:LAT,LON;LAT,LON;..." in '
+        "degrees, or a list of them",
+    )
+    fold: int | None = Field(None, ge=1, le=1000, description="satellites to be in view at once")
+    mask_deg: float | None = Field(
+        None,
+        gt=-90,
+        lt=90,
+        description="elevation mask, below 90 degrees; that of [coverage] if left out; below 0 "
+        "for users above the ground",
+    )
+    pdop_at_most: Dilution | None = Field(None, description="largest PDOP, from 1")
+    gdop_at_most: Dilution | None = Field(None, description="largest GDOP, from 1")
+    hdop_at_most: Dilution | None = Field(None, description="largest HDOP, from 1")
+    vdop_at_most: Dilution | None = Field(None, description="largest VDOP, from 1")
+    tdop_at_most: Dilution | None = Field(None, description="largest TDOP, from 1")
+    share: float = Field(
+        1.0, gt=0, le=1, description="how much of the time, above 0 to 1; 1 means always"
+    )
+    share_of: Literal["time", "area-time"] = Field(
+        "time", description="time (at the worst place) or area-time"
+    )
+    altitude_km: float = Field(
+        0.0, ge=0, le=1e6, description="height of the users above the ground, km"
+    )
+    losses: int = Field(
+        0, ge=0, le=100, description="still so after the loss of any so many satellites"
+    )
+
+
+def requirements_of(
+    tables: Sequence[RequirementTable], stations: Sequence[Site]
+) -> tuple[Requirement, ...]:
+    """Requirements of checked tables; those without a name are numbered."""
+    known = {site.name: site for site in stations}
+    return tuple(_requirement(table, k, known) for k, table in enumerate(tables, start=1))
+
+
+def _requirement(table: RequirementTable, number: int, known: dict[str, Site]) -> Requirement:
+    limits = ((name, getattr(table, f"{name}_at_most")) for name in LIMITS)
+    return Requirement(
+        name=table.name or f"requirement {number}",
+        sites=tuple(known[name] for name in table.sites or ()),
+        regions=_texts(table.region),
+        fold=table.fold,
+        mask=None if table.mask_deg is None else float(np.radians(table.mask_deg)),
+        limits=tuple((name, limit) for name, limit in limits if limit is not None),
+        share=table.share,
+        share_of=table.share_of,
+        altitude=table.altitude_km * 1e3,
+        losses=table.losses,
+    )
+
+
+def _texts(region: str | list[str] | None) -> tuple[str, ...]:
+    if region is None:
+        return ()
+    return (region,) if isinstance(region, str) else tuple(region)
+
+
+def requirement_faults(raw: dict[str, Any]) -> list[str]:
+    """Faults of ``[[requirement]]`` across fields, found on the raw tables, whatever is in them."""
+    tables, stations = raw.get("requirement"), raw.get("station")
+    places = [s for s in stations if isinstance(s, dict)] if isinstance(stations, list) else []
+    names = [s["name"] for s in places if isinstance(s.get("name"), str)]
+    faults: list[str] = []
+    told: set[str] = set()
+    for k, table in enumerate(tables if isinstance(tables, list) else [], start=1):
+        if isinstance(table, dict):
+            faults += _faults(table, f"requirement[{k}]", names)
+            name = table.get("name")
+            if isinstance(name, str):
+                if name in told:
+                    faults.append(fault(f"requirement[{k}].name", name, "used twice; rename one"))
+                told.add(name)
+    return faults
+
+
+def _faults(table: dict[str, Any], field: str, names: list[str]) -> list[str]:
+    faults = []
+    sites = table.get("sites")
+    for name in sites if isinstance(sites, list) else []:
+        if isinstance(name, str) and name not in names:
+            allowed = ", ".join(names) or "none; add a [[station]] of that name"
+            problem = f"no such [[station]]; there are {allowed}"
+            faults.append(fault(f"{field}.sites", name, problem))
+    region = table.get("region")
+    for text in region if isinstance(region, list) else [region]:
+        if isinstance(text, str):
+            try:
+                read_regions(text)
+            except ArgumentError as error:
+                faults.append(f"{field}.{error}")
+    wants = [key for key in ("fold", *(f"{name}_at_most" for name in LIMITS)) if key in table]
+    if not wants:
+        limits = ", ".join(f"{name}_at_most" for name in LIMITS)
+        faults.append(f"{field}: asks for nothing; add fold or one of {limits}")
+    altitude, mask = table.get("altitude_km"), table.get("mask_deg")
+    if sites is not None and altitude:
+        faults.append(
+            fault(f"{field}.altitude_km", altitude, "is of regions; sites have their own height_km")
+        )
+    if isinstance(mask, int | float) and mask < 0 and not altitude:
+        faults.append(
+            fault(f"{field}.mask_deg", mask, "allowed 0 up to below 90 for users on the ground")
+        )
+    return faults

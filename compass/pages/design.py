@@ -1,0 +1,269 @@
+"""The page of one design: the answer first, then a board's questions in their order.
+
+A further section joins `SECTIONS` in its place: its title and a function from `Found` to it, which
+may be None where there is nothing to say.
+"""
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from compass.api.access import access
+from compass.api.fold import FoldResult, fold
+from compass.api.map import MapResult
+from compass.api.outlook import outlook
+from compass.api.reproduce import comparison_table
+from compass.api.show import show
+from compass.core.ranking import nearest_rank
+from compass.coverage.site import site_coverage
+from compass.design import Design
+from compass.document.blocks import (
+    Block,
+    Details,
+    Section,
+    Sentence,
+    Table,
+    arranged,
+    columns,
+    values,
+)
+from compass.orbits.symmetry import one_circle
+from compass.pages.access import access_section
+from compass.pages.answers import answer_section
+from compass.pages.coverage import count_picture, dilution_pictures, fold_pictures, one_colour
+from compass.pages.fold import fold_section
+from compass.pages.found import Found
+from compass.pages.globe.piece import globe
+from compass.pages.globe.still import still_picture
+from compass.pages.lasting import lasting_section
+from compass.pages.neighbours import Neighbour, neighbours
+from compass.pages.orbits import cap_picture, orbit_picture, track_picture
+from compass.pages.page import render
+from compass.quantities import quantity
+from compass.study.certified import certified_figures
+from compass.study.mapping import MapOptions, make_map, provenance
+
+
+def design_report(
+    design: Design,
+    command: str = "",
+    options: MapOptions | None = None,
+    *,
+    progress: Callable[[str], None] = lambda step: None,
+) -> tuple[str, list[Section]]:
+    """Make the page (HTML text) and the sections of a design's report.
+
+    Parameters
+    ----------
+    design
+        The design.
+    command
+        The command line, for provenance.
+    options
+        How to map.
+    progress
+        Told the name of each part before it is made.
+    """
+    found = look_at(design, command, options or MapOptions(), progress)
+    progress("patterns beside it")
+    beside = _beside(found)
+    progress("globe")
+    carrying = globe(design, still_picture(design))
+    sections = [answer_section(found, [carrying], beside)]
+    for name, part in SECTIONS:
+        progress(name)
+        section = part(found, beside)
+        if section is not None:
+            sections.append(section)
+    page = render(
+        design.name,
+        " ".join(design.source.split()) or "No source given.",
+        sections,
+        provenance_rows(found, command),
+        design.text,
+    )
+    return page, sections
+
+
+def look_at(
+    design: Design, command: str, options: MapOptions, progress: Callable[[str], None]
+) -> Found:
+    """Ask the commands, each once."""
+    progress("coverage map")
+    mapped = MapResult(
+        design, make_map(design, options, command), certified_figures(design, options)
+    )
+    progress("continuous fold")
+    lost = 1 if design.constellation.size > 1 else 0
+    proven = fold(design, motion="two-body", losses=lost)
+    assert isinstance(proven, FoldResult)
+    progress("access")
+    wanted = design.access
+    linked = design.stations or wanted.moons or wanted.earth or wanted.crosslinks
+    links = access(design, eclipse=True) if linked else None
+    progress("how long it lasts")
+    return Found(design, show(design), mapped, proven, links, outlook(design))
+
+
+def provenance_rows(found: Found, command: str) -> list[tuple[str, str]]:
+    """What the report was made from, for its last section."""
+    design, d = found.design, found.mapped.dataset.attrs
+    attrs = provenance(design, command)
+    return [
+        ("command", attrs["command_line"] or "made from Python"),
+        ("made", attrs["history"].split(" ")[0]),
+        ("version", attrs["source"]),
+        ("design file", attrs["design_file"]),
+        ("SHA-256 of the design", attrs["design_sha256"]),
+        ("grid", d["grid"]),
+        ("epochs", f"{d['epochs']} in {d['period_s'] / 3600:.4f} h, {d['motion_model']} motion"),
+        ("reference figure", design.figure.title),
+    ]
+
+
+def _beside(found: Found) -> list[Neighbour]:
+    """Patterns beside the design's own, where it is one."""
+    c = found.design.constellation
+    if c.pattern is None or not one_circle(c):
+        return []
+    return neighbours(c, found.fold.fold, found.design.figure.equatorial_radius)
+
+
+def _coverage(found: Found, beside: list[Neighbour]) -> Section:
+    """Whether everybody is served, always: proof, margin, and how many are in view where."""
+    exact = fold_section(found.fold, beside)
+    in_view = found.mapped.tables()[0]
+    pictures = (count_picture(found.mapped), *fold_pictures(found.mapped.dataset))
+    return arranged(
+        "Coverage",
+        exact.paragraphs,
+        (*exact.pictures, *pictures),
+        (*exact.tables, in_view),
+    )
+
+
+def _accuracy(found: Found, _: list[Neighbour]) -> Section:
+    """How good the geometry of a fix is."""
+    d = found.mapped.dataset.attrs
+    text = (
+        f"Maps: {d['epochs']} epochs over {d['period_s'] / 3600:.4f} h on {d['grid']}; numbers are "
+        "weighted by area and time. With fewer than four satellites or singular geometry a "
+        "dilution of precision is infinite, and counts as such in every percentile."
+    )
+    return arranged(
+        "Geometry and accuracy",
+        (text, *found.mapped.certain(), *one_colour(found.mapped)),
+        dilution_pictures(found.mapped),
+        (found.mapped.tables()[1],),
+    )
+
+
+def _links(found: Found, _: list[Neighbour]) -> Section | None:
+    """Who on the ground, around Mars and at the Earth sees them."""
+    parts = [_stations(found), *([access_section(found.access)] if found.access else [])]
+    blocks: list[Block] = [block for part in parts if part for block in part.blocks]
+    return Section("Stations and links", tuple(blocks)) if blocks else None
+
+
+def _orbits(found: Found, _: list[Neighbour]) -> Section:
+    """What flies."""
+    shown = found.shown
+    explicit = shown.geometry is None
+    tables = (shown.constellation_table(), *(shown.geometry_tables() if explicit else ()))
+    pictures = (orbit_picture(shown.design), track_picture(shown.design))
+    return arranged("Orbits", (), pictures, tables)
+
+
+def _losses(found: Found, _: list[Neighbour]) -> Section | None:
+    """What is left when satellites fail."""
+    tables = found.fold.losses_tables()
+    if not tables:
+        return None
+    wanted = quantity("min_fold").title
+    text = (
+        f"The {wanted} that is left, proven {found.fold.scope}; sets that the pattern's symmetry "
+        "makes equal are one row."
+    )
+    return arranged("Losses", (text,), (), tables)
+
+
+def _caps(found: Found, _: list[Neighbour]) -> Section | None:
+    """Caps and gaps by formulas; nothing of the kind for explicit elements."""
+    shown = found.shown
+    if shown.geometry is None:
+        return None
+    text = (
+        "Published means the source paper's printed formula, kept for comparison; exact means "
+        "the geometry of the sphere."
+    )
+    tables = Details("Caps, gaps and totals in numbers", shown.geometry_tables())
+    pictures = (cap_picture(shown.design),) if shown.geometry.gap else ()
+    words = (Sentence(note) for note in (text, *shown.notes()))
+    return Section("Caps and gaps", (*words, *pictures, tables))
+
+
+def _stations(found: Found) -> Section | None:
+    design, mapped = found.design, found.mapped
+    if not design.stations:
+        return None
+    rows = []
+    for site in design.stations:
+        seen = site_coverage(design.constellation, site, mapped.made.view.times, design.motion)
+        count, pdop = seen["count"], seen["pdop"]
+        known = {
+            "latitude_deg": float(np.degrees(site.latitude)),
+            "longitude_deg": float(np.degrees(site.longitude)),
+            "height_km": site.height / 1e3,
+            "mask_deg": float(np.degrees(site.mask.lowest)),
+            "fewest": int(count.min()),
+            "mean": float(count.mean()),
+            "gdop_p95": _nearest_rank(seen["gdop"].values, 95),
+            "pdop_p95": _nearest_rank(pdop.values, 95),
+            "hdop_p95": _nearest_rank(seen["hdop"].values, 95),
+            "availability": float((pdop <= mapped.dataset.attrs["pdop_threshold"]).mean()),
+        }
+        rows.append(values("station", known))
+    table = columns("Satellites and geometry at the stations", rows)
+    named = tuple((site.name, *row) for site, row in zip(design.stations, table.rows, strict=True))
+    text = (
+        "Each station on its reference figure, at its height and over its own horizon. Percentiles "
+        f"and availability are of time, sampled at {mapped.dataset.attrs['epochs']} epochs."
+    )
+    return arranged(
+        "Stations", (text,), (), (Table(table.title, ("station", *table.header), named),)
+    )
+
+
+def _nearest_rank(values: Any, q: int) -> float:
+    """Return the smallest value that at least q percent of the values do not exceed."""
+    return float(np.sort(values)[nearest_rank(values.size, q)])
+
+
+def _comparison(found: Found, _: list[Neighbour]) -> Section | None:
+    design = found.design
+    if design.paper is None:
+        return None
+    module = import_module(f"compass.papers.{design.paper}")
+    text = (
+        "The paper's numbers on geometry and coverage beside the computed ones. Reproduced: equal "
+        "within what is printed beside it. Erratum: the paper is shown to be wrong, and how. "
+        "Differs: neither. Computed: the paper says nothing. Population and "
+        f"stations' access: compass reproduce {design.paper}."
+    )
+    table = comparison_table(module.TITLE, module.coverage_rows())
+    return arranged("Published against computed", (text,), (), (table,))
+
+
+#: The sections after the answer, in the order of a board's questions.
+SECTIONS: tuple[tuple[str, Callable[[Found, list[Neighbour]], Section | None]], ...] = (
+    ("coverage", _coverage),
+    ("geometry and accuracy", _accuracy),
+    ("stations and links", _links),
+    ("orbits", _orbits),
+    ("how long it lasts", lambda found, _: lasting_section(found.design, found.outlook)),
+    ("losses", _losses),
+    ("caps and gaps", _caps),
+    ("comparison", _comparison),
+)

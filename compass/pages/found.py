@@ -1,0 +1,34 @@
+"""What a design's page is made from: the results of the commands, each asked once."""
+
+from dataclasses import dataclass
+
+from compass.api.access import AccessResult
+from compass.api.fold import FoldResult
+from compass.api.map import MapResult
+from compass.api.outlook import Outlook
+from compass.api.show import ShowResult
+from compass.design import Design
+
+
+@dataclass(frozen=True)
+class Found:
+    """Results on one design.
+
+    Attributes
+    ----------
+    design
+        The design.
+    shown, mapped, fold
+        Of `compass.show`, `compass.map` and `compass.fold` (with one satellite lost, two-body).
+    access
+        Of `compass.access`, or None where nothing is to be linked.
+    outlook
+        How long it lasts on real orbits; None where nobody asked.
+    """
+
+    design: Design
+    shown: ShowResult
+    mapped: MapResult
+    fold: FoldResult
+    access: AccessResult | None
+    outlook: Outlook | None = None

@@ -1,0 +1,36 @@
+"""The piece of page that draws the globe, and the still picture for where scripts do not run."""
+
+import json
+from functools import cache
+from importlib.resources import files
+
+from jinja2 import Environment, PackageLoader
+
+from compass.design import Design
+from compass.document.blocks import Interactive, Picture
+from compass.pages.globe.scene import scene
+
+_CAPTION = (
+    "What the satellites see at the moment of the slider, computed in the page. Red: fewer in view "
+    "than wanted. Squares: stations, green while they see enough."
+)
+
+
+def globe(design: Design, still: Picture | None = None) -> Interactive:
+    """Return the globe of a design as a block; `still` stands for it on paper."""
+    shown = scene(design)
+    # no "<" of a name can end the script that carries it
+    values = json.dumps(shown, allow_nan=False).replace("<", "\\u003c")
+    drawn = Environment(autoescape=True, loader=PackageLoader("compass.pages", "globe"))
+    html = drawn.get_template("globe.html").render(
+        values=values, duration=shown["duration_s"], gaps=bool(shown["gaps"]), name=design.name
+    )
+    note = "" if design.mask.is_constant else " The mask is taken at its highest all around."
+    title = f"Globe of {design.name}"
+    return Interactive("globe", title, _CAPTION + note, html, script(), still)
+
+
+@cache
+def script() -> str:
+    """Return the globe's script, once a page."""
+    return (files("compass.pages") / "globe" / "globe.js").read_text(encoding="utf-8")

@@ -1,0 +1,108 @@
+"""The page of a landing: how well the place is known, where it comes down, then the flight."""
+
+from collections.abc import Sequence
+
+from compass.api.land import LandResult
+from compass.api.land_flight import claim_sentence, entry_tables, findings
+from compass.document import Answer, Answers, Section, Sentence
+from compass.document.blocks import Picture, arranged
+from compass.document.numbers import significant
+from compass.entry.assess import Assessment
+from compass.inputs.scenario import provenance
+from compass.pages.page import render
+from compass.pictures.ellipse import landing_ellipse
+from compass.pictures.entry import entry_pictures
+
+KM = 1e3
+
+
+def landing_report(found: LandResult) -> tuple[str, tuple[Section, ...]]:
+    """Make the page (HTML text) and the sections of a flown scenario."""
+    scenario = found.scenario
+    sections = landing_sections(found)
+    made = provenance(scenario, found.command)
+    rows = [
+        ("command", found.command or "made from Python"),
+        ("made", made["history"].split(" ")[0]),
+        ("version", made["source"]),
+        ("scenario file", made["scenario_file"]),
+        ("SHA-256 of the scenario", made["scenario_sha256"]),
+    ]
+    subtitle = made["references"] or "No source given."
+    return render(scenario.name, subtitle, sections, rows, scenario.text), sections
+
+
+def landing_sections(found: LandResult) -> tuple[Section, ...]:
+    """The answer, then navigation, the flight, who is in view, and filters compared if any are."""
+    flown = found.assessment
+    drawn = {picture.stem: picture for picture in entry_pictures(flown)}
+    tables = {table.title.split(" (")[0]: table for table in entry_tables(flown)}
+    consistency, *words = findings(found.scenario, flown)
+    answer = Section(
+        "The answer",
+        (Sentence(claim_sentence(flown)), Answers("Known, and how sure", answers(flown)),
+         landing_ellipse(flown.accuracy)),
+    )  # fmt: skip
+    navigation = arranged(
+        "Navigation", (consistency, *words), _those(drawn, "navigation"), (tables["Navigation"],)
+    )
+    told = [tables[title] for title in ("Events", "Largest loads") if title in tables]
+    flight = arranged("The flight", (), _those(drawn, "map", "flight"), told)
+    view = arranged(
+        "Who is in view", (), _those(drawn, "view", "observability"), (tables["Beacons"],)
+    )
+    return (answer, navigation, flight, view, *found.sections()[1:])
+
+
+def _those(drawn: dict[str, Picture], *names: str) -> Sequence[Picture]:
+    return [picture for stem, picture in drawn.items() if stem.removeprefix("entry-") in names]
+
+
+def answers(flown: Assessment) -> tuple[Answer, ...]:
+    """What a landing's reader asks first."""
+    at, ellipse = flown.accuracy, flown.accuracy.delivery.ellipse
+    runs = len(flown.monte_carlo.errors)
+    claim = flown.claim_m
+    apart = ", ".join(significant(sigma, 3) for sigma in at.knowledge.along_cross_down)
+    count = flown.seen.sum(axis=1)
+    linear = "linear covariance"
+    last = f"{significant(at.time, 4)} s"
+    rows = [
+        Answer(
+            f"Place known at {at.name}, {last}",
+            "not claimed" if claim is None else f"{significant(claim, 3)} m, 1 sigma",
+            False if claim is None else None,
+            f"sampled, {runs} runs of the filter",
+        ),
+        Answer("Along, across and down", f"{apart} m, 1 sigma", None, linear),
+        Answer(
+            "Comes down within, unguided",
+            f"{significant(ellipse.semi_major / KM, 3)} by "
+            f"{significant(ellipse.semi_minor / KM, 3)} km",
+            None,
+            f"95 % ellipse, half axes; {linear}",
+        ),
+        Answer(
+            "Errors are what the filter claims",
+            "consistent" if flown.consistency.holds else "not consistent",
+            flown.consistency.holds,
+            f"NEES of {runs} runs",
+        ),
+        Answer(
+            "Position and velocity can be observed",
+            f"not at {flown.flight.times[flown.blind_epoch]:g} s"
+            if flown.blind.words
+            else "throughout",
+            not flown.blind.words,
+            "rank of the observability matrix at every epoch",
+        ),
+        Answer(
+            "Beacons in view",
+            f"{count.min()} to {count.max()} of {flown.beacons.size}",
+            None,
+            f"at {flown.flight.times.size} epochs",
+        ),
+    ]
+    if flown.flight.missed:
+        rows.append(Answer("Events", "not reached: " + "; ".join(flown.flight.missed), False))
+    return tuple(rows)

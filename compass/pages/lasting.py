@@ -1,0 +1,326 @@
+"""The section "How long it lasts" of a design's page, and what of it belongs in the first lines."""
+
+from math import floor
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from compass.api.drift import RadiusLasts
+from compass.api.outlook import Outlook, commands
+from compass.design import Design
+from compass.document import Answer, Picture, Sampled, Sentence, Table, Value, Verdict
+from compass.document.blocks import Block, Section
+from compass.frames import SECONDS_PER_DAY
+from compass.orbits import areosynchronous_radius
+from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture
+from compass.quantities import quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+TITLE = "How long it lasts"
+DAYS_PER_YEAR = 365.25
+
+
+def lasting_verdicts(design: Design, found: Outlook) -> tuple[Verdict, ...]:
+    """How long it lasts left alone, what keeping costs, which radius does not need it.
+
+    Each with the command that proves it.
+    """
+    said = [_lasts(design, found)]
+    if found.keeping is not None:
+        said.append(_keeping(design, found, found.keeping))
+    if found.radii:
+        said.append(_radius(design, found))
+    return tuple(said)
+
+
+def lasting_answers(design: Design, found: Outlook) -> list[Answer]:
+    """The same as rows of the first lines: question, answer, how sure."""
+    shown = commands(design, found)
+    left = "Left alone on real orbits it lasts"
+    proven = f"proven: {shown['lasts']}"
+    if found.lasts:
+        rows = [Answer(left, f"{found.horizon_days:g} days and more", True, proven)]
+    else:
+        rows = [Answer(left, f"{floor(found.days_proven)} days", False, proven)]
+    if found.keeping is not None:
+        mean = Value(quantity("delta_v_keeping_m_s_year"), found.keeping["delta_v_mean_m_s_year"])
+        years = f"simulated over {found.keeping['years']:.3g} year(s)"
+        cost = f"{mean} m/s a year a satellite"
+        question = "To keep every satellite in its slot costs"
+        rows.append(Answer(question, cost, None, f"{years}: {shown['keeping']}"))
+    for r in found.lasting_radii[:1]:
+        years = f"{found.horizon_days / DAYS_PER_YEAR:.1f} years"
+        where = f"{r.radius_km:g} km, {_shift(found, r)}, for {years}"
+        rows.append(Answer("It keeps itself at", where, None, f"proven: {shown['radii']}"))
+    return rows
+
+
+def lasting_advice(found: Outlook) -> str:
+    """What to do about orbits that do not last, in a sentence; empty for those that do."""
+    if found.lasts or found.days_proven == 0.0:
+        return ""
+    said = f"Left alone on real orbits it loses that after {floor(found.days_proven)} days: "
+    ways = []
+    if good := found.lasting_radii:
+        ways.append(f"fly it {_shift(found, good[0])}, where it keeps itself once trimmed")
+    if found.keeping is not None:
+        ways.append(
+            "keep every satellite in its slot for "
+            f"{found.keeping['delta_v_mean_m_s_year']:.3g} m/s a year"
+        )
+    return said + (", or ".join(ways) or "renew its orbits before") + "."
+
+
+def lasting_section(design: Design, found: Outlook | None) -> Section | None:
+    """Margin and room over time, places in the slots, other radii, the keeping budget."""
+    if found is None:
+        return None
+    blocks: list[Block] = [*lasting_verdicts(design, found), Sentence(_how(found))]
+    if found.drift is not None:
+        blocks.append(_margin_picture(found))
+        if found.drift["in_track_deg"] is not None:
+            blocks.append(_slot_picture(found))
+    if found.radii:
+        blocks += [_radius_picture(found), _radius_table(found)]
+    if found.keeping is not None:
+        blocks.append(_keeping_table(found.keeping))
+    return Section(TITLE, tuple(blocks))
+
+
+def _claim(found: Outlook) -> str:
+    return f"{found.fold} or more satellites above {found.mask_deg:g} deg everywhere"
+
+
+def _lasts(design: Design, found: Outlook) -> Verdict:
+    command = commands(design, found)["lasts"]
+    if found.lasts:
+        years = found.horizon_days / DAYS_PER_YEAR
+        return Verdict(
+            f"Lasts {found.horizon_days:g} days left alone",
+            f"{_claim(found)}, proven on real orbits for the {found.horizon_days:g} days looked at "
+            f"({years:.1f} years) ({command})",
+            True,
+        )
+    if found.first_loss_days is not None and found.days_proven * SECONDS_PER_DAY < 1.0:
+        return Verdict(
+            "Does not hold at the epoch", f"{_claim(found)}: {found.loss} ({command})", False
+        )
+    proven = Value(quantity("days_proven"), found.days_proven)
+    if found.first_loss_days is None:
+        word, end = f"Lasts at least {proven} days left alone", "undecided after that"
+    else:
+        word = f"Lasts {floor(found.days_proven)} days left alone"
+        when = Value(quantity("first_loss_days"), found.first_loss_days)
+        end = f"lost on day {when}: {found.loss}"
+    return Verdict(
+        word, f"{_claim(found)}, proven on real orbits for {proven} days, {end} ({command})", False
+    )
+
+
+def _keeping(design: Design, found: Outlook, kept: dict) -> Verdict:
+    cost = quantity("delta_v_keeping_m_s_year")
+    each = [row["delta_v_m_s_year"] for row in kept["per_satellite"]]
+    low, high, mean = (Value(cost, v) for v in (min(each), max(each), float(np.mean(each))))
+    stays = "every satellite stays in its slot" if kept["holds"] else "some leave their slots"
+    return Verdict(
+        f"Keeping it costs {mean} m/s a year a satellite",
+        f"{low} to {high} by slot; {stays}, simulated over {kept['years']:.3g} year(s) "
+        f"({commands(design, found)['keeping']})",
+        bool(kept["holds"]),
+    )
+
+
+def _radius(design: Design, found: Outlook) -> Verdict:
+    command = commands(design, found)["radii"]
+    good = found.lasting_radii
+    if not good:
+        best = max(found.radii, key=lambda r: r.days_proven)
+        return Verdict(
+            "No radius tried does without keeping",
+            f"the best, {best.radius_km:g} km, is proven for {best.days_proven:.4g} days "
+            f"({command})",
+            False,
+        )
+    years = found.horizon_days / DAYS_PER_YEAR
+    where = [f"{_shift(found, r)} ({r.radius_km:g} km)" for r in good]
+    return Verdict(
+        f"{_shift(found, good[0]).capitalize()} it keeps itself for {years:.1f} years",
+        f"{' or '.join(where)}, trimmed once, the same pattern is proven for the "
+        f"{found.horizon_days:g} days looked at with no burn, its margin never below "
+        f"{min(r.margin_deg for r in good):.3g} deg at the moments looked at ({command})",
+        True,
+    )
+
+
+def _shift(found: Outlook, radius: RadiusLasts) -> str:
+    assert found.radius_km is not None
+    shift = radius.radius_km - found.radius_km
+    if abs(shift) < 1e-6:
+        return "at its own radius"
+    return f"{abs(shift):g} km {'higher' if shift > 0 else 'lower'}"
+
+
+def _how(found: Outlook) -> str:
+    paid = "kept from an earlier run that took" if found.known else "worked out in"
+    notes = "".join(f"; {note}" for note in found.notes)
+    return f"{found.motion}; {paid} {found.seconds:.0f} s{notes}."
+
+
+def _margin_picture(found: Outlook) -> Picture:
+    assert found.drift is not None
+    days, margin = found.drift["days"], found.drift["margin_deg"]
+    with look():
+        figure = new_figure(7.2, 4.2)
+        axes = figure.add_subplot()
+        axes.plot(days, margin, color=MARS, lw=1.8, label="margin of the caps, proven")
+        lowest = min(0.0, *margin)
+        if found.drift["room_deg"] is not None:
+            axes.plot(days, found.drift["room_deg"], color=CYCLE[0], lw=1.4, label="room in slots")
+        axes.axhline(0.0, color=INK, lw=0.8)
+        if found.first_loss_days is not None:
+            axes.axvline(found.first_loss_days, color=INK, lw=0.8, ls=":")
+            axes.annotate(
+                f"lost on day {found.first_loss_days:.1f}",
+                (found.first_loss_days, max(margin)),
+                (-4, 0),
+                textcoords="offset points",
+                ha="right",
+                va="top",
+            )
+        axes.set(xlabel="days after the epoch", ylabel="degrees", xlim=(0, days[-1]))
+        axes.set_ylim(bottom=max(lowest - 1.0, -10.0))
+        axes.set_title("Margin and room, left alone")
+        axes.legend(frameon=False, loc="lower left")
+    return picture(
+        figure,
+        "lasting-margin",
+        "Margin and room over time",
+        "By how much all caps could shrink with the fold kept, and by how much every satellite "
+        "could still stray from its slot: enough, not needed.",
+    )
+
+
+def _slot_picture(found: Outlook) -> Picture:
+    drift = found.drift
+    assert drift is not None
+    along, across = np.array(drift["in_track_deg"]), np.array(drift["cross_track_deg"])
+    with look():
+        figure = new_figure(7.2, 4.2)
+        axes = figure.add_subplot()
+        for s, name in enumerate(drift["satellites"]):
+            colour = CYCLE[s % len(CYCLE)]
+            axes.plot(along[:, s], across[:, s], color=colour, lw=1.0, alpha=0.9)
+            axes.plot(along[-1, s], across[-1, s], "o", ms=4, color=colour)
+            if len(drift["satellites"]) <= 30:
+                axes.annotate(name, (along[-1, s], across[-1, s]), (3, 3), fontsize=6.5,
+                              textcoords="offset points", color=colour)  # fmt: skip
+        _slot_rim(axes, drift["slot_sideways_deg"])
+        axes.set(xlabel="ahead of the slot, deg", ylabel="beside the slot, deg")
+        axes.set_title("Where satellites go in their slots")
+    return picture(
+        figure,
+        "lasting-slots",
+        "Drift in the slots",
+        f"From the epoch to day {drift['days'][-1]:.4g} (dots), the pattern turned and advanced as "
+        "a whole where it fits best; the grey oval is how far one satellite may leave its slot.",
+    )
+
+
+def _slot_rim(axes: "Axes", sideways: float | None) -> None:
+    turn = np.linspace(0, 2 * np.pi, 181)
+    if sideways is not None and sideways > 0.0:
+        axes.fill(sideways * np.cos(turn), sideways * np.sin(turn), color=FAINT, alpha=0.25, lw=0)
+
+
+def _radius_picture(found: Outlook) -> Picture:
+    with look():
+        figure = new_figure(7.2, 3.6)
+        axes = figure.add_subplot()
+        for r in found.radii:
+            good = r.days_proven >= found.horizon_days
+            axes.plot(
+                [r.radius_km] * 2, [0, r.days_proven], color=CYCLE[2] if good else FAINT, lw=5
+            )
+            axes.annotate(
+                f"{r.days_proven:.4g} d" + (" or more" if good else ""),
+                (r.radius_km, r.days_proven),
+                (0, 3),
+                textcoords="offset points",
+                ha="center",
+            )
+        assert found.radius_km is not None
+        axes.plot([found.radius_km] * 2, [0, found.days_proven], color=MARS, lw=5)
+        axes.annotate(
+            f"as designed {found.days_proven:.4g} d",
+            (found.radius_km, found.days_proven),
+            (0, 3),
+            textcoords="offset points",
+            ha="center",
+        )
+        axes.axhline(found.horizon_days, color=INK, lw=0.8, ls=":")
+        radii = [found.radius_km, *(r.radius_km for r in found.radii)]
+        axes.set_xlim(min(radii) - 150, max(radii) + 150)
+        pace = areosynchronous_radius() / 1e3
+        if min(radii) <= pace <= max(radii):
+            axes.axvline(pace, color=INK, lw=0.8, ls="--", zorder=0)
+            axes.annotate(
+                "keeps pace with Mars",
+                (pace, 0.5 * found.horizon_days),
+                (5, 0),
+                textcoords="offset points",
+            )
+        axes.set_ylim(0, 1.15 * found.horizon_days)
+        axes.set(xlabel="radius, km", ylabel="days proven, left alone")
+        axes.set_title("Lifetime against radius")
+    return picture(
+        figure,
+        "lasting-radius",
+        "Lifetime against radius",
+        "Days for which the fold is proven with no burn: the design as it is, and the same pattern "
+        "at other radii after one trim; the dotted line is how far was looked.",
+    )
+
+
+def _radius_table(found: Outlook) -> Table:
+    proven, margin = quantity("days_proven"), quantity("cap_margin_deg")
+    sampled = Sampled(how="at moments of the span")
+    rows = tuple(
+        (
+            f"{r.radius_km:g}",
+            Value(proven, r.days_proven),
+            "not in the span" if r.first_loss_days is None else f"{r.first_loss_days:.4f}",
+            Value(margin, r.margin_deg, sampled),
+            f"{r.beat_days:.4g}",
+        )
+        for r in found.radii
+    )
+    header = ("radius, km", proven.heading, "lost on day", margin.heading, "beat with Mars, days")
+    return Table("The same pattern at other radii, trimmed once, left alone", header, rows)
+
+
+def _keeping_table(kept: dict) -> Table:
+    cost, mass = quantity("delta_v_keeping_m_s_year"), quantity("propellant_kg")
+    rows = tuple(
+        (
+            row["name"],
+            Value(cost, row["delta_v_m_s_year"]),
+            row["burns"],
+            "" if row["days_between_burns"] is None else f"{row['days_between_burns']:.3g}",
+            f"{row['worst_in_track_deg']:.3g}",
+            f"{row['worst_cross_track_deg']:.3g}",
+            Value(mass, row["propellant_kg"]),
+        )
+        for row in kept["per_satellite"]
+    )
+    header = (
+        "satellite", cost.heading, "burns", "days between", "worst along, deg",
+        "worst across, deg", mass.heading,
+    )  # fmt: skip
+    return Table(
+        f"Keeping budget over {kept['years']:.3g} year(s), box of {kept['box_deg']:.3g} deg along "
+        f"the track, {kept['dry_mass_kg']:g} kg dry, {kept['specific_impulse_s']:g} s",
+        header,
+        rows,
+    )

@@ -1,0 +1,241 @@
+"""Clearances over horizons against random sampling, proofs with caps, and invariances."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from compass.core.clearance import profile_range
+from compass.coverage.certificate import prove_fold
+from compass.coverage.clearance import (
+    Users,
+    clear_share,
+    geodetic,
+    least_clearance,
+    region_users,
+    site_users,
+    worst_share,
+)
+from compass.coverage.region import read_region
+from compass.coverage.share import mean_fold_shares
+from compass.errors import ArgumentError
+from compass.frames import FIGURES, prime_meridian_angle
+from compass.orbits import Constellation, positions_mcmf, states_mci, walker_delta
+from compass.sites import Mask, Site
+
+SPHERE, ELLIPSOID = FIGURES["iau-sphere"], FIGURES["iau-ellipsoid"]
+R = SPHERE.equatorial_radius
+
+
+def orbits(elements):
+    """A constellation of rows a, e, i, raan, argument of periapsis, mean anomaly (SI)."""
+    n = elements.shape[1]
+    names = tuple(f"S{k}" for k in range(n))
+    return Constellation("any", *elements, satellite_names=names)
+
+
+def some_orbits(rng, n, one_period=True):
+    a = np.full(n, rng.uniform(8e6, 3e7)) if one_period else rng.uniform(8e6, 3e7, n)
+    return orbits(
+        np.stack(
+            [
+                a,
+                rng.uniform(0, 0.3, n) * (rng.random() < 0.5),
+                *rng.uniform(0, np.pi, (1, n)),
+                *rng.uniform(0, 2 * np.pi, (3, n)),
+            ]
+        )
+    )
+
+
+def some_mask(rng):
+    azimuths = np.sort(rng.uniform(0, 2 * np.pi, 6))
+    return Mask(tuple(azimuths), tuple(rng.uniform(0, 0.4, 6)))
+
+
+def clearances(c, site, longitude, phase):
+    """Clearances over a site's horizon at inertial longitudes and phases (n,): by definition."""
+    r, _ = states_mci(c, phase / c.mean_motion[0])
+    found = []
+    for angle, moment in zip(longitude, np.moveaxis(r, 1, 0), strict=True):
+        there = Site("u", site.latitude, float(angle), site.height, site.mask, site.figure)
+        elevation, azimuth = there.elevation_azimuth(moment)
+        found.append(np.sort(elevation - site.mask.at(azimuth))[::-1])
+    return np.array(found)
+
+
+@pytest.mark.slow
+@given(seed=st.integers(0, 10**6), figure=st.sampled_from([SPHERE, ELLIPSOID]))
+@settings(max_examples=12, deadline=None)
+def test_no_sample_is_below_the_bracket_and_its_place_shows_it(seed, figure):
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(3, 13))
+    c = some_orbits(rng, n)
+    site = Site("a", rng.uniform(-1.5, 1.5), 0.3, rng.uniform(0, 3e5), some_mask(rng), figure)
+    sampled = clearances(c, site, *rng.uniform(0, 2 * np.pi, (2, 300)))
+    for fold in (1, n // 2 + 1, n):
+        found = least_clearance(c, site_users(site).belt(), fold, tolerance=0.05, most=4000)
+        assert found.low <= min(found.high, sampled[:, fold - 1].min() + 1e-9)
+        angle = float(prime_meridian_angle(c.epoch, found.time))
+        there = clearances(
+            c, site, [found.longitude + angle], np.array([found.time * c.mean_motion[0]])
+        )
+        # straight below, where azimuths say little, the profile is read 1e-8 rad apart
+        assert there[0, fold - 1] == pytest.approx(found.high, abs=1e-6)
+        assert (there[0] >= 0).sum() == found.seen
+
+
+@pytest.mark.slow
+@given(seed=st.integers(0, 10**6), height=st.sampled_from([0.0, 2e5]))
+@settings(max_examples=8, deadline=None)
+def test_at_a_place_for_a_span_against_its_own_path(seed, height):
+    """Orbits of any periods, a site that turns with Mars: positions from another function."""
+    rng = np.random.default_rng(seed)
+    c = some_orbits(rng, 5, one_period=False)
+    site = Site("a", rng.uniform(-1.5, 1.5), rng.uniform(-3, 3), height, some_mask(rng), ELLIPSOID)
+    start, stop = 3e4, 9e4
+    found = least_clearance(c, site_users(site), 2, span=(start, stop), tolerance=1e-3)
+    times = rng.uniform(start, stop, 2000)
+    r = np.moveaxis(positions_mcmf(c, times), 1, 0)
+    elevation, azimuth = site.elevation_azimuth(r)
+    second = np.sort(elevation - site.mask.at(azimuth), axis=-1)[:, -2]
+    # W departs from uniform turning by less than 1e-8 rad in a day
+    assert found.low - 1e-6 <= second.min()
+    assert found.high == pytest.approx(found.low, abs=1.1e-3)
+    assert second.min() < found.high + 0.05
+    assert start <= found.time <= stop
+    assert found.longitude == pytest.approx(site.longitude)
+
+
+@pytest.mark.slow
+def test_a_site_and_a_polygon_about_it_agree():
+    c = walker_delta(8, 4, 1, inclination_deg=50, orbit="areosynchronous")
+    site = Site("a", np.radians(20), np.radians(40), figure=SPHERE)
+    span = (0.0, 88642.66)
+    alone = least_clearance(c, site_users(site), 2, span=span)
+    text = "polygon:19.9,39.9;19.9,40.1;20.1,40.1;20.1,39.9"
+    about = region_users(read_region(text), SPHERE, Mask())
+    around = least_clearance(c, about, 2, span=span, tolerance=1e-3, most=20_000)
+    # a place 0.14 degrees off changes an elevation by less than 0.18
+    assert around.low <= alone.high
+    assert around.high >= alone.low - np.radians(0.2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", ["globe", "lat:-45:45", "lat:30:60"])
+@pytest.mark.parametrize("figure", [SPHERE, ELLIPSOID])
+def test_highest_mask_of_a_belt_is_that_of_caps(text, figure):
+    """Two methods that share no kernel: cells between caps, and boxes of places."""
+    c = walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
+    found = least_clearance(c, region_users(read_region(text), figure, Mask()), 4)
+    assert found.high - found.low < 1.1e-4
+    claim = {"sphere_radius": R, "stretch": figure.stretch, "region": read_region(text)}
+    assert prove_fold(c, 4, mask=found.low - 1e-6, **claim).outcome == "proven"
+    assert prove_fold(c, 4, mask=found.high + 1e-6, **claim).outcome == "refuted"
+
+
+@pytest.mark.slow
+def test_users_above_the_ground_are_users_of_a_larger_sphere():
+    c = walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
+    dip = -0.9 * float(np.arccos(R / (R + 4e5)))
+    found = least_clearance(c, region_users(read_region("globe"), SPHERE, Mask(), height=4e5), 4)
+    claim = {"sphere_radius": R + 4e5}
+    assert prove_fold(c, 4, mask=found.low - 1e-6, **claim).outcome == "proven"
+    assert prove_fold(c, 4, mask=found.high + 1e-6, **claim).outcome == "refuted"
+    users = region_users(read_region("globe"), SPHERE, Mask(), below=dip, height=4e5)
+    # looking down by the dip gives all of it as room
+    assert least_clearance(c, users, 4).low == pytest.approx(found.low - dip, abs=2e-4)
+
+
+def test_shares_of_a_belt_against_exact_areas_and_of_a_circle_against_samples():
+    c = walker_delta(6, 3, 1, inclination_deg=50, radius_km=20427)
+    exact = mean_fold_shares(c, sphere_radius=R).share[2:].sum()
+    globe = region_users(read_region("globe"), SPHERE, Mask())
+    found = clear_share(c, globe, 2, width=0.2, most=4000)
+    assert found.low <= exact <= found.high
+    site = Site("a", 0.7, 0.0, mask=some_mask(np.random.default_rng(2)), figure=SPHERE)
+    at = clear_share(c, site_users(site).belt(), 3, width=0.05, most=4000)
+    longitude, phase = np.random.default_rng(3).uniform(0, 2 * np.pi, (2, 2000))
+    mean = (clearances(c, site, longitude, phase)[:, 2] >= 0).mean()
+    assert at.low - 0.05 < mean < at.high + 0.05  # 4.5 sigma of 2000 draws
+
+
+@pytest.mark.slow
+def test_the_worst_latitude_has_the_least_share():
+    c = walker_delta(6, 3, 1, inclination_deg=50, radius_km=20427)
+    belt = region_users(read_region("lat:-30:60"), SPHERE, Mask())
+    found, latitude = worst_share(c, belt, 3, width=0.1, most=30_000)
+    for b in np.radians([-30, 0, 20, 45, 60]):
+        circle = replace(belt, south=b, north=b)
+        assert found.low <= clear_share(c, circle, 3, width=0.05, most=3000).high
+    assert belt.south <= latitude <= belt.north
+    at = clear_share(c, replace(belt, south=latitude, north=latitude), 3, width=0.02)
+    assert at.low <= found.high
+    told, _ = worst_share(c, belt, 3, level=0.01, most=30_000)
+    assert told.low >= 0.01 or told.high < 0.01
+
+
+def test_a_horizon_open_to_one_side_counts_by_azimuth():
+    """A wall to the south of 89 degrees: of a ring over the equator a northern site sees none."""
+    c = walker_delta(24, 1, 0, inclination_deg=0, radius_km=20427)
+    wall = np.radians([0, 90.0, 90.1, 269.9, 270]), np.radians([0, 0, 89, 89, 0])
+    mask = Mask(*(tuple(x.tolist()) for x in wall))
+    north, south = (site_users(Site("a", b, 0.0, mask=mask, figure=SPHERE)) for b in (0.5, -0.5))
+    assert least_clearance(c, north.belt(), 1, enough=0.0, most=2000).holds is False
+    assert least_clearance(c, south.belt(), 5, enough=0.0, most=2000).holds is True
+
+
+def test_what_hangs_on_a_hair_stays_open():
+    """One satellite over the equator, seen from the pole at exactly the lowest mask allowed."""
+    c = walker_delta(1, 1, 0, inclination_deg=0, radius_km=20000)
+    pole = Site("a", np.pi / 2, 0.0, figure=SPHERE)
+    elevation = float(pole.elevation_azimuth(np.array([2e7, 0.0, 0.0]))[0])
+    users = Users("pole", np.pi / 2, np.pi / 2, SPHERE)
+    found = least_clearance(c, users, 1)
+    assert found.low <= elevation <= found.high + 1e-12
+    assert found.holds is False
+
+
+@given(
+    seed=st.integers(0, 10**6),
+    azimuth=st.floats(-3.2, 3.2),
+    turn=st.floats(0, 3.3),
+    points=st.integers(1, 7),
+)
+@settings(max_examples=60, deadline=None)
+def test_range_of_a_profile_is_what_dense_sampling_finds(seed, azimuth, turn, points):
+    rng = np.random.default_rng(seed)
+    azimuths = np.sort(rng.uniform(0, 2 * np.pi, points))
+    elevations = rng.uniform(0, 1, points)
+    mask = Mask(tuple(azimuths.tolist()), tuple(elevations.tolist()))
+    bottom, top = profile_range(azimuths, elevations, azimuth, turn)
+    around = azimuth + np.linspace(-turn, turn, 2001)
+    nodes = azimuths[np.abs(np.mod(azimuths - azimuth + np.pi, 2 * np.pi) - np.pi) <= turn]
+    sampled = mask.at(np.concatenate([around, nodes]))
+    assert bottom <= sampled.min() + 1e-12
+    assert top >= sampled.max() - 1e-12
+    if turn < np.pi:
+        assert bottom == pytest.approx(sampled.min(), abs=1e-9)
+        assert top == pytest.approx(sampled.max(), abs=1e-9)
+
+
+def test_bad_claims_are_told():
+    c = walker_delta(3, 1, 0, inclination_deg=0, radius_km=20000)
+    users = site_users(Site("a", 0.0, 0.0, figure=SPHERE))
+    with pytest.raises(ArgumentError, match="fold = 0: must be a whole number from 1 on"):
+        least_clearance(c, users, 0)
+    mixed = orbits(np.array([[1e7, 2e7], *np.zeros((5, 2))]))
+    with pytest.raises(ArgumentError, match="orbits of different periods: a claim for ever"):
+        least_clearance(mixed, users, 1)
+    with pytest.raises(ArgumentError, match="who is above one sees it in a ring, not in a cap"):
+        least_clearance(c, replace(users, height=1.7e7), 1)
+    with pytest.raises(ArgumentError, match=r"below the limb of Mars, -19.* deg as seen from 210"):
+        least_clearance(c, replace(users, height=2.1e5, below=-0.4), 1)
+    with pytest.raises(ArgumentError, match="revolutions, more than 5000"):
+        least_clearance(c, users, 1, span=(0.0, 1e9))
+    assert least_clearance(c, users, 4).high == -np.inf
+    assert clear_share(c, users, 4).high == 0.0
+    assert worst_share(c, users, 4)[0].high == 0.0
+    assert geodetic(np.pi / 2, ELLIPSOID) == np.pi / 2

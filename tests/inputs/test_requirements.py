@@ -1,0 +1,103 @@
+"""``[[requirement]]`` tables: what they become, and what is refused."""
+
+import numpy as np
+import pytest
+
+from compass.errors import DesignError
+from compass.inputs import read_design_text
+
+DESIGN = """
+name = "three"
+[constellation]
+pattern = "walker-delta"
+satellites = 3
+planes = 1
+phasing = 0
+inclination_deg = 0
+{orbit}
+[coverage]
+mask_deg = 5
+[[station]]
+name = "Gale"
+latitude_deg = -4.6
+longitude_deg = 137.4
+horizon_deg = [[0, 0], [180, 20]]
+{more}
+"""
+
+
+def design(more, orbit="radius_km = 20000"):
+    return read_design_text(DESIGN.format(more=more, orbit=orbit))
+
+
+def faults(more):
+    with pytest.raises(DesignError, match="design") as caught:
+        design(more)
+    return "\n".join(caught.value.faults)
+
+
+def test_all_keys_arrive_in_si_and_words():
+    (one,) = design(
+        '[[requirement]]\nname = "shell"\nregion = ["lat:-45:45", "polygon:0,0;0,9;9,0"]\n'
+        "fold = 5\nmask_deg = -3\npdop_at_most = 6\ntdop_at_most = 2.5\nshare = 0.95\n"
+        'share_of = "area-time"\naltitude_km = 400\nlosses = 1\n'
+    ).requirements
+    assert (one.fold, one.share, one.share_of, one.losses) == (5, 0.95, "area-time", 1)
+    assert one.mask == pytest.approx(np.radians(-3))
+    assert (one.altitude, one.limits) == (4e5, (("pdop", 6.0), ("tdop", 2.5)))
+    assert one.claim == (
+        "5 satellites and PDOP at most 6 and TDOP at most 2.5 without any 1, for 95 % of area and "
+        "time, lat:-45:45, polygon:0,0;0,9;9,0, 400 km above the ground"
+    )
+
+
+def test_sites_are_stations_and_without_a_place_it_is_the_globe():
+    first, second = design(
+        '[[requirement]]\nsites = ["Gale"]\nfold = 1\n[[requirement]]\nfold = 2\n'
+    ).requirements
+    assert first.name == "requirement 1"
+    assert first.sites[0].mask.highest == pytest.approx(np.radians(20))
+    assert second.claim == "2 satellites, always, globe"
+
+
+def test_tracks_close_only_if_that_is_said():
+    assert design("", 'orbit = "areosynchronous"').constellation.repeat == (1, 1)
+    assert design("", "repeat = [4, 2]").constellation.repeat == (2, 1)
+    closed = design("", 'orbit = "areosynchronous"').constellation
+    radius = float(closed.semi_major_axis[0]) / 1e3
+    assert design("", f"radius_km = {radius!r}").constellation.repeat is None
+    with pytest.raises(DesignError, match=r"repeat = .30, 1.: so many revolutions need a radius"):
+        design("", "repeat = [30, 1]")
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ('sites = ["Jezero"]\nfold = 1', "sites = 'Jezero': no such [[station]]; there are Gale"),
+        (
+            'region = "polygon:0,0;10,10;0,10;10,0"\nfold = 1',
+            "requirement[1].region = polygon: the sides after corners 1 and 3 cross or touch",
+        ),
+        ('region = "lat:40:10"\nfold = 1', "requirement[1].region = lat:40:10: latitudes must"),
+        ("fold = 1\nmask_deg = 95", "requirement[1].mask_deg = 95: must be below 90"),
+        ("fold = 1\nmask_deg = -5", "allowed 0 up to below 90 for users on the ground"),
+        ("fold = 1\nshare = 1.5", "requirement[1].share = 1.5: must be at most 1"),
+        ("fold = 1\nshare = 0", "requirement[1].share = 0: must be above 0"),
+        ("pdop_at_most = 0.5", "requirement[1].pdop_at_most = 0.5: must be at least 1"),
+        ("mask_deg = 5", "requirement[1]: asks for nothing; add fold or one of pdop_at_most"),
+        ('sites = ["Gale"]\nfold = 1\naltitude_km = 3', "sites have their own height_km"),
+        ("fold = 1\nfolds = 2", "requirement[1].folds = 2: unknown key; did you mean fold?"),
+        (
+            'name = "a"\nfold = 1\n[[requirement]]\nname = "a"\nfold = 2',
+            "requirement[2].name = 'a': used twice; rename one",
+        ),
+    ],
+)
+def test_faults_name_the_field_and_the_remedy(table, message):
+    assert message in faults(f"[[requirement]]\n{table}\n")
+
+
+def test_a_site_without_any_station_is_told_to_add_one():
+    text = DESIGN.format(orbit="radius_km = 20000", more="").partition("[[station]]")[0]
+    with pytest.raises(DesignError, match=r"there are none; add a .*station.* of that name"):
+        read_design_text(text + '[[requirement]]\nsites = ["Gale"]\nfold = 1\n')

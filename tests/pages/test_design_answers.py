@@ -1,0 +1,88 @@
+"""The first lines of a design's page, and what they advise."""
+
+import numpy as np
+import pytest
+
+import compass
+from compass.api.map import MapResult
+from compass.inputs import read_design_text
+from compass.pages.answers import ANSWERS, answer_section, latitude_words, losses, what_to_do
+from compass.pages.found import Found
+from compass.pages.neighbours import Neighbour
+from compass.study.mapping import MapOptions, make_map
+
+FILE = """
+name = "few"
+[constellation]
+pattern = "walker-delta"
+satellites = 5
+planes = 5
+phasing = 1
+inclination_deg = {inclination}
+orbit = "areosynchronous"
+[coverage]
+fold = {fold}
+[[station]]
+name = "A"
+latitude_deg = 0
+longitude_deg = 0
+[[station]]
+name = "B"
+latitude_deg = 80
+longitude_deg = 0
+"""
+
+
+def look(fold, inclination=43.7, lost=1):
+    design = read_design_text(FILE.format(fold=fold, inclination=inclination))
+    return Found(
+        design,
+        compass.show(design),
+        MapResult(design, make_map(design, MapOptions(step_deg=30, epochs=2))),
+        compass.fold(design, losses=lost),
+        None,
+    )
+
+
+@pytest.fixture(scope="module")
+def met():
+    return look(1)
+
+
+def beside(found, *masks):
+    angles = np.linspace(20.0, 90.0, len(masks))
+    return [Neighbour(found.design.constellation.pattern, angles, np.array(masks, float))]
+
+
+def test_what_is_met_is_said_with_its_margin_and_how_sure(met):
+    rows = {row.question: row for question in ANSWERS for row in question(met)}
+    coverage = rows["1 in view above 0°, everywhere"]
+    assert coverage.mark == "met" and coverage.answer == "proven"
+    assert "for all time" in coverage.sure
+    assert rows["The mask may rise to"].written.startswith("11.")
+    assert rows["After any one loss, in view at least"].written == "0"
+    assert rows["Worst of 2 stations: A"].holds or rows["Worst of 2 stations: B"].holds
+    assert "sampled" in rows["GDOP, half of area and time below"].sure
+
+
+def test_the_advice_names_the_rival_and_what_would_change_it(met):
+    (words,) = what_to_do(met, beside(met, 3.0, 20.0))
+    assert words.startswith("Build it as it is")
+    assert "rival of the same size: 90°: 5/5/1, with a mask up to 20° instead of 11." in words
+    assert "A mask above 11." in words and "loss of one satellite: then 0 in view" in words
+    (words,) = what_to_do(met, beside(met, 3.0, 4.0))
+    assert "No other phasing or inclination" in words
+
+
+def test_what_is_missed_is_not_to_be_built():
+    found = look(4, lost=0)
+    section = answer_section(found, [], beside(found, 1.0, 2.0))
+    (words,) = section.paragraphs
+    assert words.startswith("Do not build it for 4-fold coverage above 0°")
+    assert "with a mask up to 2°." in words and "instead" not in words
+    assert losses(found) == []
+    assert "missed" in compass.document.text(compass.document.Page("x", section.blocks))
+
+
+def test_latitudes_are_north_or_south():
+    assert (latitude_words(-41.83), latitude_words(0.0)) == ("41.8° S", "0° N")

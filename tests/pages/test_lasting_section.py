@@ -1,0 +1,202 @@
+"""How long a design lasts, as its page says it."""
+
+import pytest
+
+import compass
+from compass.api import outlook as module
+from compass.api.drift import RadiusLasts
+from compass.api.outlook import Outlook, commands, outlook
+from compass.inputs import read_design_text
+from compass.pages.lasting import (
+    TITLE,
+    lasting_advice,
+    lasting_answers,
+    lasting_section,
+    lasting_verdicts,
+)
+
+PLAIN = 'gravity_degree = 3\nsun = false\nmoons = false\nradiation_m2_kg = 0\nshadow = "none"\n'
+
+RING = (
+    """
+name = "ring"
+epoch = 2030-01-01T12:00:00
+[constellation]
+pattern = "walker-delta"
+satellites = {n}
+planes = {n}
+phasing = 1
+inclination_deg = 43.66
+radius_km = {radius}
+[coverage]
+fold = 1
+mask_deg = {mask}
+[motion]
+model = "numerical"
+"""
+    + PLAIN
+)
+
+
+def ring(radius=20427.7, mask=0.0, n=5):
+    return read_design_text(RING.format(radius=radius, mask=mask, n=n))
+
+
+@pytest.fixture
+def near(monkeypatch):
+    """A short horizon: what takes a Mars year takes long."""
+    monkeypatch.setattr(module, "HORIZON", 2.0)
+    monkeypatch.setattr(module, "GLANCE", 1.0)
+
+
+def words(section):
+    return " ".join(f"{b.word} {b.claim}" for b in section.blocks if hasattr(b, "claim"))
+
+
+@pytest.mark.slow
+def test_what_is_proven_for_the_horizon_needs_no_more(near):
+    design = ring()
+    found = outlook(design)
+    assert found.lasts
+    assert (found.days_proven, found.radii, found.keeping) == (2.0, (), None)
+    section = lasting_section(design, found)
+    assert section.title == TITLE
+    assert words(section).startswith("Lasts 2 days left alone 1 or more satellites above 0 deg")
+    assert [p.stem for p in section.pictures] == ["lasting-margin", "lasting-slots"]
+    again = outlook(design)
+    assert again.known
+    assert again.drift == found.drift
+
+
+def test_what_never_holds_lasts_no_time(near):
+    found = outlook(ring(mask=40.0))
+    assert (found.days_proven, found.drift) == (0.0, None)
+    (said,) = lasting_verdicts(ring(mask=40.0), found)
+    assert said.word == "Does not hold at the epoch"
+    assert not said.holds
+
+
+KEPT = {
+    "holds": True,
+    "years": 1.0,
+    "delta_v_mean_m_s_year": 16.0,
+    "box_deg": 2.0,
+    "dry_mass_kg": 100.0,
+    "specific_impulse_s": 220.0,
+    "per_satellite": [
+        {
+            "name": "A", "delta_v_m_s_year": 12.0, "burns": 0, "days_between_burns": None,
+            "worst_in_track_deg": 1.0, "worst_cross_track_deg": 0.1, "propellant_kg": 0.5,
+        },
+        {
+            "name": "B", "delta_v_m_s_year": 20.0, "burns": 9, "days_between_burns": 40.6,
+            "worst_in_track_deg": 2.0, "worst_cross_track_deg": 0.1, "propellant_kg": 0.9,
+        },
+    ],
+}  # fmt: skip
+DRIFT = {
+    "days": [0.0, 20.0, 40.0],
+    "margin_deg": [6.0, 3.0, -4.0],
+    "room_deg": [5.0, 1.0, -20.0],
+    "satellites": ["A", "B"],
+    "in_track_deg": [[0.0, 0.0], [3.0, -3.0], [9.0, -9.0]],
+    "cross_track_deg": [[0.0, 0.0], [0.1, -0.1], [0.3, -0.2]],
+    "slot_sideways_deg": 6.0,
+}
+
+
+def told(first_loss=31.7, radii=((-400.0, 687.0), (400.0, 687.0)), **changed):
+    rows = tuple(
+        RadiusLasts(20427.0 + shift, days, None if days >= 687 else days, 5.8, 17.0, trimmed=True)
+        for shift, days in radii
+    )
+    known = {
+        'fold': 4, 'mask_deg': 0.0, 'motion': "forces", 'horizon_days': 687.0, 'outcome': "refuted",
+        'days_proven': 31.7, 'first_loss_days': first_loss, 'loss': "3 in view", 'drift': DRIFT,
+        'radius_km': 20427.0, 'radii': rows, 'keeping': KEPT, 'notes': ("a note",), 'seconds': 3.2, 'known': False,
+    }  # fmt: skip
+    return Outlook(**{**known, **changed})
+
+
+def test_the_first_lines_say_how_long_at_what_cost_and_where_not():
+    design = ring()
+    lasts, cost, radius = lasting_verdicts(design, told())
+    assert lasts.word == "Lasts 31 days left alone"
+    assert cost.word == "Keeping it costs 16 m/s a year a satellite"
+    assert cost.claim.startswith("12 to 20 by slot")
+    assert radius.word == "400 km lower it keeps itself for 1.9 years"
+    assert [v.holds for v in (lasts, cost, radius)] == [False, True, True]
+    for said, command in zip(
+        (lasts, cost, radius), ("--days 33", "keep", "20027,20827"), strict=True
+    ):
+        assert command in said.claim
+    section = lasting_section(design, told())
+    assert [p.stem for p in section.pictures] == [
+        "lasting-margin",
+        "lasting-slots",
+        "lasting-radius",
+    ]
+    assert "worked out in 3 s; a note" in section.paragraphs[0]
+
+
+def test_the_page_asks_and_advises():
+    rows = lasting_answers(ring(), told())
+    assert [row.written for row in rows] == [
+        "31 days", "16 m/s a year a satellite", "20027 km, 400 km lower, for 1.9 years",
+    ]  # fmt: skip
+    assert [row.mark for row in rows] == ["missed", "", ""]
+    assert lasting_advice(told()) == (
+        "Left alone on real orbits it loses that after 31 days: fly it 400 km lower, where it keeps "
+        "itself once trimmed, or keep every satellite in its slot for 16 m/s a year."
+    )
+    held = told(None, (), outcome="proven", days_proven=687.0, keeping=None)
+    assert lasting_advice(held) == ""
+    assert [row.written for row in lasting_answers(ring(), held)] == ["687 days and more"]
+
+
+def test_what_is_open_or_nowhere_better_is_said():
+    design = ring()
+    lasts, _, radius = lasting_verdicts(design, told(None, ((-400.0, 20.0), (0.0, 55.0))))
+    assert lasts.word == "Lasts at least 31.7 days left alone"
+    assert radius.word == "No radius tried does without keeping"
+    assert "the best, 20427 km, is proven for 55 days" in radius.claim
+    own = lasting_verdicts(design, told(radii=((0.0, 687.0),)))[-1]
+    assert own.word.startswith("At its own radius it keeps itself")
+
+
+@pytest.mark.slow
+def test_a_resonant_design_is_told_its_cost_and_another_radius(monkeypatch):
+    """A margin of a degree goes within weeks; 400 km away it stays for the 60 days looked at."""
+    monkeypatch.setattr(module, "HORIZON", 60.0)
+    monkeypatch.setattr(module, "SATELLITE_DAYS", 1e4)
+    design = ring(mask=0.0)
+    mask = float(
+        int(10 * compass.fold(design, motion="two-body").to_dict()["mask_margin_deg"]) / 10
+    )
+    design = ring(mask=mask - 0.9)
+    found = outlook(design)
+    assert 1.0 < found.days_proven < 60.0
+    assert found.lasting_radii
+    assert found.keeping["delta_v_keeping_m_s_year"] > 5.0
+    section = lasting_section(design, found)
+    said = words(section)
+    for part in ("Keeping it costs", "400 km", "it keeps itself for 0.2 years", "trimmed once"):
+        assert part in said
+    for command in commands(design, found).values():
+        assert command in said
+    assert {p.stem for p in section.pictures} >= {"lasting-radius", "lasting-slots"}
+    assert [t.title.split()[0] for t in section.tables] == ["The", "Keeping"]
+    # the radius that is named keeps itself by the other command too
+    days = compass.drift(design, days=60.0, radius_km=[found.lasting_radii[0].radius_km]).radii[0]
+    assert days.days_proven == 60.0
+
+
+def test_orbits_without_slots_are_followed_all_the_same(near):
+    oval = read_design_text(
+        'name = "o"\nepoch = 2030-01-01T12:00:00\n[constellation]\npattern = "elements"\n'
+        '[[constellation.satellite]]\nname = "a"\nsemi_major_axis_km = 20000\neccentricity = 0.1\n'
+        'inclination_deg = 10\n[coverage]\nfold = 1\n[motion]\nmodel = "numerical"\n' + PLAIN
+    )
+    found = outlook(oval)
+    assert (found.radius_km, found.radii) == (None, ())
+    assert lasting_verdicts(oval, found)[0].holds is False

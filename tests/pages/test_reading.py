@@ -1,0 +1,132 @@
+"""Pages as their readers meet them: narrow, dark, on paper, read aloud, without a network."""
+
+import base64
+import re
+
+import pytest
+
+from compass.document import Answer, Answers, Details, Section, Table, Value
+from compass.document.blocks import Interactive, Picture, arranged
+from compass.inputs import read_design_text
+from compass.pages.globe.piece import globe
+from compass.pages.globe.still import still_picture
+from compass.pages.page import render, write_page
+from compass.quantities import quantity
+
+pytestmark = pytest.mark.browser
+
+#: The smallest PNG: one white pixel.
+DOT = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAQAAAC1HAwCAAAAC0lEQVR42mP8/x8AAwMCAO+ip1sAAAAASUVORK5CYII="
+)
+WIDE = Table(
+    "A wide table of long words",
+    ("station", *(quantity(f"station.{n}").heading for n in ("gdop_p95", "pdop_p95", "mean")), "u"),
+    tuple((f"Station of a long name {k}", 2.5, 3.25, 6.5, "words " * 6) for k in range(5)),
+)
+LONG = Table("Long", ("", "n"), tuple((f"row {k}", k / 7) for k in range(60)))
+
+
+@pytest.fixture(scope="module")
+def page(seed_design, tmp_path_factory):
+    """A page with a block of every kind, the globe first, and names that are markup."""
+    text = seed_design.text.replace("North pole", "<i>North</i> $pole$")
+    design = read_design_text(text)
+    answers = Answers(
+        "Met, and how sure",
+        (
+            Answer("Four in view everywhere", "proven", True, "for all time"),
+            Answer("GDOP, 95 % below", Value(quantity("gdop"), 3.4), False, "sampled"),
+            Answer("<i>Left</i>", "31 days"),
+        ),
+    )
+    pictures = tuple(Picture(name, "A dot", "A caption.", DOT) for name in ("dot", "other"))
+    sections = [
+        Section("The answer", (answers, globe(design, still_picture(design, 15.0)))),
+        arranged("Coverage", ("Words. " * 40,), pictures, (WIDE, LONG)),
+        Section("Losses", (Details("Folded", (WIDE,)), Interactive("x", "t", "c", "<p>x</p>", ""))),
+    ]
+    made = render(design.name, design.source, sections, [("SHA-256", "a" * 64)], design.text)
+    return write_page(tmp_path_factory.mktemp("page"), made, [])
+
+
+def sized(browser, width, dark=False):
+    """A window of so many CSS pixels, light or dark."""
+    browser.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride",
+        {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False},
+    )
+    scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [scheme]})
+
+
+def faults(browser):
+    """What axe finds, in a line each."""
+    from axe_selenium_python import Axe
+
+    axe = Axe(browser)
+    axe.inject()
+    return [
+        f"{v['id']}: {node['html'][:70]}"
+        for v in axe.run()["violations"]
+        for node in v["nodes"]
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
+@pytest.mark.parametrize("width", [1440, 390])
+def test_everybody_can_read_it(browser, page, width, dark):
+    sized(browser, width, dark)
+    browser.get(page.as_uri())
+    browser.execute_script("document.querySelectorAll('details').forEach(d => d.open = true)")
+    assert faults(browser) == []
+    ground = browser.execute_script("return getComputedStyle(document.body).backgroundColor")
+    assert (sum(map(int, re.findall(r"\d+", ground))) < 200) is dark
+
+
+@pytest.mark.parametrize("width", [1440, 390, 360])
+def test_nothing_sticks_out(browser, page, width):
+    sized(browser, width)
+    browser.get(page.as_uri())
+    browser.execute_script("document.querySelectorAll('details').forEach(d => d.open = true)")
+    assert browser.execute_script("return document.documentElement.scrollWidth") <= width
+    narrow = browser.execute_script(
+        "return [...document.querySelectorAll('dd, td, p:not(.stations)')].filter("
+        "  e => e.offsetWidth && e.textContent.length > 20 && e.offsetWidth < 60"
+        ").map(e => e.textContent.slice(0, 40))"
+    )
+    assert narrow == []  # no column of single letters
+
+
+def test_nothing_is_fetched_and_names_are_text(browser, page):
+    sized(browser, 1440)
+    browser.get(page.as_uri())
+    fetched = browser.execute_script(
+        "return performance.getEntriesByType('resource').map(e => e.name)"
+        ".filter(n => !n.startsWith('data:'))"
+    )
+    assert fetched == [] and browser.get_log("browser") == []
+    assert (
+        browser.execute_script("return document.querySelectorAll('i:not(.legend i)').length") == 0
+    )
+    assert "<i>North</i> $pole$ sees" in browser.find_element("css selector", ".stations").text
+
+
+def test_on_paper_all_is_open_but_the_provenance_and_no_row_is_cut(browser, page):
+    sized(browser, 1440)
+    browser.get(page.as_uri())
+    browser.execute_script("dispatchEvent(new Event('beforeprint'))")
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    opened = browser.execute_script(
+        "return [...document.querySelectorAll('details')].map(d => [d.open, !!d.closest('#provenance')])"
+    )
+    assert opened and all(is_open is not last for is_open, last in opened)
+    assert browser.find_element("css selector", "img.still").is_displayed()
+    assert not browser.find_element("css selector", ".globe").is_displayed()
+    cut = browser.execute_script(
+        "return [...document.querySelectorAll('tr, figure')]"
+        ".filter(e => getComputedStyle(e).breakInside !== 'avoid').length"
+    )
+    assert cut == 0
+    paper = base64.b64decode(browser.execute_cdp_cmd("Page.printToPDF", {})["data"])
+    assert paper.startswith(b"%PDF") and len(re.findall(rb"/Type\s*/Page\b", paper)) <= 8
