@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.access import access
     from compass.api.check import check
+    from compass.api.determine import determine
     from compass.api.drift import drift
     from compass.api.export import export
     from compass.api.fold import fold
@@ -57,6 +58,7 @@ __all__ = [
     "areosynchronous_radius",
     "check",
     "covariance_intersection",
+    "determine",
     "drift",
     "ephemeris",
     "export",
@@ -90,6 +92,7 @@ __all__ = [
 _COMMANDS = (
     "access",
     "check",
+    "determine",
     "drift",
     "export",
     "fold",

@@ -9,7 +9,9 @@ from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import J2000, Figure
 from compass.handover.decimals import decimal, number
+from compass.handover.design_tables import table_lines
 from compass.handover.signal_toml import signal_lines
+from compass.handover.tracking_toml import tracking_lines
 from compass.inputs.design import KM
 from compass.inputs.toml_values import toml_text
 from compass.orbits import Constellation
@@ -20,7 +22,7 @@ _NO_MASK = Mask()
 
 
 def design_toml(design: Design) -> str:
-    """Design file of a design: the same constellation, mask, fold, stations and signal.
+    """Design file of a design, of which `compass.handover.design_tables.not_kept` says what lacks.
 
     Stations get planetocentric latitudes; comments of the file it was read from are lost.
     """
@@ -33,9 +35,12 @@ def design_toml(design: Design) -> str:
         paper=design.paper,
         stations=design.stations,
     )
-    if design.signal is None:
-        return written
-    return "\n".join([written, *signal_lines(design.signal), ""])
+    written = "\n".join([written.rstrip("\n"), *table_lines(design), ""])
+    if design.signal is not None:
+        written = "\n".join([written, *signal_lines(design.signal), ""])
+    if design.tracking is not None:
+        written = "\n".join([written, *tracking_lines(design.tracking), ""])
+    return written
 
 
 def constellation_toml(
