@@ -125,7 +125,7 @@ class AccessResult(Result):
         }
         return tuple(_table(title, rows) for title, rows in parts.items() if rows)
 
-    def write(self, path: str | Path, *, command: str = "") -> None:
+    def write(self, path: str | Path, *, command: str = "compass.access") -> None:
         """Write all windows as netCDF, CSV or JSON, as the file's name asks.
 
         Raises

@@ -1,5 +1,6 @@
 """A design left alone."""
 
+import dataclasses
 import json
 from dataclasses import replace
 
@@ -16,6 +17,7 @@ from compass.cli.main import program
 from compass.coverage.certificate import Outcome
 from compass.document import text
 from compass.errors import ArgumentError
+from compass.frames import FIGURES
 from compass.inputs import read_design, read_design_text
 from compass.orbits.motion import Motion
 from compass.orbits.trimming import Trim
@@ -223,3 +225,23 @@ def test_elements_need_a_trim(file, tmp_path):
         program, ["drift", str(file), "--days", "0.2", "--elements", str(tmp_path / "x.toml")]
     )
     assert "add --trim" in str(run.exception)
+
+
+@pytest.mark.parametrize(
+    ("figure", "said"),
+    [
+        ("iau-sphere", "IAU 2015 sphere, 3396.19 km"),
+        ("iau-ellipsoid", "sphere of the ellipsoid's equatorial radius, 3396.19 km, whose "
+         "verticals differ from the ellipsoid's by up to 0.34 deg"),
+    ],
+)  # fmt: skip
+def test_what_lasts_names_the_figure_it_is_proven_on(file, figure, said):
+    design = dataclasses.replace(compass.read_design(file), figure=FIGURES[figure])
+    found = compass.fold(design, days=0.01, motion="two-body")
+    assert found.to_dict()["figure"] == said
+    assert said in " ".join(str(found).split())
+    # planetographic less planetocentric latitude, by its definition
+    own = FIGURES["iau-ellipsoid"]
+    centric = np.radians(np.linspace(-89, 89, 1001))
+    graphic = np.arctan(np.tan(centric) * own.stretch**2)
+    assert f"{np.degrees(np.abs(graphic - centric).max()):.2f}" == "0.34"

@@ -103,6 +103,7 @@ def test_a_truth_with_more_air_is_told_and_four_satellites_are_believed():
         read_scenario_text(changed(("[measurements]", thick)) + OTHERS), runs=10
     )
     assert not bad.consistency.holds and "too sure of itself" in words[1]
+    assert "10 of 10 runs lost their way" in words[1]
     assert bad.consistency.ratio > 10
 
 
@@ -228,6 +229,22 @@ def test_air_that_wanders_is_worth_less_than_a_factor():
     calm = f"{text}\n[filter.density]\nsigma = 0.02\nscale_km = 8.2\nalong_km = 300\n"
     found, _ = section_of(read_scenario_text(calm, folder=DESIGNS), 60)
     assert found.consistency.holds
+
+
+def test_the_ground_is_a_place_to_land():
+    """Where a flight is not stopped before, and past deployment where it goes on."""
+    flat = ("bank_deg = 0", "bank_deg = 90"), ("duration_s = 240", "duration_s = 400")
+    found, words = section_of(read_scenario_text(changed(*flat) + OTHERS), runs=2)
+    assert found.accuracy.name == "ground" and found.accuracy.projected and found.ground is None
+    assert words[0].startswith("At ground (")
+    assert abs(found.accuracy.knowledge.along_cross_down[2]) < 1e-3  # on it, neither over nor under
+    chute = '[[trigger]]\nname = "parachute"\nmach = 2\n[measurements]'
+    scenario = read_scenario_text(changed(*flat, ("[measurements]", chute)) + OTHERS)
+    both, words = section_of(scenario, runs=2)
+    assert both.accuracy.name == "parachute" and both.ground.time == found.accuracy.time
+    assert any(word.startswith("On the ground (") for word in words)
+    facts = entry_facts(scenario, both)["landing"]["ground"]
+    assert facts["time_s"] == found.accuracy.time
 
 
 FUSION = """
