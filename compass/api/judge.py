@@ -2,9 +2,11 @@
 
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from compass.api.given import given_design, given_scenario
 from compass.api.progress import bar
@@ -13,8 +15,11 @@ from compass.design import Design
 from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError, DesignError
+from compass.frames import SECONDS_PER_DAY
 from compass.inputs import read_design
 from compass.inputs.scenario import Scenario
+from compass.orbits.motion import Motion
+from compass.orbits.touching import touching
 from compass.quantities import Quantity, quantity
 from compass.saving import check_writable, replacing
 from compass.study.judge import campaign_of
@@ -38,15 +43,18 @@ class JudgeResult(Result):
         The lander.
     ranking
         The best first: plain values, and the judgements they come from.
+    start_day
+        Day after the designs' epochs on whose orbits they were judged.
     """
 
     designs: tuple[Design, ...] = field(repr=False)
     scenario: Scenario = field(repr=False)
     ranking: Ranking = field(repr=False)
+    start_day: float = 0.0
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        return plain(self.ranking.record)
+        return plain({**self.ranking.record, "start_day": self.start_day})
 
     def document(self) -> Page:
         """The best and its bound, an answer a design, then the tables."""
@@ -69,6 +77,7 @@ class JudgeResult(Result):
                 budget_table(rows),
                 *([filter_table(run)] if run else []),
                 surface_table(rows),
+                *([Sentence(_ON_DAY.format(self.start_day))] if self.start_day else []),
                 Sentence(f"{record['counted']} {_MEANING}"),
             ),
         )
@@ -99,6 +108,7 @@ _MEANING = (
     "over the entries, whose squares add up; ignored: for a filter that is blind to the errors of "
     "the satellites (their classical consider covariance)."
 )
+_ON_DAY = "On the ellipses that touch the orbits on day {:g} after the epoch."
 
 
 def judge(
@@ -119,6 +129,7 @@ def judge(
     runs: int = 512,
     rival: str | Path | None = None,
     rival_radius_km: float | None = None,
+    start_day: float = 0.0,
     workers: int | None = None,
     command: str = "",
     progress: bool = False,
@@ -155,6 +166,9 @@ def judge(
         Find the best Walker delta of the first design's size, write it there, and rank it too.
     rival_radius_km
         Its orbits' radius; the first design's if left out.
+    start_day
+        Day after the designs' epochs: the beacons fly on the ellipses that touch the orbits then,
+        as do those of designs that do not move on ellipses.
     workers
         Threads; by default one a core. The numbers do not depend on them.
     command
@@ -174,7 +188,12 @@ def judge(
     Traceback (most recent call last):
     compass.errors.ArgumentError: samples = 0: allowed 1 to 8192
     """
+    if not 0 <= start_day < np.inf:
+        raise ArgumentError(f"start_day = {start_day:g}: must be 0 or more days")
+    if start_day and rival is not None:
+        raise ArgumentError("start_day: a rival is sought as patterns are drawn; leave one out")
     lander, candidates = _read(designs, scenario)
+    candidates = [_on_day(design, start_day) for design in candidates]
     check_ranking(goal_m, finalists, runs)
     unknown: dict[str, Any] = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
     radial, along, cross = _three(orbit_m)
@@ -217,7 +236,15 @@ def judge(
         progress=bars,
         **unknown,
     )
-    return JudgeResult(tuple(candidates), lander, ranking)
+    return JudgeResult(tuple(candidates), lander, ranking, start_day)
+
+
+def _on_day(design: Design, day: float) -> Design:
+    """Return the design on the ellipses that touch its orbits on a day after its epoch."""
+    if day == 0.0 and design.motion.is_closed_form:
+        return design
+    flown = touching(design.constellation, design.motion, day * SECONDS_PER_DAY)
+    return replace(design, constellation=flown, motion=Motion())
 
 
 def _three(orbit_m: Sequence[float]) -> Sequence[float]:

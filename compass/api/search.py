@@ -1,6 +1,7 @@
 """The smallest constellations with continuous k-fold coverage, every pattern of every size."""
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import degrees, radians
 from pathlib import Path
@@ -14,13 +15,16 @@ from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
 from compass.handover.toml import constellation_toml
-from compass.orbits import areosynchronous_radius
 from compass.orbits.kinds import ROSETTE
 from compass.orbits.pattern import rosette_notation
+from compass.orbits.patterns import orbit_radius
 from compass.quantities import quantity
 from compass.saving import replacing
 from compass.sites import Mask
 from compass.study import search as engine
+
+#: Orbits are of less than this, metres.
+MOST_RADIUS = 1e10
 
 #: Candidates that the text lists.
 LISTED = 25
@@ -173,6 +177,7 @@ def search(
     radius_km: float | None = None,
     altitude_km: float | None = None,
     orbit: str | None = None,
+    repeat: Sequence[int] | None = None,
     beyond: int = 0,
     pattern: str = "walker-delta",
     figure: str = "iau-sphere",
@@ -195,8 +200,9 @@ def search(
         How many sizes to try beyond that one.
     mask_deg
         Elevation mask, degrees.
-    radius_km, altitude_km, orbit
-        One of them: radius, altitude over the equator, or ``areosynchronous``.
+    radius_km, altitude_km, orbit, repeat
+        One of them: radius, altitude over the equator, ``areosynchronous``, or revolutions and
+        rotations of Mars after which the ground track closes.
     pattern
         ``walker-delta``, ``walker-star`` or ``rosette``.
     figure
@@ -223,8 +229,9 @@ def search(
     if figure not in FIGURES or not FIGURES[figure].is_sphere:
         spheres = ", ".join(name for name, each in FIGURES.items() if each.is_sphere)
         raise ArgumentError(f"figure = {figure!r}: allowed {spheres}")
-    sphere = FIGURES[figure].equatorial_radius
-    radius = _radius(radius_km, altitude_km, orbit, sphere)
+    radius, _ = orbit_radius(radius_km, altitude_km, orbit, repeat, FIGURES[figure])
+    if not radius < MOST_RADIUS:
+        raise ArgumentError(f"radius_km = {radius / 1e3:g}: allowed below {MOST_RADIUS / 1e3:g} km")
     found = engine.search(
         fold,
         radians(mask_deg),
@@ -240,30 +247,6 @@ def search(
     return SearchResult(
         fold, mask_deg, radius / 1e3, figure, pattern, max_satellites, beyond, tuple(found)
     )
-
-
-def _radius(
-    radius_km: float | None, altitude_km: float | None, orbit: str | None, sphere: float
-) -> float:
-    """Orbit radius, metres, of the one that is given."""
-    ways = {"radius_km": radius_km, "altitude_km": altitude_km, "orbit": orbit}
-    given = [name for name, value in ways.items() if value is not None]
-    if len(given) != 1:
-        raise ArgumentError(
-            "orbit: needs exactly one of radius_km, altitude_km and orbit; found "
-            f"{' and '.join(given) or 'none'}"
-        )
-    if radius_km is not None:
-        radius = radius_km * 1e3
-    elif altitude_km is not None:
-        radius = altitude_km * 1e3 + sphere
-    elif orbit == "areosynchronous":
-        radius = areosynchronous_radius()
-    else:
-        raise ArgumentError(f"orbit = {orbit!r}: allowed areosynchronous")
-    if not radius < 1e10:
-        raise ArgumentError(f"orbit radius {radius / 1e3:g} km: allowed below 1e7 km")
-    return radius
 
 
 def _cell(name: str, known: dict[str, Any]) -> Value | str:

@@ -67,6 +67,9 @@ if TYPE_CHECKING:
     "--rival-radius-km", type=float, help="Its orbits' radius; the first design's if left out."
 )
 @click.option(
+    "--start-day", type=float, default=0.0, help="Day after the epochs on whose orbits to judge."
+)
+@click.option(
     "-o",
     "--report",
     "folder",

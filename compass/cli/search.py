@@ -21,6 +21,12 @@ from compass.cli.shared import (
 @click.option("--radius-km", type=float, help="Orbit radius from Mars's centre.")
 @click.option("--altitude-km", type=float, help="Orbit altitude over the equator.")
 @click.option("--orbit", type=click.Choice(["areosynchronous"]), help="An orbit by name.")
+@click.option(
+    "--repeat",
+    type=int,
+    nargs=2,
+    help="Revolutions and rotations of Mars after which the ground track closes.",
+)
 @click.option("--max-satellites", type=int, required=True, help="Largest size to try.")
 @click.option(
     "--beyond",

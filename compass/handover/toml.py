@@ -9,6 +9,7 @@ from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import J2000, Figure
 from compass.handover.decimals import decimal, number
+from compass.handover.design_tables import table_lines
 from compass.handover.signal_toml import signal_lines
 from compass.handover.tracking_toml import tracking_lines
 from compass.inputs.design import KM
@@ -22,7 +23,7 @@ _NO_MASK = Mask()
 
 
 def design_toml(design: Design) -> str:
-    """Design file of a design: the same constellation, mask, fold, stations, signal, tracking.
+    """Design file of a design, of which `compass.handover.design_tables.not_kept` says what lacks.
 
     Stations get planetocentric latitudes; comments of the file it was read from are lost.
     """
@@ -35,6 +36,7 @@ def design_toml(design: Design) -> str:
         paper=design.paper,
         stations=design.stations,
     )
+    written = "\n".join([written.rstrip("\n"), *table_lines(design), ""])
     if design.signal is not None:
         written = "\n".join([written, *signal_lines(design.signal), ""])
     if design.tracking is not None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.bodies import SOLAR_DAY
-from compass.design import Design, Radio, Wanted
+from compass.design import Design, Radio, Upkeep, Wanted
 from compass.errors import ArgumentError, DesignError
 from compass.frames import FIGURES, Figure, planetocentric_latitude, seconds_past_j2000
 from compass.inputs.faults import fault
@@ -19,6 +19,7 @@ from compass.inputs.models import (
     DesignFile,
     ElementsTable,
     EphemerisTable,
+    KeepingTable,
     LinkTable,
     RosetteTable,
     SatelliteTable,
@@ -37,7 +38,7 @@ from compass.orbits import (
     walker_star,
 )
 from compass.orbits.anomaly import mean_of_true
-from compass.orbits.kinds import WALKER_DELTA, check_counts, walker_phasing
+from compass.orbits.kinds import WALKER_DELTA, check_counts, check_phasing, walker_phasing
 from compass.orbits.patterns import orbit_radius
 from compass.orbits.states import from_states
 from compass.saving import readable
@@ -87,6 +88,18 @@ def read_design_text(text: str, label: str = "design") -> Design:
         text=text,
         label=label,
         motion=motion,
+        upkeep=_upkeep(file.keeping),
+    )
+
+
+def _upkeep(table: KeepingTable) -> Upkeep:
+    return Upkeep(
+        table.specific_impulse_s,
+        table.dry_mass_kg,
+        table.smallest_burn_m_s,
+        table.execution_error,
+        table.navigation_error_m,
+        table.years * 365.25 * 86400.0,
     )
 
 
@@ -277,15 +290,11 @@ def _pattern_faults(table: dict[str, Any]) -> list[str]:
             return [fault("constellation.multiplier", multiplier, allowed)]
         return []
     phasing = table.get("phasing")
-    if isinstance(phasing, int) and not isinstance(phasing, bool) and phasing >= planes:
-        return [
-            fault(
-                "constellation.phasing",
-                phasing,
-                f"allowed 0 to {planes - 1} for {planes} planes; phasing is meant modulo planes, "
-                f"so write {phasing % planes}",
-            )
-        ]
+    if isinstance(phasing, int) and not isinstance(phasing, bool) and phasing >= 0:
+        try:
+            check_phasing(phasing, planes)
+        except ArgumentError as error:
+            return [f"constellation.{error}"]
     return []
 
 

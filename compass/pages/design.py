@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from compass.api.access import access
+from compass.api.check import check
 from compass.api.fold import FoldResult, fold
 from compass.api.map import MapResult
 from compass.api.outlook import outlook
@@ -104,7 +105,10 @@ def look_at(
     linked = design.stations or wanted.moons or wanted.earth or wanted.crosslinks
     links = access(design, eclipse=True) if linked else None
     progress("how long it lasts")
-    return Found(design, show(design), mapped, proven, links, outlook(design))
+    lasts = outlook(design)
+    progress("requirements")
+    checked = check(design) if design.requirements else None
+    return Found(design, show(design), mapped, proven, links, lasts, checked)
 
 
 def provenance_rows(found: Found, command: str) -> list[tuple[str, str]]:
@@ -129,6 +133,13 @@ def _beside(found: Found) -> list[Neighbour]:
     if c.pattern is None or not one_circle(c):
         return []
     return neighbours(c, found.fold.fold, found.design.figure.equatorial_radius)
+
+
+def _requirements(found: Found, _: list[Neighbour]) -> Section | None:
+    """What was asked for, one by one: verdict, margin, the tightest place and moment."""
+    if found.checked is None:
+        return None
+    return Section("Requirements", found.checked.blocks())
 
 
 def _coverage(found: Found, beside: list[Neighbour]) -> Section:
@@ -258,6 +269,7 @@ def _comparison(found: Found, _: list[Neighbour]) -> Section | None:
 
 #: The sections after the answer, in the order of a board's questions.
 SECTIONS: tuple[tuple[str, Callable[[Found, list[Neighbour]], Section | None]], ...] = (
+    ("requirements", _requirements),
     ("coverage", _coverage),
     ("geometry and accuracy", _accuracy),
     ("stations and links", _links),
@@ -267,3 +279,6 @@ SECTIONS: tuple[tuple[str, Callable[[Found, list[Neighbour]], Section | None]], 
     ("caps and gaps", _caps),
     ("comparison", _comparison),
 )
+
+#: How many parts `design_report` tells of: what it looks at and draws first, then the sections.
+PARTS = 7 + len(SECTIONS)

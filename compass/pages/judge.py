@@ -47,10 +47,10 @@ def judge_report(
         The command line, for provenance.
     """
     judged = judge_section(ranking, designs, scenario, threads=threads, progress=progress)
-    carrying, *others = judged.pictures
+    world, carrying = judged.pictures
     sections = [
         answer_section(ranking.record, carrying),
-        arranged(judged.title, judged.paragraphs[:1], others, judged.tables),
+        arranged(judged.title, judged.paragraphs, (world,), judged.tables),
         surface_section(ranking.record),
     ]
     made = provenance(scenario, command)
@@ -83,18 +83,31 @@ def answer_section(record: dict[str, Any], carrying: Picture) -> Section:
     if len(rows) > 1:
         ratio = rows[1]["crlb_position_m"]["p95"] / best["crlb_position_m"]["p95"]
         lead += f" Its rival {rows[1]['design']} has {significant(ratio, 3)} times as much."
+    if best["nees"] is not None and not best["believed"]:
+        lead += (
+            " That is the bound: the filter flown on it is inconsistent, so no accuracy is claimed."
+        )
     answers = (
         Answer(
             str(row["design"]),
             f"{significant(row['crlb_position_m']['p95'], 3)} m in 95 %, worst found "
             f"{significant(row['worst_found']['value'], 3)} m",
             row["crlb_position_m"]["p95"] <= goal and row["worst_found"]["value"] <= goal,
-            str(row["answer"]),
+            f"bound of {record['samples']:,} entries{_filter_words(row)}",
         )
         for row in rows
     )
     title = f"Within {goal:g} m at {record['deployment']}, anywhere and at any time?"
     return Section("The answer", (Sentence(lead), Answers(title, tuple(answers)), carrying))
+
+
+def _filter_words(row: dict[str, Any]) -> str:
+    """Whether the filter is as good as it says, where it was flown."""
+    if row["nees"] is None:
+        return ""
+    if not row["believed"]:
+        return f"; the filter's errors are {row['errors_over_claim']:.3g} times what it claims"
+    return "; the filter is consistent" if row["consistent"] else "; the filter is not consistent"
 
 
 def judge_section(

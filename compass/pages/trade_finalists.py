@@ -12,6 +12,7 @@ from compass.coverage.certificate import prove_fold
 from compass.design import Design
 from compass.document import Answer, Answers, Sentence
 from compass.document.blocks import Picture, Section, Table, arranged
+from compass.document.numbers import significant
 from compass.errors import ArgumentError
 from compass.handover.czml import czml
 from compass.handover.geojson import geojson
@@ -179,7 +180,7 @@ def answer_section(
 def worth(name: str, value: float) -> str:
     """Value of a figure of merit with its unit, for a sentence."""
     unit = MERITS[name].unit
-    return f"{value:.5g}" + ("" if unit == "1" else f" {unit}")
+    return significant(value, 4) + ("" if unit == "1" else f" {unit}")
 
 
 def change(a: float, b: float) -> str:

@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 MAX_EPOCHS = 100_000
 MAX_DURATION_H = 1e6
 
+#: Days after the epoch, a century, up to which a map may begin: rounding of time stays small.
+MAX_START_DAY = 36525.0
+
 # Bytes, as measured: a satellite at an epoch (the same where orbits are integrated, all epochs at
 # once), a cell, an epoch of a cell in the row at work.
 POSITION_BYTES, INTEGRATED_BYTES, CELL_BYTES, ROW_BYTES = 40, 110, 180, 25
@@ -130,8 +133,10 @@ def make_map(
     mask = design.mask if chosen.mask_deg is None else option_mask(chosen.mask_deg)
     repeat = repeat_period(design.constellation)
     duration = repeat.duration if chosen.duration_h is None else chosen.duration_h * 3600
-    if not 0 <= chosen.start_day < np.inf:
-        raise ArgumentError(f"start_day = {chosen.start_day:g}: must be 0 or more days")
+    if not 0 <= chosen.start_day <= MAX_START_DAY:
+        raise ArgumentError(
+            f"start_day = {chosen.start_day:g}: allowed 0 to {MAX_START_DAY:g}, a century"
+        )
     times = np.arange(chosen.epochs) * (duration / chosen.epochs)
     times += chosen.start_day * SECONDS_PER_DAY
     motion = design.motion.or_of(chosen.motion)

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from compass.design import Design
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, said_of
 from compass.inputs.scenario import Scenario
 from compass.study.judge import campaign_of, check_lander, judge_entries
 from compass.study.judge_filter import NOT_RUN, judge_filter
@@ -90,54 +90,56 @@ def rank_designs(
     rows: list[dict[str, Any]] = []
     kept: list[Judgement] = []
     for design in progress(designs, total=len(designs), desc="designs"):
-        place: dict[str, Any] = {"figure": design.figure, "mask": design.mask}
-        c, unknowns = design.constellation, doubts.of(design)
-        place["unknowns"] = unknowns
-        found = judge_entries(c, campaign, scenario, threads=threads, **place)
-        kept.append(found)
-        judged = found.figures(goal)
-        worst = worst_entry(
-            c, scenario, campaign, seed=seed, start=found, lost=found.worst_loss, **place
-        )
-        if "after_loss" in worst:
-            judged["after_loss"]["worst_found"] = worst.pop("after_loss")
-        judged["worst_found"] = worst
-        rows.append(
-            {
-                "design": design.name,
-                "file": design.label,
-                "given": len(rows) + 1,
-                "satellites": design.constellation.size,
-                **judged,
-                "budget_m": found.budget(),
-                "answer": answer(judged, goal),
-                **NOT_RUN,
-                "surface": judge_surface(
-                    c, fold=design.fold, figure=design.figure, mask=design.mask
-                ),
-            }
-        )
+        with said_of(design.label):
+            place: dict[str, Any] = {"figure": design.figure, "mask": design.mask}
+            c, unknowns = design.constellation, doubts.of(design)
+            place["unknowns"] = unknowns
+            found = judge_entries(c, campaign, scenario, threads=threads, **place)
+            kept.append(found)
+            judged = found.figures(goal)
+            worst = worst_entry(
+                c, scenario, campaign, seed=seed, start=found, lost=found.worst_loss, **place
+            )
+            if "after_loss" in worst:
+                judged["after_loss"]["worst_found"] = worst.pop("after_loss")
+            judged["worst_found"] = worst
+            rows.append(
+                {
+                    "design": design.name,
+                    "file": design.label,
+                    "given": len(rows) + 1,
+                    "satellites": design.constellation.size,
+                    **judged,
+                    "budget_m": found.budget(),
+                    "answer": answer(judged, goal),
+                    **NOT_RUN,
+                    "surface": judge_surface(
+                        c, fold=design.fold, figure=design.figure, mask=design.mask
+                    ),
+                }
+            )
     order = sorted(
         range(len(rows)),
         key=lambda k: (rows[k]["crlb_position_m"]["p95"], rows[k]["satellites"]),
     )
     for k in progress(order[:finalists], total=min(finalists, len(order)), desc="filter"):
         design = designs[k]
-        rows[k].update(
-            judge_filter(
-                design.constellation,
-                scenario,
-                samples=samples,
-                runs=runs,
-                seed=seed,
-                figure=design.figure,
-                mask=design.mask,
-                density_sigma=density_sigma,
-                lift_sigma=lift_sigma,
-                unknowns=doubts.of(design),
-                threads=threads,
+        with said_of(design.label):
+            rows[k].update(
+                judge_filter(
+                    design.constellation,
+                    scenario,
+                    samples=samples,
+                    runs=runs,
+                    seed=seed,
+                    figure=design.figure,
+                    mask=design.mask,
+                    density_sigma=density_sigma,
+                    lift_sigma=lift_sigma,
+                    unknowns=doubts.of(design),
+                    threads=threads,
+                )
             )
-        )
         rows[k]["answer"] = believed_answer(rows[k], goal)
     record = {
         "scenario": scenario.name,

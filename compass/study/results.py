@@ -135,4 +135,5 @@ def write_results(dataset: "xr.Dataset", path: Path) -> None:
     """Write the dataset as netCDF, so that a kill leaves the old file or the new one."""
     from compass.saving import save_netcdf
 
-    save_netcdf(path, dataset.assign(feasible=dataset.feasible.astype("i1")))
+    made = dataset.assign(feasible=dataset.feasible.astype("i1"))
+    save_netcdf(path, made.assign_attrs(history=f"compass trade, version {compass.__version__}"))

@@ -33,8 +33,8 @@ def sampled_over(study: Study, figures: list[str]) -> str:
     groups: dict[str, list[str]] = {}
     for name in figures:
         if words := sampling_of(study, name) if name in MERITS else "":
-            groups.setdefault(words, []).append(name)
-    return "; ".join(f"{', '.join(names)} over {how}" for how, names in groups.items())
+            groups.setdefault(words, []).append(MERITS[name].title)
+    return "; ".join(f"{'; '.join(names)}: over {how}" for how, names in groups.items())
 
 
 #: Parts into which the sides of cells, and times, are cut to see how far figures move.

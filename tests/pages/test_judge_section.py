@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from compass.document import Answers, Picture
 from compass.entry.arrivals import draw_arrivals
 from compass.inputs import read_design_text
 from compass.inputs.scenario import read_scenario_text
@@ -105,3 +106,32 @@ def test_cells_keep_their_largest_bound(scenario):
     row = int((np.sin(latitude[0]) + 1) / 2 * pictures.ROWS)
     column = int((longitude[0] + np.pi) / (2 * np.pi) * pictures.COLUMNS)
     assert cells[row, column] >= found[0].position_sigma[0]
+
+
+def test_the_answer_says_which_is_best_and_whether_to_believe_it():
+    def row(name, p95, **filtered):
+        known = {"nees": None, "believed": True, "consistent": True, **filtered}
+        return {
+            "design": name, "crlb_position_m": {"p95": p95}, "worst_found": {"value": 2 * p95}, **known,
+        }  # fmt: skip
+
+    picture = Picture("p", "t", "c", b"png")
+    rows = [
+        row("A", 4.0, nees=50.0, believed=False, errors_over_claim=3.21),
+        row("B", 8.0, nees=6.0),
+        row("C", 9.0, nees=7.0, consistent=False),
+        row("D", 20.0),
+    ]
+    record = {"designs": rows, "goal_m": 10.0, "deployment": "the end", "samples": 2048}
+    section = module.answer_section(record, picture)
+    (lead,) = section.paragraphs
+    assert "A is the best of 4" in lead and "4 m in 95 % of 2,048 entries" in lead
+    assert "rival B has 2 times" in lead and "no accuracy is claimed" in lead
+    (answers,) = (block for block in section.blocks if isinstance(block, Answers))
+    assert [a.holds for a in answers.rows] == [True, False, False, False]
+    said = [a.evidence.partition("; ")[2] for a in answers.rows]
+    assert said == [
+        "the filter's errors are 3.21 times what it claims", "the filter is consistent",
+        "the filter is not consistent", "",
+    ]  # fmt: skip
+    assert section.pictures == (picture,)

@@ -299,3 +299,18 @@ def test_answers():
         (11.0, 0.9, f"no: not in 10 % of entries; worst 11.00 {where}"),
     ):
         assert ranking.answer(figures(worst, share), 10.0).startswith(said)
+
+
+def test_what_is_refused_names_the_design_it_is_of(scenario, monkeypatch):
+    """Of several designs a message says which: that of its file, in ranking and in filtering."""
+
+    def refuse(c, *_, **__):
+        if c.size == 3:
+            raise ArgumentError("radius_km = 1: too low")
+        return real(c, *_, **__)
+
+    real = ranking.judge_entries
+    monkeypatch.setattr(ranking, "judge_entries", refuse)
+    monkeypatch.setattr(ranking, "judge_surface", lambda *_, **__: SURFACE)
+    with pytest.raises(ArgumentError, match=r"^three\.toml: radius_km = 1"):
+        ranking.rank_designs([design(3, "three"), design(2, "two")], scenario, samples=2)
