@@ -26,6 +26,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.show import show
     from compass.api.trade import trade
     from compass.api.version import version
+    from compass.api.warm import warm
     from compass.design import Design, Requirement
     from compass.entry.fusion import covariance_intersection, intersection_weights
     from compass.inputs import read_design
@@ -84,6 +85,7 @@ __all__ = [
     "view",
     "walker_delta",
     "walker_star",
+    "warm",
 ]
 
 #: The commands, each in the file of `compass.api` that has its name.
@@ -106,6 +108,7 @@ _COMMANDS = (
     "show",
     "trade",
     "version",
+    "warm",
 )
 
 #: Where the other public names live.
