@@ -45,6 +45,32 @@ class Wanted:
 
 
 @dataclass(frozen=True)
+class Upkeep:
+    """What satellites keep themselves with.
+
+    Attributes
+    ----------
+    specific_impulse, dry_mass
+        Of the propulsion, s, and of a satellite without propellant, kg.
+    smallest_burn
+        That can be commanded, m/s; a smaller one is made as large.
+    execution_error
+        Of every burn, relative, 1 sigma.
+    navigation_error
+        Of the place along the track that burns are decided on, m, 1 sigma.
+    duration
+        For how long, s.
+    """
+
+    specific_impulse: float = 220.0
+    dry_mass: float = 100.0
+    smallest_burn: float = 0.005
+    execution_error: float = 0.01
+    navigation_error: float = 1000.0
+    duration: float = 365.25 * 86400.0
+
+
+@dataclass(frozen=True)
 class Radio:
     """A radio link between two kinds of nodes.
 
@@ -177,6 +203,8 @@ class Design:
         Radio links.
     motion
         How the satellites move.
+    upkeep
+        What they keep their slots with.
     requirements
         What must be so.
     signal
@@ -202,6 +230,7 @@ class Design:
     conjunction: float = float(np.radians(2.0))
     radios: tuple[Radio, ...] = ()
     motion: Motion = field(default_factory=Motion)
+    upkeep: Upkeep = field(default_factory=Upkeep)
     requirements: tuple[Requirement, ...] = ()
     signal: Signal | None = None
     tracking: Tracking | None = None

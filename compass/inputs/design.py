@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.bodies import SOLAR_DAY
-from compass.design import Design, Radio, Wanted
+from compass.design import Design, Radio, Upkeep, Wanted
 from compass.errors import ArgumentError, DesignError
 from compass.frames import FIGURES, Figure, planetocentric_latitude, seconds_past_j2000
 from compass.inputs.faults import fault
@@ -18,6 +18,7 @@ from compass.inputs.models import (
     DesignFile,
     ElementsTable,
     EphemerisTable,
+    KeepingTable,
     LinkTable,
     RosetteTable,
     SatelliteTable,
@@ -85,6 +86,18 @@ def read_design_text(text: str, label: str = "design") -> Design:
         text=text,
         label=label,
         motion=motion,
+        upkeep=_upkeep(file.keeping),
+    )
+
+
+def _upkeep(table: KeepingTable) -> Upkeep:
+    return Upkeep(
+        table.specific_impulse_s,
+        table.dry_mass_kg,
+        table.smallest_burn_m_s,
+        table.execution_error,
+        table.navigation_error_m,
+        table.years * 365.25 * 86400.0,
     )
 
 

@@ -133,6 +133,29 @@ class MotionTable(Table):
     )
 
 
+class KeepingTable(Table):
+    """What satellites keep their slots with, for `compass keep`."""
+
+    specific_impulse_s: float = Field(
+        220.0, gt=0, lt=1e6, description="specific impulse of the propulsion, s"
+    )
+    dry_mass_kg: float = Field(
+        100.0, gt=0, lt=1e6, description="mass of a satellite without propellant, kg"
+    )
+    smallest_burn_m_s: float = Field(
+        0.005, ge=0, le=100, description="smallest impulse that can be commanded, m/s"
+    )
+    execution_error: float = Field(
+        0.01, ge=0, lt=0.5, description="error of an impulse, relative, 1 sigma"
+    )
+    navigation_error_m: float = Field(
+        1000.0, ge=0, le=1e6, description="error of the place along the track, m, 1 sigma"
+    )
+    years: float = Field(
+        1.0, ge=0.1, le=100, description="for how long, Earth years of 365.25 days"
+    )
+
+
 class CoverageTable(Table):
     """What the user on the surface needs."""
 
@@ -218,6 +241,10 @@ class DesignFile(Table):
     ] = Field(description="the orbits: a table [constellation]")
     motion: MotionTable = Field(
         default_factory=lambda: MotionTable.model_validate({}), description="how satellites move"
+    )
+    keeping: KeepingTable = Field(
+        default_factory=lambda: KeepingTable.model_validate({}),
+        description="what satellites keep their slots with",
     )
     coverage: CoverageTable = Field(
         default_factory=lambda: CoverageTable.model_validate({}), description="coverage wanted"

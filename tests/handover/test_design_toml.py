@@ -29,7 +29,7 @@ from compass.sites import Mask
 
 IAU = FIGURES["iau-sphere"]
 KEPT = ("name", "source", "paper", "figure", "mask", "fold", "access", "access_duration",
-        "conjunction", "radios", "requirements", "signal", "tracking")  # fmt: skip
+        "conjunction", "radios", "requirements", "signal", "tracking", "upkeep")  # fmt: skip
 SAME = ("name", "epoch", "satellite_names", "pattern", "gm", "repeat")
 ELEMENTS = ("semi_major_axis", "eccentricity", "inclination", "raan", "argument_of_periapsis",
             "mean_anomaly")  # fmt: skip
@@ -210,6 +210,9 @@ sun = false
 moons = true
 radiation_m2_kg = 0.031
 shadow = "cone"
+[keeping]
+specific_impulse_s = 1500
+years = 3.3
 [[station]]
 name = "Gale"
 latitude_deg = -4.59
