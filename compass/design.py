@@ -9,6 +9,7 @@ import numpy as np
 from compass.bodies import SOLAR_DAY
 from compass.errors import ArgumentError
 from compass.frames import DEFAULT_FIGURE, FIGURES, Figure
+from compass.integrity import Integrity
 from compass.orbits.constellation import Constellation
 from compass.orbits.motion import Motion
 from compass.ranging import Signal
@@ -235,6 +236,8 @@ class Design:
         The errors of ranges to the satellites, or None where nothing is known of them.
     tracking
         Who tracks the satellites, or None.
+    integrity
+        What users are promised, or None.
     text
         Of the file it was read from, for provenance; empty without one.
     label
@@ -259,6 +262,7 @@ class Design:
     requirements: tuple[Requirement, ...] = ()
     signal: Signal | None = None
     tracking: Tracking | None = None
+    integrity: Integrity | None = None
     text: str = ""
     label: str = "design"
 

@@ -12,6 +12,7 @@ from compass.design import Design, Launching, Radio, Upkeep, Wanted
 from compass.errors import ArgumentError, DesignError
 from compass.frames import FIGURES, Figure, planetocentric_latitude, seconds_past_j2000
 from compass.inputs.faults import fault
+from compass.inputs.integrity import integrity_faults, integrity_of_table
 from compass.inputs.models import (
     AccessTable,
     CoverageTable,
@@ -84,6 +85,7 @@ def read_design_text(text: str, label: str = "design") -> Design:
         radios=tuple(_radio(link) for link in file.link),
         signal=None if file.signal is None else signal_of_table(file.signal),
         tracking=None if file.tracking is None else tracking_of_table(file.tracking),
+        integrity=None if file.integrity is None else integrity_of_table(file.integrity),
         text=text,
         label=label,
         motion=motion,
@@ -244,7 +246,7 @@ def cross_faults(raw: dict[str, Any]) -> list[str]:
         elif table.get("pattern") != "ephemeris":
             faults += _pattern_faults(table) + _orbit_faults(table, figure)
     faults += motion_faults(raw) + requirement_faults(raw)
-    faults += signal_faults(raw) + tracking_faults(raw)
+    faults += signal_faults(raw) + tracking_faults(raw) + integrity_faults(raw)
     if isinstance(raw.get("coverage"), dict):
         faults += _horizon_faults(raw["coverage"], "coverage")
     stations, names = raw.get("station"), set()

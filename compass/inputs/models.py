@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from compass.design import LinkEnd
+from compass.inputs.integrity import IntegrityTable
 from compass.inputs.requirements import RequirementTable
 from compass.inputs.signal import SignalTable
 from compass.inputs.table import Table
@@ -285,3 +286,4 @@ class DesignFile(Table):
     )
     signal: SignalTable | None = Field(None, description="what a user's ranges are worth")
     tracking: TrackingTable | None = Field(None, description="who tracks the satellites")
+    integrity: IntegrityTable | None = Field(None, description="what users are promised")
