@@ -9,6 +9,7 @@ import numpy as np
 from compass.bodies import SOLAR_DAY
 from compass.errors import ArgumentError
 from compass.frames import DEFAULT_FIGURE, FIGURES, Figure
+from compass.integrity import Integrity
 from compass.orbits.constellation import Constellation
 from compass.orbits.motion import Motion
 from compass.ranging import Signal
@@ -68,6 +69,28 @@ class Upkeep:
     execution_error: float = 0.01
     navigation_error: float = 1000.0
     duration: float = 365.25 * 86400.0
+
+
+@dataclass(frozen=True)
+class Launching:
+    """How satellites are brought to their planes.
+
+    Attributes
+    ----------
+    launched
+        Altitude of the circular orbit launched into, m.
+    waiting
+        Lowest and highest altitude of waiting orbits, m.
+    longest_wait
+        Until the last plane is reached, s.
+    satellites_a_launch
+        At most; None for all in one.
+    """
+
+    launched: float = 400e3
+    waiting: tuple[float, float] = (300e3, 12000e3)
+    longest_wait: float = 365.25 * 86400.0
+    satellites_a_launch: int | None = None
 
 
 @dataclass(frozen=True)
@@ -205,12 +228,16 @@ class Design:
         How the satellites move.
     upkeep
         What they keep their slots with.
+    launching
+        How they come to their planes.
     requirements
         What must be so.
     signal
         The errors of ranges to the satellites, or None where nothing is known of them.
     tracking
         Who tracks the satellites, or None.
+    integrity
+        What users are promised, or None.
     text
         Of the file it was read from, for provenance; empty without one.
     label
@@ -231,9 +258,11 @@ class Design:
     radios: tuple[Radio, ...] = ()
     motion: Motion = field(default_factory=Motion)
     upkeep: Upkeep = field(default_factory=Upkeep)
+    launching: Launching = field(default_factory=Launching)
     requirements: tuple[Requirement, ...] = ()
     signal: Signal | None = None
     tracking: Tracking | None = None
+    integrity: Integrity | None = None
     text: str = ""
     label: str = "design"
 

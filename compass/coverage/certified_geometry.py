@@ -14,9 +14,11 @@ from compass.coverage.certified_share import (
     certified_percentile,
     certified_share,
 )
+from compass.coverage.certified_worst import CertifiedWorst, certified_worst
 from compass.design import PDOP_MAX
 from compass.frames import Figure
 from compass.orbits import Constellation
+from compass.orbits.motion import AnyMotion
 from compass.sites import Mask
 
 #: How near bounds of a share are to come, and those of a percentile, relative to it.
@@ -39,11 +41,14 @@ class CertifiedGeometry:
         The share.
     gdop
         Percentiles, by per cent.
+    worst
+        The largest PDOP anywhere and at any time; None if it was not asked for.
     """
 
     pdop_max: float
     availability: CertifiedShare
     gdop: Mapping[int, CertifiedPercentile]
+    worst: CertifiedWorst | None = None
 
     def numbers(self) -> dict[str, Any]:
         """Plain values: the middle of every bracket, and the bracket beside it."""
@@ -55,6 +60,10 @@ class CertifiedGeometry:
         }
         for percent, p in self.gdop.items():
             found["gdop"] |= {f"p{percent}": p.value, f"p{percent}_bracket": [p.low, p.high]}
+        if self.worst is not None:
+            w = self.worst
+            found["pdop_worst_bracket"] = [w.low, w.high]
+            found["pdop_worst_at"] = None if w.witness is None else w.witness.as_dict()
         return found
 
     @property
@@ -74,7 +83,9 @@ def certified_geometry(
     pdop_max: float = PDOP_MAX,
     percents: Sequence[int] = (95,),
     duration: float | None = None,
-    drifting: bool = False,
+    motion: AnyMotion = "two-body",
+    worst: bool = False,
+    workers: int = 1,
 ) -> CertifiedGeometry:
     """Bracket availability and percentiles of GDOP over the whole surface.
 
@@ -82,18 +93,23 @@ def certified_geometry(
 
     Parameters
     ----------
-    constellation, figure, mask, duration, drifting
-        As in `compass.coverage.certified_share.certified_share`.
+    constellation, figure, mask, duration, motion
+        As in `compass.coverage.certified_question.Question`.
     pdop_max
         Largest PDOP that is good, from 1.
     percents
         Which percentiles.
+    worst
+        Whether to look for the largest PDOP too.
+    workers
+        Threads; the numbers do not depend on them.
     """
     asked: dict[str, Any] = {
+        "workers": workers,
         "figure": figure,
         "mask": mask,
         "duration": duration,
-        "drifting": drifting,
+        "motion": motion,
         "budget_boxes": min(BUDGET_BOXES, BUDGET_SIGHTS // max(constellation.size, 1)),
     }
     availability = certified_share(constellation, pdop_max, dop="pdop", width=WIDTH, **asked)
@@ -103,4 +119,5 @@ def certified_geometry(
         )
         for percent in percents
     }
-    return CertifiedGeometry(pdop_max, availability, gdop)
+    largest = certified_worst(constellation, dop="pdop", **asked) if worst else None
+    return CertifiedGeometry(pdop_max, availability, gdop, largest)
