@@ -478,10 +478,14 @@ def _torus(c: Constellation, users: Users) -> tuple[NDArray[np.float64], float]:
             if len(back):
                 first, half = 0.5 * (np.pi - float(back.phase[0])), 0.5
                 missed += back.mismatch
+    last = first + around * half / phases
+    if one_circle(c) and not np.any(c.inclination):
+        first = last = 0.0  # a ring over the equator only turns, and users are at every longitude
+        turns = 1
     east = around / turns
     if south == north and abs(south) == np.pi / 2 and users.alike_all_around:
         east = 0.0  # a pole has one longitude
-    return np.array([[south, north], [0.0, east], [first, first + around * half / phases]]), missed
+    return np.array([[south, north], [0.0, east], [first, last]]), missed
 
 
 def _place(

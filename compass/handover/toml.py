@@ -5,10 +5,11 @@ from datetime import timedelta
 
 import numpy as np
 
-from compass.design import Design
+from compass.design import Design, Requirement
 from compass.errors import ArgumentError
 from compass.frames import J2000, Figure
 from compass.handover.decimals import decimal, number
+from compass.handover.requirements_toml import requirement_lines
 from compass.handover.signal_toml import signal_lines
 from compass.inputs.design import KM
 from compass.inputs.toml_values import toml_text
@@ -20,7 +21,7 @@ _NO_MASK = Mask()
 
 
 def design_toml(design: Design) -> str:
-    """Design file of a design: the same constellation, mask, fold, stations and signal.
+    """Design file of a design: constellation, mask, fold, stations, requirements and signal.
 
     Stations get planetocentric latitudes; comments of the file it was read from are lost.
     """
@@ -32,6 +33,7 @@ def design_toml(design: Design) -> str:
         source=design.source,
         paper=design.paper,
         stations=design.stations,
+        requirements=design.requirements,
     )
     if design.signal is None:
         return written
@@ -47,6 +49,7 @@ def constellation_toml(
     source: str = "",
     paper: str | None = None,
     stations: Iterable[Site] = (),
+    requirements: Iterable[Requirement] = (),
 ) -> str:
     """Design file of a constellation.
 
@@ -61,7 +64,7 @@ def constellation_toml(
         The orbits.
     figure
         Reference figure of Mars.
-    mask, fold, source, paper, stations
+    mask, fold, source, paper, stations, requirements
         As in `compass.design.Design`.
 
     Raises
@@ -98,7 +101,7 @@ def constellation_toml(
             f"height_km = {_kilometres(site.height)}",
             *_mask(site.mask),
         ]
-    return "\n".join([*lines, ""])
+    return "\n".join([*lines, *requirement_lines(requirements), ""])
 
 
 def _is_laid_out(c: Constellation) -> bool:

@@ -26,7 +26,7 @@ from compass.orbits.constellation import from_pattern
 from compass.orbits.kinds import ROSETTE, WALKER_DELTA, WALKER_STAR, kind_of, least_multiplier
 from compass.orbits.symmetry import shifts
 from compass.sites import Mask
-from compass.study.search import MOST_SATELLITES, closest_approach
+from compass.study.search import MOST_SATELLITES, closest_approach, pair_cosines
 
 #: Step of inclinations and of turns over the ground, degrees.
 STEP, TURN_STEP = 1.0, 3.0
@@ -307,6 +307,7 @@ def _certified(
     ranked.sort(key=lambda one: one[0])
     good: list[Found] = []
     tries: dict[tuple[str, int, int], int] = {}
+    known = set()
     for _, one in ranked:
         p = one.constellation.pattern
         assert p is not None
@@ -316,6 +317,10 @@ def _certified(
             break
         if tried >= TRIES or (tries and _hopeless(question, one)):
             continue
+        shape = _shape(one.constellation)
+        if shape in known:  # the same satellites, numbered or turned otherwise
+            continue
+        known.add(shape)
         verdicts, failed = _verdicts(question, one)
         tries[name] = tried + 1
         if failed is None:
@@ -326,6 +331,13 @@ def _certified(
     if not question.geometry:
         good.sort(key=lambda one: -(one.margin or 0.0))
     return good
+
+
+def _shape(c: Constellation) -> tuple[float, bytes]:
+    """What twins have in common: node (over the ground), and how far every two satellites are."""
+    raan = float(np.round(c.raan[0], 9)) if c.repeat is not None else 0.0
+    pairs = np.round(np.stack(pair_cosines(c), axis=-1), 9) + 0.0
+    return raan, pairs[np.lexsort(pairs.T)].tobytes()
 
 
 def _hopeless(question: Question, one: Found) -> bool:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.inclination import best_inclination
 from compass.coverage.cap import cap_radius, mask_for_cap
@@ -97,6 +98,7 @@ def search(
     largest: int,
     kind: str = "walker-delta",
     finalists: int = 10,
+    least_approach: float = 0.0,
     workers: int = 2,
     progress: Callable[..., Iterable[Any]] = lambda items, **_: items,
 ) -> list[Candidate]:
@@ -117,6 +119,8 @@ def search(
         Name of one of `compass.orbits.kinds.KINDS`.
     finalists
         How many of the best get a certificate and their GDOP.
+    least_approach
+        Those in which two satellites come nearer than this, radians, go last.
     workers
         Threads; the result does not depend on them.
     progress
@@ -142,7 +146,11 @@ def search(
     try:
         work = pool.map(lambda make: _best(make, fold, cap, sphere_radius), makers)
         found = [c for c in progress(work, total=len(makers)) if c is not None]
-        found.sort(key=lambda c: (c.constellation.size, -round(c.mask_margin, 9)))
+        found.sort(
+            key=lambda c: (
+                c.closest_approach < least_approach, c.constellation.size, -round(c.mask_margin, 9)
+            )
+        )  # fmt: skip
         best = list(pool.map(lambda c: _examine(c, fold, mask, sphere_radius), found[:finalists]))
     finally:
         pool.shutdown(cancel_futures=True)  # an interrupted search does not finish its list first
@@ -201,6 +209,17 @@ def closest_approach(constellation: Constellation) -> float:
     ``(P.P' + Q.Q')/2 + (P.P' - Q.Q')/2 cos 2x + (P.Q' + Q.P')/2 sin 2x``. A single satellite
     has pi.
     """
+    if constellation.size < 2:
+        return float(np.pi)
+    middle, swing = pair_cosines(constellation)
+    return float(np.arccos(np.clip((middle + swing).max(), -1.0, 1.0)))
+
+
+def pair_cosines(constellation: Constellation) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mean and amplitude of the cosine of the angle between each two satellites.
+
+    Of equal circular orbits; shape (pairs,). They do not change as the whole turns or goes on.
+    """
     c = constellation
     co, so = np.cos(c.raan), np.sin(c.raan)
     ci, si = np.cos(c.inclination), np.sin(c.inclination)
@@ -209,11 +228,8 @@ def closest_approach(constellation: Constellation) -> float:
     cu, su = np.cos(c.mean_anomaly)[:, np.newaxis], np.sin(c.mean_anomaly)[:, np.newaxis]
     p, q = node * cu + ahead * su, ahead * cu - node * su
     pp, qq, pq = p @ p.T, q @ q.T, p @ q.T
-    nearest = (pp + qq) / 2 + np.hypot((pp - qq) / 2, (pq + pq.T) / 2)
     pairs = np.triu_indices(c.size, k=1)
-    if not pairs[0].size:
-        return float(np.pi)
-    return float(np.arccos(np.clip(nearest[pairs].max(), -1.0, 1.0)))
+    return ((pp + qq) / 2)[pairs], np.hypot((pp - qq) / 2, (pq + pq.T) / 2)[pairs]
 
 
 def _examine(candidate: Candidate, fold: int, mask: float, sphere_radius: float) -> Candidate:

@@ -82,7 +82,7 @@ def test_the_table_of_an_areosynchronous_search():
     [
         ([], "exactly one of"),
         (["--radius-km", 2e4, "--altitude-km", 2e4], "exactly one of"),
-        (["--radius-km", 1000], "must be above the surface"),
+        (["--radius-km", 1000], "is not above the surface"),
         (["--radius-km", "nan"], "allowed below 1e7 km"),
         (["--radius-km", 2e4, "--mask-deg", 90], "mask_deg = 90"),
         (["--radius-km", 2e4, "-o", "/nowhere/at/all.toml"], "does not exist"),
