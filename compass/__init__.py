@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.access import access
     from compass.api.check import check
+    from compass.api.determine import determine
     from compass.api.drift import drift
     from compass.api.export import export
     from compass.api.fold import fold
@@ -25,6 +26,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.show import show
     from compass.api.trade import trade
     from compass.api.version import version
+    from compass.api.warm import warm
     from compass.design import Design, Requirement
     from compass.entry.fusion import covariance_intersection, intersection_weights
     from compass.inputs import read_design
@@ -56,6 +58,7 @@ __all__ = [
     "areosynchronous_radius",
     "check",
     "covariance_intersection",
+    "determine",
     "drift",
     "ephemeris",
     "export",
@@ -82,12 +85,14 @@ __all__ = [
     "view",
     "walker_delta",
     "walker_star",
+    "warm",
 ]
 
 #: The commands, each in the file of `compass.api` that has its name.
 _COMMANDS = (
     "access",
     "check",
+    "determine",
     "drift",
     "export",
     "fold",
@@ -103,6 +108,7 @@ _COMMANDS = (
     "show",
     "trade",
     "version",
+    "warm",
 )
 
 #: Where the other public names live.

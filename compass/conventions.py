@@ -1,5 +1,6 @@
 """Datasets as the CF conventions want them in files."""
 
+import re
 from datetime import datetime, timedelta
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,8 @@ _AXES = {
     "lon": {"standard_name": "longitude", "units": "degrees_east", "axis": "X"},
     "time": {"standard_name": "time", "axis": "T"},
 }
+#: Degrees as the program writes them, by themselves or in a product: "deg/year".
+_DEGREES = re.compile(r"\bdeg\b")
 _PLACES = {"latitude": "latitude", "longitude": "longitude"}
 
 
@@ -26,9 +29,12 @@ def in_conventions(dataset: "xr.Dataset") -> "xr.Dataset":
       have it in their units, if the dataset has an attribute ``epoch_tdb`` (ISO 8601).
     * Time, latitude and longitude come last among the dimensions, in this order.
     * Every variable has a long name; one without is called by its own.
+    * Names hold no points: ``in_view.min`` becomes ``in_view_min``; units are as UDUNITS knows
+      them, ``degree`` for deg.
     """
     last = [name for name in ("time", "lat", "lon") if name in dataset.dims]
     made = dataset.transpose(..., *last)
+    made = made.rename({name: str(name).replace(".", "_") for name in made if "." in str(name)})
     labels = [
         str(name) for name in made.dims if name in made.coords and made[name].dtype.kind in "OUS"
     ]
@@ -49,6 +55,8 @@ def in_conventions(dataset: "xr.Dataset") -> "xr.Dataset":
             attrs.setdefault("standard_name", _PLACES[name])
         if variable.dtype.kind in "OUS":
             attrs.pop("units", None)
+        if "units" in attrs:
+            attrs["units"] = _DEGREES.sub("degree", attrs["units"])
         if not {"long_name", "standard_name", "grid_mapping_name"} & set(attrs):
             attrs["long_name"] = name.replace("_", " ")
     made.attrs.setdefault("Conventions", CONVENTIONS)

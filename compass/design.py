@@ -13,6 +13,10 @@ from compass.orbits.constellation import Constellation
 from compass.orbits.motion import Motion
 from compass.ranging import Signal
 from compass.sites import Mask, Site
+from compass.tracking import Tracking
+
+#: Largest PDOP that counts as good, unless someone says otherwise.
+PDOP_MAX = 6.0
 
 #: What can stand at an end of a link.
 LinkEnd = Literal["station", "satellite", "moon", "earth"]
@@ -177,6 +181,8 @@ class Design:
         What must be so.
     signal
         The errors of ranges to the satellites, or None where nothing is known of them.
+    tracking
+        Who tracks the satellites, or None.
     text
         Of the file it was read from, for provenance; empty without one.
     label
@@ -198,6 +204,7 @@ class Design:
     motion: Motion = field(default_factory=Motion)
     requirements: tuple[Requirement, ...] = ()
     signal: Signal | None = None
+    tracking: Tracking | None = None
     text: str = ""
     label: str = "design"
 

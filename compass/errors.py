@@ -1,6 +1,7 @@
 """What can go wrong because of what a user wrote, said in a way that helps to mend it."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from difflib import get_close_matches
 
 
@@ -38,3 +39,12 @@ LIKENESS = 0.8
 def near(name: str, known: Iterable[str], most: int = 1) -> list[str]:
     """Names that someone who wrote `name` may have meant, nearest first; often none."""
     return get_close_matches(name, list(known), n=most, cutoff=LIKENESS)
+
+
+@contextmanager
+def said_of(label: str) -> Iterator[None]:
+    """Let what is refused inside name the one of several things that it is about."""
+    try:
+        yield
+    except ArgumentError as error:
+        raise ArgumentError(f"{label}: {error}") from error

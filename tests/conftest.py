@@ -45,7 +45,7 @@ def little_to_certify():
     """
     with pytest.MonkeyPatch.context() as patch:
         if config.DISABLE_JIT:
-            patch.setattr("compass.study.certified.BUDGET_BOXES", 0)
+            patch.setattr("compass.coverage.certified_geometry.BUDGET_BOXES", 0)
             patch.setattr("compass.coverage.clearance.MARGIN_BOXES", 100)
             patch.setattr("compass.coverage.clearance.MOST_BOXES", 500)
             patch.setattr("compass.coverage.fold_verdict.MISSED_BOXES", 100)

@@ -62,6 +62,25 @@ def test_a_command_loads_no_drawing(designs, code, allowed):
     assert loaded(designs, f"import compass; {code}") <= {"numpy", "pydantic", *allowed}
 
 
+@pytest.mark.slow
+def test_neither_text_nor_json_of_a_landing_waits_for_pictures(designs):
+    """Landing, best beacons and ranking: with a notebook's backend that is not installed here."""
+    code = """
+import os; os.environ["MPLBACKEND"] = "module://not_installed.backend"
+import compass
+from dataclasses import replace
+done = [compass.land("designs/entry-compass.toml", runs=2)]
+scenario = compass.read_scenario("designs/entry-ground-beacons.toml")
+task = scenario.optimize.model_copy(update={"what": "directions", "starts": 2})
+done.append(compass.optimize(replace(scenario, optimize=task)))
+lander = "designs/landing.toml"
+done.append(compass.judge("designs/walker-15-15-6.toml", scenario=lander, samples=2, finalists=0))
+for result in done:
+    str(result), result.to_dict()
+"""
+    assert not loaded(designs, code) & {"matplotlib", "plotly", "shapely", "pyproj", "pymoo"}
+
+
 def test_no_public_name_is_that_of_a_subpackage():
     """Such a name would become the module once anyone imports it."""
     modules = {module.name for module in pkgutil.iter_modules(compass.__path__)}

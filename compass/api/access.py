@@ -7,11 +7,14 @@ from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 import compass
 from compass.api.given import given_design
 from compass.api.results import Result
 from compass.bodies import SOLAR_DAY
 from compass.contacts.dataset import windows_dataset
+from compass.contacts.nodes import check_duration
 from compass.contacts.record import survey_record
 from compass.contacts.survey import Survey, survey
 from compass.conventions import epoch_text
@@ -19,6 +22,8 @@ from compass.design import Design, Wanted
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError, OutputError
+from compass.frames import SECONDS_PER_DAY
+from compass.orbits.motion import Motion, MotionModel
 from compass.quantities import quantity
 from compass.saving import replacing, save_netcdf, write_csv
 from compass.sites import Mask, Site
@@ -26,6 +31,9 @@ from compass.sites import Mask, Site
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+
+#: What needs no word: how satellites of most designs move.
+TWO_BODY = Motion().title
 
 #: Kinds of files that windows are written to.
 SUFFIXES = (".nc", ".csv", ".json")
@@ -60,13 +68,13 @@ class AccessResult(Result):
             title=f"Access windows of {self.design.name}",
             design=self.design.text,
             design_sha256=self.design.digest,
-            epoch_tdb=epoch_text(self.design.constellation.epoch),
+            epoch_tdb=epoch_text(self.found.epoch),
             source=f"compass {compass.__version__}",
         )
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        epoch = self.design.constellation.epoch
+        epoch = self.found.epoch
         return plain({"design": self.design.name, "epoch_tdb_s_past_j2000": epoch, **self.record})
 
     def document(self) -> Page:
@@ -91,7 +99,7 @@ class AccessResult(Result):
 
     def notes(self) -> tuple[str, ...]:
         """What is left out, and the Sun's part in links to the Earth."""
-        notes = []
+        notes = [] if self.record["motion"] == TWO_BODY else [f"Under {self.record['motion']}."]
         if self.record["latency"] is None:
             notes.append("Store and forward between stations is left out: there is too much of it.")
         if clear := [r["node"] for r in self.record["eclipses"] if not r["count"]]:
@@ -117,7 +125,7 @@ class AccessResult(Result):
         }
         return tuple(_table(title, rows) for title, rows in parts.items() if rows)
 
-    def write(self, path: str | Path, *, command: str = "") -> None:
+    def write(self, path: str | Path, *, command: str = "compass.access") -> None:
         """Write all windows as netCDF, CSV or JSON, as the file's name asks.
 
         Raises
@@ -174,14 +182,15 @@ def access(
     crosslinks: bool = False,
     eclipse: bool = False,
     duration_sols: float | None = None,
-    model: str = "two-body",
+    model: MotionModel | None = None,
+    start_day: float = 0.0,
     moon_model: str = "precessing",
     pairs: bool = False,
 ) -> AccessResult:
     """Find access windows: stations, Mars's moons, the Earth, and links between satellites.
 
     Rise, set and culmination are found by root isolation, not by sampling, to 1 ms of the motion
-    modelled. Times are seconds after the design's epoch.
+    modelled. Times are seconds after the design's epoch, or after its `start_day`.
 
     Parameters
     ----------
@@ -198,7 +207,10 @@ def access(
     duration_sols
         Span from the epoch, above 0 to 1000 sols; else the design's.
     model, moon_model
-        How satellites (``two-body``, ``j2``) and moons (``precessing``, ``circular``) move.
+        How satellites (``two-body``, ``j2``, ``numerical``; else as the design says) and moons
+        (``precessing``, ``circular``) move.
+    start_day
+        Day after the epoch at which the span begins.
     pairs
         Print a line for every pair.
 
@@ -225,11 +237,19 @@ def access(
     duration = read.access_duration if duration_sols is None else duration_sols * SOLAR_DAY.value
     sites = (*read.stations, *(_site(station, read) for station in stations))
     asked = replace(read, stations=sites, access=wanted, access_duration=duration)
-    options: Any = {"model": model, "moon_model": moon_model}
+    if not 0 <= start_day < np.inf:
+        raise ArgumentError(f"start_day = {start_day:g}: must be 0 or more days")
+    check_duration(duration)
+    start, motion = start_day * SECONDS_PER_DAY, read.motion.or_of(model)
+    options: Any = {"moon_model": moon_model, "start": start}
+    if motion.is_closed_form and start == 0.0:
+        options["model"] = motion.model
+    else:
+        options["path"] = motion.trajectory(read.constellation, start, start + duration)
     found = survey(read.constellation, sites, duration, wanted, figure=read.figure, **options)
-    record = survey_record(
+    record = {"motion": motion.title, "start_day": start_day} | survey_record(
         found,
-        read.constellation.epoch,
+        found.epoch,
         radios=read.radios,
         threshold=read.conjunction,
         figure=read.figure,

@@ -3,13 +3,14 @@
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from compass.api.drift_files import drift_dataset, elements_text
 from compass.api.given import given_design, given_mask
 from compass.api.lasting import LastingResult
 from compass.api.progress import bar
@@ -23,6 +24,7 @@ from compass.document.blocks import Block, facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
+from compass.orbits.approach import Approach, closest_approaches
 from compass.orbits.forces import ForceModel
 from compass.orbits.motion import Motion
 from compass.orbits.trajectory import COARSE
@@ -30,6 +32,7 @@ from compass.orbits.trimming import Trim, beat_of, trim, with_axes
 from compass.quantities import quantity
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
     from compass.orbits.constellation import Constellation
@@ -86,6 +89,10 @@ class DriftResult(Result):
         The trimmed elements, if asked for.
     radii
         How long the pattern lasts at other radii, if asked for.
+    approaches
+        The closest approach of any satellite to each moon.
+    avoid_km
+        Distance that is to be kept from their centres, if any.
     """
 
     design: Design = field(repr=False)
@@ -94,6 +101,19 @@ class DriftResult(Result):
     drift: Drift
     trim: Trim | None = None
     radii: tuple[RadiusLasts, ...] = ()
+    approaches: tuple[Approach, ...] = ()
+    avoid_km: float | None = None
+
+    @property
+    def holds(self) -> bool:
+        """Whether the fold is proven for the whole span, and the moons are kept away from."""
+        return self.lasting.holds and self.avoids
+
+    @property
+    def avoids(self) -> bool:
+        """Whether no satellite comes nearer to a moon than is to be kept."""
+        least = min((a.distance for a in self.approaches), default=np.inf)
+        return self.avoid_km is None or least >= self.avoid_km * 1e3
 
     @property
     def lasting(self) -> LastingResult:
@@ -126,6 +146,17 @@ class DriftResult(Result):
                 "slot_box": self._box(),
                 "trim": self._trim(),
                 "radii": [radius.as_dict() for radius in self.radii],
+                "moons": [
+                    {
+                        "moon": a.moon,
+                        "satellite": a.satellite,
+                        "day": a.time / SECONDS_PER_DAY,
+                        "distance_km": a.distance / 1e3,
+                    }
+                    for a in self.approaches
+                ],
+                "avoid_km": self.avoid_km,
+                "avoids": self.avoids,
             }
         )
 
@@ -195,6 +226,7 @@ class DriftResult(Result):
             *self._over_time(),
             *self._per_satellite(),
             *self._trimmed(),
+            *self._moons(),
             *self._other_radii(),
         ]
         return Page(self.design.name, tuple(blocks))
@@ -289,6 +321,26 @@ class DriftResult(Result):
             )
         return blocks
 
+    def _moons(self) -> list[Block]:
+        """Who comes nearest to a moon, when and how near."""
+        if not self.approaches:
+            return []
+        said = "; ".join(
+            f"{a.moon.capitalize()} {Value(quantity('distance_km'), a.distance / 1e3)} km "
+            f"({a.satellite}, day {a.time / SECONDS_PER_DAY:.2f})"
+            for a in self.approaches
+        )
+        wanted = ""
+        if self.avoid_km is not None:
+            kept = "kept" if self.avoids else "not kept"
+            wanted = f"; {self.avoid_km:g} km from their centres is {kept}"
+        return [Sentence(f"closest approach of any satellite to the moons: {said}{wanted}")]
+
+    @property
+    def dataset(self) -> "xr.Dataset":
+        """Margin, room and places in the slots over time, as CF lays it out."""
+        return drift_dataset(self)
+
     def _other_radii(self) -> list[Block]:
         if not self.radii:
             return []
@@ -339,6 +391,7 @@ def drift(
     mask_deg: float | None = None,
     trimmed: bool = False,
     radius_km: Sequence[float] = (),
+    avoid_km: float | None = None,
     progress: bool = False,
 ) -> DriftResult:
     """Follow a design that is left alone: margin and room over time, and the first loss, proven.
@@ -360,6 +413,8 @@ def drift(
         Whether to trim the initial axes first.
     radius_km
         Radii at which to look how long the pattern lasts, trimmed where it can be.
+    avoid_km
+        Distance to keep from the centres of Phobos and Deimos.
     progress
         Show bars on stderr.
 
@@ -379,6 +434,8 @@ def drift(
         raise ArgumentError(f"days = {days:g}: allowed above 0 to 36525, a century")
     if not 0 <= start_day < np.inf:
         raise ArgumentError(f"start_day = {start_day:g}: must be 0 or more days")
+    if avoid_km is not None and not 0 < avoid_km < np.inf:
+        raise ArgumentError(f"avoid_km = {avoid_km:g}: must be more than 0 km")
     if step_days is not None and not 0 < step_days <= days:
         raise ArgumentError(f"step_days = {step_days:g}: allowed above 0 to days, {days:g}")
     read = given_design(design)
@@ -408,7 +465,8 @@ def drift(
     radii = at_radii(
         read, radius_km, days=start_day + days, fold=wanted, mask=mask, progress=progress
     )
-    return DriftResult(read, degrees(mask), motion.title, found, done, radii)
+    near = closest_approaches(path, start_day * SECONDS_PER_DAY, stop)
+    return DriftResult(read, degrees(mask), motion.title, found, done, radii, near, avoid_km)
 
 
 def real_motion(design: Design) -> Motion:
@@ -523,7 +581,9 @@ def read_radii(text: str) -> list[float]:
 
 
 def write_elements(found: DriftResult, path: Path, design_path: Path) -> None:
-    """Write the trimmed elements as a design file of pattern ``elements``.
+    """Write the trimmed elements as a design file of pattern ``elements``, with its tolerances.
+
+    Of that file `compass.export` makes the orbits' OEM, integrated under the same forces.
 
     Raises
     ------
@@ -532,12 +592,10 @@ def write_elements(found: DriftResult, path: Path, design_path: Path) -> None:
     OutputError
         The file cannot be written, or is the design.
     """
-    from compass.handover.toml import design_toml
     from compass.saving import check_writable, replacing
 
     if found.trim is None:
         raise ArgumentError("elements: the elements to inject come from a trim; add --trim")
     check_writable(path, [design_path])
-    trimmed = replace(found.design, constellation=found.trim.constellation)
     with replacing(path) as temporary:
-        temporary.write_text(design_toml(trimmed), encoding="utf-8")
+        temporary.write_text(elements_text(found), encoding="utf-8")

@@ -8,10 +8,11 @@ from typing import Any
 from compass.api.given import given_design
 from compass.api.results import Result
 from compass.design import Design
-from compass.document import Page, Verdict
+from compass.document import Page, Sentence, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.handover.czml import czml
+from compass.handover.design_tables import not_kept
 from compass.handover.geojson import geojson
 from compass.handover.instants import iso, sample_times, tdb
 from compass.handover.oem import oem
@@ -38,6 +39,8 @@ class ExportResult(Result):
         Motion, first and last time, step and number of states; empty for a design file.
     output
         Where it was written, or None.
+    not_kept
+        What of the design a design file cannot say, a sentence each.
     """
 
     design: Design = field(repr=False)
@@ -45,6 +48,7 @@ class ExportResult(Result):
     files: Mapping[str, str] = field(repr=False)
     span: Mapping[str, Any]
     output: Path | None = None
+    not_kept: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
@@ -56,6 +60,7 @@ class ExportResult(Result):
                 "satellites": self.design.constellation.size,
                 **self.span,
                 "files": len(self.files),
+                "not_kept": self.not_kept,
             }
         )
 
@@ -64,7 +69,8 @@ class ExportResult(Result):
         count = len(self.files)
         what = f"{count} {self.format} file{'s' if count > 1 else ''}"
         where = "" if self.output is None else f", wrote {self.output}"
-        return Page(self.design.name, (Verdict("", what + where),))
+        lacks = (Sentence(f"NOT KEPT: {said}") for said in self.not_kept)
+        return Page(self.design.name, (Verdict("", what + where), *lacks))
 
     def write(self, path: str | Path) -> None:
         """Write the file; of an OEM a new folder with a file a satellite.
@@ -130,7 +136,9 @@ def export(
         raise ArgumentError(f"format = {format!r}: allowed {', '.join(FORMATS)}")
     read = given_design(design)
     files, span = _written(read, format, duration_h, step_s, motion)
-    made = ExportResult(read, format, files, span, None if output is None else Path(output))
+    place = None if output is None else Path(output)
+    lacks = not_kept(read) if format == "toml" else ()
+    made = ExportResult(read, format, files, span, place, lacks)
     if output is not None:
         made.write(output)
     return made

@@ -1,8 +1,8 @@
 """Candidate constellations ranked by landing-navigation quality."""
 
 import os
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,16 +12,20 @@ from compass.api.given import given_design, given_scenario
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.design import Design
-from compass.document import Page, Sentence, Table, Value, Verdict
+from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError, DesignError
+from compass.frames import SECONDS_PER_DAY
 from compass.inputs import read_design
 from compass.inputs.scenario import Scenario
+from compass.orbits.motion import Motion
+from compass.orbits.touching import touching
 from compass.quantities import Quantity, quantity
 from compass.saving import check_writable, replacing
 from compass.study.judge import campaign_of
 from compass.study.ranking import Ranking, check_ranking, rank_designs
 from compass.study.rival import best_rival, rival_toml
+from compass.study.unknowns import Doubts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,15 +43,18 @@ class JudgeResult(Result):
         The lander.
     ranking
         The best first: plain values, and the judgements they come from.
+    start_day
+        Day after the designs' epochs on whose orbits they were judged.
     """
 
     designs: tuple[Design, ...] = field(repr=False)
     scenario: Scenario = field(repr=False)
     ranking: Ranking = field(repr=False)
+    start_day: float = 0.0
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        return plain(self.ranking.record)
+        return plain({**self.ranking.record, "start_day": self.start_day})
 
     def document(self) -> Page:
         """The best and its bound, an answer a design, then the tables."""
@@ -67,9 +74,11 @@ class JudgeResult(Result):
                 Sentence(f"Within {goal:g} m at deployment, anywhere and at any time?"),
                 *(Sentence(f"{row['design']}: {row['answer']}") for row in rows),
                 ranking_table(rows),
+                budget_table(rows),
                 *([filter_table(run)] if run else []),
                 surface_table(rows),
-                Sentence(_MEANING + (_KNOWN_AIR if unknown and run else "")),
+                *([Sentence(_ON_DAY.format(self.start_day))] if self.start_day else []),
+                Sentence(f"{record['counted']} {_MEANING}"),
             ),
         )
 
@@ -95,9 +104,11 @@ _MEANING = (
     "p50, p95: Cramer-Rao sigma of the position in space over the entries; worst: that a search "
     "finds. In view: fewest. After worst loss: of the one satellite that matters most. Blind: "
     "entries whose measurements alone do not determine the state. NEES: 6 if the filter is "
-    "consistent, which in 95 of 100 cases puts it between the bounds."
+    "consistent, which in 95 of 100 cases puts it between the bounds. Budget: root mean squares "
+    "over the entries, whose squares add up; ignored: for a filter that is blind to the errors of "
+    "the satellites (their classical consider covariance)."
 )
-_KNOWN_AIR = " The filter takes density and L/D as known."
+_ON_DAY = "On the ellipses that touch the orbits on day {:g} after the epoch."
 
 
 def judge(
@@ -109,10 +120,16 @@ def judge(
     goal_m: float = 10.0,
     density_sigma: float = 0.0,
     lift_sigma: float = 0.0,
+    clock_m: float = Doubts.clock_m,
+    clock_drift_m_s: float = Doubts.clock_drift_m_s,
+    orbit_m: Sequence[float] = Doubts.orbit_m,
+    satellite_clock_m: float = Doubts.satellite_clock_m,
+    range_bias_m: float = Doubts.range_bias_m,
     finalists: int = 3,
     runs: int = 512,
     rival: str | Path | None = None,
     rival_radius_km: float | None = None,
+    start_day: float = 0.0,
     workers: int | None = None,
     command: str = "",
     progress: bool = False,
@@ -135,12 +152,23 @@ def judge(
         Position wanted, m.
     density_sigma, lift_sigma
         Unknown density and L/D, relative; 0 where they are known.
+    clock_m, clock_drift_m_s
+        One sigma of the lander's clock and its drift, which are estimated; 0 and 0 for a clock
+        that agrees with the satellites', or two-way ranges.
+    orbit_m, satellite_clock_m
+        One sigma of broadcast orbits (radial, along, cross) and clocks; a design with a table
+        [signal] has its own.
+    range_bias_m
+        One sigma of a bias of the ranges to each satellite.
     finalists, runs
         On how many of the best to run the filter, and how often on each.
     rival
         Find the best Walker delta of the first design's size, write it there, and rank it too.
     rival_radius_km
         Its orbits' radius; the first design's if left out.
+    start_day
+        Day after the designs' epochs: the beacons fly on the ellipses that touch the orbits then,
+        as do those of designs that do not move on ellipses.
     workers
         Threads; by default one a core. The numbers do not depend on them.
     command
@@ -160,9 +188,18 @@ def judge(
     Traceback (most recent call last):
     compass.errors.ArgumentError: samples = 0: allowed 1 to 8192
     """
+    if not 0 <= start_day < np.inf:
+        raise ArgumentError(f"start_day = {start_day:g}: must be 0 or more days")
+    if start_day and rival is not None:
+        raise ArgumentError("start_day: a rival is sought as patterns are drawn; leave one out")
     lander, candidates = _read(designs, scenario)
+    candidates = [_on_day(design, start_day) for design in candidates]
     check_ranking(goal_m, finalists, runs)
     unknown: dict[str, Any] = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
+    radial, along, cross = _three(orbit_m)
+    doubts = Doubts(
+        clock_m, clock_drift_m_s, (radial, along, cross), satellite_clock_m, range_bias_m
+    )
     threads = workers or os.cpu_count() or 1
 
     def bars(work: Iterable[Any], total: int, desc: str) -> Iterable[Any]:
@@ -175,7 +212,13 @@ def judge(
         check_writable(place, [Path(label) for label in labels])
         campaign = campaign_of(lander, samples, seed, **unknown)
         found = best_rival(
-            candidates[0], lander, campaign, radius=radius, threads=threads, progress=bars
+            candidates[0],
+            lander,
+            campaign,
+            radius=radius,
+            unknowns=doubts.of(candidates[0]),
+            threads=threads,
+            progress=bars,
         )
         with replacing(place) as temporary:
             temporary.write_text(rival_toml(found, candidates[0], command), encoding="utf-8")
@@ -186,13 +229,28 @@ def judge(
         samples=samples,
         seed=seed,
         goal=goal_m,
+        doubts=doubts,
         finalists=finalists,
         runs=runs,
         threads=threads,
         progress=bars,
         **unknown,
     )
-    return JudgeResult(tuple(candidates), lander, ranking)
+    return JudgeResult(tuple(candidates), lander, ranking, start_day)
+
+
+def _on_day(design: Design, day: float) -> Design:
+    """Return the design on the ellipses that touch its orbits on a day after its epoch."""
+    if day == 0.0 and design.motion.is_closed_form:
+        return design
+    flown = touching(design.constellation, design.motion, day * SECONDS_PER_DAY)
+    return replace(design, constellation=flown, motion=Motion())
+
+
+def _three(orbit_m: Sequence[float]) -> Sequence[float]:
+    if len(orbit_m) != 3:
+        raise ArgumentError(f"orbit_m = {list(orbit_m)}: give radial, along and cross, m")
+    return orbit_m
 
 
 def _read(
@@ -240,9 +298,8 @@ def unknown_air(record: dict[str, Any]) -> list[str]:
 def surface_table(rows: Sequence[dict[str, Any]]) -> Table:
     """Coverage and geometry of every design for users on the surface."""
     margin = quantity("mask_margin_deg")
-    header = (
-        "design", "continuous coverage", margin.heading, "GDOP p50", "p95", "GDOP <= 6, %"
-    )  # fmt: skip
+    good = quantity("availability")
+    header = ("design", "continuous coverage", margin.heading, "GDOP p50", "p95", good.heading)
     return Table("Users on the surface", header, tuple(_surface(row, margin) for row in rows))
 
 
@@ -252,10 +309,15 @@ def _surface(row: dict[str, Any], margin: Quantity) -> tuple[object, ...]:
     return (
         row["design"],
         f"{known['fold']['wanted']}-fold {known['fold']['outcome']}",
-        Value(margin, "no mask has it" if highest is None else highest),
-        *(estimate(known["gdop"][key], known["gdop_error"][key]) for key in ("p50", "p95")),
-        estimate(100 * known["gdop_share"], 100 * known["gdop_share_error"]),
+        Value(margin, "no mask has it" if highest is None else highest, Proven()),
+        *(_bracketed("gdop", known["gdop"], key) for key in ("p50", "p95")),
+        _bracketed("availability", known, "availability"),
     )
+
+
+def _bracketed(name: str, known: Mapping[str, Any], key: str) -> Value:
+    """One of the figures that stand between proven bounds."""
+    return Value(quantity(name), known[key], Bracket(*known[f"{key}_bracket"]))
 
 
 def ranking_table(rows: Sequence[dict[str, Any]]) -> Table:
@@ -293,6 +355,16 @@ def _loss_columns(row: dict[str, Any]) -> tuple[object, object]:
     return _digits(lost["crlb_position_m"]["p95"]), _digits(lost["worst_found"]["value"])
 
 
+def budget_table(rows: Sequence[dict[str, Any]]) -> Table:
+    """What the position error of every design comes from, m."""
+    names = list(rows[0]["budget_m"])
+    return Table(
+        "Where the position error comes from, root mean square, m",
+        ("design", *names),
+        tuple((row["design"], *(_digits(row["budget_m"][name]) for name in names)) for row in rows),
+    )
+
+
 def filter_table(rows: Sequence[dict[str, Any]]) -> Table:
     """Errors of the filter, and whether they are as large as it says."""
     return Table(
@@ -322,14 +394,6 @@ def _consistent(row: dict[str, Any]) -> str:
     if not row["believed"]:
         return f"no: errors {row['errors_over_claim']:.3g} times its claim"
     return "yes" if row["consistent"] else "no"
-
-
-def estimate(value: float, error: float) -> str:
-    """A sampled value and its standard error, to two digits of the error."""
-    if not (np.isfinite(value) and 0 < error < np.inf):
-        return f"{value:.4g}"
-    digits = max(0, 1 - int(np.floor(np.log10(error))))
-    return f"{value:.{digits}f} ± {error:.{digits}f}"
 
 
 def _digits(value: float) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 
 from compass.document.blocks import Picture, Section, Table, arranged
 from compass.document.numbers import significant
-from compass.entry.accuracy import Spread
+from compass.entry.accuracy import Accuracy, Spread
 from compass.entry.assess import Assessment, assess
 from compass.entry.state import longitude_degrees
 from compass.entry.trajectory import Trajectory, fly, loads
@@ -86,7 +86,8 @@ def findings(scenario: Scenario, found: Assessment) -> list[str]:
     words = [
         found.consistency.sentence,
         *_whole_words(found),
-        accuracy_sentence(found),
+        accuracy_sentence(found.accuracy),
+        *ground_words(found),
         f"The lander flies {last:g} s, from {flight.altitude[0] / KM:.1f} km and "
         f"{flight.speed[0]:.0f} m/s to {flight.altitude[-1] / KM:.1f} km and "
         f"{flight.speed[-1]:.0f} m/s. Between {count.min()} and {count.max()} of "
@@ -147,9 +148,16 @@ def claim_sentence(found: Assessment) -> str:
     )
 
 
-def accuracy_sentence(found: Assessment) -> str:
+def ground_words(found: Assessment) -> list[str]:
+    """What is to be said of the ground, where a flight goes on to it past deployment."""
+    if found.ground is None:
+        return []
+    said = accuracy_sentence(found.ground).removeprefix("Linear covariance there, ")
+    return [f"On the ground ({found.ground.time:.1f} s), as if no parachute were opened, {said}"]
+
+
+def accuracy_sentence(at: Accuracy) -> str:
     """Knowledge and delivery along, across and down."""
-    at = found.accuracy
     known, comes = (
         ", ".join(significant(sigma, 3) for sigma in spread.along_cross_down)
         for spread in (at.knowledge, at.delivery)
@@ -288,6 +296,13 @@ def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
             "claim_m": found.claim_m,
             "knowledge": _spread_facts(found.accuracy.knowledge),
             "delivery": _spread_facts(found.accuracy.delivery),
+            "ground": None
+            if found.ground is None
+            else {
+                "time_s": found.ground.time,
+                "knowledge": _spread_facts(found.ground.knowledge),
+                "delivery": _spread_facts(found.ground.delivery),
+            },
         },
         "consistency": {
             "consistent": found.consistency.holds,

@@ -1,7 +1,7 @@
 """Coverage over a span of real paths: proven for so many days, or lost at a moment and a place."""
 
 from dataclasses import dataclass, field
-from math import degrees
+from math import atan, degrees
 from typing import Any
 
 from compass.api.results import Result
@@ -48,6 +48,19 @@ class LastingResult(Result):
         """Length of the span."""
         return (self.lasting.stop - self.lasting.start) / 86400.0
 
+    @property
+    def figure(self) -> str:
+        """On what users stand: of an ellipsoid, the sphere of its equatorial radius."""
+        own = self.design.figure
+        if own.is_sphere:
+            return own.title
+        # planetographic less planetocentric latitude, where that is largest
+        lean = degrees(atan((own.stretch**2 - 1.0) / (2.0 * own.stretch)))
+        return (
+            f"sphere of the ellipsoid's equatorial radius, {own.equatorial_radius / 1e3:.2f} km, "
+            f"whose verticals differ from the ellipsoid's by up to {lean:.2f} deg"
+        )
+
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
         found = self.lasting
@@ -58,6 +71,7 @@ class LastingResult(Result):
                 "fold": found.fold,
                 "mask_deg": self.mask_deg,
                 "region": found.region.name,
+                "figure": self.figure,
                 "motion": self.motion,
                 "start_day": found.start / 86400.0,
                 "days": self.days,
@@ -83,7 +97,7 @@ class LastingResult(Result):
         holds = {Outcome.PROVEN: True, Outcome.REFUTED: False}.get(self.outcome)
         claim = (
             f"{found.fold} or more satellites above {self.mask_deg:g} deg, {found.region.name}, "
-            f"{self.days:.6g} days from day {found.start / 86400:g}"
+            f"{self.days:.6g} days from day {found.start / 86400:g} ({self.figure})"
         )
         given = f"given an estimated {found.estimated}" if found.estimated else ""
         numbers = [

@@ -10,11 +10,12 @@ import numpy as np
 from compass.api.given import given_design
 from compass.api.progress import bar
 from compass.api.results import Result
+from compass.coverage.certified_geometry import CertifiedGeometry
 from compass.coverage.errors import ERRORS, FACTOR_95
 from compass.coverage.files import write_map
 from compass.coverage.gaps import next_prime
 from compass.coverage.maps import DOPS
-from compass.design import Design
+from compass.design import PDOP_MAX, Design
 from compass.document import Bracket, Page, Sampled, Sentence, Table, Value, Verdict
 from compass.document.blocks import facts
 from compass.document.plain import plain
@@ -23,7 +24,7 @@ from compass.orbits.motion import MotionModel
 from compass.quantities import QUANTITIES, quantity
 from compass.saving import replacing
 from compass.signal.ranges import Weighting
-from compass.study.certified import CertifiedFigures, certified_figures
+from compass.study.certified import certified_figures
 from compass.study.mapping import DesignMap, MapOptions, make_map
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ class MapResult(Result):
 
     design: Design = field(repr=False)
     made: DesignMap = field(repr=False)
-    certified: CertifiedFigures | None = None
+    certified: CertifiedGeometry | None = None
 
     @property
     def dataset(self) -> "xr.Dataset":
@@ -63,10 +64,8 @@ class MapResult(Result):
         """Numbers over all area and time; certified ones are the middle of their brackets."""
         numbers = statistics(self.dataset)
         if self.certified:
-            share, p95 = self.certified.availability, self.certified.gdop_p95
-            numbers["availability"] = share.value
-            numbers["availability_bracket"] = [share.low, share.high]
-            numbers["gdop"] |= {"p95": p95.value, "p95_bracket": [p95.low, p95.high]}
+            known = self.certified.numbers()
+            numbers |= known | {"gdop": numbers["gdop"] | known["gdop"]}
         return numbers
 
     def document(self) -> Page:
@@ -91,7 +90,7 @@ class MapResult(Result):
                 Verdict("" if met else "missed", claim, met),
                 *self.tables(),
                 *self._errors(),
-                *self._certain(),
+                *(Sentence(said) for said in self.certain()),
                 Sentence(how),
                 *self._between_epochs(),
             ),
@@ -103,16 +102,14 @@ class MapResult(Result):
         evidence = Bracket(*bounds) if bounds else None
         return Value(quantity(name), numbers[name][percentile], evidence)
 
-    def _certain(self) -> list[Sentence]:
-        """What was certified, and how."""
+    def certain(self) -> tuple[str, ...]:
+        """What was certified, and how, in a sentence; nothing where nothing was."""
         if not self.certified:
-            return []
-        return [
-            Sentence(
-                "availability and the 95th percentile of GDOP lie between the bounds shown, "
-                f"everywhere and not only at cells, {self.certified.scope}"
-            )
-        ]
+            return ()
+        return (
+            "Availability and the 95th percentile of GDOP lie between the bounds shown, "
+            f"everywhere and not only at cells, {self.certified.scope}.",
+        )
 
     def _errors(self) -> tuple[Table | Sentence, ...]:
         """Errors of fixes over area and time, with what sampling leaves of doubt."""
@@ -313,7 +310,7 @@ def map(
     epochs: int = 109,
     mask_deg: float | None = None,
     fold: int | None = None,
-    pdop_max: float = 6.0,
+    pdop_max: float = PDOP_MAX,
     motion: MotionModel | None = None,
     start_day: float = 0.0,
     duration_h: float | None = None,
@@ -389,8 +386,18 @@ def map(
         made = make_map(read, options, command, workers=workers, progress=rows.update)
     certified = certified_figures(read, options)
     if certified:
-        made.dataset.attrs |= certified.attrs()
+        made.dataset.attrs |= _attributes(certified)
     return MapResult(read, made, certified)
+
+
+def _attributes(certified: CertifiedGeometry) -> dict[str, Any]:
+    """Return the brackets as attributes of a dataset."""
+    known = certified.numbers()
+    return {
+        "availability_bracket": known["availability_bracket"],
+        "gdop_p95_bracket": known["gdop"]["p95_bracket"],
+        "certified_scope": certified.scope,
+    }
 
 
 def statistics(dataset: "xr.Dataset") -> dict[str, Any]:

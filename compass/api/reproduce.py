@@ -6,7 +6,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import compass
 from compass.api.results import Result
+from compass.conventions import epoch_text
 from compass.document import Page, Picture, Table
 from compass.document import Verdict as Answer
 from compass.document.plain import plain
@@ -81,7 +83,12 @@ class ReproduceResult(Result):
         figures = self._figures()
         write_pictures([image for image, _ in figures], place)
         for image, data in figures:
-            save_netcdf(place / f"{image.stem}.nc", data)
+            attrs = {
+                "title": f"{image.title}. {self.title}",
+                "history": f"compass reproduce {self.paper}, version {compass.__version__}",
+                "epoch_tdb": epoch_text(0.0),  # the paper says none
+            }
+            save_netcdf(place / f"{image.stem}.nc", data.assign_attrs(attrs))
         with replacing(place / "rows.csv") as temporary:
             plain_rows = [row.as_dict() for row in self.rows]
             write_csv(temporary, list(plain_rows[0]), [list(row.values()) for row in plain_rows])

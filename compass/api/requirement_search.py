@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from compass.api.results import Result
-from compass.design import Requirement
+from compass.design import Design, Requirement
 from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
-from compass.handover.toml import constellation_toml
+from compass.handover.toml import design_toml
 from compass.inputs.requirement_file import Needs, read_needs
 from compass.orbits.constellation import Constellation
 from compass.quantities import quantity
@@ -148,15 +148,16 @@ class RequirementSearchResult(Result):
             Nothing was found, or the file cannot be written.
         """
         q = self.question
-        text = constellation_toml(
+        design = Design(
             self.best.constellation,
-            q.figure,
+            source=f"Found by: {command}. {self.sentence}",
+            figure=q.figure,
             mask=q.mask,
             fold=max((r.fold or 4 for r in q.requirements), default=4),
-            source=f"Found by: {command}. {self.sentence}",
             stations=tuple({site.name: site for r in q.requirements for site in r.sites}.values()),
             requirements=q.requirements,
         )
+        text = design_toml(design)
         with replacing(Path(path)) as temporary:
             temporary.write_text(text, encoding="utf-8")
 

@@ -41,11 +41,10 @@ from compass.cli.shared import (
 @click.option("--eclipse", is_flag=True, help="Find when satellites and moons are in shadow.")
 @click.option(
     "--model",
-    type=click.Choice(["two-body", "j2"]),
-    default="two-body",
-    show_default=True,
-    help="How satellites move.",
+    type=click.Choice(["two-body", "j2", "numerical"]),
+    help="How satellites move; else as the design says.",
 )
+@click.option("--start-day", type=float, default=0.0, help="Day after the epoch to begin at.")
 @click.option(
     "--moon-model",
     type=click.Choice(["precessing", "circular"]),
@@ -65,7 +64,7 @@ def command(design: Path, output: Path | None, as_json: bool, **options: Any) ->
     """Find access windows: stations, Mars's moons, the Earth, and links between satellites.
 
     Rise, set and culmination are found by root isolation, not by sampling, to 1 ms of the motion
-    modelled. Times are seconds after the design's epoch.
+    modelled. Times are seconds after the design's epoch, or after its --start-day.
     """
     announce_compilation()
     import compass

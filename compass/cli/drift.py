@@ -7,9 +7,11 @@ import click
 
 from compass.cli.shared import (
     announce_compilation,
+    command_line,
     design_argument,
     json_option,
     print_result,
+    say,
     watched,
 )
 
@@ -27,6 +29,13 @@ from compass.cli.shared import (
 @click.option(
     "--radius-km", help="Also how long it lasts at other radii: FIRST..LAST:STEP, or A,B,C, km."
 )
+@click.option("--avoid-km", type=float, help="Distance to keep from the moons' centres.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write margin, room and places in the slots over time as netCDF (.nc).",
+)
 @click.option(
     "--elements",
     type=click.Path(path_type=Path, dir_okay=False),
@@ -34,7 +43,12 @@ from compass.cli.shared import (
 )
 @json_option
 def command(
-    design: Path, radius_km: str | None, elements: Path | None, as_json: bool, **options: Any
+    design: Path,
+    radius_km: str | None,
+    output: Path | None,
+    elements: Path | None,
+    as_json: bool,
+    **options: Any,
 ) -> None:
     """Follow a DESIGN that is left alone: margin and room over time, the first loss, proven.
 
@@ -43,9 +57,18 @@ def command(
     announce_compilation()
     import compass
     from compass.api.drift import read_radii, write_elements
+    from compass.saving import check_writable, save_netcdf
+    from compass.study.mapping import provenance
 
+    if output is not None:
+        check_writable(output, [design])
     radii = [] if radius_km is None else read_radii(radius_km)
     found = compass.drift(design, radius_km=radii, progress=watched(), **options)
     if elements is not None:
         write_elements(found, elements, design)
+    if output is not None:
+        made = provenance(found.design, command_line())
+        known = {name: words for name, words in made.items() if words}
+        save_netcdf(output, found.dataset.assign_attrs(known))
+        say(f"wrote {output}")
     print_result(found, as_json)

@@ -58,4 +58,6 @@ def command(design: Path, output: Path, as_json: bool, **options: Any) -> None:
     if as_json:
         emit_json(made.to_dict())
         return
+    for said in made.not_kept:
+        say(f"not kept: {said}")
     say(f"wrote {output}" + (f": {len(made.files)} messages" if made.format == "oem" else ""))

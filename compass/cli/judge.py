@@ -36,6 +36,26 @@ if TYPE_CHECKING:
 @click.option(
     "--lift-sigma", type=float, default=0.0, help="Unknown L/D, relative; known if left out."
 )
+@click.option(
+    "--clock-m", type=float, default=3e4, show_default=True, help="Lander's clock at first, m."
+)
+@click.option(
+    "--clock-drift-m-s", type=float, default=0.3, show_default=True, help="Its drift, m/s."
+)
+@click.option(
+    "--orbit-m",
+    type=float,
+    nargs=3,
+    default=(2.0, 8.0, 5.0),
+    show_default=True,
+    help="Broadcast orbits: radial, along, cross, m.",
+)
+@click.option(
+    "--satellite-clock-m", type=float, default=3.0, show_default=True, help="Their clocks, m."
+)
+@click.option(
+    "--range-bias-m", type=float, default=1.0, show_default=True, help="Of each range, m."
+)
 @click.option("--finalists", type=int, default=3, show_default=True, help="Run the filter on them.")
 @click.option("--runs", type=int, default=512, show_default=True, help="Filter runs of each.")
 @click.option(
@@ -45,6 +65,9 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--rival-radius-km", type=float, help="Its orbits' radius; the first design's if left out."
+)
+@click.option(
+    "--start-day", type=float, default=0.0, help="Day after the epochs on whose orbits to judge."
 )
 @click.option(
     "-o",

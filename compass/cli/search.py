@@ -1,4 +1,4 @@
-"""``compass search``: the smallest pattern that meets requirements."""
+"""``compass search``: the smallest pattern with continuous k-fold coverage."""
 
 from pathlib import Path
 from typing import Any
@@ -20,11 +20,7 @@ from compass.cli.shared import (
     "--require", type=click.Path(path_type=Path), help="File with [[requirement]], or a design."
 )
 @click.option("--fold", type=int, help="Satellites to be in view at once.")
-@click.option(
-    "--region",
-    multiple=True,
-    help="globe, lat:MIN:MAX or polygon:LAT,LON;..., degrees.",
-)
+@click.option("--region", multiple=True, help="globe, lat:MIN:MAX or polygon:LAT,LON;..., degrees.")
 @click.option("--pdop-at-most", type=float, help="Largest PDOP allowed there.")
 @click.option("--gdop-at-most", type=float, help="Largest GDOP allowed there.")
 @click.option("--share", type=float, default=1.0, show_default=True, help="For how much of it.")
@@ -47,9 +43,19 @@ from compass.cli.shared import (
 @click.option("--altitude-km", type=float, help="Orbit altitude over the equator.")
 @click.option("--orbit", type=click.Choice(["areosynchronous"]), help="An orbit by name.")
 @click.option(
-    "--repeat", type=(int, int), help="Revolutions and rotations of Mars after which tracks close."
+    "--repeat",
+    type=int,
+    nargs=2,
+    help="Revolutions and rotations of Mars after which the ground track closes.",
 )
 @click.option("--max-satellites", type=int, required=True, help="Largest size to try.")
+@click.option(
+    "--beyond",
+    type=int,
+    default=0,
+    show_default=True,
+    help="Sizes to try beyond the smallest that has the fold.",
+)
 @click.option(
     "--pattern",
     type=click.Choice(["walker-delta", "walker-star", "rosette"]),
@@ -70,8 +76,9 @@ from compass.cli.shared import (
 def command(output: Path | None, as_json: bool, **options: Any) -> None:
     """Find the smallest pattern that meets requirements, or covers the whole sphere k-fold.
 
-    Requirements are those of a file (--require), or --fold, --region and limits on geometry. Ends
-    with the sentence that says what to build. Exit status 1 if there is none.
+    Requirements are those of a file (--require), or --fold, --region and limits on geometry; size
+    after size is tried. Ends with the sentence that says what to build. Exit status 1 if there is
+    none.
     """
     announce_compilation()
     import compass

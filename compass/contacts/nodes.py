@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from compass.bodies import SOLAR_DAY
 from compass.core.motion import ELLIPSE, SITE, TABLE, WIDTH
 from compass.errors import ArgumentError
-from compass.frames import SECONDS_PER_DAY, prime_meridian_angle
+from compass.frames import SECONDS_PER_DAY, mci_from_icrf, prime_meridian_angle
 from compass.moons import MoonModel, moon_row
 from compass.orbits.constellation import Constellation
 from compass.orbits.period import secular_rates
+from compass.orbits.trajectory import Trajectory
 from compass.planets import sun_earth_mci
 from compass.sites import Mask, Site
 
@@ -23,6 +24,9 @@ DriftModel = Literal["two-body", "j2"]
 
 #: Longest span, sols: linear drifts of moons and of the prime meridian hold over it.
 MAX_SOLS = 1000.0
+
+#: By how much a table of a satellite's states may miss its path between rows, m.
+TABLE_ERROR = 0.01
 
 
 @dataclass(frozen=True)
@@ -54,6 +58,11 @@ class Node:
     lowest: float
     states: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 6)))
     site: Site | None = None
+
+    @property
+    def highest(self) -> float:
+        """A satellite's or moon's largest distance from Mars's centre, metres."""
+        return float(self.row[6] if self.row[0] == TABLE else self.row[1] * (1 + self.row[2]))
 
     @property
     def mask(self) -> Mask:
@@ -93,6 +102,35 @@ def satellite_nodes(constellation: Constellation, model: DriftModel = "two-body"
     return [
         Node(name, "satellite", rows[k], float(fastest[k]), float(c.periapsis_radius[k]))
         for k, name in enumerate(c.satellite_names)
+    ]
+
+
+def path_nodes(path: Trajectory, start: float, duration: float) -> list[Node]:
+    """Nodes of satellites on paths, from `start` seconds after the paths' epoch on.
+
+    They are tables of states in the frame of the moment `start`, so close that the cubics between
+    them miss the paths by less than `TABLE_ERROR`: by ``h^4 / 384`` times the fourth derivative,
+    which is ``n^4 r``.
+
+    Raises
+    ------
+    ArgumentError
+        The paths do not cover the span.
+    """
+    looks = np.linspace(start, start + duration, 64)
+    r, v = path.states(looks)
+    turning = np.linalg.norm(np.cross(r, v), axis=-1) / (r * r).sum(axis=-1)
+    bend = float((turning**4 * np.linalg.norm(r, axis=-1)).max())
+    longest = (384.0 * TABLE_ERROR / bend) ** 0.25
+    count = int(np.ceil(duration / longest)) + 1
+    step = duration / (count - 1)
+    r, v = path.states(start + step * np.arange(count))
+    # the pole precesses: the frame of another moment is another one
+    turn = mci_from_icrf(path.epoch + start) @ mci_from_icrf(path.epoch).T
+    states = np.concatenate([r @ turn.T, v @ turn.T], axis=-1)
+    return [
+        _table_node(name, "satellite", states[k], step)
+        for k, name in enumerate(path.satellite_names)
     ]
 
 
@@ -144,7 +182,11 @@ def _tabulated(name: str, kind: NodeKind, epoch: float, duration: float) -> Node
     step = SECONDS_PER_DAY
     count = int(np.ceil(duration / step)) + 1
     sun, earth = sun_earth_mci(epoch, step * np.arange(count))
-    states = earth if kind == "earth" else sun
+    return _table_node(name, kind, earth if kind == "earth" else sun, step)
+
+
+def _table_node(name: str, kind: NodeKind, states: NDArray[np.float64], step: float) -> Node:
+    """Node of states that are `step` seconds apart, the first at the epoch."""
     p, v = states[:, :3], states[:, 3:]
     jump = 6.0 * np.diff(p, axis=0) / step
     # the acceleration of a cubic is linear: largest at one of its ends
@@ -153,9 +195,12 @@ def _tabulated(name: str, kind: NodeKind, epoch: float, duration: float) -> Node
     acceleration = np.linalg.norm(np.concatenate([at_left, at_right]), axis=1).max()
     speed = np.linalg.norm(v, axis=1).max() + acceleration * step
     distance = np.linalg.norm(p, axis=1)
-    low, high = distance.min() - speed * step, distance.max() + speed * step
+    # between rows a distance is off the line through its ends by less than its bend h^2 / 8
+    near = distance.min() - 0.5 * speed * step
+    swing = 0.125 * (acceleration + speed**2 / max(near, 1.0)) * step**2
+    low, high = max(distance.min() - swing, near), distance.max() + swing
     row = np.zeros(WIDTH)
-    row[:5] = TABLE, 0.0, count, 0.0, step
+    row[:5] = TABLE, 0.0, len(states), 0.0, step
     row[5:9] = low, high, speed, acceleration
     return Node(name, kind, row, speed / low, low, states)
 

@@ -11,6 +11,7 @@ from compass.contacts.nodes import (
     check_duration,
     earth_node,
     moon_node,
+    path_nodes,
     satellite_nodes,
     station_node,
 )
@@ -21,6 +22,7 @@ from compass.errors import ArgumentError
 from compass.frames import DEFAULT_FIGURE, Figure
 from compass.moons import MoonModel
 from compass.orbits.constellation import Constellation
+from compass.orbits.trajectory import Trajectory
 from compass.sites import Site
 
 #: Pairs at most: beyond it memory, not time, would run out.
@@ -42,11 +44,14 @@ class Survey:
         One a pair, in the order stations, moons, Earth, crosslinks.
     duration
         Seconds.
+    epoch
+        Time 0, TDB seconds past J2000.
     """
 
     nodes: tuple[Node, ...]
     windows: tuple[Windows, ...]
     duration: float
+    epoch: float = 0.0
 
     @property
     def sols(self) -> float:
@@ -84,6 +89,8 @@ def survey(
     *,
     figure: Figure = DEFAULT_FIGURE,
     model: DriftModel = "two-body",
+    path: Trajectory | None = None,
+    start: float = 0.0,
     moon_model: MoonModel = "precessing",
     workers: int | None = None,
 ) -> Survey:
@@ -106,6 +113,9 @@ def survey(
         Mars's figure for the limb.
     model, moon_model
         How satellites and moons move.
+    path, start
+        Paths of the satellites, followed from `start` seconds after the epoch on, which is then
+        time 0; instead of `model`.
     workers
         Threads.
 
@@ -115,8 +125,10 @@ def survey(
         There is nothing or too much to link, two nodes have one name, or as in `windows`.
     """
     check_duration(duration)
-    epoch = constellation.epoch
-    satellites = satellite_nodes(constellation, model)
+    epoch = constellation.epoch + start
+    satellites = (
+        satellite_nodes(constellation, model) if path is None else path_nodes(path, start, duration)
+    )
     stations = [station_node(site, epoch, duration) for site in sites]
     moons = [moon_node(name, epoch, duration, moon_model) for name in wanted.moons]
     earth = [earth_node(epoch, duration)] if wanted.earth else []
@@ -149,4 +161,4 @@ def survey(
         atmosphere_height=wanted.atmosphere_height,
         workers=workers,
     )
-    return Survey(tuple(nodes), tuple(found), duration)
+    return Survey(tuple(nodes), tuple(found), duration, epoch)

@@ -149,10 +149,9 @@ def eclipses(
     radius = figure.equatorial_radius
     for node in satellites:
         _check_above(node, radius, 0.0)
-        apoapsis = node.row[1] * (1 + node.row[2])
-        if apoapsis > UMBRA_LENGTH:
+        if node.highest > UMBRA_LENGTH:
             raise ArgumentError(
-                f"{node.name}: rises to {apoapsis / 1e3:.6g} km, past the tip of Mars's umbra; "
+                f"{node.name}: rises to {node.highest / 1e3:.6g} km, past the tip of Mars's umbra; "
                 f"eclipses are found up to {UMBRA_LENGTH / 1e3:g} km"
             )
     numbers = np.zeros((len(satellites), 5))

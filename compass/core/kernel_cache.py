@@ -100,6 +100,19 @@ def passing_place() -> Path | None:
     return None
 
 
+def folder_of(source: Path) -> Path:
+    """Folder, in any place, of the compiled kernels of a source file as it is now."""
+    inside = source.is_relative_to(SOURCES)
+    part = source.relative_to(SOURCES).with_suffix("") if inside else Path(source.stem)
+    return part.with_name(f"{part.name}-{digest(source)}")
+
+
+def compiled(place: Path) -> list[Path]:
+    """Compiled forms in a place that serve the sources as they are now."""
+    folders = [place / folder_of(source) for source in SOURCES.rglob("*.py")]
+    return sorted(file for folder in folders for file in folder.glob("*.nbc"))
+
+
 def can_be_written(place: Path) -> bool:
     """Whether a file can be made there; the folder is made if it can be."""
     try:
@@ -132,10 +145,7 @@ def _kept_in(place: Path) -> Callable[[Callable[..., Any]], Any]:
     class Locator(_SourceFileBackedLocatorMixin, _CacheLocator):
         def __init__(self, function: Callable[..., Any], file: str) -> None:
             self._py_file, self._lineno = file, function.__code__.co_firstlineno
-            source = Path(file)
-            inside = source.is_relative_to(SOURCES)
-            part = source.relative_to(SOURCES).with_suffix("") if inside else Path(source.stem)
-            self._place = str(place / part.with_name(f"{part.name}-{digest(source)}"))
+            self._place = str(place / folder_of(Path(file)))
 
         def get_cache_path(self) -> str:
             return self._place

@@ -131,7 +131,7 @@ def domain_of(
             f"inside the planet of {figure.equatorial_radius / 1e3:.6g} km"
         )
     if duration is not None and not 0 < duration < np.inf:
-        raise ArgumentError(f"duration = {duration:g} s: must be positive and finite")
+        raise ArgumentError(f"duration_h = {duration / 3600.0:g}: must be positive and finite")
     e2 = 1.0 - (figure.polar_radius / figure.equatorial_radius) ** 2
     south, north, west, east, normals = _sides(place, figure)
     fixed = isinstance(place, Spot | Tile) or len(normals) > 0

@@ -11,6 +11,7 @@ from compass.core.coverage_map import empty_histograms, map_row
 from compass.coverage.gaps import Gaps
 from compass.coverage.grid import Grid
 from compass.coverage.view import View
+from compass.design import PDOP_MAX
 from compass.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def coverage_map(
     *,
     fold: int = 4,
     gaps: Gaps | None = None,
-    pdop_threshold: float = 6.0,
+    pdop_threshold: float = PDOP_MAX,
     workers: int | None = None,
     progress: Callable[[int], None] = lambda rows: None,
 ) -> "xr.Dataset":

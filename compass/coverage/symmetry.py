@@ -89,7 +89,7 @@ def shortest_span(
         The duration is not positive, or longer than `MOST_REVOLUTIONS` where nothing repeats.
     """
     if duration is not None and not (np.isfinite(duration) and duration > 0):
-        raise ArgumentError(f"duration = {duration:g} s: must be positive and finite")
+        raise ArgumentError(f"duration_h = {duration / 3600.0:g}: must be positive and finite")
     if constellation.size == 0:
         return Span(0.0, 0.0, True, "no satellite, nothing changes")
     if region.mars_fixed or not one_period(constellation):
@@ -209,7 +209,7 @@ def unlike_subsets(
     """
     n = constellation.size
     if not 1 <= size <= n:
-        raise ArgumentError(f"losses = {size}: allowed 1 to {n}, the number of satellites")
+        raise ArgumentError(f"losses = {size}: allowed 0 to {n}, the number of satellites")
     if comb(n, size) > MOST_SUBSETS:
         raise ArgumentError(
             f"losses = {size}: {comb(n, size)} sets of {size} among {n} satellites are more than "

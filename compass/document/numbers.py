@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, floor, isfinite, isnan, log10
 
-from compass.document.evidence import Bracket, Evidence, Sampled
+from compass.document.evidence import Bracket, Evidence, Proven, Sampled
 from compass.quantities import Quantity
 
 #: Numbers nearer to zero than this are written with a power of ten.
@@ -33,6 +33,9 @@ class Value:
         q, evidence = self.quantity, self.evidence
         if isinstance(evidence, Bracket) and evidence.low != evidence.high:
             return f"{outward(evidence.low, q, floor)} to {outward(evidence.high, q, ceil)}"
+        if isinstance(evidence, Proven) and isinstance(self.value, float) and q.better:
+            # never better than what was proven
+            return outward(self.value, q, floor if q.better == "more" else ceil)
         written = in_words(self.value, q)
         if isinstance(evidence, Sampled) and evidence.error is not None:
             scale = 100.0 if q.form == "share" else 1.0

@@ -225,7 +225,7 @@ def _unmeasured(
         times,
         LONGEST_STEP,
         noise_roots(path, times, noise),
-        np.zeros(layout.size),
+        *layout.steps(path),
         np.empty((times.size, 0, 6)),
         np.empty((times.size, 0, 2)),
         layout.numbers(),

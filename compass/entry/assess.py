@@ -10,6 +10,7 @@ from compass.entry.accuracy import Accuracy, accuracy
 from compass.entry.beacons import Beacons
 from compass.entry.consistency import Consistency, consistency
 from compass.entry.covariance import Bound, linear_covariance
+from compass.entry.layout import Layout
 from compass.entry.model import EntryModel
 from compass.entry.navigation import Filter, MonteCarlo, run_monte_carlo
 from compass.entry.observability import BlindSpots, Observability, blind_spots, observability
@@ -47,7 +48,9 @@ class Assessment:
     whole
         The same of all states that it estimates.
     accuracy
-        Knowledge and delivery at deployment.
+        Knowledge and delivery at deployment; without one, on the ground if that is reached.
+    ground
+        The same on the ground, of a flight that goes on past deployment to it.
     """
 
     flight: Trajectory
@@ -63,6 +66,7 @@ class Assessment:
     consistency: Consistency
     whole: Consistency
     accuracy: Accuracy
+    ground: Accuracy | None = None
 
     @property
     def claim_m(self) -> float | None:
@@ -104,7 +108,7 @@ def assess(
     measurements, settings, runs, seed
         As in `compass.entry.navigation.run_monte_carlo`.
     deployment
-        The trigger at which the landing is judged; the last time flown if left out.
+        The trigger at which the landing is judged; the ground or the last time flown if left out.
 
     Raises
     ------
@@ -164,8 +168,32 @@ def assess(
         runs_made,
         consistency(runs_made.nees, flight.times, 6, runs_made.diverged),
         consistency(runs_made.nees_all, flight.times, runs_made.estimated, runs_made.diverged),
-        accuracy(flight, bound, layout, settings.covariance0, settings.noise, deployment),
+        *_accuracies(flight, bound, layout, settings, deployment),
     )
+
+
+#: The level at which a flight that is not stopped before ends.
+GROUND = Trigger("ground", "altitude", 0.0)
+
+
+def _accuracies(
+    flight: Trajectory,
+    bound: Bound,
+    layout: Layout,
+    settings: Filter,
+    deployment: Trigger | None,
+) -> tuple[Accuracy, Accuracy | None]:
+    """Knowledge and delivery where a landing is judged, and on the ground if it goes on to it."""
+    happened = {event.name for event in flight.events}
+    down = GROUND.name in happened
+    if deployment is None or deployment.name not in happened:
+        deployment, down = (GROUND, False) if down else (deployment, False)
+    places = (deployment, *([GROUND] if down else []))
+    found = [
+        accuracy(flight, bound, layout, settings.covariance0, settings.noise, place)
+        for place in places
+    ]
+    return found[0], found[1] if down else None
 
 
 def assessment_dataset(found: Assessment) -> "xr.Dataset":

@@ -76,6 +76,12 @@ class Campaign:
         """Number of entries."""
         return int(self.stops.size)
 
+    @property
+    def unknown_names(self) -> list[str]:
+        """What is not known beside the first state, one a component of u behind its six."""
+        density, lift = np.abs(self.spreads[0, 6:, 6:]).sum(axis=1)
+        return [name for name, size in (("density", density), ("L/D", lift)) if size > 0]
+
     def first(self, count: int) -> "Campaign":
         """Return the first `count` entries alone."""
         part = slice(0, count)

@@ -55,9 +55,9 @@ class Consistency:
     low, high
         What every epoch's mean of a consistent filter lies between, but for one flight in
         1 / `FALSE_ALARM`.
-    runs, lost, broken
+    runs, lost, broken, strayed
         Runs; those that did not stay finite; those whose covariance did not stay positive
-        definite.
+        definite; those that end more than `LOST` times farther off than they claim.
     """
 
     times: NDArray[np.float64]
@@ -68,6 +68,7 @@ class Consistency:
     runs: int
     lost: int
     broken: int
+    strayed: int = 0
 
     @property
     def worst(self) -> int:
@@ -105,6 +106,11 @@ class Consistency:
             said.append(
                 f"in {self.broken} of {self.runs} runs its covariance did not stay positive "
                 "definite"
+            )
+        if self.strayed:
+            said.append(
+                f"{self.strayed} of {self.runs} runs lost their way and end more than {LOST:g} "
+                "times farther off than they claim"
             )
         if worst > self.high:
             said.append(
@@ -150,4 +156,5 @@ def consistency(
         len(nees),
         int(diverged.sum()),
         len(kept) - len(whole),
+        int((whole[:, -1] > states * LOST**2).sum()),
     )

@@ -58,22 +58,32 @@ class Part:
     name
         Of the block, see `BLOCKS`.
     sigma
-        One sigma of each of its states (one for all biases), in the block's units.
+        One sigma of each of its states, in the block's units; of biases one for all, or one each.
     considered
         Whether its uncertainty is only taken into account (Schmidt), not reduced.
+    scales
+        Of the density: metres of altitude, and along the ground, over which its correlation
+        falls to 1/e (infinite: never); empty for one factor all the way.
     """
 
     name: str
     sigma: tuple[float, ...]
     considered: bool = False
+    scales: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         units = block(self.name).units
+        if self.name == "bias" and len(self.sigma) > 1:
+            units *= len(self.sigma)
         if self.name in ALWAYS:
             raise ArgumentError(f"block = {self.name!r}: is always there; leave it out")
         if len(self.sigma) != len(units):
             raise ArgumentError(
                 f"{self.name}: {len(self.sigma)} sigmas; give {len(units)} ({', '.join(units)})"
+            )
+        if self.scales and (self.name != "air" or len(self.scales) != 2 or min(self.scales) <= 0):
+            raise ArgumentError(
+                f"{self.name}: scales = {list(self.scales)} m: two of density alone, both positive"
             )
         for sigma, unit in zip(self.sigma, units, strict=True):
             if not 0 < sigma < float("inf"):
@@ -100,11 +110,21 @@ class Layout:
         for name in names:
             if names.count(name) > 1:
                 raise ArgumentError(f"block = {name!r}: given twice; leave one out")
+        for part in self.parts:
+            if len(self._sigmas(part)) != self.count(part):
+                raise ArgumentError(
+                    f"{part.name}: {len(part.sigma)} sigmas for {self.count(part)} states"
+                )
 
     @cached_property
     def order(self) -> tuple[Part, ...]:
         """Parts as they stand: estimated before considered."""
         return tuple(sorted(self.parts, key=lambda part: part.considered))
+
+    def _sigmas(self, part: Part) -> tuple[float, ...]:
+        if len(part.sigma) == 1 and part.name == "bias":
+            return part.sigma * self.beacons
+        return part.sigma
 
     def count(self, part: Part) -> int:
         """Number of states of a part."""
@@ -139,10 +159,33 @@ class Layout:
         """Covariance of the whole state from that of position and velocity, (6, 6)."""
         out = np.zeros((self.size, self.size))
         out[:6, :6] = motion
-        sigmas = [
-            sigma
-            for part in self.order
-            for sigma in (part.sigma * self.beacons if part.name == "bias" else part.sigma)
-        ]
+        sigmas = [sigma for part in self.order for sigma in self._sigmas(part)]
         out[range(6, self.size), range(6, self.size)] = np.square(sigmas)
         return out
+
+    def steps(self, path: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """What blocks gather and what is left of the density from the epoch before to each.
+
+        The density wanders by a Gauss-Markov chain: over a climb dh and a way ds along the
+        ground, ``exp(-sqrt((dh/H)^2 + (ds/S)^2))`` of its logarithm is left, and as much variance
+        comes back as keeps it at its sigma.
+
+        Parameters
+        ----------
+        path
+            The flight at the epochs, (t, 6).
+
+        Returns
+        -------
+        walk, fade
+            Variances, (t, s), and factors, (t,).
+        """
+        walk, fade = np.zeros((len(path), self.size)), np.ones(len(path))
+        for part in self.parts:
+            if part.scales:
+                r = np.linalg.norm(path[:, :3], axis=1)
+                turn = np.linalg.norm(np.diff(path[:, :3] / r[:, None], axis=0), axis=1)
+                ways = np.diff(r) / part.scales[0], r[1:] * turn / part.scales[1]
+                fade[1:] = np.exp(-np.hypot(*ways))
+                walk[:, self.place("air")] = part.sigma[0] ** 2 * (1 - fade**2)
+        return walk, fade

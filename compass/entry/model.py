@@ -7,7 +7,12 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.bodies import MARS_EQUATORIAL_RADIUS, MARS_GM, MARS_ROTATION_RATE
+from compass.bodies import (
+    MARS_EQUATORIAL_RADIUS,
+    MARS_GM,
+    MARS_J2_RADIUS,
+    MARS_ROTATION_RATE,
+)
 from compass.core.entry.rates import TABLE
 from compass.core.entry_dynamics import CENTRIFUGAL, CORIOLIS, SWAPPED
 from compass.entry.atmosphere import Atmosphere
@@ -43,6 +48,8 @@ class EntryModel:
         Radius of the sphere that blocks the view and ends the flight, metres.
     rotation_rate
         Rad/s; of no effect with ``none``.
+    j2
+        Second zonal of the gravity field, about `compass.bodies.MARS_J2_RADIUS`; 0 for a point.
     """
 
     vehicle: Vehicle
@@ -51,6 +58,7 @@ class EntryModel:
     gm: float = MARS_GM.value
     planet_radius: float = MARS_EQUATORIAL_RADIUS.value
     rotation_rate: float = MARS_ROTATION_RATE.value
+    j2: float = 0.0
 
     def __post_init__(self) -> None:
         if self.rotation not in _TERMS:
@@ -87,7 +95,7 @@ class EntryModel:
         head = np.zeros(TABLE)
         head[:] = [
             self.gm,
-            0.0,
+            1.5 * self.j2 * self.gm * MARS_J2_RADIUS.value**2,
             self.omega,
             _TERMS[self.rotation],
             air.log_reference_density,

@@ -11,7 +11,7 @@ from compass.core.entry.filter import filter_run
 from compass.core.entry.measure import ranges_and_rates
 from compass.core.entry.runs import monte_carlo
 from compass.entry.beacons import Beacons
-from compass.entry.covariance import LONGEST_STEP, beacon_states, noise_roots
+from compass.entry.covariance import beacon_states, longest_step, noise_roots
 from compass.entry.layout import Layout, Part
 from compass.entry.model import EntryModel
 from compass.entry.schedule import Measurements
@@ -105,6 +105,7 @@ def run_filter(
     count, layout = beacons.times.size, settings.layout(beacons.size)
     first = np.zeros(layout.size)
     first[:6] = np.asarray(estimate, dtype=float)
+    expected = _expected(model, first[:6], beacons, settings)
     states, covariances = (
         np.empty((count, layout.size)),
         np.empty((count, layout.size, layout.size)),
@@ -115,9 +116,9 @@ def run_filter(
         model.flight_parameters(),
         model.vehicle.bank_schedule(),
         np.array(beacons.times, dtype=float),
-        LONGEST_STEP,
-        noise_roots(_expected(model, first[:6], beacons, settings), beacons.times, settings.noise),
-        np.zeros(layout.size),
+        longest_step(measurements),
+        noise_roots(expected, beacons.times, settings.noise),
+        *layout.steps(expected),
         beacon_states(beacons),
         measurements.variances(np.asarray(taken, dtype=bool)),
         np.array(z, dtype=float),
@@ -132,8 +133,8 @@ def run_filter(
 def _expected(
     model: EntryModel, first: NDArray[np.float64], beacons: Beacons, settings: Filter
 ) -> NDArray[np.float64]:
-    """Flight from the first estimate, along which process noise is turned to Cartesian axes."""
-    if not np.any(settings.noise):
+    """Flight from the first estimate, along which noise is turned and the density wanders."""
+    if not (np.any(settings.noise) or any(part.scales for part in settings.parts)):
         return np.tile(first, (beacons.times.size, 1))
     path = fly(model, spherical_of(first), beacons.times).path
     return path[np.minimum(np.arange(beacons.times.size), len(path) - 1)]
@@ -245,9 +246,9 @@ def run_monte_carlo(
         model.flight_parameters(),
         model.vehicle.bank_schedule(),
         np.array(beacons.times, dtype=float),
-        LONGEST_STEP,
+        longest_step(measurements),
         noise_roots(path, beacons.times, settings.noise),
-        np.zeros(layout.size),
+        *layout.steps(path),
         beacon_states(beacons),
         measurements.variances(np.asarray(taken, dtype=bool)),
         layout.numbers(),

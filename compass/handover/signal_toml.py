@@ -47,6 +47,18 @@ def signal_lines(signal: Signal) -> list[str]:
     return lines
 
 
+def text_with_signal(text: str, signal: Signal) -> str:
+    """Text of a design file with its table ``[signal]`` replaced; everything else as it stands."""
+    kept: list[str] = []
+    inside = False
+    for line in text.splitlines():
+        if line.lstrip().startswith("["):
+            inside = line.lstrip().startswith(("[signal]", "[signal."))
+        if not inside:
+            kept.append(line)
+    return "\n".join(["\n".join(kept).rstrip(), "", *signal_lines(signal), ""])
+
+
 def _clock(clock: Clock) -> str:
     if clock in CLOCKS:
         return toml_text(clock.name)

@@ -5,12 +5,13 @@ from datetime import timedelta
 
 import numpy as np
 
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import J2000, Figure
 from compass.handover.decimals import decimal, number
-from compass.handover.requirements_toml import requirement_lines
+from compass.handover.design_tables import table_lines
 from compass.handover.signal_toml import signal_lines
+from compass.handover.tracking_toml import tracking_lines
 from compass.inputs.design import KM
 from compass.inputs.toml_values import toml_text
 from compass.orbits import Constellation
@@ -21,7 +22,7 @@ _NO_MASK = Mask()
 
 
 def design_toml(design: Design) -> str:
-    """Design file of a design: constellation, mask, fold, stations, requirements and signal.
+    """Design file of a design, of which `compass.handover.design_tables.not_kept` says what lacks.
 
     Stations get planetocentric latitudes; comments of the file it was read from are lost.
     """
@@ -33,11 +34,13 @@ def design_toml(design: Design) -> str:
         source=design.source,
         paper=design.paper,
         stations=design.stations,
-        requirements=design.requirements,
     )
-    if design.signal is None:
-        return written
-    return "\n".join([written, *signal_lines(design.signal), ""])
+    written = "\n".join([written.rstrip("\n"), *table_lines(design), ""])
+    if design.signal is not None:
+        written = "\n".join([written, *signal_lines(design.signal), ""])
+    if design.tracking is not None:
+        written = "\n".join([written, *tracking_lines(design.tracking), ""])
+    return written
 
 
 def constellation_toml(
@@ -49,7 +52,6 @@ def constellation_toml(
     source: str = "",
     paper: str | None = None,
     stations: Iterable[Site] = (),
-    requirements: Iterable[Requirement] = (),
 ) -> str:
     """Design file of a constellation.
 
@@ -64,7 +66,7 @@ def constellation_toml(
         The orbits.
     figure
         Reference figure of Mars.
-    mask, fold, source, paper, stations, requirements
+    mask, fold, source, paper, stations
         As in `compass.design.Design`.
 
     Raises
@@ -101,7 +103,7 @@ def constellation_toml(
             f"height_km = {_kilometres(site.height)}",
             *_mask(site.mask),
         ]
-    return "\n".join([*lines, *requirement_lines(requirements), ""])
+    return "\n".join([*lines, ""])
 
 
 def _is_laid_out(c: Constellation) -> bool:

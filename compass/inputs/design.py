@@ -27,6 +27,7 @@ from compass.inputs.motion import motion_faults, motion_of_table
 from compass.inputs.reading import parse, read_text
 from compass.inputs.requirements import requirement_faults, requirements_of
 from compass.inputs.signal import signal_faults, signal_of_table
+from compass.inputs.tracking import tracking_faults, tracking_of_table
 from compass.orbits import (
     Constellation,
     keplerian,
@@ -35,7 +36,7 @@ from compass.orbits import (
     walker_star,
 )
 from compass.orbits.anomaly import mean_of_true
-from compass.orbits.kinds import WALKER_DELTA, check_counts, walker_phasing
+from compass.orbits.kinds import WALKER_DELTA, check_counts, check_phasing, walker_phasing
 from compass.orbits.patterns import orbit_radius
 from compass.orbits.states import from_states
 from compass.saving import readable
@@ -80,6 +81,7 @@ def read_design_text(text: str, label: str = "design") -> Design:
         conjunction=float(np.radians(file.access.conjunction_deg)),
         radios=tuple(_radio(link) for link in file.link),
         signal=None if file.signal is None else signal_of_table(file.signal),
+        tracking=None if file.tracking is None else tracking_of_table(file.tracking),
         text=text,
         label=label,
         motion=motion,
@@ -218,7 +220,8 @@ def cross_faults(raw: dict[str, Any]) -> list[str]:
             faults += _satellite_faults(table.get("satellite"), figure)
         elif table.get("pattern") != "ephemeris":
             faults += _pattern_faults(table) + _orbit_faults(table, figure)
-    faults += motion_faults(raw) + requirement_faults(raw) + signal_faults(raw)
+    faults += motion_faults(raw) + requirement_faults(raw)
+    faults += signal_faults(raw) + tracking_faults(raw)
     faults += place_faults(raw)
     access = raw.get("access")
     moons = access.get("moons") if isinstance(access, dict) else None
@@ -281,15 +284,11 @@ def _pattern_faults(table: dict[str, Any]) -> list[str]:
             return [fault("constellation.multiplier", multiplier, allowed)]
         return []
     phasing = table.get("phasing")
-    if isinstance(phasing, int) and not isinstance(phasing, bool) and phasing >= planes:
-        return [
-            fault(
-                "constellation.phasing",
-                phasing,
-                f"allowed 0 to {planes - 1} for {planes} planes; phasing is meant modulo planes, "
-                f"so write {phasing % planes}",
-            )
-        ]
+    if isinstance(phasing, int) and not isinstance(phasing, bool) and phasing >= 0:
+        try:
+            check_phasing(phasing, planes)
+        except ArgumentError as error:
+            return [f"constellation.{error}"]
     return []
 
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 #: In the order in which a candidate goes through them, cheapest first.
-STAGES = ("cost", "screen", "map", "entry")
+STAGES = ("cost", "screen", "map", "orbits", "entry")
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,6 @@ MERITS: dict[str, Merit] = {
     "node_drift_deg_year": Merit(
         "cost", "deg/year", "drift of the nodes under J2, common to all planes", "minimise"
     ),
-    "station_keeping_m_s_year": Merit(
-        "cost", "m/s/year", "delta-v against the nodes' differential drift", "minimise"
-    ),
     "fold_proven": Merit(
         "screen", "1", "continuous fold at the mask: 1 proven, 0 refuted", "maximise"
     ),
@@ -46,6 +43,13 @@ MERITS: dict[str, Merit] = {
     "mask_margin_deg": Merit("screen", "deg", "highest mask with the fold", "maximise"),
     "closest_approach_deg": Merit(
         "screen", "deg", "least angle between two satellites at any time", "maximise"
+    ),
+    "delta_v_keeping_m_s_year": Merit(
+        "screen",
+        "m/s/year",
+        "delta-v of the satellite that needs most to stay in its slot, by the mean push of the "
+        "field",
+        "minimise",
     ),
     "gdop_p50": Merit("map", "1", "GDOP, median over area and time", "minimise"),
     "gdop_p95": Merit("map", "1", "GDOP, 95th percentile over area and time", "minimise"),
@@ -55,6 +59,9 @@ MERITS: dict[str, Merit] = {
     "pdop_p95": Merit("map", "1", "PDOP, 95th percentile over area and time", "minimise"),
     "availability": Merit("map", "1", "share of area and time with a good PDOP", "maximise"),
     "count_mean": Merit("map", "1", "satellites in view, mean over area and time", "maximise"),
+    "days_proven": Merit(
+        "orbits", "d", "days that the fold is proven on real orbits, trimmed once", "maximise"
+    ),
     "in_view.min": Merit("entry", "1", "fewest satellites in view in an entry", "maximise"),
     "in_view.median": Merit("entry", "1", "satellites in view in an entry, median", "maximise"),
     "crlb_position_m.p50": Merit("entry", "m", "position bound at the end, median", "minimise"),

@@ -9,6 +9,7 @@ from compass.design import LinkEnd
 from compass.inputs.requirements import RequirementTable
 from compass.inputs.signal import SignalTable
 from compass.inputs.table import Table
+from compass.inputs.tracking import TrackingTable
 
 SatelliteCount = Annotated[int, Field(ge=1, le=10_000)]
 Inclination = Annotated[float, Field(ge=0, le=180)]
@@ -234,3 +235,4 @@ class DesignFile(Table):
         default_factory=list, max_length=100, description="one [[requirement]] a thing wanted"
     )
     signal: SignalTable | None = Field(None, description="what a user's ranges are worth")
+    tracking: TrackingTable | None = Field(None, description="who tracks the satellites")

@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import compass
-from compass.bodies import MARS_EQUATORIAL_RADIUS, MARS_GM, MARS_ROTATION_RATE
+from compass.bodies import MARS_EQUATORIAL_RADIUS, MARS_GM, MARS_J2, MARS_ROTATION_RATE
 from compass.conventions import epoch_text
 from compass.entry.atmosphere import Atmosphere, read_atmosphere_table
 from compass.entry.beacons import Beacons, orbiting_beacons, surface_beacons
 from compass.entry.covariance import axes_covariance
 from compass.entry.layout import Part
+from compass.entry.mars_air import PROFILE
 from compass.entry.model import EntryModel
 from compass.entry.navigation import Filter
 from compass.entry.schedule import Measurements
@@ -27,7 +28,7 @@ from compass.frames import prime_meridian_angle
 from compass.inputs.design import read_design
 from compass.inputs.fusion_models import FusionTable
 from compass.inputs.reading import parse, read_text
-from compass.inputs.scenario_faults import scenario_faults
+from compass.inputs.scenario_faults import EXPONENTIAL, scenario_faults
 from compass.inputs.scenario_models import (
     EntryTable,
     FilterTable,
@@ -38,6 +39,7 @@ from compass.inputs.scenario_models import (
 from compass.inputs.scenario_notes import scenario_notes
 from compass.orbits import Constellation, keplerian, states_mci
 from compass.orbits.states import from_states
+from compass.orbits.touching import touching
 from compass.saving import readable
 
 KM = 1e3
@@ -256,7 +258,11 @@ def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenar
 def _model(file: ScenarioFile, folder: Path) -> EntryModel:
     planet, craft, air = file.planet, file.vehicle, file.atmosphere
     radius = MARS_EQUATORIAL_RADIUS.value if planet.radius_km is None else planet.radius_km * KM
+    mean = all(getattr(air, name) is None for name in (*EXPONENTIAL, "table"))
     altitudes, densities = read_atmosphere_table(folder / air.table) if air.table else ((), ())
+    if mean:
+        altitudes, densities = zip(*((KM * km, density) for km, density in PROFILE), strict=True)
+    tabled = bool(air.table) or mean
     if craft.ballistic_coefficient_kg_m2 is not None:
         drag = 1.0 / craft.ballistic_coefficient_kg_m2
     else:
@@ -272,9 +278,9 @@ def _model(file: ScenarioFile, folder: Path) -> EntryModel:
         ),
         Atmosphere(
             # beside a table these three only name a level; the table is flown as it is
-            1.0 if air.table else air.reference_density_kg_m3 or 0.0,
-            radius + 40.0 * KM if air.table else (air.reference_radius_km or 0.0) * KM,
-            1.0 * KM if air.table else (air.scale_height_km or 0.0) * KM,
+            1.0 if tabled else air.reference_density_kg_m3 or 0.0,
+            radius + 40.0 * KM if tabled else (air.reference_radius_km or 0.0) * KM,
+            1.0 * KM if tabled else (air.scale_height_km or 0.0) * KM,
             tuple(radius + altitude for altitude in altitudes),
             densities,
             air.temperature_k,
@@ -285,6 +291,7 @@ def _model(file: ScenarioFile, folder: Path) -> EntryModel:
         MARS_ROTATION_RATE.value
         if planet.rotation_rate_rad_s is None
         else planet.rotation_rate_rad_s,
+        MARS_J2.value if planet.gravity == "j2" else 0.0,
     )
 
 
@@ -340,10 +347,13 @@ def _filter(table: FilterTable, state: NDArray[np.float64]) -> Filter:
 
 def _parts(table: FilterTable) -> tuple[Part, ...]:
     """Quantities that are not known, beside position and velocity."""
-    blocks = (
-        ("air", table.density), ("lift", table.lift_to_drag), ("bias", table.range_bias),
-    )  # fmt: skip
+    blocks = (("lift", table.lift_to_drag), ("bias", table.range_bias))
     parts = [Part(name, (b.sigma,), b.considered) for name, b in blocks if b is not None]
+    if (air := table.density) is not None:
+        scales = (air.scale_km or np.inf, air.along_km or np.inf)
+        wanders = np.isfinite(scales).any()
+        own = tuple(KM * scale for scale in scales) if wanders else ()
+        parts.insert(0, Part("air", (air.sigma,), air.considered, own))
     if (clock := table.clock) is not None:
         parts.append(Part("clock", (clock.sigma_m, clock.drift_sigma_m_s), clock.considered))
     return tuple(parts)
@@ -366,8 +376,9 @@ def _orbiters(file: ScenarioFile, model: EntryModel, folder: Path) -> tuple[Orbi
             groups.append(Orbiters(constellation, 0.0, 0.0))
     if file.beacons.design is not None:
         design = read_design(folder / file.beacons.design)
-        constellation = design.constellation
-        start = file.beacons.start_s
+        constellation, start = design.constellation, file.beacons.start_s
+        if not design.motion.is_closed_form:
+            constellation, start = touching(constellation, design.motion, start), 0.0
         angle = float(prime_meridian_angle(constellation.epoch, start))
         groups.append(Orbiters(constellation, start, angle, design.mask.highest))
     return tuple(groups)

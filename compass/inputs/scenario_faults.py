@@ -72,11 +72,11 @@ def scenario_faults(raw: dict[str, Any]) -> list[str]:
 
 
 def _air_faults(air: dict[str, Any]) -> list[str]:
-    """An atmosphere without a table that lacks one of its three numbers."""
-    if "table" in air:
+    """An atmosphere without a table that has some of its three numbers, and lacks another."""
+    if "table" in air or not any(name in air for name in EXPONENTIAL):
         return []
     return [
-        f"atmosphere.{name}: missing; give it, or a table"
+        f"atmosphere.{name}: missing; give it, or a table, or none of the three for a mean profile"
         for name in EXPONENTIAL
         if name not in air
     ]

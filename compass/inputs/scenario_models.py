@@ -28,6 +28,9 @@ class PlanetTable(Table):
     rotation: Literal["none", "coriolis", "full", "published-coriolis"] = Field(
         "full", description="terms of the rotation that are kept"
     )
+    gravity: Literal["point", "j2"] = Field(
+        "point", description="of a point, or with the second zonal, the flattening of Mars"
+    )
     rotation_rate_rad_s: float | None = Field(
         None, ge=-1e-2, le=1e-2, description="rotation rate, rad/s; Mars's if left out"
     )
@@ -186,6 +189,19 @@ class BlockTable(Table):
     )
 
 
+class DensityTable(BlockTable):
+    """The air's density as a quantity that is not known."""
+
+    scale_km: Annotated[float, Field(gt=0, le=1000)] | None = Field(
+        None,
+        description="altitude over which its correlation falls to 1/e, km (8.2 on Mars); one "
+        "factor all the way if left out",
+    )
+    along_km: Annotated[float, Field(gt=0, le=1e5)] | None = Field(
+        None, description="the same along the ground, km; no limit if left out"
+    )
+
+
 class ClockTable(Table):
     """The receiver's clock as a quantity that is not known."""
 
@@ -217,8 +233,8 @@ class FilterTable(Table):
         "and azimuth: six numbers, m, rad, m/s",
     )
     clock: ClockTable | None = Field(None, description="the receiver's clock and its drift")
-    density: BlockTable | None = Field(
-        None, description="a factor of the air's density, constant over an entry: sigma of ln rho"
+    density: DensityTable | None = Field(
+        None, description="the air's density: sigma of ln rho, and how far it is the same"
     )
     lift_to_drag: BlockTable | None = Field(None, description="the lift-to-drag ratio")
     range_bias: BlockTable | None = Field(
@@ -259,7 +275,10 @@ class ScenarioFile(Table):
         default_factory=lambda: PlanetTable.model_validate({}), description="the planet"
     )
     vehicle: VehicleTable = Field(description="the lander: a table [vehicle]")
-    atmosphere: AtmosphereTable = Field(description="the air: a table [atmosphere]")
+    atmosphere: AtmosphereTable = Field(
+        default_factory=lambda: AtmosphereTable.model_validate({}),
+        description="the air; a mean profile of Mars where it is left out",
+    )
     truth: TruthTable = Field(
         default_factory=lambda: TruthTable.model_validate({}), description="the air as it really is"
     )

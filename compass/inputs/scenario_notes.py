@@ -35,6 +35,11 @@ def scenario_notes(file: ScenarioFile) -> tuple[str, ...]:
                 f"({low:g} to {high:g} {unit}".rstrip()
                 + "); flown all the same"
             )
+    if not air.table and all(getattr(air, name) is None for name in EXPONENTIAL):
+        notes.append(
+            "atmosphere: left out; flown in the mean profile of Mars-GRAM, from which the air of a "
+            "day is off by some 5 % at 40 km and 20 % at 85 km"
+        )
     if air.table:
         notes += [
             f"atmosphere.{name}: not used beside a table, which is flown as it is given"

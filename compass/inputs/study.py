@@ -14,7 +14,7 @@ from compass.digest import digest_of
 from compass.errors import CompassError, DesignError
 from compass.frames import FIGURES, Figure
 from compass.inputs.design import read_design
-from compass.inputs.merit import MERITS
+from compass.inputs.merit import MERITS, STAGES
 from compass.inputs.reading import parse, read_text
 from compass.inputs.scenario import Scenario, read_scenario
 from compass.inputs.study_faults import study_faults
@@ -24,6 +24,7 @@ from compass.inputs.study_models import (
     Counts,
     MapTable,
     Numbers,
+    OrbitsTable,
     SamplingTable,
     SpaceTable,
     StudyFile,
@@ -139,8 +140,8 @@ class Study:
         Satellites wanted at once; seed of everything random.
     constraints, objectives
         What candidates must and should be.
-    map, cost
-        Sampling of geometry; assumptions of the cost proxies.
+    map, cost, orbits
+        Sampling of geometry; assumptions of the cost proxies; how long real orbits are followed.
     entry
         How landing navigation is judged, or None.
     compare
@@ -161,11 +162,24 @@ class Study:
     objectives: tuple[Objective, ...]
     map: MapTable
     cost: CostTable
+    orbits: OrbitsTable
     entry: EntryStage | None
     compare: Design | None
     text: str
     digest: str
     label: str
+
+    @property
+    def stages(self) -> tuple[str, ...]:
+        """What candidates are put through, in order: orbits and entries only where asked for."""
+        followed = "orbits" in {MERITS[name].stage for name in self.named}
+        asked = {"screen": True, "map": True, "orbits": followed, "entry": bool(self.entry)}
+        return tuple(stage for stage in STAGES if asked.get(stage))
+
+    @property
+    def named(self) -> set[str]:
+        """Figures that a constraint or an objective is of."""
+        return {c.figure for c in self.constraints} | {o.figure for o in self.objectives}
 
     def constraints_of(self, stage: str) -> list[Constraint]:
         """Conditions on figures that a stage finds."""
@@ -224,6 +238,7 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         ),
         map=file.map,
         cost=file.cost,
+        orbits=file.orbits,
         entry=entry,
         compare=compare,
         text=text,

@@ -6,6 +6,7 @@ from pydantic import Field, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
+from compass.design import PDOP_MAX
 from compass.entry.arrivals import MOST_SAMPLES
 from compass.inputs.models import SatelliteCount
 from compass.inputs.table import Table
@@ -124,7 +125,7 @@ class MapTable(Table):
 
     step_deg: float = Field(10.0, ge=1, le=45, description="cell of the equal-area grid, degrees")
     epochs: int = Field(12, ge=1, le=10_000, description="epochs in the time that decides")
-    pdop_max: float = Field(6.0, gt=0, description="largest PDOP that counts as available")
+    pdop_max: float = Field(PDOP_MAX, gt=0, description="largest PDOP that counts as available")
 
 
 class EntryStageTable(Table):
@@ -159,11 +160,13 @@ class CostTable(Table):
     parking_altitude_km: float = Field(
         400.0, gt=0, le=1e6, description="altitude of the circular parking orbit, km"
     )
-    inclination_error_deg: float = Field(
-        0.05, ge=0, le=10, description="inclination error between planes after insertion, degrees"
-    )
-    axis_error_km: float = Field(
-        1.0, ge=0, le=1000, description="error of the semi-major axis between planes, km"
+
+
+class OrbitsTable(Table):
+    """How far real orbits are followed, for candidates that pass the map."""
+
+    days: float = Field(
+        687.0, gt=0, le=36525, description="for how long coverage is to be proven, days"
     )
 
 
@@ -195,5 +198,9 @@ class StudyFile(Table):
     entry: EntryStageTable | None = Field(None, description="judging of landing navigation")
     cost: CostTable = Field(
         default_factory=lambda: CostTable.model_validate({}), description="cost assumptions"
+    )
+    orbits: OrbitsTable = Field(
+        default_factory=lambda: OrbitsTable.model_validate({}),
+        description="how long real orbits are followed",
     )
     compare: CompareTable | None = Field(None, description="a design to compare with")

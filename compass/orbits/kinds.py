@@ -118,6 +118,15 @@ def check_counts(satellites: int, planes: int) -> None:
         )
 
 
+def check_phasing(phasing: int, planes: int) -> None:
+    """Raise `ArgumentError` unless Walker's F is one of 0 to planes - 1, as files have it."""
+    if not 0 <= phasing < planes:
+        raise ArgumentError(
+            f"phasing = {phasing}: allowed 0 to {planes - 1} for {planes} planes; phasing is meant "
+            f"modulo planes, so write {phasing % planes}"
+        )
+
+
 def walker_phasing(satellites: int, planes: int, multiplier: Fraction | float | str) -> int:
     """Walker's F of the rosette (N, P, m): ``F = m N / P``, reduced modulo P.
 

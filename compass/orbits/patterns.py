@@ -16,6 +16,7 @@ from compass.orbits.kinds import (
     WALKER_STAR,
     PatternKind,
     check_counts,
+    check_phasing,
     walker_phasing,
 )
 from compass.orbits.pattern import Pattern, rosette_notation
@@ -49,7 +50,7 @@ def walker_delta(
     Parameters
     ----------
     satellites, planes, phasing
-        t, p and f; f is meant modulo p.
+        t, p and f, from 0 to p - 1.
     inclination_deg
         0 to 180 degrees.
     radius_km, altitude_km, orbit, repeat
@@ -66,8 +67,9 @@ def walker_delta(
     Raises
     ------
     ArgumentError
-        The satellites do not divide into the planes, an inclination out of range, an orbit that
-        is not above the surface, none or several of radius_km, altitude_km, orbit and repeat.
+        The satellites do not divide into the planes, a phasing or an inclination out of range, an
+        orbit that is not above the surface, none or several of radius_km, altitude_km, orbit and
+        repeat.
 
     References
     ----------
@@ -333,12 +335,13 @@ def _walker(
     phase_deg: float,
 ) -> Pattern:
     check_counts(satellites, planes)
+    check_phasing(phasing, planes)
     _check_inclination(np.asarray(inclination_deg, dtype=float))
     return Pattern(
         kind.name,
         satellites,
         planes,
-        phasing % planes,
+        phasing,
         float(np.radians(inclination_deg)),
         float(np.radians(raan_deg)),
         float(np.mod(np.radians(phase_deg), 2 * np.pi)),

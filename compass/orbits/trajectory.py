@@ -5,7 +5,7 @@ questions: where at a time, from when to when, how far from the truth, and how f
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -87,6 +87,15 @@ class Trajectory:
     def stop(self) -> float:
         """Last moment, seconds after the epoch."""
         return float(self.breaks[-1])
+
+    def only(self, satellite: int) -> "Trajectory":
+        """Return the path of one satellite by its place."""
+        return replace(
+            self,
+            paths=_frozen(self.paths[:, satellite : satellite + 1]),
+            errors=_frozen(self.errors[:, satellite : satellite + 1]),
+            satellite_names=self.satellite_names[satellite : satellite + 1],
+        )
 
     def states(self, times: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Inertial positions (m) and velocities (m/s), shape (satellite, time, 3).

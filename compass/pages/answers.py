@@ -4,9 +4,11 @@ Further answers join `ANSWERS` in the order of the page: a function from `Found`
 """
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
+from compass.api.check import CheckResult
 from compass.coverage.certificate import Outcome
 from compass.coverage.site import site_coverage
 from compass.document import Answer, Answers, Bracket, Sampled, Section, Sentence, Value
@@ -18,16 +20,40 @@ from compass.pages.neighbours import Neighbour
 from compass.quantities import quantity
 
 
+def requirements(found: Found) -> list[Answer]:
+    """Each requirement of the design: met or missed, by how much, and how sure."""
+    if found.checked is None:
+        return []
+    rows = []
+    for verdict in found.checked.verdicts:
+        asked, share, margin = verdict.requirement, verdict.share, verdict.margin
+        how = ""
+        if share is not None:
+            value = Value(quantity("requirement_share"), share[0], Bracket(*share))
+            how = f"{value} % of it"
+        elif margin is not None:
+            how = f"{significant(float(np.degrees(margin)), 3)}° to spare"
+        sure = ", ".join(text for text in (verdict.evidence, verdict.reason, verdict.scope) if text)
+        rows.append(Answer(f"{asked.name}: {asked.wanted}", how or verdict.word, verdict.met, sure))
+    return rows
+
+
 def coverage(found: Found) -> list[Answer]:
     """Whether the fold wanted is there, everywhere and always, and by how much."""
     result = found.fold
     claim = f"{result.fold} in view above {result.mask_deg:g}°, everywhere"
     holds = {Outcome.PROVEN: True, Outcome.REFUTED: False}.get(result.outcome)
+    if found.checked:  # then that is not what was asked for
+        holds = None
     rows = [Answer(claim, str(result.outcome), holds, result.scope)]
     margin = result.margins().rows[3][1]
     assert isinstance(margin, Value)
     known = result.mask_margin_deg
-    question = "The mask may rise to" if known is None or known >= 0 else "It would take a mask of"
+    question = (
+        "The mask may rise to"
+        if known is None or known >= result.mask_deg
+        else "It would take a mask of"
+    )
     rows.append(Answer(question, "no mask has it" if known is None else margin))
     if place := result.to_dict()["worst"]:
         rows.append(
@@ -70,7 +96,21 @@ def geometry(found: Found) -> list[Answer]:
         numbers["availability"],
         bracketed(numbers.get("availability_bracket")),
     )
-    return [*rows, Answer(f"Area and time with PDOP {attrs['pdop_threshold']:g} or less", share)]
+    rows.append(Answer(f"Area and time with PDOP {attrs['pdop_threshold']:g} or less", share))
+    return rows + _errors(numbers)
+
+
+def _errors(numbers: dict[str, Any]) -> list[Answer]:
+    """Errors of a fix on the ground, where the design says what a range is worth."""
+    rows = []
+    for name in ("error_horizontal_m", "error_vertical_m"):
+        if name in numbers:
+            doubt = numbers[name]["sampling"]["p95"]
+            value = Value(
+                quantity(name), numbers[name]["p95"], Sampled(doubt, "over area and time")
+            )
+            rows.append(Answer(f"{quantity(name).title}, 95 % below".capitalize(), value))
+    return rows
 
 
 def stations(found: Found) -> list[Answer]:
@@ -113,6 +153,7 @@ def lasting(found: Found) -> list[Answer]:
 
 #: In the order of the page.
 ANSWERS: tuple[Callable[[Found], list[Answer]], ...] = (
+    requirements,
     coverage,
     lasting,
     geometry,
@@ -130,11 +171,28 @@ def answer_section(
     return Section("The answer", (*advice, Answers("Met, and how sure", rows), *carrying))
 
 
+def _of_requirements(checked: CheckResult, real: str) -> str:
+    """What to do about a design that is asked for something of its own."""
+    missed = [v.requirement.name for v in checked.verdicts if v.met is False]
+    open_ = [v.requirement.name for v in checked.verdicts if v.met is None]
+    count = len(checked.verdicts)
+    if missed:
+        listed = ", ".join(f"“{name}”" for name in missed)
+        return f"Do not build it as it is: it misses {listed} of its {count} requirements. {real}"
+    if open_:
+        listed = ", ".join(f"“{name}”" for name in open_)
+        return f"Decide after a finer look: {listed} cannot be told yet. {real}"
+    said = f"it meets {'its requirement' if count == 1 else f'all of its {count} requirements'}"
+    return f"Build it as it is: {said}." if not real else f"On undisturbed orbits {said}. {real}"
+
+
 def what_to_do(found: Found, neighbours: Sequence[Neighbour]) -> list[str]:
     """Recommend in a sentence; name the rival, and what would change the advice."""
     result, c = found.fold, found.design.constellation
     wanted = f"{result.fold}-fold coverage above {result.mask_deg:g}°"
     real = lasting_advice(found.outlook) if found.outlook else ""
+    if found.checked is not None:
+        return [_of_requirements(found.checked, real)]
     words = {
         Outcome.PROVEN: f"Build it as it is: it has {wanted}, with nothing left to chance."
         if not real
@@ -143,8 +201,8 @@ def what_to_do(found: Found, neighbours: Sequence[Neighbour]) -> list[str]:
     }.get(result.outcome, f"Decide after a finer look: {wanted} is neither proven nor refuted.")
     said = [words]
     margin = result.mask_margin_deg
-    if margin is not None and margin < 0:  # below the horizon: none that can be built
-        margin = None
+    if margin is not None and margin < result.mask_deg:
+        margin = None  # of a miss it is no room to speak of
     if neighbours:
         best = max(neighbours, key=lambda n: n.mask_deg)
         here = -np.inf if margin is None else margin

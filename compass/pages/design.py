@@ -11,11 +11,13 @@ from typing import Any
 import numpy as np
 
 from compass.api.access import access
+from compass.api.check import check
 from compass.api.fold import FoldResult, fold
 from compass.api.map import MapResult
 from compass.api.outlook import outlook
 from compass.api.reproduce import comparison_table
 from compass.api.show import show
+from compass.core.ranking import nearest_rank
 from compass.coverage.site import site_coverage
 from compass.design import Design
 from compass.document.blocks import (
@@ -32,7 +34,7 @@ from compass.orbits.symmetry import one_circle
 from compass.pages.access import access_section
 from compass.pages.answers import answer_section
 from compass.pages.coverage import count_picture, dilution_pictures, fold_pictures, one_colour
-from compass.pages.fold import fold_section, quality_table
+from compass.pages.fold import fold_section
 from compass.pages.found import Found
 from compass.pages.globe.piece import globe
 from compass.pages.globe.still import still_picture
@@ -103,7 +105,10 @@ def look_at(
     linked = design.stations or wanted.moons or wanted.earth or wanted.crosslinks
     links = access(design, eclipse=True) if linked else None
     progress("how long it lasts")
-    return Found(design, show(design), mapped, proven, links, outlook(design))
+    lasts = outlook(design)
+    progress("requirements")
+    checked = check(design) if design.requirements else None
+    return Found(design, show(design), mapped, proven, links, lasts, checked)
 
 
 def provenance_rows(found: Found, command: str) -> list[tuple[str, str]]:
@@ -130,6 +135,13 @@ def _beside(found: Found) -> list[Neighbour]:
     return neighbours(c, found.fold.fold, found.design.figure.equatorial_radius)
 
 
+def _requirements(found: Found, _: list[Neighbour]) -> Section | None:
+    """What was asked for, one by one: verdict, margin, the tightest place and moment."""
+    if found.checked is None:
+        return None
+    return Section("Requirements", found.checked.blocks())
+
+
 def _coverage(found: Found, beside: list[Neighbour]) -> Section:
     """Whether everybody is served, always: proof, margin, and how many are in view where."""
     exact = fold_section(found.fold, beside)
@@ -151,12 +163,11 @@ def _accuracy(found: Found, _: list[Neighbour]) -> Section:
         "weighted by area and time. With fewer than four satellites or singular geometry a "
         "dilution of precision is infinite, and counts as such in every percentile."
     )
-    quality = quality_table(found.fold)
     return arranged(
         "Geometry and accuracy",
-        (text, *one_colour(found.mapped)),
+        (text, *found.mapped.certain(), *one_colour(found.mapped)),
         dilution_pictures(found.mapped),
-        (found.mapped.tables()[1], *([quality] if quality else [])),
+        (found.mapped.tables()[1],),
     )
 
 
@@ -227,7 +238,10 @@ def _stations(found: Found) -> Section | None:
         rows.append(values("station", known))
     table = columns("Satellites and geometry at the stations", rows)
     named = tuple((site.name, *row) for site, row in zip(design.stations, table.rows, strict=True))
-    text = "Each station on its reference figure, at its height and over its own horizon."
+    text = (
+        "Each station on its reference figure, at its height and over its own horizon. Percentiles "
+        f"and availability are of time, sampled at {mapped.dataset.attrs['epochs']} epochs."
+    )
     return arranged(
         "Stations", (text,), (), (Table(table.title, ("station", *table.header), named),)
     )
@@ -235,7 +249,7 @@ def _stations(found: Found) -> Section | None:
 
 def _nearest_rank(values: Any, q: int) -> float:
     """Return the smallest value that at least q percent of the values do not exceed."""
-    return float(np.sort(values)[max(-(-q * values.size // 100), 1) - 1])
+    return float(np.sort(values)[nearest_rank(values.size, q)])
 
 
 def _comparison(found: Found, _: list[Neighbour]) -> Section | None:
@@ -255,6 +269,7 @@ def _comparison(found: Found, _: list[Neighbour]) -> Section | None:
 
 #: The sections after the answer, in the order of a board's questions.
 SECTIONS: tuple[tuple[str, Callable[[Found, list[Neighbour]], Section | None]], ...] = (
+    ("requirements", _requirements),
     ("coverage", _coverage),
     ("geometry and accuracy", _accuracy),
     ("stations and links", _links),
@@ -264,3 +279,6 @@ SECTIONS: tuple[tuple[str, Callable[[Found, list[Neighbour]], Section | None]], 
     ("caps and gaps", _caps),
     ("comparison", _comparison),
 )
+
+#: How many parts `design_report` tells of: what it looks at and draws first, then the sections.
+PARTS = 7 + len(SECTIONS)

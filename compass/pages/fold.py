@@ -7,21 +7,18 @@ from numpy.typing import NDArray
 
 from compass.api.fold import FoldResult
 from compass.coverage.fold import caps_of, fold_extremes
-from compass.coverage.gdop import gdop_percentile, gdop_share
 from compass.coverage.grid import equal_angle_grid
 from compass.coverage.margin import CoveringRadius, covering_radius
 from compass.coverage.symmetry import Span
 from compass.coverage.witness import Witness
 from compass.design import Design
-from compass.document import Sampled, Value
-from compass.document.blocks import Picture, Section, Table, arranged, facts
+from compass.document.blocks import Picture, Section, arranged
 from compass.frames import direction, latitude_longitude, mcmf_from_mci, prime_meridian_angle
 from compass.orbits import Constellation, orbital_period, positions_mcmf
 from compass.orbits.symmetry import one_circle
 from compass.pages.neighbours import Neighbour
 from compass.pictures.maps import LARGE, draw_map
 from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, look, new_figure, picture
-from compass.quantities import quantity
 
 
 def fold_section(
@@ -58,7 +55,7 @@ def fold_section(
         )
     if not design.figure.is_sphere:
         text += (
-            " Pictures, the common cap radius, shares and GDOP are of the sphere of the equatorial "
+            " Pictures, the common cap radius and shares are of the sphere of the equatorial "
             "radius, on which all caps of one orbit are alike."
         )
     pictures = [_fold_over_time(c, sphere, mask, result.fold, moments)]
@@ -71,24 +68,6 @@ def fold_section(
     return arranged(
         "Exact fold and margins", (text,), pictures, (result.margins(), *result.shares_tables())
     )
-
-
-def quality_table(result: FoldResult) -> Table | None:
-    """GDOP over area and time, each number with its error; None where caps are not alike."""
-    design, found = result.design, result.coverage
-    if not one_circle(design.constellation):
-        return None
-    return _quality(design.constellation, design.figure.equatorial_radius, found.mask, found.span)
-
-
-def _quality(c: Constellation, sphere: float, mask: float, span: Span) -> Table:
-    """GDOP over area and time, each number with its error."""
-    p95 = gdop_percentile(c, 95.0, sphere_radius=sphere, mask=mask, span=span)
-    six = gdop_share(c, 6.0, sphere_radius=sphere, mask=mask, span=span)
-    found = [Value(quantity("gdop_share"), six.value, Sampled(six.error, "quadrature"))]
-    if np.isfinite(p95.value):
-        found.insert(0, Value(quantity("gdop_p95"), p95.value, Sampled(p95.error, "quadrature")))
-    return facts("GDOP over area and time", found)
 
 
 def _refuted(result: FoldResult, sphere: float, mask: float, witness: Witness) -> Picture:

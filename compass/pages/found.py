@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from compass.api.access import AccessResult
+from compass.api.check import CheckResult
 from compass.api.fold import FoldResult
 from compass.api.map import MapResult
 from compass.api.outlook import Outlook
@@ -22,6 +23,8 @@ class Found:
         Of `compass.show`, `compass.map` and `compass.fold` (with one satellite lost, two-body).
     access
         Of `compass.access`, or None where nothing is to be linked.
+    checked
+        Of `compass.check`; None where the design has no requirements of its own.
     outlook
         How long it lasts on real orbits; None where nobody asked.
     """
@@ -32,3 +35,4 @@ class Found:
     fold: FoldResult
     access: AccessResult | None
     outlook: Outlook | None = None
+    checked: CheckResult | None = None

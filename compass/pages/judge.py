@@ -3,13 +3,20 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from compass.api.judge import filter_table, ranking_table, surface_table, unknown_air
-from compass.design import Design
+from compass.api.judge import (
+    budget_table,
+    filter_table,
+    ranking_table,
+    surface_table,
+    unknown_air,
+)
+from compass.design import PDOP_MAX, Design
 from compass.document import Answer, Answers, Section, Sentence
 from compass.document.blocks import Picture, arranged
 from compass.document.numbers import significant
 from compass.entry.arrivals import draw_arrivals
 from compass.entry.campaign import Campaign
+from compass.entry.unknowns import Unknowns
 from compass.inputs.scenario import Scenario, provenance
 from compass.pages.page import render
 from compass.pictures.judge import bound_distributions, bound_map
@@ -40,10 +47,10 @@ def judge_report(
         The command line, for provenance.
     """
     judged = judge_section(ranking, designs, scenario, threads=threads, progress=progress)
-    carrying, *others = judged.pictures
+    world, carrying = judged.pictures
     sections = [
         answer_section(ranking.record, carrying),
-        arranged(judged.title, judged.paragraphs[:1], others, judged.tables),
+        arranged(judged.title, judged.paragraphs, (world,), judged.tables),
         surface_section(ranking.record),
     ]
     made = provenance(scenario, command)
@@ -76,18 +83,31 @@ def answer_section(record: dict[str, Any], carrying: Picture) -> Section:
     if len(rows) > 1:
         ratio = rows[1]["crlb_position_m"]["p95"] / best["crlb_position_m"]["p95"]
         lead += f" Its rival {rows[1]['design']} has {significant(ratio, 3)} times as much."
+    if best["nees"] is not None and not best["believed"]:
+        lead += (
+            " That is the bound: the filter flown on it is inconsistent, so no accuracy is claimed."
+        )
     answers = (
         Answer(
             str(row["design"]),
             f"{significant(row['crlb_position_m']['p95'], 3)} m in 95 %, worst found "
             f"{significant(row['worst_found']['value'], 3)} m",
             row["crlb_position_m"]["p95"] <= goal and row["worst_found"]["value"] <= goal,
-            str(row["answer"]),
+            f"bound of {record['samples']:,} entries{_filter_words(row)}",
         )
         for row in rows
     )
     title = f"Within {goal:g} m at {record['deployment']}, anywhere and at any time?"
     return Section("The answer", (Sentence(lead), Answers(title, tuple(answers)), carrying))
+
+
+def _filter_words(row: dict[str, Any]) -> str:
+    """Whether the filter is as good as it says, where it was flown."""
+    if row["nees"] is None:
+        return ""
+    if not row["believed"]:
+        return f"; the filter's errors are {row['errors_over_claim']:.3g} times what it claims"
+    return "; the filter is consistent" if row["consistent"] else "; the filter is not consistent"
 
 
 def judge_section(
@@ -116,13 +136,14 @@ def judge_section(
     campaign = found[0].campaign
     ranked = [designs[row["given"] - 1] for row in record["designs"]]
 
-    def judged(design: Design, on: Campaign) -> Judgement:
+    def judged(design: Design, on: Campaign, unknowns: Unknowns) -> Judgement:
         return judge_entries(
             design.constellation,
             on,
             scenario,
             figure=design.figure,
             mask=design.mask,
+            unknowns=unknowns,
             threads=threads,
         )
 
@@ -131,14 +152,14 @@ def judge_section(
     for k in range(1, BATCHES):
         again = campaign.again(draw_arrivals(samples, seed + k))
         for own, design in zip(more, ranked, strict=False):
-            own.append(judged(design, again))
+            own.append(judged(design, again, own[0].unknowns))
     unknown = ", ".join(unknown_air(record))
     paragraphs = (
         f'{campaign.size:,} entries of the lander of "{scenario.name}" to {campaign.deployment}, '
         "spread evenly over the globe, all azimuths and the repeat period. For each, the "
         f"posterior Cramer-Rao bound of position and velocity there from {_measured(scenario)} to "
         "every satellite in view, each weighted with the probability that it gets through the "
-        f"plasma{'; ' + unknown if unknown else ''}.",
+        f"plasma{'; ' + unknown if unknown else ''}. {record['counted']}",
         *(f"{row['design']}: within {goal:g} m? {row['answer']}." for row in record["designs"]),
     )
     names = [design.name for design in ranked]
@@ -146,7 +167,7 @@ def judge_section(
         bound_map([(name, own) for name, own in zip(names, more, strict=False)], goal),
         bound_distributions(names, found, goal),
     )
-    tables = [ranking_table(record["designs"])]
+    tables = [ranking_table(record["designs"]), budget_table(record["designs"])]
     run = [row for row in record["designs"] if row["nees"] is not None]
     if run:
         tables.append(filter_table(run))
@@ -166,7 +187,7 @@ def surface_section(record: dict[str, Any]) -> Section:
     """Show what the ranked designs are worth to users on the surface."""
     text = (
         "Coverage at the design's mask is proven or refuted for all time; the highest mask is the "
-        "one up to which that fold holds. GDOP is sampled over area and time, and given with its "
-        "standard error."
+        "one up to which that fold holds. Percentiles of GDOP and the share of area and time with "
+        f"PDOP at most {PDOP_MAX:g} lie between the bounds shown, for all time."
     )
     return arranged("Users on the surface", (text,), (), (surface_table(record["designs"]),))

@@ -12,7 +12,7 @@ from compass.document import Answer, Picture, Sampled, Sentence, Table, Value, V
 from compass.document.blocks import Block, Section
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits import areosynchronous_radius
-from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture
+from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, look, new_figure, picture
 from compass.quantities import quantity
 
 if TYPE_CHECKING:
@@ -172,7 +172,7 @@ def _margin_picture(found: Outlook) -> Picture:
     assert found.drift is not None
     days, margin = found.drift["days"], found.drift["margin_deg"]
     with look():
-        figure = new_figure(7.2, 4.2)
+        figure = new_figure(*HALF)
         axes = figure.add_subplot()
         axes.plot(days, margin, color=MARS, lw=1.8, label="margin of the caps, proven")
         lowest = min(0.0, *margin)
@@ -207,14 +207,14 @@ def _slot_picture(found: Outlook) -> Picture:
     assert drift is not None
     along, across = np.array(drift["in_track_deg"]), np.array(drift["cross_track_deg"])
     with look():
-        figure = new_figure(7.2, 4.2)
+        figure = new_figure(*HALF)
         axes = figure.add_subplot()
         for s, name in enumerate(drift["satellites"]):
             colour = CYCLE[s % len(CYCLE)]
             axes.plot(along[:, s], across[:, s], color=colour, lw=1.0, alpha=0.9)
             axes.plot(along[-1, s], across[-1, s], "o", ms=4, color=colour)
             if len(drift["satellites"]) <= 30:
-                axes.annotate(name, (along[-1, s], across[-1, s]), (3, 3), fontsize=6.5,
+                axes.annotate(name, (along[-1, s], across[-1, s]), (3, 3), fontsize=8,
                               textcoords="offset points", color=colour)  # fmt: skip
         _slot_rim(axes, drift["slot_sideways_deg"])
         axes.set(xlabel="ahead of the slot, deg", ylabel="beside the slot, deg")
@@ -236,7 +236,7 @@ def _slot_rim(axes: "Axes", sideways: float | None) -> None:
 
 def _radius_picture(found: Outlook) -> Picture:
     with look():
-        figure = new_figure(7.2, 3.6)
+        figure = new_figure(*HALF)
         axes = figure.add_subplot()
         for r in found.radii:
             good = r.days_proven >= found.horizon_days

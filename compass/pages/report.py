@@ -18,7 +18,7 @@ from compass.errors import ArgumentError
 from compass.inputs.reading import read_text
 from compass.inputs.scenario import Scenario
 from compass.inputs.study import Study
-from compass.pages.design import design_report
+from compass.pages.design import PARTS, design_report
 from compass.pages.landing import landing_report
 from compass.pages.page import check_page_folder, write_page
 from compass.pages.trade import trade_report
@@ -124,7 +124,7 @@ def report(
         title, (page, sections) = flown.scenario.name, landing_report(flown)
     else:
         chosen = given_design(read)
-        with bar(progress, "report", total=14, unit="part", leave=False) as parts:
+        with bar(progress, "report", total=PARTS, unit="part", leave=False) as parts:
             title = chosen.name
             page, several = design_report(
                 chosen, command, MapOptions(**options), progress=lambda part: _step(parts, part)

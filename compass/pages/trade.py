@@ -104,9 +104,7 @@ def trade_report(
         fronts = Section(fronts.title, tuple(b for b in fronts.blocks if b not in carrying))
         sections = [
             answer_section(study, chosen, measure, ranking, carrying),
-            Section(
-                "The finalists compared", (*map(Sentence, advised.paragraphs), *advised.tables)
-            ),
+            Section("Recommendation", (*map(Sentence, advised.paragraphs), *advised.tables)),
             fronts,
             _looked_at(study, results),
         ]

@@ -7,10 +7,13 @@ from typing import Any, Literal
 
 import numpy as np
 
+from compass.api.keep import keep
 from compass.coverage.certificate import prove_fold
 from compass.design import Design
 from compass.document import Answer, Answers, Sentence
 from compass.document.blocks import Picture, Section, Table, arranged
+from compass.document.numbers import significant
+from compass.errors import ArgumentError
 from compass.handover.czml import czml
 from compass.handover.geojson import geojson
 from compass.handover.instants import sample_times
@@ -26,6 +29,9 @@ from compass.study.ranking import Ranking, rank_designs
 from compass.study.results import known_figures
 from compass.study.sampling import sampled_over, sampling_of
 from compass.study.yardstick import Yardstick, compared_mask_deg
+
+#: The figure that is of a quick law, and simulated for finalists.
+LAW = "delta_v_keeping_m_s_year"
 
 
 @dataclass(frozen=True)
@@ -174,7 +180,7 @@ def answer_section(
 def worth(name: str, value: float) -> str:
     """Value of a figure of merit with its unit, for a sentence."""
     unit = MERITS[name].unit
-    return f"{value:.5g}" + ("" if unit == "1" else f" {unit}")
+    return significant(value, 4) + ("" if unit == "1" else f" {unit}")
 
 
 def change(a: float, b: float) -> str:
@@ -275,8 +281,24 @@ def _figure_table(study: Study, chosen: Sequence[Entrant], measure: Yardstick | 
     ]
     rest = ("",) if measure else ()
     rows.append(("certificate of the fold", *(e.certificate for e in chosen), *rest))
+    if LAW in study.named:
+        title = "the same simulated under all forces for a year, m/s/year"
+        rows.append((title, *(simulated_keeping(e) for e in chosen), *rest))
     names = [*(e.design.label for e in chosen), *([measure.role] if measure else [])]
     return Table("Every figure of the finalists", ("figure of merit", *names), tuple(rows))
+
+
+def simulated_keeping(entrant: Entrant) -> object:
+    """What keeping the satellite that needs most costs, simulated, where the law says it must be.
+
+    The law is of the mean push; the simulation meets it as it is, with Sun, moons and sunlight.
+    """
+    if entrant.finalist.figures[LAW] == 0.0:
+        return "none needed"
+    try:
+        return number(keep(entrant.design).to_dict()[LAW])
+    except ArgumentError as error:
+        return str(error)
 
 
 def number(value: float) -> object:

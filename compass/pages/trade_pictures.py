@@ -83,10 +83,11 @@ def front_pictures(
                     mec=INK,
                     label=measure.role,
                 )
-            if np.nanmax(y[good]) > 5 * np.nanmin(y[good]) > 0:
+            ratio = np.nanmax(y[good]) / np.nanmin(y[good]) if np.nanmin(y[good]) > 0 else 1.0
+            if ratio > 5:
                 axes.set_yscale("log")
                 axes.yaxis.set_major_formatter(ScalarFormatter())
-                axes.yaxis.set_minor_formatter(ScalarFormatter())
+                axes.yaxis.set_minor_formatter(ScalarFormatter() if ratio < 20 else "")
             axes.set(xlabel=_label(a, 60), ylabel=_label(b))
             axes.grid(True)
             figure.legend(frameon=False, fontsize=8, loc="outside lower center", ncols=2)

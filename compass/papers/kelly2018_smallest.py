@@ -20,7 +20,8 @@ RADIUS = 20427e3
 
 def rows() -> list[Row]:
     """Rows on continuous fourfold coverage and on the smallest population."""
-    sphere = FIGURES["kelly2018-sphere"].equatorial_radius
+    figure = FIGURES["kelly2018-sphere"]
+    sphere = figure.equatorial_radius
     design = walker_delta(15, 5, 1, inclination_deg=45.0, radius_km=RADIUS / 1e3)
     certificate = prove_fold(design, 4, sphere_radius=sphere)
     least, greatest = fold_range(design, sphere_radius=sphere)
@@ -28,7 +29,7 @@ def rows() -> list[Row]:
     margin = highest_mask(design, 4, sphere_radius=sphere)
     assert margin is not None
     smaller = search(
-        4, 0.0, radius=RADIUS, sphere_radius=sphere, largest=14, finalists=1, workers=2
+        4, 0.0, radius=RADIUS, figure=figure, largest=14, beyond=14, finalists=1, workers=2
     )
     best = smaller[0]
     assert best.constellation.pattern is not None

@@ -1,6 +1,7 @@
 """Bounds of landing navigation over the globe, and as distributions."""
 
 from collections.abc import Sequence
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,6 +32,10 @@ def largest_by_cell(judgements: Sequence[Judgement]) -> NDArray[np.float64]:
         column = ((longitude + np.pi) / (2 * np.pi) * COLUMNS).astype(int) % COLUMNS
         np.maximum.at(cells, (row, column), one.position_sigma)
     return np.where(np.isfinite(cells), cells, np.nan)
+
+
+#: A share of entries up to which each of them is ringed.
+FEW = 0.05
 
 
 def bound_map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> Picture:
@@ -65,12 +70,10 @@ def bound_map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> 
                 [np.degrees(one.campaign.deployment_place) for one in judgements], axis=1
             )
             far = sigma > goal
-            world.points(
-                beyond[1, far], beyond[0, far], marker="o", ms=3.5, mfc="none", mec=MARS, mew=1.1
-            )
-            each.set_title(
-                f"{name}: {int(far.sum())} of {sigma.size} entries beyond {goal:g} m", fontsize=10
-            )
+            if far.mean() < FEW:  # more would hide the map
+                world.points(*beyond[::-1, far], marker="o", ms=3.5, mfc="none", mec=MARS, mew=1.1)
+            share = f"{100 * far.mean():.3g} % of entries beyond {goal:g} m"
+            each.set_title(f"{fill(name, 46)}\n{share}", fontsize=9)
         bar = colour_bar(list(axes), mesh, "largest position bound at deployment in the cell, m")
         bar.ax.xaxis.set_major_formatter("{x:g}")
         bar.ax.xaxis.set_minor_formatter("{x:g}" if high < 8 * low else "")
@@ -79,7 +82,8 @@ def bound_map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> 
         "judge-map",
         "Position bound at deployment over the globe",
         "Largest Cramer-Rao sigma of position among the entries that deploy in each cell (all of "
-        f"one area); red rings: entries beyond {goal:g} m. White: no entry deployed there.",
+        f"one area); red rings, where they are few: entries beyond {goal:g} m. White: no entry "
+        "deployed there.",
         wide=True,
     )
 

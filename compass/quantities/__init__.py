@@ -13,6 +13,7 @@ from compass.quantities.coverage import CONTINUOUS, MAPS
 from compass.quantities.design import DESIGN
 from compass.quantities.geometry import GEOMETRY
 from compass.quantities.lasting import LASTING
+from compass.quantities.program import PROGRAM
 from compass.quantities.record import Quantity
 from compass.quantities.signal import SIGNAL
 
@@ -20,7 +21,8 @@ __all__ = ["QUANTITIES", "Quantity", "quantity"]
 
 #: All quantities, by name.
 QUANTITIES: Mapping[str, Quantity] = {
-    q.name: q for q in (*DESIGN, *GEOMETRY, *CONTINUOUS, *MAPS, *ACCESS, *LASTING, *SIGNAL)
+    q.name: q
+    for q in (*DESIGN, *GEOMETRY, *CONTINUOUS, *MAPS, *ACCESS, *LASTING, *SIGNAL, *PROGRAM)
 }
 
 

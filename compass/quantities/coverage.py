@@ -90,10 +90,6 @@ MAPS = (
         meaning="Not exceeded over 95 % of area and time.",
     ),
     Quantity(
-        "gdop_share", "1", "share of area and time with GDOP 6 or less", 5, "more", "share",
-        meaning="Over all of Mars and the time that decides.",
-    ),
-    Quantity(
         "availability", "1", "share of area and time with a good PDOP", 5, "more", "share",
         (0.0, 1.0), meaning="PDOP at most the largest that is wanted.",
     ),

@@ -20,6 +20,9 @@ LASTING = (
         meaning="By how much every satellite could still stray from its slot, at the best turn and "
         "phase of the pattern; enough, not needed.",
     ),
+    Quantity(
+        "distance_km", "km", "distance", 5, "more", meaning="Between two bodies' centres."
+    ),
     Quantity("in_track_deg", "deg", "ahead of its slot", 3, meaning="Along the track."),
     Quantity("cross_track_deg", "deg", "beside its slot", 3, meaning="Towards the orbit's pole."),
     Quantity(

@@ -35,6 +35,22 @@ SIGNAL = (
         "across_weight_inverse", "1", "1 over the square share of an along or cross error", 4,
         meaning="In the range of the average user.",
     ),
+    Quantity(
+        "radial_sigma_m", "m", "radial", 3, "less",
+        meaning="Of a satellite's position, up and down, as its tracking leaves it, one sigma.",
+    ),
+    Quantity(
+        "along_sigma_m", "m", "along", 3, "less",
+        meaning="Of a satellite's position along its track, one sigma.",
+    ),
+    Quantity(
+        "cross_sigma_m", "m", "cross", 3, "less",
+        meaning="Of a satellite's position across its orbit, one sigma.",
+    ),
+    Quantity(
+        "clock_sigma_m", "m", "clock", 3, "less",
+        meaning="Of a satellite's clock as length, one sigma; none where nothing measures it.",
+    ),
     _error("error_horizontal_m", "horizontal error", "Root of the east and north variances"),
     _error("error_vertical_m", "vertical error", "Of the height"),
     _error("error_position_m", "position error", "Root of the three variances"),

@@ -6,10 +6,8 @@ plane of plane 0. Radiation is left out: no dose model of Mars orbits is at hand
 References
 ----------
 .. [1] Vallado 2013, Fundamentals of Astrodynamics and Applications, 4th ed., algorithm 36
-   (Hohmann transfer) and section 6.4 (change of the node alone); eq. 9-38 (nodes under J2).
+   (Hohmann transfer) and section 6.4 (change of the node alone).
 """
-
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -61,31 +59,6 @@ def node_change(
     return np.asarray(2 * np.sqrt(gm / np.asarray(radius, dtype=float)) * half)
 
 
-def station_keeping(
-    radius: ArrayLike, inclination: ArrayLike, inclination_error: float, axis_error: float
-) -> NDArray[np.float64]:
-    """Delta-v a year that holds planes together whose nodes J2 drives apart, m/s.
-
-    All planes drift alike but for errors of inclination and semi-major axis. With
-    ``dRAAN/dt = -k cos i``, ``k = 3/2 n J2 (R/a)^2`` [1]_, these part two nodes at
-    ``k |sin i| di + 7/2 k |cos i| da/a``; undoing a year of it, little by little, takes
-    ``v sin i`` times the angle.
-
-    Parameters
-    ----------
-    radius, inclination
-        Metres and radians.
-    inclination_error, axis_error
-        di, radians, and da, metres, between two planes.
-    """
-    a = np.asarray(radius, dtype=float)
-    node, _, _ = secular_rates(a, 0.0, 0.0)
-    k = np.abs(node)
-    si, ci = np.sin(inclination), np.cos(inclination)
-    apart = k * (np.abs(si) * inclination_error + 3.5 * np.abs(ci) * axis_error / a)
-    return np.asarray(np.sqrt(MARS_GM.value / a) * np.abs(si) * apart * YEAR)
-
-
 def cost_figures(
     rows: NDArray, table: CostTable, sphere_radius: float
 ) -> dict[str, NDArray[np.float64]]:
@@ -114,12 +87,6 @@ def cost_figures(
         moved = node_change(radius[chosen, None], inclination[chosen, None], turns)
         plane_sum[chosen] = moved.sum(axis=1)
     drift, _, _ = secular_rates(radius, 0.0, inclination)
-    keeping: Any = station_keeping(
-        radius,
-        inclination,
-        float(np.radians(table.inclination_error_deg)),
-        table.axis_error_km * 1e3,
-    )
     return {
         "satellites": t,
         "planes": p,
@@ -127,5 +94,4 @@ def cost_figures(
         "delta_v_planes_m_s": node_change(radius, inclination, farthest),
         "delta_v_total_m_s": t * transfer + t / p * plane_sum,
         "node_drift_deg_year": np.abs(np.degrees(drift) * YEAR),
-        "station_keeping_m_s_year": np.where(p > 1, keeping, 0.0),
     }

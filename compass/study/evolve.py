@@ -124,7 +124,7 @@ def assess(
     study: Study, known: Known, stage: Callable[[str, NDArray], None], rows: NDArray
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Objectives (to be minimised, shape (n, m)) and violations (0: none, shape (n,))."""
-    stages = ["screen", "map", *(["entry"] if study.entry else [])]
+    stages = study.stages
     going = np.arange(rows.size)
     violation = np.zeros(rows.size)
     keys = identities(rows)

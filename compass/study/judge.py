@@ -15,6 +15,7 @@ from compass.entry.arrivals import draw_arrivals
 from compass.entry.campaign import Campaign, check_sigmas, fly_campaign
 from compass.entry.fisher import noise_variances
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
+from compass.entry.unknowns import NOTHING, Unknowns
 from compass.errors import ArgumentError
 from compass.frames import Figure, prime_meridian_angle
 from compass.inputs.scenario import Scenario
@@ -118,6 +119,7 @@ def judge(
     figure: Figure,
     mask: Mask,
     goal: float = 10.0,
+    unknowns: Unknowns = NOTHING,
     **campaign: Any,
 ) -> dict[str, Any]:
     """Figures of merit of a constellation for the landers of a scenario, as plain values.
@@ -126,7 +128,8 @@ def judge(
     `Judgement.figures`.
     """
     flown = campaign_of(scenario, samples, seed, **campaign)
-    return judge_entries(constellation, flown, scenario, figure=figure, mask=mask).figures(goal)
+    place: dict[str, Any] = {"figure": figure, "mask": mask, "unknowns": unknowns}
+    return judge_entries(constellation, flown, scenario, **place).figures(goal)
 
 
 def judge_entries(
@@ -136,6 +139,7 @@ def judge_entries(
     *,
     figure: Figure,
     mask: Mask,
+    unknowns: Unknowns = NOTHING,
     threads: int = 1,
 ) -> Judgement:
     """Information and posterior Cramer-Rao bound in each entry of a campaign.
@@ -143,9 +147,9 @@ def judge_entries(
     A range that arrives with probability lambda is worth ``lambda h^T h / sigma^2`` in
     expectation. The entries begin at their phases of the ground tracks' repeat period.
 
-    Noise is white, the satellites' places are known and no clock is estimated: ranges are two-way,
-    or of clocks that agree. Light time is known, so it changes nothing. What of this does not hold
-    makes errors larger than the bound.
+    Noise is white. What the lander does not know of clocks, orbits and biases is constant through
+    an entry, and counted as far as `unknowns` says. Light time is known, so it changes nothing.
+    What of this does not hold makes errors larger than the bound.
 
     Parameters
     ----------
@@ -160,6 +164,8 @@ def judge_entries(
     mask
         Elevation over the limb below which a satellite is not heard; of one that depends on
         azimuth the highest, for a lander knows no horizon of hills.
+    unknowns
+        Clocks, orbits and biases that the lander does not know.
     threads
         Threads; the result does not depend on them.
 
@@ -178,8 +184,12 @@ def judge_entries(
     weights = campaign.arrival_probability * due(scenario, campaign.times)
     variances = noise_variances(scenario.measurements)
     seen = np.zeros((size, campaign.times.size, n), dtype=bool)
-    d = campaign.gains.shape[3]
-    shares, sigma = np.zeros((size, n, d * (d + 1) // 2)), np.empty((size, 1 + n, 2))
+    clock, roots = unknowns.clock_sigmas(), unknowns.roots(n)
+    d = campaign.gains.shape[3] + clock.size
+    packed = d * (d + 1) // 2
+    shares, sigma = np.zeros((size, n, packed)), np.empty((size, 1 + n, 2))
+    sums, ends = np.zeros((size, 4, packed)), np.zeros((size, 6, d))
+    ends[:, :, : d - clock.size] = campaign.gains[np.arange(size), campaign.stops]
 
     def work(first: int) -> None:
         part = slice(first, min(first + BLOCK, size))
@@ -200,10 +210,13 @@ def judge_entries(
             figure.equatorial_radius,
             np.sin(mask.highest),
             np.cos(mask.highest),
+            clock,
+            roots,
             seen[part],
             shares[part],
+            sums[part],
         )
-        bounds(shares[part], campaign.gains[part], campaign.stops[part], sigma[part])
+        bounds(shares[part], ends[part], sigma[part])
 
     blocks: Sequence[int] = range(0, size, BLOCK)
     if threads == 1:
@@ -215,7 +228,9 @@ def judge_entries(
     counts = np.zeros((1 + n, 1 + n), dtype=np.int64)
     count_in_view(seen, campaign.stops, counts)
     total = unpacked(shares.sum(axis=1))
-    return Judgement(constellation, campaign, epochs, seen, counts, total, shares, sigma)
+    return Judgement(
+        constellation, campaign, unknowns, epochs, seen, counts, total, shares, sigma, ends, sums
+    )
 
 
 def due(scenario: Scenario, times: Array) -> NDArray[np.bool_]:

@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from compass.entry.beacons import Beacons, orbiting_beacons
 from compass.entry.consistency import FALSE_ALARM, nees_bounds
+from compass.entry.layout import Part
 from compass.entry.navigation import MonteCarlo, run_monte_carlo
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
 from compass.entry.trajectory import fly
+from compass.entry.unknowns import NOTHING, Unknowns
 from compass.entry.views import spherical_of
 from compass.errors import ArgumentError
 from compass.frames import Figure, prime_meridian_angle
@@ -47,6 +49,9 @@ def judge_filter(
     figure: Figure,
     mask: Mask,
     electrons: ElectronModel | ElectronTable | None = WAKE,
+    density_sigma: float = 0.0,
+    lift_sigma: float = 0.0,
+    unknowns: Unknowns = NOTHING,
     threads: int | None = None,
     progress: Callable[..., Iterable[Any]] = lambda items, **_: items,
 ) -> dict[str, Any]:
@@ -55,8 +60,7 @@ def judge_filter(
     Parameters
     ----------
     constellation, scenario, figure, mask
-        As in `compass.study.judge.judge`; the truth is the scenario's, with its biases, and the
-        filter that of the scenario, which takes density and L/D as known.
+        As in `compass.study.judge.judge`; the truth is the scenario's, with its biases.
     samples, runs
         Entries of the campaign, of which the first `ENTRIES` are flown, and how many runs at
         least, the same number in each entry, with its own errors, noise and arrivals.
@@ -64,6 +68,10 @@ def judge_filter(
         Of the entries and of the runs.
     electrons
         As in `compass.study.judge.campaign_of`.
+    density_sigma, lift_sigma, unknowns
+        What is not known: the filter estimates density, L/D and its clock, and considers errors of
+        the satellites, as a bias of the ranges to each: the size of its error along the line of
+        sight in mid-flight, which hardly turns in an entry.
     threads
         Threads; one a processor if left out. The numbers do not depend on them.
     progress
@@ -85,12 +93,25 @@ def judge_filter(
     if runs < 1:
         raise ArgumentError(f"runs = {runs}: must be at least 1")
     entries = min(ENTRIES, samples, runs)
-    campaign = campaign_of(scenario, entries, seed, electrons=electrons)
+    campaign = campaign_of(
+        scenario,
+        entries,
+        seed,
+        electrons=electrons,
+        density_sigma=density_sigma,
+        lift_sigma=lift_sigma,
+    )
+    air = (("air", density_sigma), ("lift", lift_sigma * abs(scenario.model.vehicle.lift_to_drag)))
+    parts_of_air = tuple(Part(name, (sigma,)) for name, sigma in air if sigma)
     each = ceil(runs / campaign.size)
-    found = judge_entries(constellation, campaign, scenario, figure=figure, mask=mask)
+    found = judge_entries(
+        constellation, campaign, scenario, figure=figure, mask=mask, unknowns=unknowns
+    )
     streams = np.random.SeedSequence(seed).spawn(campaign.size)
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
-        work = pool.map(lambda m: _run(found, scenario, m, each, streams[m]), range(campaign.size))
+        work = pool.map(
+            lambda m: _run(found, scenario, m, each, streams[m], parts_of_air), range(campaign.size)
+        )
         parts = list(progress(work, total=campaign.size))
     errors = np.concatenate([part.errors[:, -1] for part in parts])
     nees = np.concatenate([part.nees[:, -1] for part in parts])
@@ -152,12 +173,17 @@ def _run(
     entry: int,
     runs: int,
     stream: np.random.SeedSequence,
+    parts_of_air: tuple[Part, ...],
 ) -> MonteCarlo:
     """Run the filter in one entry, each run with arrivals of its own."""
     campaign, beacons = found.campaign, entry_beacons(found, entry)
     count = beacons.times.size
-    spread = campaign.spreads[entry, :6]
-    settings = replace(scenario.settings, covariance0=spread @ spread.T)
+    spread = campaign.spreads[entry, :6, :6]
+    path = campaign.paths[entry, :count]
+    parts = found.unknowns.parts(beacons, path, campaign.model.omega)
+    settings = replace(
+        scenario.settings, covariance0=spread @ spread.T, parts=(*parts_of_air, *parts)
+    )
     truth = fly(scenario.truth, spherical_of(campaign.paths[entry, 0]), beacons.times)
     if truth.times.size < count:
         raise ArgumentError(
@@ -165,11 +191,11 @@ def _run(
             f"{beacons.times[-1]:g} s in the air that the filter knows"
         )
     possible = found.seen[entry, :count] & due(scenario, beacons.times)[:, None]
-    parts = []
+    made = []
     for own in stream.spawn(runs):
         draw = np.random.default_rng(own).random(possible.shape)
         taken = possible & (draw < campaign.arrival_probability[entry, :count, None])
-        parts.append(
+        made.append(
             run_monte_carlo(
                 scenario.model,
                 truth,
@@ -184,7 +210,7 @@ def _run(
         )
 
     def joined(name: str) -> NDArray[Any]:
-        return np.concatenate([getattr(part, name) for part in parts])
+        return np.concatenate([getattr(part, name) for part in made])
 
     return MonteCarlo(
         joined("errors"),
@@ -192,5 +218,5 @@ def _run(
         joined("sigmas"),
         joined("diverged"),
         joined("nees_all"),
-        parts[0].estimated,
+        made[0].estimated,
     )

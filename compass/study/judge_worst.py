@@ -7,6 +7,7 @@ import numpy as np
 
 from compass.entry.arrivals import Arrivals
 from compass.entry.campaign import Campaign
+from compass.entry.unknowns import NOTHING, Unknowns
 from compass.errors import ArgumentError
 from compass.frames import Figure
 from compass.inputs.scenario import Scenario
@@ -37,6 +38,7 @@ def worst_entry(
     seed: int = 0,
     start: Judgement | None = None,
     lost: int | None = None,
+    unknowns: Unknowns = NOTHING,
 ) -> dict[str, Any]:
     """Worst bound of position at deployment that a search finds, and where and when.
 
@@ -49,7 +51,7 @@ def worst_entry(
 
     Parameters
     ----------
-    constellation, scenario, campaign, figure, mask
+    constellation, scenario, campaign, figure, mask, unknowns
         As in `compass.study.judge.judge_entries`.
     rounds, seed
         How often to draw anew, and from which seed.
@@ -59,7 +61,7 @@ def worst_entry(
         A satellite whose loss is looked at too: what is worst without it comes as
         ``after_loss``, of all entries that either search has tried.
     """
-    place: dict[str, Any] = {"figure": figure, "mask": mask}
+    place: dict[str, Any] = {"figure": figure, "mask": mask, "unknowns": unknowns}
     found = start or judge_entries(constellation, campaign, scenario, **place)
     generator = np.random.default_rng(seed)
     cases = (None,) if lost is None else (None, lost)

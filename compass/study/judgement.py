@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.entry.campaign import Campaign
+from compass.entry.unknowns import Unknowns
 from compass.orbits import Constellation
 
 Array = NDArray[np.float64]
@@ -18,8 +19,8 @@ class Judgement:
 
     Attributes
     ----------
-    constellation, campaign
-        Who was judged, on what.
+    constellation, campaign, unknowns
+        Who was judged, on what, and what the lander does not know.
     epochs
         Seconds after the constellation's epoch at which each entry begins, (m,).
     seen
@@ -33,16 +34,21 @@ class Judgement:
     sigma
         Posterior Cramer-Rao sigma of position (m) and velocity (m/s) at deployment, (m, 1 + n,
         2): with all satellites, then without each of them.
+    ends, sums
+        Gains at deployment, (m, 6, d), and the sums of `compass.core.entry.many.information`.
     """
 
     constellation: Constellation
     campaign: Campaign
+    unknowns: Unknowns
     epochs: Array
     seen: NDArray[np.bool_]
     counts: NDArray[np.int64]
     information: Array
     shares: Array
     sigma: Array
+    ends: Array
+    sums: Array
 
     @property
     def position_sigma(self) -> Array:
@@ -70,6 +76,34 @@ class Judgement:
             name = self.constellation.satellite_names[lost]
             result["after_loss"] = {"satellite": name, **self._figures(lost, goal)}
         return result
+
+    def budget(self) -> dict[str, float]:
+        """Root mean square position error over the entries by its source, m; squares add up.
+
+        With K the posterior covariance of u: what the first state (and density, L/D and clock)
+        leave is ``K K`` in their components, noise leaves ``K N K``, satellites' errors
+        ``K B B^T K``, B their weight in the best gain. ``ignored`` is the whole for a gain that is
+        blind to the satellites' errors: the classical consider covariance.
+        """
+        place, count = self.ends[:, :3], self.ends.shape[2]
+        plain, spoilt, orbits, biases = np.moveaxis(unpacked(self.sums), 1, 0)
+
+        def rms(matrix: Array, known: Array = self.information) -> float:
+            gain = np.linalg.solve(np.eye(count) + known, np.swapaxes(place, 1, 2))
+            return float(np.sqrt(np.einsum("mai,mab,mbi->m", gain, matrix, gain).mean()))
+
+        clock = self.unknowns.clock_sigmas().size
+        names = ["first state"] * 6 + self.campaign.unknown_names + ["receiver's clock"] * clock
+        parts = {
+            name: rms(np.broadcast_to(np.diag([float(n == name) for n in names]), plain.shape))
+            for name in dict.fromkeys(names)
+        }
+        parts["noise of the ranges"] = rms(self.information - orbits - biases)
+        parts["satellites' orbits and clocks"] = rms(orbits)
+        parts["biases of the ranges"] = rms(biases)
+        parts["all"] = float(np.sqrt(np.mean(self.position_sigma**2)))
+        parts["ignored"] = rms(np.eye(count) + plain + spoilt, plain)
+        return parts
 
     def _figures(self, lost: int | None, goal: float) -> dict[str, Any]:
         column = 0 if lost is None else 1 + lost

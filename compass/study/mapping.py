@@ -15,7 +15,7 @@ from compass.coverage.gaps import coverage_gaps, shortest_pass
 from compass.coverage.grid import Grid, make_grid
 from compass.coverage.maps import coverage_map
 from compass.coverage.view import View, view
-from compass.design import Design
+from compass.design import PDOP_MAX, Design
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits import RepeatPeriod, repeat_period
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 MAX_EPOCHS = 100_000
 MAX_DURATION_H = 1e6
+
+#: Days after the epoch, a century, up to which a map may begin: rounding of time stays small.
+MAX_START_DAY = 36525.0
 
 # Bytes, as measured: a satellite at an epoch (the same where orbits are integrated, all epochs at
 # once), a cell, an epoch of a cell in the row at work.
@@ -70,7 +73,7 @@ class MapOptions:
     epochs: int = 109
     mask_deg: float | None = None
     fold: int | None = None
-    pdop_max: float = 6.0
+    pdop_max: float = PDOP_MAX
     motion: MotionModel | None = None
     start_day: float = 0.0
     duration_h: float | None = None
@@ -129,8 +132,10 @@ def make_map(
     mask = design.mask if chosen.mask_deg is None else option_mask(chosen.mask_deg)
     repeat = repeat_period(design.constellation)
     duration = repeat.duration if chosen.duration_h is None else chosen.duration_h * 3600
-    if not 0 <= chosen.start_day < np.inf:
-        raise ArgumentError(f"start_day = {chosen.start_day:g}: must be 0 or more days")
+    if not 0 <= chosen.start_day <= MAX_START_DAY:
+        raise ArgumentError(
+            f"start_day = {chosen.start_day:g}: allowed 0 to {MAX_START_DAY:g}, a century"
+        )
     times = np.arange(chosen.epochs) * (duration / chosen.epochs)
     times += chosen.start_day * SECONDS_PER_DAY
     motion = design.motion.or_of(chosen.motion)

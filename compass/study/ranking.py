@@ -1,17 +1,18 @@
 """Designs judged on the same entries, and ranked."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from compass.design import Design
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, said_of
 from compass.inputs.scenario import Scenario
 from compass.study.judge import campaign_of, check_lander, judge_entries
 from compass.study.judge_filter import NOT_RUN, judge_filter
 from compass.study.judge_surface import judge_surface
 from compass.study.judge_worst import worst_entry
 from compass.study.judgement import Judgement
+from compass.study.unknowns import NO_DOUBTS, Doubts
 
 #: Most runs of the filter on one design.
 MOST_RUNS = 100_000
@@ -42,6 +43,7 @@ def rank_designs(
     goal: float = 10.0,
     density_sigma: float = 0.0,
     lift_sigma: float = 0.0,
+    doubts: Doubts = NO_DOUBTS,
     finalists: int = 3,
     runs: int = 512,
     threads: int = 1,
@@ -64,6 +66,8 @@ def rank_designs(
         Position sigma wanted at deployment, metres.
     density_sigma, lift_sigma
         As in `compass.entry.campaign.fly_campaign`.
+    doubts
+        What the lander does not know of clocks, orbits and biases.
     finalists, runs
         On how many of the best to run the filter, and how often for each.
     threads
@@ -86,47 +90,56 @@ def rank_designs(
     rows: list[dict[str, Any]] = []
     kept: list[Judgement] = []
     for design in progress(designs, total=len(designs), desc="designs"):
-        place: dict[str, Any] = {"figure": design.figure, "mask": design.mask}
-        c = design.constellation
-        found = judge_entries(c, campaign, scenario, threads=threads, **place)
-        kept.append(found)
-        judged = found.figures(goal)
-        worst = worst_entry(
-            c, scenario, campaign, seed=seed, start=found, lost=found.worst_loss, **place
-        )
-        if "after_loss" in worst:
-            judged["after_loss"]["worst_found"] = worst.pop("after_loss")
-        judged["worst_found"] = worst
-        rows.append(
-            {
-                "design": design.name,
-                "file": design.label,
-                "given": len(rows) + 1,
-                "satellites": design.constellation.size,
-                **judged,
-                "answer": answer(judged, goal),
-                **NOT_RUN,
-                "surface": judge_surface(c, fold=design.fold, **place),
-            }
-        )
+        with said_of(design.label):
+            place: dict[str, Any] = {"figure": design.figure, "mask": design.mask}
+            c, unknowns = design.constellation, doubts.of(design)
+            place["unknowns"] = unknowns
+            found = judge_entries(c, campaign, scenario, threads=threads, **place)
+            kept.append(found)
+            judged = found.figures(goal)
+            worst = worst_entry(
+                c, scenario, campaign, seed=seed, start=found, lost=found.worst_loss, **place
+            )
+            if "after_loss" in worst:
+                judged["after_loss"]["worst_found"] = worst.pop("after_loss")
+            judged["worst_found"] = worst
+            rows.append(
+                {
+                    "design": design.name,
+                    "file": design.label,
+                    "given": len(rows) + 1,
+                    "satellites": design.constellation.size,
+                    **judged,
+                    "budget_m": found.budget(),
+                    "answer": answer(judged, goal),
+                    **NOT_RUN,
+                    "surface": judge_surface(
+                        c, fold=design.fold, figure=design.figure, mask=design.mask
+                    ),
+                }
+            )
     order = sorted(
         range(len(rows)),
         key=lambda k: (rows[k]["crlb_position_m"]["p95"], rows[k]["satellites"]),
     )
     for k in progress(order[:finalists], total=min(finalists, len(order)), desc="filter"):
         design = designs[k]
-        rows[k].update(
-            judge_filter(
-                design.constellation,
-                scenario,
-                samples=samples,
-                runs=runs,
-                seed=seed,
-                figure=design.figure,
-                mask=design.mask,
-                threads=threads,
+        with said_of(design.label):
+            rows[k].update(
+                judge_filter(
+                    design.constellation,
+                    scenario,
+                    samples=samples,
+                    runs=runs,
+                    seed=seed,
+                    figure=design.figure,
+                    mask=design.mask,
+                    density_sigma=density_sigma,
+                    lift_sigma=lift_sigma,
+                    unknowns=doubts.of(design),
+                    threads=threads,
+                )
             )
-        )
         rows[k]["answer"] = believed_answer(rows[k], goal)
     record = {
         "scenario": scenario.name,
@@ -136,6 +149,8 @@ def rank_designs(
         "goal_m": goal,
         "density_sigma": density_sigma,
         "lift_sigma": lift_sigma,
+        "doubts": asdict(doubts),
+        "counted": doubts.sentence([d.name for d in designs if d.signal is not None]),
         "designs": [{"rank": rank + 1, **rows[k]} for rank, k in enumerate(order)],
     }
     return Ranking(record, tuple(kept[k] for k in order))

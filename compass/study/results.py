@@ -117,7 +117,7 @@ def known_figures(study: Study) -> list[str]:
     others = [
         name
         for name, merit in MERITS.items()
-        if name not in wanted and (study.entry or merit.stage != "entry")
+        if name not in wanted and merit.stage in ("cost", *study.stages)
     ]
     return wanted + others
 
@@ -135,4 +135,5 @@ def write_results(dataset: "xr.Dataset", path: Path) -> None:
     """Write the dataset as netCDF, so that a kill leaves the old file or the new one."""
     from compass.saving import save_netcdf
 
-    save_netcdf(path, dataset.assign(feasible=dataset.feasible.astype("i1")))
+    made = dataset.assign(feasible=dataset.feasible.astype("i1"))
+    save_netcdf(path, made.assign_attrs(history=f"compass trade, version {compass.__version__}"))

@@ -8,6 +8,7 @@ import numpy as np
 
 from compass.design import Design
 from compass.entry.campaign import Campaign
+from compass.entry.unknowns import NOTHING, Unknowns
 from compass.errors import ArgumentError
 from compass.inputs.scenario import Scenario
 from compass.orbits import Constellation
@@ -29,6 +30,7 @@ def best_rival(
     *,
     radius: float | None = None,
     finalists: int = 6,
+    unknowns: Unknowns = NOTHING,
     threads: int = 1,
     progress: Callable[..., Iterable[Any]] = lambda items, **_: items,
 ) -> Constellation:
@@ -41,7 +43,7 @@ def best_rival(
     ----------
     design
         Size, radius, figure and mask.
-    scenario, campaign, threads
+    scenario, campaign, unknowns, threads
         As in `compass.study.judge.judge_entries`.
     radius
         Of the orbits, metres; the design's if left out.
@@ -72,7 +74,13 @@ def best_rival(
         if closest_approach(rival) < LEAST_APPROACH:
             return np.inf
         found = judge_entries(
-            rival, on, scenario, figure=design.figure, mask=design.mask, threads=threads
+            rival,
+            on,
+            scenario,
+            figure=design.figure,
+            mask=design.mask,
+            unknowns=unknowns,
+            threads=threads,
         )
         return float(np.percentile(found.position_sigma, 95))
 

@@ -21,6 +21,8 @@ def sampling_of(study: Study, figure: str) -> str:
     if stage == "map":
         grid = study.map
         return f"{grid.step_deg:g} deg cells, {grid.epochs} epoch{'s' * (grid.epochs > 1)}"
+    if stage == "orbits":
+        return f"{study.orbits.days:g} days"
     if stage == "entry" and study.entry is not None:
         return f"{study.entry.samples} entr{'ies' if study.entry.samples > 1 else 'y'}"
     return ""
@@ -31,8 +33,8 @@ def sampled_over(study: Study, figures: list[str]) -> str:
     groups: dict[str, list[str]] = {}
     for name in figures:
         if words := sampling_of(study, name) if name in MERITS else "":
-            groups.setdefault(words, []).append(name)
-    return "; ".join(f"{', '.join(names)} over {how}" for how, names in groups.items())
+            groups.setdefault(words, []).append(MERITS[name].title)
+    return "; ".join(f"{'; '.join(names)}: over {how}" for how, names in groups.items())
 
 
 #: Parts into which the sides of cells, and times, are cut to see how far figures move.

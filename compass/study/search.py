@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 from compass.core.inclination import best_inclination
 from compass.coverage.cap import cap_radius, mask_for_cap
 from compass.coverage.certificate import prove_fold
-from compass.coverage.gdop import gdop_percentile
+from compass.coverage.certified_geometry import CertifiedGeometry, certified_geometry
 from compass.coverage.margin import covering_radius
 from compass.coverage.symmetry import shortest_span
 from compass.errors import ArgumentError
+from compass.frames import Figure
 from compass.orbits import Constellation, Pattern
 from compass.orbits.constellation import from_pattern
 from compass.orbits.kinds import ROSETTE, WALKER_DELTA, WALKER_STAR, kind_of, least_multiplier
+from compass.sites import Mask
 
 #: Sizes that a search can take on in reasonable time.
 MOST_SATELLITES = 64
@@ -39,8 +41,8 @@ class Candidate:
         Least angle between two satellites at any time, radians: 0 means that some collide.
     proven
         Whether the certificate of continuous coverage confirms it.
-    gdop_p95
-        GDOP not exceeded over 95 % of area and time; None if not asked for.
+    geometry
+        Availability and the GDOP not exceeded over 95 % of area and time; None if not asked for.
     """
 
     constellation: Constellation
@@ -48,12 +50,13 @@ class Candidate:
     mask_margin: float
     closest_approach: float
     proven: bool = False
-    gdop_p95: float | None = None
+    geometry: CertifiedGeometry | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values with degrees."""
         pattern = self.constellation.pattern
         assert pattern is not None
+        known = self.geometry and self.geometry.numbers()
         return {
             "pattern": pattern.kind,
             "satellites": pattern.satellites,
@@ -65,7 +68,10 @@ class Candidate:
             "mask_margin_deg": float(np.degrees(self.mask_margin)),
             "closest_approach_deg": float(np.degrees(self.closest_approach)),
             "proven": self.proven,
-            "gdop_p95": self.gdop_p95,
+            "gdop_p95": known and known["gdop"]["p95"],
+            "gdop_p95_bracket": known and known["gdop"]["p95_bracket"],
+            "availability": known and known["availability"],
+            "availability_bracket": known and known["availability_bracket"],
         }
 
 
@@ -94,16 +100,18 @@ def search(
     mask: float,
     *,
     radius: float,
-    sphere_radius: float,
+    figure: Figure,
     largest: int,
+    beyond: int = 0,
     kind: str = "walker-delta",
     finalists: int = 10,
     least_approach: float = 0.0,
     workers: int = 2,
     progress: Callable[..., Iterable[Any]] = lambda items, **_: items,
 ) -> list[Candidate]:
-    """All patterns with continuous `fold`-fold coverage, smallest first, then largest margin.
+    """Smallest patterns with continuous `fold`-fold coverage, those of largest margin first.
 
+    Size after size is tried, up to the first that any pattern covers with, and `beyond` more.
     Inclinations from 0 to 90 degrees are searched by branch and bound, so no local minimum is
     missed, and rounded to 0.01 degree; more than 90 degrees give the mirror images.
 
@@ -111,16 +119,20 @@ def search(
     ----------
     fold, mask
         Satellites to be in view at once, above this elevation (radians, not negative).
-    radius, sphere_radius
-        Of the orbits and of the sphere, metres.
+    radius
+        Of the orbits, metres.
+    figure
+        Sphere that is to be covered.
     largest
-        Largest number of satellites.
+        Largest number of satellites to try.
+    beyond
+        How many sizes to try beyond the smallest that covers.
     kind
         Name of one of `compass.orbits.kinds.KINDS`.
     finalists
-        How many of the best get a certificate and their GDOP.
+        How many of the best get a certificate and certified geometry.
     least_approach
-        Those in which two satellites come nearer than this, radians, go last.
+        Those in which two satellites come nearer than this, radians, do not count and go last.
     workers
         Threads; the result does not depend on them.
     progress
@@ -140,21 +152,31 @@ def search(
         raise ArgumentError(f"mask_deg = {np.degrees(mask):g}: allowed 0 up to below 90")
     if finalists < 0:
         raise ArgumentError(f"finalists = {finalists}: must be 0 or more")
+    if beyond < 0:
+        raise ArgumentError(f"beyond = {beyond}: must be 0 or more")
+    sphere_radius = figure.equatorial_radius
     cap = float(cap_radius(radius, sphere_radius, mask))
-    makers = list(patterns(kind, largest, radius, smallest=fold + 1))
+    sizes = [list(patterns(kind, t, radius, smallest=t)) for t in range(fold + 1, largest + 1)]
+    found: list[Candidate] = []
+    close: list[Candidate] = []
     pool = ThreadPoolExecutor(workers)
+
+    def size_after_size() -> Iterator[Candidate | None]:
+        for size, makers in enumerate(sizes, start=fold + 1):
+            if found and size > found[0].constellation.size + beyond:
+                return
+            yield from pool.map(lambda make: _best(make, fold, cap, sphere_radius), makers)
+
     try:
-        work = pool.map(lambda make: _best(make, fold, cap, sphere_radius), makers)
-        found = [c for c in progress(work, total=len(makers)) if c is not None]
-        found.sort(
-            key=lambda c: (
-                c.closest_approach < least_approach, c.constellation.size, -round(c.mask_margin, 9)
-            )
-        )  # fmt: skip
-        best = list(pool.map(lambda c: _examine(c, fold, mask, sphere_radius), found[:finalists]))
+        for one in progress(size_after_size(), total=sum(map(len, sizes))):
+            if one is not None:
+                (found if one.closest_approach >= least_approach else close).append(one)
+        for some in (found, close):
+            some.sort(key=lambda c: (c.constellation.size, -round(c.mask_margin, 9)))
+        best = list(pool.map(lambda c: _examine(c, fold, mask, figure), found[:finalists]))
     finally:
         pool.shutdown(cancel_futures=True)  # an interrupted search does not finish its list first
-    return best + found[len(best) :]
+    return best + found[len(best) :] + close
 
 
 def _best(
@@ -232,9 +254,9 @@ def pair_cosines(constellation: Constellation) -> tuple[NDArray[np.float64], NDA
     return ((pp + qq) / 2)[pairs], np.hypot((pp - qq) / 2, (pq + pq.T) / 2)[pairs]
 
 
-def _examine(candidate: Candidate, fold: int, mask: float, sphere_radius: float) -> Candidate:
-    """Add certificate and GDOP to a finalist."""
+def _examine(candidate: Candidate, fold: int, mask: float, figure: Figure) -> Candidate:
+    """Add certificate and certified geometry to a finalist."""
     c = candidate.constellation
-    certificate = prove_fold(c, fold, sphere_radius=sphere_radius, mask=mask)
-    p95 = gdop_percentile(c, 95.0, sphere_radius=sphere_radius, mask=mask).value
-    return replace(candidate, proven=certificate.outcome == "proven", gdop_p95=p95)
+    certificate = prove_fold(c, fold, sphere_radius=figure.equatorial_radius, mask=mask)
+    geometry = certified_geometry(c, figure=figure, mask=Mask.constant(mask))
+    return replace(candidate, proven=certificate.outcome == "proven", geometry=geometry)

@@ -1,9 +1,10 @@
 """What is found out about candidates, stage by stage: the cheap and exact first.
 
-1. ``screen``: cost proxies, the exact continuous fold and its margin, closest approach; one
-   kernel call for a thousand candidates.
+1. ``screen``: cost proxies, the exact continuous fold and its margin, closest approach, what
+   keeping costs by a quick law; a kernel call for a thousand candidates.
 2. ``map``: geometry (DOP, counts) over area and time, for candidates that pass the screen.
-3. ``entry``: landing navigation, for the best of those that pass the map.
+3. ``orbits``: how long the fold is proven on real orbits, where the study asks for it.
+4. ``entry``: landing navigation, for the best of those that pass all before.
 
 Every function takes candidates and the study, and nothing else decides its numbers: neither the
 batch a candidate is in nor the worker.
@@ -22,6 +23,7 @@ from compass.inputs.merit import merits_of
 from compass.inputs.study import Study
 from compass.study.candidates import pattern_columns
 from compass.study.cost import cost_figures
+from compass.study.lasting import keeping_law, orbits_figures
 from compass.study.pattern_judging import entry_figures
 from compass.study.pattern_map import map_figures
 
@@ -123,6 +125,7 @@ def screen(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
     figures["cap_radius_min_deg"][kept] = np.degrees(bounded)
     figures["mask_margin_deg"][kept] = np.degrees(mask_for_cap(bounded, radius, sphere))
     figures["closest_approach_deg"][kept] = np.degrees(closest)
+    figures["delta_v_keeping_m_s_year"][kept] = keeping_law(some, caps - bounded)
     return figures
 
 
@@ -130,5 +133,6 @@ def screen(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
 FINDERS: dict[str, Callable[[Study, NDArray], dict[str, NDArray[np.float64]]]] = {
     "screen": screen,
     "map": map_figures,
+    "orbits": orbits_figures,
     "entry": entry_figures,
 }

@@ -24,7 +24,7 @@ from compass.study.workers import Workers
 NAMED = 5
 
 #: Candidates a task: some 80 ms of work, to dwarf its handling, and little enough to lose.
-BATCH = {"screen": 500, "map": 128, "entry": 96}
+BATCH = {"screen": 500, "map": 128, "orbits": 1, "entry": 96}
 
 #: Figure of the map that tells most about a lander's bound before it is judged: over the patterns
 #: of designs/study-fourfold.toml from 14 satellites on, rank correlation 0.8 with its median and
@@ -72,7 +72,7 @@ class Summary:
 
 
 def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summary:
-    """Bring a study to its end: screen, map, entry; or generation by generation (NSGA-II).
+    """Bring a study to its end: screen, map, orbits, entry; or generation by generation (NSGA-II).
 
     Raises
     ------
@@ -96,8 +96,11 @@ def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summa
     found = candidates(study)
     summary.candidates = len(found)
     _stage("screen", batches(found, BATCH["screen"]), store, workers, bars, summary, len(found))
-    survivors = passed(study, store, "screen")
-    _stage("map", survivors, store, workers, bars, summary)
+    before = "screen"
+    for stage in ("map", "orbits"):
+        if stage in study.stages:
+            _stage(stage, passed(study, store, before), store, workers, bars, summary)
+            before = stage
     if study.entry is not None:
         _stage("entry", finalists(study, store), store, workers, bars, summary)
     return summary
@@ -179,7 +182,7 @@ def finalists(study: Study, store: Store) -> NDArray:
     `STAND_IN` takes the place of objectives that only entries tell.
     """
     assert study.entry is not None
-    rows = passed(study, store, "map")
+    rows = passed(study, store, study.stages[study.stages.index("entry") - 1])
     if rows.size <= study.entry.finalists:
         return rows
     signs = {o.figure: o.sign for o in study.objectives if MERITS[o.figure].stage != "entry"}

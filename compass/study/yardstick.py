@@ -20,6 +20,7 @@ from compass.sites import Mask
 from compass.study.candidates import PATTERNS, ROW
 from compass.study.choice import notation
 from compass.study.judge import judge
+from compass.study.lasting import proven_days
 from compass.study.pattern_map import places
 from compass.study.sampling import doubtful, finer, map_errors
 from compass.study.stages import evaluate
@@ -128,7 +129,7 @@ def _as_candidate(
         ROW,
     )
     figures: dict[str, float] = {}
-    for stage in ("screen", "map", *(("entry",) if study.entry else ())):
+    for stage in study.stages:
         found = evaluate(stage, study, rows)
         figures |= {name: float(values[0]) for name, values in found.figures.items()}
     errors = {name: float(values[0]) for name, values in map_errors(study, rows).items()}
@@ -158,6 +159,9 @@ def _by_itself(
     ]
     figures |= {name: float(value) for name, value in geometry.items()}
     errors = {name: float(value) for name, value in doubtful(geometry, closer).items()}
+    if "orbits" in study.stages:
+        days = study.orbits.days
+        figures["days_proven"] = proven_days(c, study.fold, days, sphere, mask)
     if study.entry is not None:
         entry = study.entry
         judged = judge(

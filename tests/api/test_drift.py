@@ -1,19 +1,27 @@
 """A design left alone."""
 
+import dataclasses
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from click.testing import CliRunner
 
 import compass
 from compass.api.drift import read_radii
+from compass.api.drift_files import elements_text
 from compass.api.lasting import LastingResult
 from compass.cli.main import program
 from compass.coverage.certificate import Outcome
 from compass.document import text
 from compass.errors import ArgumentError
+from compass.frames import FIGURES
 from compass.inputs import read_design, read_design_text
+from compass.orbits.motion import Motion
+from compass.orbits.trimming import Trim
+from tests.test_conventions import assert_in_conventions
 
 FIVE = """
 name = "five"
@@ -174,8 +182,66 @@ def test_wrong_radii_are_refused(given):
         read_radii(given)
 
 
+def test_moons_are_kept_away_from(found, file):
+    moons = found.to_dict()["moons"]
+    assert [m["moon"] for m in moons] == ["phobos", "deimos"]
+    assert 5000 < moons[0]["distance_km"] < 19000 + 9400
+    assert "closest approach of any satellite to the moons: Phobos" in text(found.document())
+    near = replace(found, avoid_km=moons[1]["distance_km"] + 1.0)
+    assert found.avoids
+    assert not near.avoids
+    assert found.holds
+    assert not near.holds
+    assert "from their centres is not kept" in text(near.document())
+    with pytest.raises(ArgumentError, match="avoid_km = 0: must be more"):
+        compass.drift(file, days=1.0, avoid_km=0.0)
+
+
+@pytest.mark.slow
+def test_the_file_over_time_keeps_to_the_conventions(file, tmp_path):
+    path = tmp_path / "drift.nc"
+    run = CliRunner().invoke(program, ["drift", str(file), "--days", "1", "-o", str(path)])
+    assert run.exit_code == 0, run.output
+    with xr.open_dataset(path, engine="h5netcdf") as read:
+        assert read.room.dims == ("time",)
+        assert sorted(read.in_track.shape) == [2, 5]
+        assert read.attrs["days_proven"] == 1.0
+        assert float(read.least_margin.min()) <= float(read.margin.min()) + 0.01
+    assert_in_conventions(path)
+
+
+def test_the_elements_to_inject_fly_under_the_same_forces(found):
+    design = replace(found.design, motion=Motion("numerical"))
+    c = design.constellation
+    done = Trim(c, np.zeros(5), 1e6, 1e5, 1e-9, 1e-12, 0.1, 0.01)
+    written = elements_text(replace(found, design=design, trim=done))
+    assert written.startswith("# Osculating elements to inject, trimmed over 3 days.")
+    assert "#   semi_major_axis_km " in written
+    assert read_design_text(written).motion == Motion("numerical")
+
+
 def test_elements_need_a_trim(file, tmp_path):
     run = CliRunner().invoke(
         program, ["drift", str(file), "--days", "0.2", "--elements", str(tmp_path / "x.toml")]
     )
     assert "add --trim" in str(run.exception)
+
+
+@pytest.mark.parametrize(
+    ("figure", "said"),
+    [
+        ("iau-sphere", "IAU 2015 sphere, 3396.19 km"),
+        ("iau-ellipsoid", "sphere of the ellipsoid's equatorial radius, 3396.19 km, whose "
+         "verticals differ from the ellipsoid's by up to 0.34 deg"),
+    ],
+)  # fmt: skip
+def test_what_lasts_names_the_figure_it_is_proven_on(file, figure, said):
+    design = dataclasses.replace(compass.read_design(file), figure=FIGURES[figure])
+    found = compass.fold(design, days=0.01, motion="two-body")
+    assert found.to_dict()["figure"] == said
+    assert said in " ".join(str(found).split())
+    # planetographic less planetocentric latitude, by its definition
+    own = FIGURES["iau-ellipsoid"]
+    centric = np.radians(np.linspace(-89, 89, 1001))
+    graphic = np.arctan(np.tan(centric) * own.stretch**2)
+    assert f"{np.degrees(np.abs(graphic - centric).max()):.2f}" == "0.34"

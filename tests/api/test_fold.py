@@ -1,3 +1,4 @@
+import dataclasses
 import json
 from dataclasses import FrozenInstanceError
 
@@ -7,6 +8,7 @@ import compass
 from compass.coverage.certificate import Outcome
 from compass.document import html, text
 from compass.errors import ArgumentError
+from compass.orbits.constellation import from_pattern
 
 
 @pytest.fixture(scope="module")
@@ -66,3 +68,24 @@ def test_a_plot_on_given_or_new_axes(found):
 
 def test_every_outcome_has_a_sentence():
     assert all(outcome.sentence.endswith(".") for outcome in Outcome)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "fold"), [("walker-star-iridium", 1), ("compass-15-5-1", 4), ("walker-15-15-6", 4)]
+)
+def test_margins_hold_as_they_are_printed(designs, name, fold):
+    """Rounded to the safe side: the claim is proven at what is printed, not just at the number."""
+    design = compass.read_design(designs / f"{name}.toml")
+    shown = {}
+    for block in compass.fold(design, fold=fold).document().blocks:
+        for row in getattr(block, "rows", ()):
+            shown[str(row[0])] = str(row[1])
+    mask = float(next(v for k, v in shown.items() if k.startswith("highest mask")))
+    altitude = float(next(v for k, v in shown.items() if k.startswith("lowest altitude")))
+    assert compass.fold(design, fold=fold, mask_deg=mask).outcome == "proven"
+    radius = altitude * 1e3 + design.figure.equatorial_radius
+    lower = dataclasses.replace(
+        design, constellation=from_pattern(design.constellation.pattern, radius)
+    )
+    assert compass.fold(lower, fold=fold).outcome == "proven"

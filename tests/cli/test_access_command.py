@@ -78,7 +78,7 @@ def test_text_is_a_summary(design, monkeypatch, capsys):
         "Satellites in sight",
         "Reaching the Earth",
         "Store and forward between stations",
-        "no eclipses of P1S1, P1S2, P1S3",
+        "No eclipses of P1S1, P1S2, P1S3",
         "Radio links along their windows",
         "Pairs",
     ):
@@ -91,7 +91,7 @@ def test_many_stations_are_not_compared_with_each_other(design, monkeypatch, cap
     stations = [part for k in range(21) for part in ("--station", f"S{k}={k},{k}")]
     code, out, _ = run(monkeypatch, capsys, design, "--duration-sols", "0.1", *stations)
     assert code == 0
-    assert "left out, there is too much of it" in out
+    assert "left out: there is too much of it" in out
     assert "Store and forward between stations\n---" not in out
 
 

@@ -8,6 +8,7 @@ from scipy.stats import chi2
 from compass.inputs import read_design
 from compass.study import judge_worst, ranking, rival
 
+INF = float("inf")
 LANDER = "landing.toml"
 
 
@@ -38,10 +39,9 @@ fold = 1
     surface = {
         "fold": {"wanted": 1, "outcome": "refuted"},
         "mask_margin_deg": None,
-        "gdop": {"p50": 2.0, "p95": float("inf")},
-        "gdop_error": {"p50": 0.1, "p95": float("nan")},
-        "gdop_share": 0.9,
-        "gdop_share_error": 0.01,
+        "gdop": {"p50": 2.0, "p50_bracket": [1.9, 2.1], "p95": INF, "p95_bracket": [INF, INF]},
+        "availability": 0.9,
+        "availability_bracket": [0.85, 0.95],
     }
     monkeypatch.setattr(ranking, "judge_surface", lambda *_, **__: surface)
     for name, value in (("MOMENTS", 1), ("BATCH", 2), ("SURVIVORS", 2)):

@@ -22,9 +22,12 @@ def run(*arguments):
 def one_pattern(monkeypatch):
     """Only 5/5/1 is tried: the kernels are slow when interpreted."""
 
-    def patterns(_kind, _largest, radius, smallest):
-        assert smallest == 2
-        yield lambda i: walker_delta(5, 5, 1, inclination_deg=np.degrees(i), radius_km=radius / 1e3)
+    def patterns(_kind, largest, radius, smallest):
+        assert smallest == largest
+        if largest == 5:
+            yield lambda i: walker_delta(
+                5, 5, 1, inclination_deg=np.degrees(i), radius_km=radius / 1e3
+            )
 
     monkeypatch.setattr(module, "patterns", patterns)
     monkeypatch.setattr(
@@ -32,11 +35,8 @@ def one_pattern(monkeypatch):
         "optimal_inclination",
         lambda _c, _fold, limit: None if limit < 1.2 else np.radians(43.66),
     )
-    for name, cheaper in (
-        ("covering_radius", {"tolerance": 1e-3}),
-        ("gdop_percentile", {"start": 3, "levels": 1, "repetitions": 2}),
-    ):
-        monkeypatch.setattr(module, name, partial(getattr(module, name), **cheaper))
+    cheaper = partial(module.covering_radius, tolerance=1e-3)
+    monkeypatch.setattr(module, "covering_radius", cheaper)
 
 
 def test_smallest_is_written_as_a_design(one_pattern, tmp_path):
@@ -63,6 +63,18 @@ def test_smallest_is_written_as_a_design(one_pattern, tmp_path):
     )
 
 
+def test_what_was_not_tried_is_said(one_pattern):
+    asked = ("--fold", 1, "--radius-km", 20428, "--finalists", 0)
+    result = run(*asked, "--max-satellites", 40)
+    said = " ".join(result.stdout.split())
+    assert "every pattern of up to 5 satellites" in said
+    assert "up to 40, were not tried" in said
+    result = run(*asked, "--max-satellites", 7, "--beyond", 2, "--json")
+    assert json.loads(result.stdout)["tried"] == 7
+    as_rosette = run(*asked, "--max-satellites", 5, "--pattern", "rosette")
+    assert "(5, 5, 1)" in as_rosette.stdout
+
+
 def test_none_found_is_1(one_pattern):
     result = run("--fold", 1, "--altitude-km", 300, "--max-satellites", 5)
     assert result.exit_code == 1
@@ -82,8 +94,10 @@ def test_the_table_of_an_areosynchronous_search():
     [
         ([], "exactly one of"),
         (["--radius-km", 2e4, "--altitude-km", 2e4], "exactly one of"),
-        (["--radius-km", 1000], "is not above the surface"),
-        (["--radius-km", "nan"], "allowed below 1e7 km"),
+        (["--radius-km", 1000], "radius_km = 1000: is not above the surface"),
+        (["--radius-km", "nan"], "radius_km = nan: is not above the surface"),
+        (["--radius-km", 1e7], "radius_km = 1e+07: allowed below 1e+07 km"),
+        (["--repeat", 90, 1], "repeat = [90, 1]"),
         (["--radius-km", 2e4, "--mask-deg", 90], "mask_deg = 90"),
         (["--radius-km", 2e4, "-o", "/nowhere/at/all.toml"], "does not exist"),
     ],

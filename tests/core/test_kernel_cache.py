@@ -178,8 +178,8 @@ def test_who_must_compile_each_time_is_told_what_helps(monkeypatch, capsys, last
     from numba.core import event
 
     closing = []
-    context = SimpleNamespace(call_on_close=closing.append)
-    monkeypatch.setattr("click.get_current_context", lambda: context)
+    context = SimpleNamespace(call_on_close=closing.append, meta={})
+    monkeypatch.setattr("click.get_current_context", lambda **_: context)
     monkeypatch.setattr(kernel_cache, "is_lasting", lambda: lasting)
     announce_compilation()
     with event.trigger_event("numba:compile"):

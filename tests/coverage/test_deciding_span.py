@@ -117,7 +117,7 @@ def test_spans_of_regions():
 def test_a_duration_is_taken_as_it_is():
     c = walker_delta(6, 3, 1, inclination_deg=57.3, radius_km=RADIUS / 1e3)
     assert shortest_span(c, duration=100.0).stop == 100.0
-    with pytest.raises(ArgumentError, match="duration = -1"):
+    with pytest.raises(ArgumentError, match=r"duration_h = -0\.000277778"):
         shortest_span(c, duration=-1.0)
 
 
@@ -227,5 +227,5 @@ def test_too_many_or_too_few_subsets():
     c = walker_delta(60, 60, 1, inclination_deg=57.3, radius_km=RADIUS / 1e3)
     with pytest.raises(ArgumentError, match="ask for fewer losses"):
         unlike_subsets(c, 5)
-    with pytest.raises(ArgumentError, match="losses = 61: allowed 1 to 60"):
+    with pytest.raises(ArgumentError, match="losses = 61: allowed 0 to 60"):
         unlike_subsets(c, 61)

@@ -247,16 +247,22 @@ def test_layouts_name_their_blocks():
     assert [layout.place(name) for name in ("position", "velocity", "clock", "bias", "air")] == [
         0, 3, 6, 8, -1,
     ]  # fmt: skip
-    assert layout.numbers().tolist() == [8, -1, -1, 6, 8]
+    assert layout.numbers().tolist() == [8, -1, -1, 6, 8, -1]
     np.testing.assert_allclose(np.diag(layout.covariance(PRIOR))[6:], [9, 0.01] + [25] * 4)
     with pytest.raises(ArgumentError, match="block = 'wind': allowed position, velocity, air"):
         block("wind")
+    several = Layout((Part("bias", (5.0, 6.0, 7.0)),), 3)
+    np.testing.assert_allclose(np.diag(several.covariance(PRIOR))[6:], [25, 36, 49])
+    with pytest.raises(ArgumentError, match="bias: 3 sigmas for 4 states"):
+        Layout(several.parts, 4)
     with pytest.raises(ArgumentError, match="is always there"):
         Part("position", (1.0,))
     with pytest.raises(ArgumentError, match="clock: 1 sigmas; give 2"):
         Part("clock", (1.0,))
     with pytest.raises(ArgumentError, match=r"air: sigma = 0\.0 1: must be positive"):
         Part("air", (0.0,))
+    with pytest.raises(ArgumentError, match="two of density alone, both positive"):
+        Part("air", (0.1,), scales=(8e3, 0.0))
     with pytest.raises(ArgumentError, match="block = 'air': given twice"):
         Layout((Part("air", (0.1,)), Part("air", (0.2,))))
 
@@ -272,3 +278,20 @@ def test_process_noise_is_turned_to_cartesian_axes(orbiter_flight):
     assert noise_roots(orbiter_flight.path, orbiter_flight.times, 0.0).shape == (0, 6, 6)
     with pytest.raises(ArgumentError, match="position_sigma = 0"):
         axes_covariance(0.0, 0.5)
+
+
+def test_air_wanders_as_gauss_and_markov_say(orbiter_flight):
+    """From any epoch to any later one: the correlation that the way between them leaves."""
+    flight = orbiter_flight.path
+    layout = Layout((Part("air", (0.1,), scales=(8.2e3, 3e5)),))
+    walk, fade = layout.steps(flight)
+    variance = 0.01
+    for k in range(1, len(flight)):
+        variance = fade[k] ** 2 * variance + walk[k, 6]
+    assert variance == pytest.approx(0.01)  # stationary
+    r = np.linalg.norm(flight[:, :3], axis=1)
+    level = np.exp(-np.abs(np.diff(r)) / 8.2e3)
+    assert np.all(fade[1:] < level) and np.all(fade[1:] > level * np.exp(-6.5e3 / 3e5))
+    falls = Layout((Part("air", (0.1,), scales=(8.2e3, np.inf)),)).steps(flight)[1]
+    assert np.prod(falls[:80]) == pytest.approx(np.exp(-(r[0] - r[79]) / 8.2e3), rel=1e-9)
+    assert Layout((Part("air", (0.1,)),)).steps(flight)[1].tolist() == [1.0] * len(flight)

@@ -1,6 +1,7 @@
 """Landings that once went wrong without a word, from scenario to answer."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,8 @@ from compass.study.judge import check_measurements
 
 # whole landings, and filters that blow up: too slow and too loud where kernels are interpreted
 pytestmark = pytest.mark.slow
+
+DESIGNS = Path(__file__).parents[2] / "designs"
 
 PLAIN = """
 name = "a landing"
@@ -100,6 +103,7 @@ def test_a_truth_with_more_air_is_told_and_four_satellites_are_believed():
         read_scenario_text(changed(("[measurements]", thick)) + OTHERS), runs=10
     )
     assert not bad.consistency.holds and "too sure of itself" in words[1]
+    assert "10 of 10 runs lost their way" in words[1]
     assert bad.consistency.ratio > 10
 
 
@@ -163,6 +167,84 @@ def test_a_table_is_flown_as_given(tmp_path):
     assert alone.notes == ()
     with pytest.raises(DesignError, match=r"atmosphere\.scale_height_km: missing"):
         read_scenario_text(changed(("scale_height_km = 7.5\n", "")))
+
+
+def test_a_scenario_without_air_flies_in_that_of_mars():
+    """The mean profile, told so; its weight is the pressure at the ground that it came with."""
+    head, tail = PLAIN.split("[atmosphere]")
+    bare = read_scenario_text(head + tail[tail.index("[entry]") :])
+    assert any("mean profile of Mars-GRAM" in note for note in bare.notes)
+    air, r0 = bare.model.atmosphere, bare.model.planet_radius
+    r = r0 + np.linspace(0.0, 125e3, 5001)
+    weight = np.trapezoid(air.density(r) * bare.model.gm / r**2, r)
+    assert weight == pytest.approx(566.9, rel=0.05)  # a mean of many airs, each in balance
+    slow = fly(bare.model, bare.state, np.arange(0.0, 300.0, 10.0)).speed[-1]
+    assert slow < 1000
+    with pytest.raises(DesignError, match="or none of the three for a mean profile"):
+        read_scenario_text(changed(("scale_height_km = 7.5\n", "")))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_one_run_says_what_many_runs_find(seed):
+    """Linear covariance and Monte Carlo, over landings drawn anywhere: both of position."""
+    rng = np.random.default_rng(seed)
+    lat, lon = np.degrees(np.arcsin(rng.uniform(-1, 1))), rng.uniform(-180, 180)
+    text = changed(
+        ("latitude_deg = -28.22", f"latitude_deg = {lat}"),
+        ("longitude_deg = -90.07", f"longitude_deg = {lon}"),
+        ("heading_deg = 4.956", f"heading_deg = {rng.uniform(0, 360)}"),
+        ("bank_deg = 0", f"bank_deg = [[0, 60], [{rng.uniform(60, 200)}, -60]]"),
+        ("range_sigma_m = 50", f"range_sigma_m = {rng.uniform(5, 50)}"),
+    )
+    text = text[: text.index("[[orbiter]]")]
+    text += '[beacons]\ndesign = "compass-15-5-1.toml"\n'
+    found = assess_scenario(read_scenario_text(text, folder=DESIGNS), 200)
+    assert found.consistency.holds
+    ratio = found.monte_carlo.position_rms[5:] / found.bound.position_sigma[5:]
+    # a root of a mean square of one dominant direction over 200 runs: 5 % each, five of these
+    assert np.abs(ratio - 1).max() < 0.25
+
+
+def test_ranges_of_a_centimetre_are_borne():
+    """Five orders between prior and ranges, and claims of a millimetre that hold."""
+    text = changed(
+        ("range_sigma_m = 50", "range_sigma_m = 0.01"),
+        ("[monte_carlo]", 'kind = "iterated-ekf"\n[monte_carlo]'),
+    )
+    found, _ = section_of(read_scenario_text(text + OTHERS))
+    assert found.consistency.holds and found.bound.position_sigma[-1] < 0.01
+
+
+def test_air_that_wanders_is_worth_less_than_a_factor():
+    """Along a flight the bound of one unknown factor is far too good (6.2 m against 16.7)."""
+    text = (DESIGNS / "entry-compass.toml").read_text()
+    bounds = []
+    for more in ("sigma = 0.1", "sigma = 0.1\nscale_km = 8.2", "sigma = 0.1\nscale_km = 1000"):
+        scenario = read_scenario_text(f"{text}\n[filter.density]\n{more}\n", folder=DESIGNS)
+        bounds.append(assess_scenario(scenario, 2).bound.position_sigma)
+    assert bounds[0][240] == pytest.approx(6.17, abs=0.01)
+    assert bounds[1][240] == pytest.approx(16.7, abs=0.05)
+    assert bounds[0][240] < bounds[2][240] < bounds[1][240]
+    # a few per cent of air that wander are told apart, and the claims hold
+    calm = f"{text}\n[filter.density]\nsigma = 0.02\nscale_km = 8.2\nalong_km = 300\n"
+    found, _ = section_of(read_scenario_text(calm, folder=DESIGNS), 60)
+    assert found.consistency.holds
+
+
+def test_the_ground_is_a_place_to_land():
+    """Where a flight is not stopped before, and past deployment where it goes on."""
+    flat = ("bank_deg = 0", "bank_deg = 90"), ("duration_s = 240", "duration_s = 400")
+    found, words = section_of(read_scenario_text(changed(*flat) + OTHERS), runs=2)
+    assert found.accuracy.name == "ground" and found.accuracy.projected and found.ground is None
+    assert words[0].startswith("At ground (")
+    assert abs(found.accuracy.knowledge.along_cross_down[2]) < 1e-3  # on it, neither over nor under
+    chute = '[[trigger]]\nname = "parachute"\nmach = 2\n[measurements]'
+    scenario = read_scenario_text(changed(*flat, ("[measurements]", chute)) + OTHERS)
+    both, words = section_of(scenario, runs=2)
+    assert both.accuracy.name == "parachute" and both.ground.time == found.accuracy.time
+    assert any(word.startswith("On the ground (") for word in words)
+    facts = entry_facts(scenario, both)["landing"]["ground"]
+    assert facts["time_s"] == found.accuracy.time
 
 
 FUSION = """

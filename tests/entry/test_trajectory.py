@@ -1,9 +1,12 @@
 """The flight: computed check values, a Cartesian twin, events and loads."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from compass.bodies import MARS_J2, MARS_J2_RADIUS
 from compass.core.entry_geometry import cartesian_of
 from compass.entry.model import EntryModel
 from compass.entry.state import azimuth_from_heading, longitude_degrees, state_from_cartesian
@@ -268,3 +271,35 @@ def test_peak_loads_do_not_depend_on_the_times_asked_for(world, table2):
             assert when == pytest.approx(float(peaks[name].idxmax()), abs=0.02)
         # the trapezoidal rule over 0.25 s: (0.25 s / 20 s)^2 / 12
         assert borne.largest("heat_load")[0] == pytest.approx(float(peaks.heat_load[-1]), rel=2e-5)
+
+
+def test_flattened_mars_turns_about_its_pole_alone(world, table2):
+    """With J2 and spin a turn about the pole changes nothing, another turn does; by SciPy too."""
+    model = replace(world("full"), j2=MARS_J2.value)
+    times = np.array([0.0, 60.0])
+    here = fly(model, table2, times)
+    turned = fly(model, table2 + np.eye(6)[1], times)
+    c, s = np.cos(1.0), np.sin(1.0)
+    turn = np.kron(np.eye(2), [[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    np.testing.assert_allclose(turned.path, here.path @ turn.T, rtol=1e-11, atol=1e-6)
+    point = fly(replace(model, j2=0.0), table2, times)
+    assert 1 < np.linalg.norm(here.path[-1, :3] - point.path[-1, :3]) < 100
+    air, craft, omega = model.atmosphere, model.vehicle, np.array([0, 0, model.rotation_rate])
+
+    def potential(r):
+        size = np.linalg.norm(r)
+        ratio = (MARS_J2_RADIUS.value / size) ** 2 * MARS_J2.value
+        return model.gm / size * (1 - ratio * (1.5 * (r[2] / size) ** 2 - 0.5))
+
+    def rates(_, y):
+        r, v = y[:3], y[3:]
+        pull = [(potential(r + d) - potential(r - d)) / 200.0 for d in 100.0 * np.eye(3)]
+        along = v / np.linalg.norm(v)
+        up = r / np.linalg.norm(r)
+        above = (up - (up @ along) * along) / np.linalg.norm(up - (up @ along) * along)
+        drag = 0.5 * air.density(np.linalg.norm(r)) * craft.drag_area_per_mass * (v @ v)
+        turning = -2 * np.cross(omega, v) - np.cross(omega, np.cross(omega, r))
+        return np.concatenate([v, drag * (craft.lift_to_drag * above - along) + turning + pull])
+
+    other = solve_ivp(rates, times, here.path[0], "DOP853", times, rtol=1e-11, atol=1e-8).y[:, -1]
+    np.testing.assert_allclose(here.path[-1, :3], other[:3], atol=1e-3)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import compass
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
 from compass.handover.toml import constellation_toml, design_toml
@@ -22,10 +23,13 @@ from compass.orbits import (
     walker_star,
 )
 from compass.orbits.constellation import from_pattern
+from compass.orbits.motion import Motion
 from compass.orbits.period import repeat_radius
 from compass.sites import Mask
 
 IAU = FIGURES["iau-sphere"]
+KEPT = ("name", "source", "paper", "figure", "mask", "fold", "access", "access_duration",
+        "conjunction", "radios", "requirements", "signal", "tracking")  # fmt: skip
 SAME = ("name", "epoch", "satellite_names", "pattern", "gm", "repeat")
 ELEMENTS = ("semi_major_axis", "eccentricity", "inclination", "raan", "argument_of_periapsis",
             "mean_anomaly")  # fmt: skip
@@ -132,7 +136,7 @@ def test_every_design_of_the_repository_round_trips(designs):
     for design in read:
         again = read_design_text(design_toml(design))
         assert_identical(design.constellation, again.constellation)
-        for field in ("name", "source", "paper", "figure", "mask", "fold"):
+        for field in KEPT:
             assert getattr(design, field) == getattr(again, field)
         for one, other in zip(design.stations, again.stations, strict=True):
             assert dataclasses.replace(one, latitude=0.0) == dataclasses.replace(
@@ -180,19 +184,106 @@ def neighbours(value):
     return value + np.spacing(value) * np.arange(-4, 5)
 
 
-def test_phasings_beyond_the_planes_are_the_same_satellites():
-    c = walker_delta(15, 5, 7, inclination_deg=40.1, radius_km=20000)
-    read = read_design_text(constellation_toml(c, IAU)).constellation
-    assert read.pattern.phasing == 2
-    places = [
-        sorted((round(node, 9), round(float(np.mod(m, 2 * np.pi)), 9))
-               for node, m in zip(x.raan.tolist(), x.mean_anomaly.tolist(), strict=True))
-        for x in (c, read)
-    ]  # fmt: skip
-    assert places[0] == places[1]
-
-
 def test_another_planet_is_refused():
     c = walker_delta(3, 1, 0, inclination_deg=0.0, radius_km=20000, gm=3.986e14)
     with pytest.raises(ArgumentError, match="a design file is about Mars"):
         constellation_toml(c, IAU)
+
+
+EVERYTHING = """
+name = "all of it"
+figure = "iau-ellipsoid"
+[constellation]
+pattern = "walker-delta"
+satellites = 4
+planes = 2
+phasing = 1
+inclination_deg = 50
+radius_km = 20428
+[coverage]
+horizon_deg = [[0, 5], [180, 12.5]]
+fold = 3
+[motion]
+model = "numerical"
+gravity_degree = 6
+sun = false
+moons = true
+radiation_m2_kg = 0.031
+shadow = "cone"
+[[station]]
+name = "Gale"
+latitude_deg = -4.59
+longitude_deg = 137.44
+horizon_deg = [[0, 3], [90, 7]]
+[access]
+duration_sols = 3.7
+moons = ["deimos"]
+earth = true
+crosslinks = true
+atmosphere_height_km = 80
+conjunction_deg = 3.1
+[[link]]
+between = ["satellite", "station"]
+frequency_mhz = 401.585625
+eirp_dbw = 10.5
+g_over_t_db_per_k = -20
+required_cn0_dbhz = 31
+[[requirement]]
+name = "Gale always"
+sites = ["Gale"]
+fold = 2
+mask_deg = 12
+losses = 1
+[[requirement]]
+name = "belt"
+region = ["lat:-30:30"]
+pdop_at_most = 6
+share = 0.95
+share_of = "area-time"
+altitude_km = 12
+"""
+
+
+def test_every_table_is_kept():
+    """Each field of a design but its text and label, with nothing as it is without a table."""
+    design = read_design_text(EVERYTHING)
+    again = read_design_text(design_toml(design))
+    plain = compass.Design(design.constellation, name=design.name)
+    for field in KEPT:
+        if field not in ("name", "source", "paper", "signal", "tracking"):
+            assert getattr(design, field) != getattr(plain, field), f"{field} is not tried"
+        assert getattr(design, field) == getattr(again, field), field
+    assert design.stations == again.stations
+    assert design.motion.title == again.motion.title
+    assert design.motion.forces.radiation == again.motion.forces.radiation
+    known = {f.name for f in dataclasses.fields(compass.Design)}
+    assert known == {*KEPT, "constellation", "stations", "motion", "text", "label"}
+    assert compass.export(design, format="toml").not_kept == ()
+
+
+def test_what_a_design_file_cannot_say_is_said():
+    design = read_design_text(EVERYTHING)
+    forces = design.motion.forces
+    other = dataclasses.replace(
+        forces, field=dataclasses.replace(forces.field, name="mine", gm=4e13)
+    )
+    (gale,) = design.stations
+    moved = dataclasses.replace(gale, latitude=0.5)
+    wanted = dataclasses.replace(design.requirements[0], sites=(moved,))
+    changed = dataclasses.replace(design, motion=Motion("numerical", other), requirements=(wanted,))
+    made = compass.export(changed, format="toml")
+    assert len(made.not_kept) == 2
+    assert "mine" in made.not_kept[0] and "'Gale'" in made.not_kept[1]
+    assert "NOT KEPT" in str(made)
+
+
+def test_trajectories_are_said_not_to_be_kept(designs, tmp_path):
+    compass.export(
+        designs / "areostationary-trio.toml", format="oem", output=tmp_path / "oem",
+        duration_h=24, step_s=3600,
+    )  # fmt: skip
+    text = 'name = "read"\n[constellation]\npattern = "ephemeris"\nfiles = ["oem/*.oem"]\n'
+    (tmp_path / "d.toml").write_text(text)
+    made = compass.export(tmp_path / "d.toml", format="toml")
+    assert "trajectories" in made.not_kept[0]
+    assert read_design_text(made.files["design.toml"]).constellation.size == 3

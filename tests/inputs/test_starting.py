@@ -116,7 +116,7 @@ def test_a_table_of_several_is_offered_for_one_of_nearly_its_name(tmp_path):
         compass.read_scenario(path)
     said = str(error.value)
     assert "beacons.latitude_deg = 3: unknown key; [[beacon]] has it; did you mean that?" in said
-    for table in ("vehicle", "atmosphere", "entry", "measurements", "filter"):
+    for table in ("vehicle", "entry", "measurements", "filter"):
         assert f"{table}: missing" in said
     path.write_text('name = "x"\n[[sttion]]\n')
     with pytest.raises(DesignError, match=r"did you mean \[\[station\]\]\?"):

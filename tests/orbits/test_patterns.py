@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compass import from_elements, rosette, walker_delta, walker_star
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, DesignError
 from compass.frames import FIGURES
 from compass.inputs.design import read_design_text
 from compass.orbits import keplerian, positions_mci
@@ -60,14 +60,6 @@ def test_both_multipliers_of_a_fractional_rosette_are_one_pattern():
 def test_impossible_rosettes_are_refused(n, p, m, message):
     with pytest.raises(ArgumentError, match=message):
         rosette(n, p, m, **SHELL)
-
-
-@given(st.integers(1, 6), st.integers(1, 6), st.data())
-def test_delta_phasing_is_modulo_planes(planes, per_plane, data):
-    f = data.draw(st.integers(0, planes - 1))
-    t = planes * per_plane
-    one, other = (places(walker_delta(t, planes, g, **SHELL)) for g in (f, f + planes))
-    np.testing.assert_allclose(one, other, atol=1e-3)
 
 
 @given(st.integers(1, 6), st.integers(1, 6), st.data())
@@ -270,3 +262,19 @@ def test_impossible_elements_are_refused(elements, message):
 def test_names_must_be_as_many_as_satellites():
     with pytest.raises(ArgumentError, match="2 names for 1 satellites"):
         keplerian(2e7, 0, 0, 0, 0, 0, satellite_names=["a", "b"])
+
+
+@pytest.mark.parametrize("phasing", [-1, 5, 7])
+@pytest.mark.parametrize("make", [walker_delta, walker_star])
+def test_a_phasing_is_refused_as_files_refuse_it(make, phasing):
+    """One rule and one sentence for a design file and for Python."""
+    text = (
+        'name = "x"\n[constellation]\npattern = "walker-delta"\nsatellites = 15\nplanes = 5\n'
+        f"phasing = {phasing}\ninclination_deg = 45\nradius_km = 20428\n"
+    )
+    with pytest.raises(ArgumentError, match=f"write {phasing % 5}") as by_python:
+        make(15, 5, phasing, inclination_deg=45, radius_km=20428)
+    with pytest.raises(DesignError, match="phasing") as by_file:
+        read_design_text(text)
+    if phasing >= 0:
+        assert str(by_file.value).endswith(str(by_python.value))

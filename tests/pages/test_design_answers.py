@@ -1,13 +1,24 @@
 """The first lines of a design's page, and what they advise."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import compass
+from compass.api.map import MapResult
 from compass.inputs import read_design_text
-from compass.pages.answers import ANSWERS, answer_section, latitude_words, losses, what_to_do
+from compass.pages.answers import (
+    ANSWERS,
+    _errors,
+    answer_section,
+    latitude_words,
+    losses,
+    what_to_do,
+)
 from compass.pages.found import Found
 from compass.pages.neighbours import Neighbour
+from compass.study.mapping import MapOptions, make_map
 
 FILE = """
 name = "few"
@@ -36,7 +47,7 @@ def look(fold, inclination=43.7, lost=1):
     return Found(
         design,
         compass.show(design),
-        compass.map(design, step_deg=30, epochs=2),
+        MapResult(design, make_map(design, MapOptions(step_deg=30, epochs=2))),
         compass.fold(design, losses=lost),
         None,
     )
@@ -52,7 +63,6 @@ def beside(found, *masks):
     return [Neighbour(found.design.constellation.pattern, angles, np.array(masks, float))]
 
 
-@pytest.mark.slow
 def test_what_is_met_is_said_with_its_margin_and_how_sure(met):
     rows = {row.question: row for question in ANSWERS for row in question(met)}
     coverage = rows["1 in view above 0°, everywhere"]
@@ -64,7 +74,6 @@ def test_what_is_met_is_said_with_its_margin_and_how_sure(met):
     assert "sampled" in rows["GDOP, half of area and time below"].sure
 
 
-@pytest.mark.slow
 def test_the_advice_names_the_rival_and_what_would_change_it(met):
     (words,) = what_to_do(met, beside(met, 3.0, 20.0))
     assert words.startswith("Build it as it is")
@@ -74,7 +83,6 @@ def test_the_advice_names_the_rival_and_what_would_change_it(met):
     assert "No other phasing or inclination" in words
 
 
-@pytest.mark.slow
 def test_what_is_missed_is_not_to_be_built():
     found = look(4, lost=0)
     section = answer_section(found, [], beside(found, 1.0, 2.0))
@@ -87,3 +95,39 @@ def test_what_is_missed_is_not_to_be_built():
 
 def test_latitudes_are_north_or_south():
     assert (latitude_words(-41.83), latitude_words(0.0)) == ("41.8° S", "0° N")
+
+
+FIVE = """
+[[requirement]]
+name = "ever"
+fold = 1
+[[requirement]]
+name = "low"
+fold = 1
+region = "lat:-10:10"
+mask_deg = 20
+"""
+
+
+def test_requirements_come_first_and_decide_the_advice(met):
+    design = read_design_text(FILE.format(fold=1, inclination=43.7) + FIVE)
+    checked = compass.check(design)
+    found = replace(met, design=design, checked=checked)
+    rows = ANSWERS[0](found)
+    assert [row.holds for row in rows] == [v.met for v in checked.verdicts]
+    assert rows[0].question == "ever: 1 satellites" and "proven" in rows[0].sure
+    assert ANSWERS[1](found)[0].holds is None  # the coverage is not what was asked for
+    (words,) = what_to_do(found, [])
+    missed = [v.requirement.name for v in checked.verdicts if v.met is False]
+    assert ("Do not build it" in words) is bool(missed)
+    for met_, start in ((True, "Build it as it is: it meets all of its 2"), (None, "Decide after")):
+        told = replace(checked, verdicts=tuple(replace(v, met=met_) for v in checked.verdicts))
+        assert what_to_do(replace(found, checked=told), [])[0].startswith(start)
+    assert ANSWERS[0](met) == []
+
+
+def test_errors_of_a_fix_are_answered_where_a_signal_is_known():
+    numbers = {"error_horizontal_m": {"p95": 12.0, "sampling": {"p95": 0.5}}}
+    (row,) = _errors(numbers)
+    assert row.question == "Horizontal error, 95 % below" and row.written == "12 ± 0.5 m"
+    assert _errors({}) == []

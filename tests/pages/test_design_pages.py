@@ -93,7 +93,7 @@ def test_page_tells_everything(page, seed_design):
     said = {row.question: row for row in answers.rows}
     assert said["4 in view above 0°, everywhere"].holds
     assert said["Left alone on real orbits it lasts"].written == "2 days and more"
-    assert said["The mask may rise to"].written == "6.24 deg"
+    assert said["The mask may rise to"].written == "6.23 deg"  # 6.2385, never more than is proven
     assert said["After any one loss, in view at least"].written == "3"
     advice = sections[0].paragraphs[0]
     assert "Build it as it is" in advice and "15/5/4" in advice and "8.5" in advice
@@ -130,12 +130,15 @@ def test_text_of_a_design_is_escaped(designs, brief):
         "areostationary-trio",
     ],
 )
-def test_every_kind_of_design_makes_a_page(designs, name):
+def test_every_kind_of_design_makes_a_page(designs, name, monkeypatch):
+    # seconds each, with tests of their own
+    monkeypatch.setattr("compass.pages.design.outlook", lambda design: None)
+    monkeypatch.setattr("compass.pages.design._beside", lambda found: [])
     steps = []
     design = compass.read_design(designs / f"{name}.toml")
     page, sections = design_report(design, "", SMALL, progress=steps.append)
     assert design.name.replace("'", "&#39;") in page
-    assert len(steps) == 14
+    assert len(steps) == design_page.PARTS
     assert len(sections) >= 3
 
 

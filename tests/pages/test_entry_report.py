@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from compass.api.land import LandResult
 from compass.api.land_flight import (
     assess_scenario,
     check_cost,
@@ -19,6 +20,7 @@ from compass.entry.search import Optimum, Start
 from compass.entry.trajectory import fly
 from compass.errors import ArgumentError, OutputError
 from compass.inputs.scenario import read_scenario, read_scenario_text
+from compass.pages.landing import answers, landing_report
 from compass.pictures.files import check_folder, write_pictures
 
 DESIGNS = Path(__file__).parents[2] / "designs"
@@ -130,3 +132,20 @@ def test_pictures_into_impossible_places(tmp_path, monkeypatch):
 def test_scenarios_have_no_search_unless_they_say_so():
     with pytest.raises(ArgumentError, match=r"no \[optimize\] table"):
         search_scenario(read_scenario(DESIGNS / "entry-compass.toml"))
+
+
+def test_a_landings_page_has_the_answer_first(coarse):
+    flown = LandResult(coarse, assess_scenario(coarse, 4), None, "compass land x", False)
+    page, sections = landing_report(flown)
+    assert [s.title for s in sections] == [
+        "The answer", "Navigation", "The flight", "Who is in view",
+    ]  # fmt: skip
+    assert sections[0].pictures[0].stem == "landing-ellipse"
+    assert "comes down within" in sections[0].paragraphs[0] and "compass land x" in page
+    known = {row.question: row for row in answers(flown.assessment)}
+    assert known["Errors are what the filter claims"].holds is flown.assessment.consistency.holds
+    assert known["Beacons in view"].written == "3 to 3 of 3"
+    own = flown.assessment.consistency
+    bad = replace(flown.assessment, consistency=replace(own, nees=own.nees + 99.0))
+    assert bad.claim_m is None
+    assert answers(bad)[0].written == "not claimed" and answers(bad)[0].mark == "missed"

@@ -4,7 +4,7 @@ import pytest
 
 import compass
 from compass.inputs import read_design_text
-from compass.pages.fold import fold_section, quality_table
+from compass.pages.fold import fold_section
 from compass.pages.neighbours import _phasings, neighbours
 
 PATTERN = """
@@ -77,7 +77,6 @@ def test_ellipses_have_no_shares_and_no_smallest_cap(designs):
     assert "proven" in found.paragraphs[0]
     assert len(found.tables) == 1
     assert len(found.pictures) == 2
-    assert quality_table(compass.fold(designs / "draim-four.toml")) is None
 
 
 def test_neighbours_start_with_the_design():

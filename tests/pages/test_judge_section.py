@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from compass.api.judge import estimate
+from compass.document import Answers, Picture
 from compass.entry.arrivals import draw_arrivals
 from compass.inputs import read_design_text
 from compass.inputs.scenario import read_scenario_text
@@ -65,12 +65,12 @@ def ranking_of(designs, scenario, samples):
             {
                 "rank": rank + 1, "design": design.name, "file": design.label, "given": designs.index(design) + 1,
                 "satellites": design.constellation.size, **with_worst(found),
-                "answer": "no",
+                "budget_m": found.budget(), "answer": "no",
                 **(NOT_RUN if rank else filtered),
             }
         )  # fmt: skip
     record = {
-        "designs": rows, "samples": samples, "seed": 0, "goal_m": 10.0, "density_sigma": 0.0,
+        "designs": rows, "samples": samples, "counted": "Counted.", "seed": 0, "goal_m": 10.0, "density_sigma": 0.0,
         "lift_sigma": 0.0,
     }  # fmt: skip
     return Ranking(record, tuple(judgements))
@@ -82,7 +82,8 @@ def test_section_has_maps_distributions_and_a_table(scenario):
     section = module.judge_section(ranking, [two, three], scenario)
     assert [picture.stem for picture in section.pictures] == ["judge-map", "judge-distributions"]
     assert all(picture.png.startswith(b"\x89PNG") for picture in section.pictures)
-    table, run = section.tables
+    table, budget, run = section.tables
+    assert budget.rows[0][0] == "3 satellites"
     assert len(table.rows) == 2 and len(table.rows[0]) == len(table.header)
     assert table.rows[0][1] == "3 satellites"
     (row,) = run.rows
@@ -107,8 +108,30 @@ def test_cells_keep_their_largest_bound(scenario):
     assert cells[row, column] >= found[0].position_sigma[0]
 
 
-def test_a_sampled_value_has_the_digits_of_its_error():
-    assert estimate(23.2054, 1.254) == "23.2 ± 1.3"
-    assert estimate(2.05512, 0.0087) == "2.0551 ± 0.0087"
-    assert estimate(1234.0, 123.0) == "1234 ± 123"
-    assert estimate(float("inf"), float("nan")) == "inf" and estimate(100.0, 0.0) == "100"
+def test_the_answer_says_which_is_best_and_whether_to_believe_it():
+    def row(name, p95, **filtered):
+        known = {"nees": None, "believed": True, "consistent": True, **filtered}
+        return {
+            "design": name, "crlb_position_m": {"p95": p95}, "worst_found": {"value": 2 * p95}, **known,
+        }  # fmt: skip
+
+    picture = Picture("p", "t", "c", b"png")
+    rows = [
+        row("A", 4.0, nees=50.0, believed=False, errors_over_claim=3.21),
+        row("B", 8.0, nees=6.0),
+        row("C", 9.0, nees=7.0, consistent=False),
+        row("D", 20.0),
+    ]
+    record = {"designs": rows, "goal_m": 10.0, "deployment": "the end", "samples": 2048}
+    section = module.answer_section(record, picture)
+    (lead,) = section.paragraphs
+    assert "A is the best of 4" in lead and "4 m in 95 % of 2,048 entries" in lead
+    assert "rival B has 2 times" in lead and "no accuracy is claimed" in lead
+    (answers,) = (block for block in section.blocks if isinstance(block, Answers))
+    assert [a.holds for a in answers.rows] == [True, False, False, False]
+    said = [a.evidence.partition("; ")[2] for a in answers.rows]
+    assert said == [
+        "the filter's errors are 3.21 times what it claims", "the filter is consistent",
+        "the filter is not consistent", "",
+    ]  # fmt: skip
+    assert section.pictures == (picture,)

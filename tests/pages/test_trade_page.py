@@ -81,8 +81,7 @@ def test_words():
     how = "sampled over 45 deg cells, 2 epochs"
     assert text == f"worse in {gdop}: 4.5 against 3 (+50 %), {how}; equal in number of satellites"
     assert against(study, finalist(9, np.inf), finalist(10, 3.0)) == (
-        f"better in number of satellites: 9 against 10 (-10 %); worse in {gdop}: inf against 3, "
-        f"{how}"
+        f"better in number of satellites: 9 against 10 (-10 %); worse in {gdop}: ∞ against 3, {how}"
     )
     assert against(study, finalist(9, np.nan), finalist(9, 3.0)) == (
         f"equal in number of satellites; not comparable in {gdop}"
@@ -176,8 +175,8 @@ def landing(tmp_path, designs, monkeypatch):
     (tmp_path / "lander.toml").write_text(text)
     surface = {
         "fold": {"wanted": 1, "outcome": "proven"}, "mask_margin_deg": 3.0,
-        "gdop": {"p50": 2.0, "p95": 3.0}, "gdop_error": {"p50": 0.1, "p95": 0.2},
-        "gdop_share": 0.9, "gdop_share_error": 0.01,
+        "gdop": {"p50": 2.0, "p50_bracket": [1.9, 2.1], "p95": 3.0, "p95_bracket": [2.9, 3.1]},
+        "availability": 0.9, "availability_bracket": [0.85, 0.95],
     }  # fmt: skip
     monkeypatch.setattr(ranking, "judge_surface", lambda *_, **__: surface)
     worst = {

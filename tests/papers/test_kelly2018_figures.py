@@ -11,6 +11,7 @@ from compass.coverage.gap import gap
 from compass.papers import kelly2018_figures as figures
 from compass.papers.verdict import compare
 from compass.pictures.kelly2018 import draw_figure, seen
+from tests.reference.conventions import assert_in_conventions
 
 SPHERE = 3396.2e3
 
@@ -80,6 +81,7 @@ def test_the_command_s_folder(tmp_path, run, monkeypatch):
     with xr.open_dataset(tmp_path / "out" / "figure-7.nc", engine="h5netcdf") as read:
         assert read.sizes["pair"] == 15
     assert "Table 9" in (tmp_path / "out" / "rows.csv").read_text()
+    assert_in_conventions(*(tmp_path / "out" / f"{stem}.nc" for stem in stems))
 
 
 def test_a_paper_without_figures_writes_its_rows(tmp_path):

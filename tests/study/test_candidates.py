@@ -95,7 +95,7 @@ def test_more_candidates_than_a_run_comes_to_the_end_of():
 def test_rosettes_are_the_patterns_of_their_multipliers():
     found = candidates(study(patterns='["rosette"]', satellites="[12]"))
     rows = found.rows(0, len(found))
-    assert set(rows["pattern"]) == {PATTERNS.index("rosette")}
+    assert set(rows["pattern"]) == {PATTERNS.index("walker-delta")}
     for row in rows[::7]:
         c = make_constellation(row)
         again = rosette(12, c.pattern.planes, Fraction(c.pattern.multiplier),

@@ -17,7 +17,7 @@ def test_map_says_what_is_certain(seed_design, tmp_path):
     assert 0 <= low <= numbers["availability"] <= high <= 1
     assert "proven bounds" in str(made) and "verified shifts" in str(made)
     attrs = made.dataset.attrs
-    assert list(attrs["certified_availability_bracket"]) == [low, high]
+    assert list(attrs["availability_bracket"]) == [low, high]
     made.write(tmp_path / "m.nc")
     assert made.certified is not None
 
@@ -28,10 +28,10 @@ def test_brackets_hold_what_an_independent_program_found(seed_design):
     # 15/5/1 at 45 deg, 20,427 km, on the sphere of 3396.2 km
     assert found.availability.low <= 0.9736178 and found.availability.high >= 0.9736164
     assert found.availability.width <= 2e-4
-    assert found.gdop_p95.high - found.gdop_p95.low <= 2e-2 * found.gdop_p95.high
+    assert found.gdop[95].high - found.gdop[95].low <= 2e-2 * found.gdop[95].high
     sampled = compass.map(seed_design, step_deg=3, epochs=109).dataset
     p95 = float(sampled.global_dop.sel(dop="gdop", global_percentile=95))
-    assert found.gdop_p95.low == pytest.approx(p95, rel=0.03)
+    assert found.gdop[95].low == pytest.approx(p95, rel=0.03)
 
 
 @pytest.mark.parametrize(
@@ -42,8 +42,8 @@ def test_motions_without_bounds_have_no_certified_figures(seed_design, options):
 
 
 def test_drifting_orbits_over_a_duration_have_brackets(seed_design, monkeypatch):
-    monkeypatch.setattr("compass.study.certified.BUDGET_BOXES", 0)
+    monkeypatch.setattr("compass.coverage.certified_geometry.BUDGET_BOXES", 0)
     found = certified_figures(seed_design, MapOptions(motion="j2", duration_h=2.0))
     assert "over 2 h from the epoch, mean motion under J2" in found.scope
     assert "stopped early: boxes" in found.scope
-    assert (found.gdop_p95.low, found.gdop_p95.high) == (0.0, np.inf)
+    assert (found.gdop[95].low, found.gdop[95].high) == (0.0, np.inf)

@@ -7,9 +7,8 @@ from hypothesis import strategies as st
 
 from compass.bodies import MARS_GM
 from compass.inputs.study_models import CostTable
-from compass.orbits.period import secular_rates
 from compass.study.candidates import ROW, make_constellation
-from compass.study.cost import YEAR, cost_figures, hohmann, node_change, station_keeping
+from compass.study.cost import cost_figures, hohmann, node_change
 
 R = 3396.19e3
 
@@ -61,19 +60,6 @@ def test_node_change_limits():
     assert node_change(1e7, np.pi / 2, np.pi) == pytest.approx(2 * np.sqrt(MARS_GM.value / 1e7))
 
 
-def test_station_keeping_against_differences_of_the_rates():
-    a, i, di, da = 9.8e6, np.radians(60), 1e-6, 1.0
-
-    def node(radius, inclination):
-        return secular_rates(radius, 0.0, inclination)[0]
-
-    by_inclination = abs(node(a, i + di) - node(a, i - di)) / 2
-    by_axis = abs(node(a + da, i) - node(a - da, i)) / 2
-    wanted = np.sqrt(MARS_GM.value / a) * np.sin(i) * (by_inclination + by_axis) * YEAR
-    assert station_keeping(a, i, di, da) == pytest.approx(wanted, rel=1e-6)
-    assert station_keeping(a, 0.0, di, da) == 0.0
-
-
 def test_sums_over_satellites_one_by_one():
     kinds = [(0, 12, 4, 1), (1, 12, 4, 1), (0, 5, 5, 2), (1, 6, 3, 0), (0, 3, 1, 0)]
     rows = np.array([(*k, 50.0, 12870.0, 0.0) for k in kinds], ROW)
@@ -85,5 +71,4 @@ def test_sums_over_satellites_one_by_one():
         transfer = hohmann(R + 400e3, 12870e3)
         assert found["delta_v_total_m_s"][k] == pytest.approx((each + transfer).sum())
         assert found["delta_v_planes_m_s"][k] == pytest.approx(each.max())
-    assert found["station_keeping_m_s_year"][-1] == 0.0  # one plane has nothing to hold together
     assert found["satellites"].tolist() == [12, 12, 5, 6, 3]

@@ -11,15 +11,18 @@ from compass.entry.campaign import fly_campaign
 from compass.entry.covariance import linear_covariance
 from compass.entry.schedule import in_view
 from compass.entry.trajectory import Trigger
+from compass.entry.unknowns import Unknowns
 from compass.entry.views import spherical_of
 from compass.errors import ArgumentError
-from compass.frames import FIGURES
-from compass.orbits import keplerian, walker_delta
+from compass.frames import FIGURES, prime_meridian_angle
+from compass.orbits import keplerian, states_mci, walker_delta
+from compass.ranging import Signal
 from compass.sites import Mask
 from compass.study.judge import _FLOWN, MOST_FLOWN, campaign_of, judge, judge_entries
 from compass.study.judge_filter import entry_beacons, judge_filter
 from compass.study.judgement import spectrum_and_floor
 from compass.study.pattern_map import places
+from compass.study.unknowns import NO_DOUBTS, Doubts
 
 FIGURE = FIGURES["iau-sphere"]
 AREOSYNCHRONOUS = 20428e3
@@ -189,6 +192,133 @@ def test_bound_with_uncertain_parameters_is_that_of_least_squares(scenario, five
         spread = np.diag(gain @ covariance @ gain.T)
         sigma = np.sqrt([spread[:3].sum(), spread[3:].sum()])
         assert found.sigma[m, 0] == pytest.approx(sigma, rel=1e-9)
+
+
+DOUBTFUL = Unknowns((3e3, 0.3), np.diag([4.0, 64.0, 25.0, 9.0]), 1.5)
+
+
+def stacked(found, m, scenario):
+    """Rows of all measurements of an entry on u and on every satellite's whitened errors.
+
+    By NumPy and exact orbits; what an error does to range and rate by moving the satellite.
+    """
+    campaign, sigmas = found.campaign, scenario.measurements
+    beacons, t = entry_beacons(found, m), campaign.times
+    c, epoch = found.constellation, found.epochs[m]
+    angle = prime_meridian_angle(c.epoch, epoch) + campaign.model.omega * t
+    r, v = states_mci(c, epoch + t)
+    rows, own = [], []
+    for i in range(c.size):
+        up = r[i] / np.linalg.norm(r[i], axis=1, keepdims=True)
+        cross = np.cross(r[i], v[i])
+        cross /= np.linalg.norm(cross, axis=1, keepdims=True)
+        axes = np.stack([up, np.cross(cross, up), cross], axis=1)
+        ca, sa, none, one = np.cos(angle), np.sin(angle), 0 * angle, 1 + 0 * angle
+        turn = np.stack([[ca, sa, none], [-sa, ca, none], [none, none, one]]).transpose(2, 0, 1)
+        shift = turn @ axes.transpose(0, 2, 1)  # columns: moves in Mars-fixed axes, 1 m each
+        speed = np.gradient(shift, t, axis=0, edge_order=2)
+        line, w = (
+            campaign.paths[m, :, :3] - beacons.r[:, i],
+            campaign.paths[m, :, 3:] - beacons.v[:, i],
+        )
+        distance = np.linalg.norm(line, axis=1, keepdims=True)
+        n = line / distance
+        across = (w - (w * n).sum(axis=1, keepdims=True) * n) / distance
+        gains = campaign.gains[m]
+        both = (
+            (sigmas.range_sigma, np.einsum("ti,tij->tj", n, gains[:, :3]), one, t,
+             -np.einsum("ti,tij->tj", n, shift), one),
+            (sigmas.rate_sigma, np.einsum("ti,tij->tj", across, gains[:, :3])
+             + np.einsum("ti,tij->tj", n, gains[:, 3:]), none, one,
+             -np.einsum("ti,tij->tj", across, shift) - np.einsum("ti,tij->tj", n, speed), none),
+        )  # fmt: skip
+        for sigma, h, clock, drift, moved, constant in both:
+            if sigma is None:
+                continue
+            u = np.column_stack([h, 3e3 * clock, 0.3 * drift])
+            p = np.zeros((t.size, 5 * c.size))
+            p[:, 5 * i : 5 * i + 3] = moved * [2.0, 8.0, 5.0]
+            p[:, 5 * i + 3], p[:, 5 * i + 4] = 3.0 * constant, 1.5 * constant
+            scale = np.sqrt(campaign.arrival_probability[m])[:, None] / sigma
+            rows.append((u * scale)[found.seen[m, :, i]])
+            own.append((p * scale)[found.seen[m, :, i]])
+    return np.concatenate(rows), np.concatenate(own)
+
+
+@pytest.mark.parametrize(
+    "kind", ["range_sigma_m = 5", "range_sigma_m = 5\nrange_rate_sigma_m_s = 0.01"]
+)
+def test_what_is_not_known_of_clocks_and_satellites(short, five, kind):
+    """All measurements and unknowns of an entry stacked, solved at once by NumPy."""
+    scenario = short(("range_sigma_m = 50", kind))
+    campaign = campaign_of(scenario, 4, density_sigma=0.2)
+    place = {"figure": FIGURE, "mask": Mask(), "unknowns": DOUBTFUL}
+    found = judge_entries(five, campaign, scenario, **place)
+    squares = []
+    for m in range(campaign.size):
+        h, g = stacked(found, m, scenario)
+        d = h.shape[1]
+        whole = np.concatenate([h, g], axis=1)
+        covariance = np.linalg.inv(np.eye(whole.shape[1]) + whole.T @ whole)[:d, :d]
+        place_of = np.zeros((6, d))
+        place_of[:, : d - 2] = campaign.gains[m, -1]
+        spread = np.diag(place_of @ covariance @ place_of.T)
+        # the errors' rates by differences of 2 s: 1e-8 of the satellites' motion
+        assert found.sigma[m, 0] == pytest.approx(
+            np.sqrt([spread[:3].sum(), spread[3:].sum()]), rel=1e-6
+        )
+        blind = np.linalg.inv(np.eye(d) + h.T @ h)
+        spoilt = blind + blind @ (h.T @ g @ g.T @ h) @ blind
+        squares.append(np.trace((place_of @ spoilt @ place_of.T)[:3, :3]))
+    budget = found.budget()
+    assert budget["ignored"] == pytest.approx(np.sqrt(np.mean(squares)), rel=1e-6)
+    ignored, whole = budget.pop("ignored"), budget.pop("all")
+    assert list(budget) == [
+        "first state", "density", "receiver's clock", "noise of the ranges",
+        "satellites' orbits and clocks", "biases of the ranges",
+    ]  # fmt: skip
+    assert sum(value**2 for value in budget.values()) == pytest.approx(whole**2, rel=1e-9)
+    assert whole < ignored
+    # one lost is one never there
+    less = judge_entries(five.without([2]), campaign, scenario, **place)
+    assert found.sigma[:, 3] == pytest.approx(less.sigma[:, 0], rel=1e-9)
+    known = judge_entries(five, campaign, scenario, figure=FIGURE, mask=Mask())
+    assert np.all(found.sigma[:, :, 0] > known.sigma[:, :, 0])
+    assert known.budget()["satellites' orbits and clocks"] == 0
+
+
+def test_the_filter_knows_what_it_does_not_know(short, five):
+    """Its clock estimated and the satellites' errors considered, it is consistent."""
+    scenario = short(("range_sigma_m = 50", "range_sigma_m = 5"))
+    options = {"samples": 2, "runs": 8, "figure": FIGURE, "mask": Mask(), "threads": 1}
+    doubts = {"density_sigma": 0.1, "lift_sigma": 0.1, "unknowns": DOUBTFUL}
+    found = judge_filter(five, scenario, **options, **doubts)
+    assert found["believed"] and 0.5 < found["rms_over_bound"] < 2
+    known = judge_filter(five, scenario, **options)
+    assert found["ekf_position_m"]["rms"] > known["ekf_position_m"]["rms"]
+
+
+def test_doubts_are_said_and_taken_from_a_design(seed_design):
+    doubts = Doubts()
+    usual = doubts.of(seed_design)
+    assert np.diag(usual.satellites).tolist() == [4, 64, 25, 9] and usual.clock == (3e4, 0.3)
+    signal = Signal(ephemeris=(1.0, 2.0, 3.0), clock_sigma=0.5)
+    own = doubts.of(replace(seed_design, signal=signal))
+    assert own.satellites.shape == (15, 4, 4)
+    assert np.diag(own.satellites[7]) == pytest.approx([1, 4, 9, 0.25])
+    assert "orbits and clocks of x by its own table [signal]" in doubts.sentence(["x"])
+    assert "clock that agrees" in NO_DOUBTS.sentence([])
+    for bad, message in (
+        ({"clock_m": -1.0}, "clock_m = -1"),
+        ({"clock_m": 0.0}, "give both"),
+        ({"orbit_m": (1.0, np.nan, 1.0)}, "orbit_m = nan"),
+        ({"satellite_clock_m": -3.0}, "satellite_clock_m = -3"),
+        ({"range_bias_m": np.inf}, "range_bias_m = inf"),
+    ):
+        with pytest.raises(ArgumentError, match=message):
+            Doubts(**bad)
+    with pytest.raises(ArgumentError, match="a variance below 0"):
+        Unknowns(satellites=-np.eye(4))
 
 
 def test_campaigns_are_flown_once(scenario):

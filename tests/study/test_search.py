@@ -1,7 +1,5 @@
 """Search: known minima, brute force over inclination, order, and the written design."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 
@@ -10,22 +8,25 @@ from compass.coverage.cap import cap_radius
 from compass.coverage.certificate import prove_fold
 from compass.coverage.margin import covering_radius
 from compass.errors import ArgumentError
+from compass.frames import FIGURES
 from compass.orbits import areosynchronous_radius, positions_mci, walker_delta
 from compass.study import search as module
 from compass.study.search import (
+    Candidate,
     closest_approach,
     optimal_inclination,
     patterns,
     search,
 )
 
-R = 3396.19e3
+SPHERE = FIGURES["iau-sphere"]
+R = SPHERE.equatorial_radius
 RADIUS = areosynchronous_radius()
 
 
 def only(*makers):
-    """Stand-in for `patterns` that offers a few."""
-    return lambda *_args, **_options: iter(makers)
+    """Stand-in for `patterns` that offers a few, as of five satellites."""
+    return lambda _kind, largest, *_args, **_options: iter(makers if largest == 5 else ())
 
 
 def five(inclination):
@@ -50,16 +51,13 @@ def test_counts_of_patterns():
 def test_a_pattern_at_its_best(monkeypatch):
     # Ballard 1980, Table I: (5, 5, 1) at 43.66 deg needs caps of 69.15 deg
     monkeypatch.setattr(module, "patterns", only(five, three))
-    # a coarse GDOP: the kernels are slow when interpreted
-    coarse = partial(module.gdop_percentile, start=3, levels=1, repetitions=2)
-    monkeypatch.setattr(module, "gdop_percentile", coarse)
     seen = []
 
     def progress(work, total):
         seen.append(total)
         return work
 
-    (found,) = search(1, 0.0, radius=RADIUS, sphere_radius=R, largest=5, progress=progress)
+    (found,) = search(1, 0.0, radius=RADIUS, figure=SPHERE, largest=5, progress=progress)
     assert seen == [2]
     assert found.proven
     assert np.degrees(found.constellation.inclination[0]) == pytest.approx(43.66, abs=0.011)
@@ -68,13 +66,14 @@ def test_a_pattern_at_its_best(monkeypatch):
     row = found.as_dict()
     assert (row["satellites"], row["planes"], row["phasing"]) == (5, 5, 1)
     # fold 1 leaves most places with fewer than four satellites
-    assert row["gdop_p95"] == np.inf
+    assert row["gdop_p95_bracket"][1] == np.inf
+    assert 0.0 <= row["availability_bracket"][0] <= row["availability"] < 1.0
 
 
 def test_a_pattern_that_needs_more_than_its_caps_is_out(monkeypatch):
     monkeypatch.setattr(module, "patterns", only(five))
     mask = np.radians(12.0)  # caps of 68.7 deg
-    assert search(1, mask, radius=RADIUS, sphere_radius=R, largest=5) == []
+    assert search(1, mask, radius=RADIUS, figure=SPHERE, largest=5) == []
 
 
 @pytest.mark.slow
@@ -100,12 +99,12 @@ def test_optimal_inclination_against_a_scan():
 
 @pytest.mark.slow
 def test_fewer_than_15_satellites_have_fourfold_coverage():
-    found = search(4, 0.0, radius=RADIUS, sphere_radius=R, largest=14, finalists=3)
+    found = search(4, 0.0, radius=RADIUS, figure=SPHERE, largest=14, beyond=1, finalists=3)
     sizes = [c.constellation.size for c in found]
     assert sizes == sorted(sizes)
     assert sizes[0] == 13
     assert [c.proven for c in found[:3]] == [True] * 3
-    assert found[3].gdop_p95 is None
+    assert found[3].geometry is None
     margins = [c.mask_margin for c in found if c.constellation.size == 13]
     assert margins == sorted(margins, reverse=True)
     # the certificate is another algorithm: it agrees on both sides of the margin
@@ -115,10 +114,27 @@ def test_fewer_than_15_satellites_have_fourfold_coverage():
         assert claim.outcome == outcome
 
 
+def test_the_search_ends_with_the_smallest_and_so_many_more(monkeypatch):
+    """Of sizes 2 to 9, every pattern from 5 satellites on covers; nothing larger is looked at."""
+    tried = []
+
+    def best(make, *_):
+        c = make(0.9)
+        tried.append(c.size)
+        return Candidate(c, 1.0, 0.1, 1.0) if c.size >= 5 else None
+
+    monkeypatch.setattr(module, "_best", best)
+    for beyond, last in ((0, 5), (2, 7), (9, 9)):
+        tried.clear()
+        found = search(1, 0.0, radius=RADIUS, figure=SPHERE, largest=9, beyond=beyond, finalists=0)
+        assert sorted(set(tried)) == list(range(2, last + 1))
+        assert {c.constellation.size for c in found} == set(range(5, last + 1))
+
+
 @pytest.mark.slow
 def test_the_result_does_not_depend_on_the_number_of_threads():
     one, two = (
-        search(1, 0.2, radius=RADIUS, sphere_radius=R, largest=6, workers=w) for w in (1, 2)
+        search(1, 0.2, radius=RADIUS, figure=SPHERE, largest=6, beyond=1, workers=w) for w in (1, 2)
     )
     assert [c.as_dict() for c in one] == [c.as_dict() for c in two]
 
@@ -155,6 +171,7 @@ def test_closest_approach_against_positions():
         ({"largest": 0}, "max_satellites = 0"),
         ({"largest": 65}, "max_satellites = 65"),
         ({"fold": 0}, "fold = 0"),
+        ({"beyond": -1}, "beyond = -1"),
         ({"mask": -0.1}, "mask_deg = -5.7"),
         ({"radius": 1e6}, "must be above the surface"),
     ],
@@ -162,4 +179,4 @@ def test_closest_approach_against_positions():
 def test_bad_arguments(change, message):
     arguments = {"fold": 4, "mask": 0.0, "radius": RADIUS, "largest": 5} | change
     with pytest.raises(ArgumentError, match=message):
-        search(arguments.pop("fold"), arguments.pop("mask"), sphere_radius=R, **arguments)
+        search(arguments.pop("fold"), arguments.pop("mask"), figure=SPHERE, **arguments)

@@ -14,6 +14,7 @@ from compass.study.candidates import candidates, identities
 from compass.study.results import read_results, write_results
 from compass.study.stages import Found, evaluate
 from compass.study.store import FILE, Store
+from tests.reference.conventions import assert_in_conventions
 
 
 @pytest.fixture
@@ -195,7 +196,8 @@ def test_results_of_all_stages_and_their_errors(tiny, tmp_path):
 
     with xr.open_dataset(tmp_path / "trade.nc", engine="h5netcdf") as again:
         assert np.array_equal(again.front, results.front)
-        assert again.mask_margin_deg.units == "deg"
+        assert again.mask_margin_deg.units == "degree"
+    assert_in_conventions(tmp_path / "trade.nc")
 
 
 def test_results_without_the_line_of_a_screening(tiny, tmp_path):

@@ -26,8 +26,8 @@ from compass.core.jit import fast_kernel, kernel
 
 
 @fast_kernel
-def moved_covariance(phi, dt, noise, walk, places, half, covariance):
-    """``P = F P F^T + G G^T + W dt`` in place, with F made of `phi` and of what stays as it is.
+def moved_covariance(phi, dt, noise, walk, fade, places, half, covariance):
+    """``P = F P F^T + G G^T + W`` in place, with F made of `phi` and of what stays as it is.
 
     Parameters
     ----------
@@ -37,8 +37,9 @@ def moved_covariance(phi, dt, noise, walk, places, half, covariance):
         Seconds.
     noise
         G (6, 6): root of the process noise of the step; shape (0, 0) for none.
-    walk
-        Variance per second of all states but the first six, (s,).
+    walk, fade
+        Variance that all states but the first six gather over the step, (s,), and what is left
+        of the logarithm of the density at its end.
     places
         See `compass.core.entry.measure.PLACES`.
     half
@@ -60,7 +61,7 @@ def moved_covariance(phi, dt, noise, walk, places, half, covariance):
             half[i, j] = total
     for i in range(6, size):
         for j in range(size):
-            half[i, j] = covariance[i, j]
+            half[i, j] = fade * covariance[i, j] if i == air else covariance[i, j]
             if i == clock:
                 half[i, j] += dt * covariance[clock + 1, j]
     for i in range(size):
@@ -78,13 +79,13 @@ def moved_covariance(phi, dt, noise, walk, places, half, covariance):
             covariance[i, j] = total
             covariance[j, i] = total
         for j in range(6, i + 1):
-            value = half[i, j]
+            value = fade * half[i, j] if j == air else half[i, j]
             if j == clock:
                 value += dt * half[i, clock + 1]
             covariance[i, j] = value
             covariance[j, i] = value
         if i >= 6:
-            covariance[i, i] += walk[i] * dt
+            covariance[i, i] += walk[i]
 
 
 @fast_kernel
@@ -98,10 +99,11 @@ def absorb(row, residual, variance, estimated, gain, covariance, shift):
     size = row.size
     s = variance
     for i in range(size):
-        total = 0.0
-        for j in range(size):
-            total += covariance[i, j] * row[j]
-        gain[i] = total
+        gain[i] = 0.0
+    for j in range(size):
+        if row[j] != 0.0:  # a range knows three states and a bias
+            for i in range(size):
+                gain[i] += covariance[j, i] * row[j]
     for i in range(size):
         s += row[i] * gain[i]
         residual -= row[i] * shift[i]
@@ -164,7 +166,7 @@ def added(x, place):
 
 @kernel
 def filter_run(
-    x0, covariance0, p, bank, times, longest, noise, walk, beacons, variances, z, places,
+    x0, covariance0, p, bank, times, longest, noise, walk, fade, beacons, variances, z, places,
     iterations, xs, ps,
 ):  # fmt: skip
     """One filter run.
@@ -177,9 +179,10 @@ def filter_run(
         Parameters of the dynamics, and bank angles (k, 2) of `advance`.
     times, longest
         Epochs (t,) and the longest Runge-Kutta step, s.
-    noise, walk
-        Roots of the process noise from the epoch before to each, (t, 6, 6) or (0, 6, 6) for
-        none, and the variance per second of the further states, (s,).
+    noise, walk, fade
+        From the epoch before to each: roots of the process noise, (t, 6, 6) or (0, 6, 6) for
+        none, variances of the further states, (t, s), and what is left of the logarithm of the
+        density, (t,).
     beacons, variances, z
         Positions and velocities (t, n, 6); variances (t, n, 2), nan for what is not measured;
         measurements (t, n, 2).
@@ -199,11 +202,15 @@ def filter_run(
             advance_transition(
                 x, thicker, lift, p, bank, times[t - 1], times[t], longest, after, phi
             )
-            moved_covariance(phi, dt, noise[t] if noisy else none, walk, places, half, covariance)
+            moved_covariance(
+                phi, dt, noise[t] if noisy else none, walk[t], fade[t], places, half, covariance
+            )
             for i in range(6):
                 x[i] = after[i]
             if clock >= 0:
                 x[clock] += dt * x[clock + 1]
+            if places[AIR] >= 0:
+                x[places[AIR]] *= fade[t]
         update(x, covariance, beacons[t], variances[t], z[t], places, iterations)
         xs[t] = x
         ps[t] = covariance
@@ -211,8 +218,8 @@ def filter_run(
 
 @kernel
 def covariance_run(
-    path, covariance0, p, bank, times, longest, noise, walk, beacons, variances, places, ps
-):
+    path, covariance0, p, bank, times, longest, noise, walk, fade, beacons, variances, places, ps
+):  # fmt: skip
     """Linear covariance along a flight: what `filter_run` would claim at the true states.
 
     With the states known that is the posterior Cramer-Rao bound,
@@ -230,8 +237,8 @@ def covariance_run(
                 path[t - 1], 0.0, p[RATIO], p, bank, times[t - 1], times[t], longest, after, phi
             )
             moved_covariance(
-                phi, times[t] - times[t - 1], noise[t] if noisy else none, walk, places, half,
-                covariance,
+                phi, times[t] - times[t - 1], noise[t] if noisy else none, walk[t], fade[t], places,
+                half, covariance,
             )  # fmt: skip
         for i in range(6):
             x[i] = path[t, i]

@@ -50,8 +50,8 @@ def move(known, t, x, cov, factor, room):
         for j in range(6):
             noise[i, j] = math.sqrt(factor) * known.noise[t, i, j]
     for i in range(x.size):
-        room.walk[i] = factor * known.walk[i]
-    moved_covariance(room.phi, dt, noise, room.walk, known.places, room.half, cov)
+        room.walk[i] = factor * dt * known.walk[i]
+    moved_covariance(room.phi, dt, noise, room.walk, 1.0, known.places, room.half, cov)
     for i in range(6):
         x[i] = room.after[i]
     if known.places[CLOCK] >= 0:

@@ -16,6 +16,7 @@ from compass.core.entry.flow import advance_transition
 from compass.core.entry.rates import COLUMNS
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.jit import fast_kernel, kernel
+from compass.core.smallmatrix import cholesky, cholesky_solve
 
 
 @kernel
@@ -135,11 +136,34 @@ def horizon(x, y, z, radius, sin_mask, cos_mask):
 
 
 @fast_kernel
+def directions(satellite, omega, axes):
+    """Write a satellite's radial, along and cross directions (rows) and return its rate, rad/s.
+
+    Of its inertial motion; `satellite` is position and velocity in axes that turn by `omega`.
+    """
+    x, y, z = satellite[0], satellite[1], satellite[2]
+    vx, vy, vz = satellite[3] - omega * y, satellite[4] + omega * x, satellite[5]
+    cx, cy, cz = y * vz - z * vy, z * vx - x * vz, x * vy - y * vx
+    r2 = x * x + y * y + z * z
+    r, c = math.sqrt(r2), math.sqrt(cx * cx + cy * cy + cz * cz)
+    axes[0, 0], axes[0, 1], axes[0, 2] = x / r, y / r, z / r
+    axes[2, 0], axes[2, 1], axes[2, 2] = cx / c, cy / c, cz / c
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        axes[1, i] = axes[2, j] * axes[0, k] - axes[2, k] * axes[0, j]
+    return c / r2
+
+
+@fast_kernel
 def information(
     paths, gains, stops, weights, variances, r, v, angles, omega, step, dt, radius, sin_mask,
-    cos_mask, seen, out,
+    cos_mask, clock, roots, seen, out, sums,
 ):  # fmt: skip
     """Information on u that each satellite gives in each entry.
+
+    A satellite's own errors p, constant in its radial, along and cross directions, in its clock and
+    as a bias of its ranges, are whitened too: ``p = root e``. What it tells about u is what is left
+    after its errors are found out as far as they can be, ``F_uu - F_up (I + F_pp)^-1 F_pu``.
 
     Parameters
     ----------
@@ -156,24 +180,40 @@ def information(
         Seconds between epochs.
     radius, sin_mask, cos_mask
         As in `horizon`.
+    clock
+        Sigmas of the receiver's clock and drift, (2,), the last two components of u then; (0,)
+        for none.
+    roots
+        Of the satellites' errors, (n, 5, 5), the last column the bias of ranges; (n, 5, 0) for
+        none.
     seen
         Output, (m, t, n): which satellites are in view.
     out
-        Output, (m, n, d (d + 1)/2): ``sum over epochs of weight h^T h / variance``.
+        Output, (m, n, d (d + 1)/2): ``sum over epochs of weight h^T h / variance``, less what its
+        own errors take.
+    sums
+        Output, (m, 4, d (d + 1)/2), over all satellites: `F_uu` as if they had no errors; `F_up
+        F_pu`, by which a gain that does not know of them is spoilt; and the same of the best
+        gain for orbits and clocks, and for biases of ranges.
     """
-    n, size = r.shape[0], gains.shape[3]
+    n, motion, errors = r.shape[0], gains.shape[3], roots.shape[2]
+    size = motion + clock.size
     nodes = r.shape[1] // max(paths.shape[0], 1)
     node, w = np.empty((n, nodes, 6)), np.empty(6)
-    gain, h = np.empty((6, size)), np.empty(size)
+    gain, h = np.empty((6, motion)), np.zeros(size)
+    here, axes, s, g = np.empty(6), np.empty((3, 3)), np.ones(5), np.empty(errors)
+    cross, own = np.empty((n, size, errors)), np.empty((n, errors, errors))
     ranged, rated = not math.isnan(variances[0]), not math.isnan(variances[1])
     for m in range(paths.shape[0]):
         turn_nodes(r, v, m, nodes, angles[m], omega, step, node)
+        cross[:] = 0.0
+        own[:] = 0.0
         for t in range(stops[m] + 1):
             weight = weights[m, t]
             px, py, pz = paths[m, t, 0], paths[m, t, 1], paths[m, t, 2]
             ux, uy, uz = paths[m, t, 3], paths[m, t, 4], paths[m, t, 5]
             for i in range(6):
-                for j in range(size):
+                for j in range(motion):
                     gain[i, j] = gains[m, t, i, j]
             high, lowest = horizon(px, py, pz, radius, sin_mask, cos_mask)
             k = min(int(t * dt / step), nodes - 2)
@@ -192,22 +232,88 @@ def information(
                 if weight == 0.0:
                     continue
                 nx, ny, nz = x / distance, y / distance, z / distance
+                vx = ux - w3 * dx - w4 * node[i, k, 3] - w5 * node[i, k + 1, 3]
+                vy = uy - w3 * dy - w4 * node[i, k, 4] - w5 * node[i, k + 1, 4]
+                vz = uz - w3 * dz - w4 * node[i, k, 5] - w5 * node[i, k + 1, 5]
+                turn = 0.0
+                if errors > 0:
+                    here[0], here[1], here[2] = px - x, py - y, pz - z
+                    here[3], here[4], here[5] = ux - vx, uy - vy, uz - vz
+                    turn = directions(here, omega, axes)
                 if ranged:
-                    for j in range(size):
+                    for j in range(motion):
                         h[j] = nx * gain[0, j] + ny * gain[1, j] + nz * gain[2, j]
+                    if clock.size > 0:
+                        h[motion], h[motion + 1] = clock[0], clock[1] * t * dt
                     _add_square(h, weight / variances[0], out, m, i)
+                    if errors > 0:
+                        for a in range(3):
+                            s[a] = -nx * axes[a, 0] - ny * axes[a, 1] - nz * axes[a, 2]
+                        s[3], s[4] = 1.0, 1.0
+                        _add_errors(h, s, weight / variances[0], roots[i], g, cross[i], own[i])
                 if rated:
                     # R' = n . dv: (dv - R' n) / R on position, n on velocity
-                    vx = ux - w3 * dx - w4 * node[i, k, 3] - w5 * node[i, k + 1, 3]
-                    vy = uy - w3 * dy - w4 * node[i, k, 4] - w5 * node[i, k + 1, 4]
-                    vz = uz - w3 * dz - w4 * node[i, k, 5] - w5 * node[i, k + 1, 5]
                     rate = vx * nx + vy * ny + vz * nz
                     vx, vy, vz = vx - rate * nx, vy - rate * ny, vz - rate * nz
-                    for j in range(size):
+                    for j in range(motion):
                         across = vx * gain[0, j] + vy * gain[1, j] + vz * gain[2, j]
                         along = nx * gain[3, j] + ny * gain[4, j] + nz * gain[5, j]
                         h[j] = across / distance + along
+                    if clock.size > 0:
+                        h[motion], h[motion + 1] = 0.0, clock[1]
                     _add_square(h, weight / variances[1], out, m, i)
+                    if errors > 0:
+                        # the error stays in the satellite's directions, which turn with it
+                        tx, ty = turn * axes[2, 0], turn * axes[2, 1]
+                        tz = turn * axes[2, 2] - omega
+                        for a in range(3):
+                            ex, ey, ez = axes[a, 0], axes[a, 1], axes[a, 2]
+                            moves = nx * (ty * ez - tz * ey) + ny * (tz * ex - tx * ez)
+                            moves += nz * (tx * ey - ty * ex)
+                            s[a] = -(vx * ex + vy * ey + vz * ez) / distance - moves
+                        s[3], s[4] = 0.0, 0.0
+                        _add_errors(h, s, weight / variances[1], roots[i], g, cross[i], own[i])
+        for i in range(n):
+            _eliminate(cross[i], own[i], out[m, i], sums[m])
+
+
+@fast_kernel
+def _add_errors(h, s, weight, root, g, cross, own):
+    """Add ``weight h^T g`` and ``weight g^T g``, with ``g = s root``."""
+    for k in range(g.size):
+        total = 0.0
+        for a in range(s.size):
+            total += s[a] * root[a, k]
+        g[k] = total
+    for k in range(g.size):
+        scaled = weight * g[k]
+        for a in range(h.size):
+            cross[a, k] += scaled * h[a]
+        for a in range(g.size):
+            own[a, k] += scaled * g[a]
+
+
+@kernel
+def _eliminate(cross, own, share, sums):
+    """Take a satellite's own errors out of what it tells, in place; see `information`."""
+    size, errors = cross.shape
+    low = np.empty((errors, errors))
+    for a in range(errors):
+        own[a, a] += 1.0
+    cholesky(own, low)  # at least the unit matrix
+    gains = np.empty((size, errors))  # F_up (I + F_pp)^-1
+    for j in range(size):
+        gains[j] = cross[j]
+        cholesky_solve(low, gains[j])
+    k = 0
+    for a in range(size):
+        for b in range(a + 1):
+            sums[0, k] += share[k]
+            for e in range(errors):
+                share[k] -= gains[a, e] * cross[b, e]
+                sums[1, k] += cross[a, e] * cross[b, e]
+                sums[2 if e < errors - 1 else 3, k] += gains[a, e] * gains[b, e]
+            k += 1
 
 
 @fast_kernel
@@ -222,20 +328,20 @@ def _add_square(h, weight, out, m, i):
 
 
 @kernel
-def bounds(shares, gains, stops, out):
+def bounds(shares, ends, out):
     """Posterior sigma of position (m) and velocity (m/s) at the end of each entry.
 
     Parameters
     ----------
     shares
         Information of each satellite, (m, n, d (d + 1)/2).
-    gains, stops
-        Of `fly_many`.
+    ends
+        Gains B of `fly_many` at the end, (m, 6, d).
     out
         Output, (m, 1 + n, 2): with all satellites, then without each of them. Roots of the
-        traces of the parts of ``B (I + F)^-1 B^T``, B the gain at the end.
+        traces of the parts of ``B (I + F)^-1 B^T``.
     """
-    n, size = shares.shape[1], gains.shape[3]
+    n, size = shares.shape[1], ends.shape[2]
     low, y, packed = np.empty((size, size)), np.empty(size), np.empty(shares.shape[2])
     for m in range(shares.shape[0]):
         for lost in range(-1, n):
@@ -248,7 +354,7 @@ def bounds(shares, gains, stops, out):
                             total += shares[m, i, k]
                     packed[k] = total
                     k += 1
-            bound(packed, gains[m, stops[m]], low, y, out[m, 1 + lost])
+            bound(packed, ends[m], low, y, out[m, 1 + lost])
 
 
 @kernel

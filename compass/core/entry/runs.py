@@ -4,9 +4,19 @@ import math
 
 import numpy as np
 
-from compass.core.entry.filter import filter_run
+from compass.core.entry.filter import added, filter_run
 from compass.core.entry.flow import advance
-from compass.core.entry.measure import BIAS, CLOCK, ESTIMATED, KINDS, RANGE, RATE, ranges_and_rates
+from compass.core.entry.measure import (
+    AIR,
+    BIAS,
+    CLOCK,
+    ESTIMATED,
+    KINDS,
+    LIFT,
+    RANGE,
+    RATE,
+    ranges_and_rates,
+)
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.jit import kernel
 
@@ -39,15 +49,16 @@ def normalised_square(covariance, error):
 
 @kernel
 def monte_carlo(
-    path, p_true, root0, covariance0, p, bank, times, longest, noise, walk, beacons, variances,
-    places, iterations, draws0, draws, draws_noise, errors, squares, sigmas,
+    path, p_true, root0, covariance0, p, bank, times, longest, noise, walk, fade, beacons,
+    variances, places, iterations, draws0, draws, draws_noise, errors, squares, sigmas,
 ):  # fmt: skip
     """Run the filter many times against the true flight.
 
     Without process noise the truth is `path` itself, however far apart the epochs are; with it,
-    the truth is moved from its own last state, by the same steps as the filter's, and shaken.
-    All other blocks are zero in truth but for their walk; the first estimate is drawn about the
-    truth with `root0`.
+    the truth is moved from its own last state, by the same steps as the filter's, and shaken, and
+    so it is where the density wanders. All other blocks are zero in truth but for their walk; the
+    first estimate is drawn about the truth with `root0`, and where the density wanders, the truth
+    about the estimate.
 
     Parameters
     ----------
@@ -72,25 +83,35 @@ def monte_carlo(
     start, difference = np.empty(size), np.empty(size)
     estimated, shaken = places[ESTIMATED], noise.shape[0] > 0
     clock, bias = places[CLOCK], places[BIAS]
+    air, wanders = places[AIR], fade.min() < 1.0
     ranges_and_rates(path, beacons, ideal)
     for m in range(runs):
-        if shaken:
+        for i in range(size):
+            start[i] = 0.0
+            for j in range(i + 1):
+                start[i] += root0[i, j] * draws0[m, j]
+        if wanders:
+            further[0, air] = -start[air]
+            start[air] = 0.0
+        for t in range(1, epochs):
+            for i in range(6, size):
+                step = math.sqrt(walk[t, i]) * draws_noise[m, t, i]
+                further[t, i] = (fade[t] if i == air else 1.0) * further[t - 1, i] + step
+            if clock >= 0:
+                further[t, clock] += (times[t] - times[t - 1]) * further[t - 1, clock + 1]
+        if shaken or wanders:
             for t in range(1, epochs):
                 advance(
-                    truth[t - 1], 0.0, p_true[RATIO], p_true, bank, times[t - 1], times[t],
-                    longest, truth[t],
+                    truth[t - 1], added(further[t - 1], air),
+                    p_true[RATIO] + added(further[t - 1], places[LIFT]), p_true, bank,
+                    times[t - 1], times[t], longest, truth[t],
                 )  # fmt: skip
-                for i in range(6):
+                for i in range(noise.shape[1] if shaken else 0):
                     for j in range(6):
                         truth[t, i] += noise[t, i, j] * draws_noise[m, t, j]
             ranges_and_rates(truth, beacons, ideal)
-        for t in range(1, epochs):
-            dt = times[t] - times[t - 1]
-            for i in range(6, size):
-                step = math.sqrt(walk[i] * dt) * draws_noise[m, t, i]
-                further[t, i] = further[t - 1, i] + step
-            if clock >= 0:
-                further[t, clock] += dt * further[t - 1, clock + 1]
+        for i in range(6):
+            start[i] += truth[0, i]
         for t in range(epochs):
             for b in range(n):
                 for kind in range(KINDS):
@@ -101,12 +122,8 @@ def monte_carlo(
                     z[t, b, RATE] += further[t, clock + 1]
                 if bias >= 0:
                     z[t, b, RANGE] += further[t, bias + b]
-        for i in range(size):
-            start[i] = truth[0, i] if i < 6 else 0.0
-            for j in range(i + 1):
-                start[i] += root0[i, j] * draws0[m, j]
         filter_run(
-            start, covariance0, p, bank, times, longest, noise, walk, beacons, variances, z,
+            start, covariance0, p, bank, times, longest, noise, walk, fade, beacons, variances, z,
             places, iterations, xs, ps,
         )  # fmt: skip
         for t in range(epochs):

@@ -1,0 +1,267 @@
+"""Who tracks a design's satellites, and how well their orbits and clocks are known for it."""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from compass.api.given import given_design
+from compass.api.results import Result
+from compass.design import Design
+from compass.digest import digest_of
+from compass.document import Page, Sentence, Table, Value, Verdict
+from compass.document.plain import plain
+from compass.errors import ArgumentError
+from compass.handover.signal_toml import text_with_signal
+from compass.handover.toml import design_toml
+from compass.inputs import read_design_text
+from compass.orbits.motion import MotionModel
+from compass.quantities import quantity
+from compass.ranging import MAS, Signal
+from compass.saving import replacing
+from compass.signal.determination import Determination, determine_orbits, implied_signal
+from compass.tracking import Tracking
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+HOUR = 3600.0
+COMPONENTS = ("radial", "along", "cross", "clock")
+
+
+@dataclass(frozen=True, repr=False)
+class DetermineResult(Result):
+    """How well every satellite's orbit and clock are known, and what each kind of tracking buys.
+
+    Attributes
+    ----------
+    design
+        Whose satellites.
+    motion
+        On which motion.
+    found
+        Covariances along the arc and the prediction.
+    by_tracking
+        The same with one kind of tracking left out, and with one kind alone.
+    signal
+        What users' ranges are worth for it.
+    """
+
+    design: Design = field(repr=False)
+    motion: str
+    found: Determination = field(repr=False)
+    by_tracking: dict[str, Determination] = field(repr=False)
+    signal: Signal = field(repr=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        found, last = self.found, self.found.last
+        return plain(
+            {
+                "design": self.design.name,
+                "motion": self.motion,
+                "days": found.arc / 86400.0,
+                "tracking": list(found.tracking.kinds),
+                "measurements": found.counts,
+                "considered": found.tracking.considered,
+                **self._numbers(found.rms[last]),
+                "common_orientation_mas": (found.orientation / MAS).tolist(),
+                "common_time_m": found.common_time,
+                "predicted": {
+                    "hours": (float(found.times[-1]) - found.arc) / HOUR,
+                    **self._numbers(found.rms[-1]),
+                },
+                "by_tracking": {
+                    name: self._numbers(each.rms[each.last], each.tracking)
+                    for name, each in self.by_tracking.items()
+                },
+                "per_satellite": [
+                    {"name": name, **self._numbers(found.sigma[last, s])}
+                    for s, name in enumerate(self.design.constellation.satellite_names)
+                ],
+                "time_h": (found.times / HOUR).tolist(),
+                "rms_m": {
+                    name: found.rms[:, k].tolist()
+                    for k, name in enumerate(COMPONENTS)
+                    if k < 3 or self.clock_known
+                },
+                "signal": {
+                    "covariance_m2": [list(row) for row in self.signal.covariance[0]],
+                    "ephemeris_rate_m_h": [rate * HOUR for rate in self.signal.ephemeris_rate],
+                    "update_h": self.signal.update / HOUR,
+                },
+            }
+        )
+
+    @property
+    def clock_known(self) -> bool:
+        """Whether anything measures the satellites' clocks."""
+        return self.found.tracking.measures_clocks
+
+    def _numbers(self, sigma: Any, tracking: Tracking | None = None) -> dict[str, float | None]:
+        """Sigmas by name; none of clocks that nothing measures."""
+        found: dict[str, float | None] = {
+            f"{name}_sigma_m": float(sigma[k]) for k, name in enumerate(COMPONENTS)
+        }
+        told = (tracking or self.found.tracking).measures_clocks
+        return found if told else found | {"clock_sigma_m": None}
+
+    def document(self) -> Page:
+        """The sigmas in a sentence, what each tracking buys, satellite by satellite."""
+        found, known = self.found, self._numbers(self.found.rms[self.found.last])
+        told = ", ".join(
+            f"{name} {Value(quantity(f'{name}_sigma_m'), known[f'{name}_sigma_m'])} m"
+            for name in COMPONENTS
+            if known[f"{name}_sigma_m"] is not None
+        )
+        whom = " and ".join(found.tracking.kinds)
+        claim = f"after {found.arc / 86400:g} days of tracking by {whom}: {told}"
+        header = ("", *(f"{quantity(f'{name}_sigma_m').title}, m" for name in COMPONENTS))
+        names = self.design.constellation.satellite_names
+        each = tuple(
+            (name, *self._cells(found.sigma[found.last, s])) for s, name in enumerate(names)
+        )
+        bought = tuple(
+            (name, *self._cells(run.rms[run.last], run.tracking))
+            for name, run in {"all of it": found, **self.by_tracking}.items()
+        )
+        hours = (float(found.times[-1]) - found.arc) / HOUR
+        ahead = ((f"{hours:g} h later, not tracked", *self._cells(found.rms[-1])),)
+        return Page(
+            self.design.name,
+            (
+                Verdict("", claim),
+                Table(
+                    "What each kind of tracking buys: rms over satellites at the arc's end",
+                    header,
+                    bought + (ahead if hours else ()),
+                ),
+                Table("Satellite by satellite, at the arc's end", header, each),
+                *(Sentence(note) for note in self.notes()),
+            ),
+        )
+
+    def _cells(self, sigma: Any, tracking: Tracking | None = None) -> tuple[Value, ...]:
+        numbers = self._numbers(sigma, tracking)
+        return tuple(Value(quantity(name), value) for name, value in numbers.items())
+
+    def notes(self) -> tuple[str, ...]:
+        """What the numbers stand on, and what they leave out."""
+        found, t = self.found, self.found.tracking
+        kept = ", ".join(f"{count} by {kind}" for kind, count in found.counts.items())
+        turn = ", ".join(f"{x:.3g}" for x in found.orientation / MAS)
+        sense = {
+            "schmidt": "considered, the gain knows their sigmas (Schmidt)",
+            "blind": "considered, the gain ignores them (the classical consider batch)",
+        }[t.considered]
+        notes = [
+            f"one sigma; arc of {found.arc / 86400:g} days in steps of {t.step:g} s, {kept} "
+            f"measurements; before it {t.prior:g} m and {t.prior_speed * 1e3:g} mm/s in each "
+            f"coordinate; process noise {t.process_noise:g} m^2/s^3; trackers' constant errors are "
+            f"{sense}",
+            f"{self.motion}; errors grow by the gradient of a point, J2 and C22, taken as known",
+            f"common to all satellites at the end: a turn of {turn} mas about x, y, z; the "
+            "covariances hold it",
+            "left out: errors of the gravity field and of Mars's orientation, the media, "
+            "manoeuvres, Earth stations' places; radiation pressure only as process noise",
+        ]
+        if not self.clock_known:
+            notes.append("nothing measures the clocks: add time_m, or one_way stations")
+        return tuple(notes)
+
+    def design_text(self) -> str:
+        """Return the design's file with the table ``[signal]`` that this tracking implies."""
+        meant = replace(self.design, signal=self.signal)
+        text = text_with_signal(self.design.text, self.signal) if self.design.text else ""
+        if text and digest_of(read_design_text(text, self.design.label)) == digest_of(meant):
+            return text
+        return design_toml(meant)
+
+    def write(self, path: str | Path) -> None:
+        """Write `design_text`.
+
+        Raises
+        ------
+        ArgumentError
+            Nothing measures the clocks, so that no signal follows.
+        OutputError
+            The file cannot be written.
+        """
+        if not self.clock_known:
+            raise ArgumentError(
+                "output: no [signal] follows, for nothing measures the clocks; add time_m to a "
+                "tracker, or one_way to stations"
+            )
+        text = self.design_text()
+        with replacing(Path(path)) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the position's sigma over time, with all tracking and without each kind."""
+        from compass.pictures.determine import draw_sigmas
+
+        return draw_sigmas(axes, self.design.name, self.found, self.by_tracking)
+
+    def save_plot(self, path: str | Path) -> None:
+        """Write `plot` as a PNG file; a killed run leaves no partial one."""
+        from matplotlib.figure import Figure
+
+        drawn = self.plot().figure
+        assert isinstance(drawn, Figure)
+        with replacing(Path(path)) as temporary:
+            drawn.savefig(temporary, format="png", dpi=150)
+
+
+def determine(
+    design: Design | str | Path,
+    *,
+    days: float | None = None,
+    update_h: float = 6.0,
+    motion: MotionModel | None = None,
+) -> DetermineResult:
+    """How well the satellites' orbits and clocks are known, by whom they are tracked.
+
+    Parameters
+    ----------
+    design
+        A design with a table ``[tracking]``, or the path of its file.
+    days
+        Arc from the epoch; else the design's.
+    update_h
+        Hours between uploads to users: how long orbits are predicted.
+    motion
+        ``two-body``, ``j2`` or ``numerical``; else the design's.
+
+    Raises
+    ------
+    ArgumentError, DesignError
+        Nobody tracks, or the design is not allowed.
+
+    Examples
+    --------
+    >>> import compass
+    >>> found = compass.determine("designs/tracked-15-5-1.toml", days=0.25)
+    >>> bool(found.found.rms[found.found.last, 0] < 100)
+    True
+    """
+    read = given_design(design)
+    if not 0.0 <= update_h <= 1e4:
+        raise ArgumentError(f"update_h = {update_h:g}: allowed 0 to 10000 hours")
+    tracking = read.tracking
+    if tracking is not None and days is not None:
+        if not days > 0:
+            raise ArgumentError(f"days = {days:g}: must be above 0")
+        tracking = replace(tracking, duration=days * 86400.0)
+    moved = read.motion.or_of(motion)
+    found = determine_orbits(read, tracking, motion=moved, prediction=update_h * HOUR)
+    kinds, others = found.tracking.kinds, {}
+    if len(kinds) > 1:
+        for name in kinds:
+            left = found.tracking.only(*(kind for kind in kinds if kind != name))
+            alone = found.tracking.only(name)
+            assert left is not None
+            assert alone is not None
+            others[f"without {name}"] = determine_orbits(read, left, motion=moved)
+            if len(kinds) > 2:
+                others[f"{name} alone"] = determine_orbits(read, alone, motion=moved)
+    signal = implied_signal(found, read, update_h * HOUR)
+    return DetermineResult(read, moved.title, found, others, signal)

@@ -1,0 +1,106 @@
+"""Geometry over area and time between proven bounds: how often PDOP is good, percentiles of GDOP.
+
+The one place where these two are found for one constellation. What is sampled, for pictures and to
+sort many candidates, is the value of nearest rank (`compass.core.ranking`) of the same quantities.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from compass.coverage.certified_share import (
+    CertifiedPercentile,
+    CertifiedShare,
+    certified_percentile,
+    certified_share,
+)
+from compass.design import PDOP_MAX
+from compass.frames import Figure
+from compass.orbits import Constellation
+from compass.sites import Mask
+
+#: How near bounds of a share are to come, and those of a percentile, relative to it.
+WIDTH, PRECISION = 2e-4, 2e-2
+
+#: Boxes after which a bracket is taken as it is, and boxes times satellites: some seconds, and the
+#: same on any machine.
+BUDGET_BOXES, BUDGET_SIGHTS = 600_000, 40_000_000
+
+
+@dataclass(frozen=True)
+class CertifiedGeometry:
+    """Share of area and time with a good PDOP, and what GDOP does not exceed in parts of them.
+
+    Attributes
+    ----------
+    pdop_max
+        Largest PDOP that is good.
+    availability
+        The share.
+    gdop
+        Percentiles, by per cent.
+    """
+
+    pdop_max: float
+    availability: CertifiedShare
+    gdop: Mapping[int, CertifiedPercentile]
+
+    def numbers(self) -> dict[str, Any]:
+        """Plain values: the middle of every bracket, and the bracket beside it."""
+        a = self.availability
+        found: dict[str, Any] = {
+            "availability": a.value,
+            "availability_bracket": [a.low, a.high],
+            "gdop": {},
+        }
+        for percent, p in self.gdop.items():
+            found["gdop"] |= {f"p{percent}": p.value, f"p{percent}_bracket": [p.low, p.high]}
+        return found
+
+    @property
+    def scope(self) -> str:
+        """For which motion and how long, and how it was found."""
+        reasons = [self.availability.stopped, *(p.stopped for p in self.gdop.values())]
+        late = "; ".join(dict.fromkeys(f"stopped early: {why}" for why in reasons if why))
+        how = f"branch and bound, {self.availability.boxes} boxes"
+        return "; ".join(part for part in (self.availability.scope, how, late) if part)
+
+
+def certified_geometry(
+    constellation: Constellation,
+    *,
+    figure: Figure,
+    mask: Mask,
+    pdop_max: float = PDOP_MAX,
+    percents: Sequence[int] = (95,),
+    duration: float | None = None,
+    drifting: bool = False,
+) -> CertifiedGeometry:
+    """Bracket availability and percentiles of GDOP over the whole surface.
+
+    For all time where the motion repeats up to a turn of the figure, else over a duration.
+
+    Parameters
+    ----------
+    constellation, figure, mask, duration, drifting
+        As in `compass.coverage.certified_share.certified_share`.
+    pdop_max
+        Largest PDOP that is good, from 1.
+    percents
+        Which percentiles.
+    """
+    asked: dict[str, Any] = {
+        "figure": figure,
+        "mask": mask,
+        "duration": duration,
+        "drifting": drifting,
+        "budget_boxes": min(BUDGET_BOXES, BUDGET_SIGHTS // max(constellation.size, 1)),
+    }
+    availability = certified_share(constellation, pdop_max, dop="pdop", width=WIDTH, **asked)
+    gdop = {
+        percent: certified_percentile(
+            constellation, float(percent), dop="gdop", precision=PRECISION, **asked
+        )
+        for percent in percents
+    }
+    return CertifiedGeometry(pdop_max, availability, gdop)

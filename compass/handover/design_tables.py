@@ -1,0 +1,144 @@
+"""Tables of a design file beside orbits, users and signal: motion, access, links, requirements."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from compass.bodies import SOLAR_DAY
+from compass.design import Design, Radio, Requirement
+from compass.handover.decimals import decimal, number
+from compass.inputs.toml_values import toml_text, toml_value
+from compass.orbits.forces import ForceModel
+from compass.orbits.gravity import built_in_field
+
+KM, MHZ, SOL = 1e3, 1e6, SOLAR_DAY.value
+
+
+def table_lines(design: Design) -> list[str]:
+    """Tables ``[motion]``, ``[access]``, ``[[link]]`` and ``[[requirement]]`` of a design.
+
+    One that says nothing but what a file means without it is left out.
+    """
+    return [
+        *_motion(design),
+        *_access(design),
+        *(line for radio in design.radios for line in _link(radio)),
+        *(line for wanted in design.requirements for line in _requirement(wanted)),
+    ]
+
+
+def not_kept(design: Design) -> tuple[str, ...]:
+    """What of a design its file cannot say, a sentence each."""
+    return tuple(_not_kept(design))
+
+
+def _not_kept(design: Design) -> Iterator[str]:
+    motion = design.motion
+    if motion.table is not None:
+        yield (
+            "the trajectories of its ephemeris are not in the file, which has the ellipses that "
+            "touch them at the epoch; export them as oem and name those files"
+        )
+    if motion.forces is not None and not _is_built_in(motion.forces):
+        yield (
+            f"the gravity field {motion.forces.field.name} is not in the file; name its file under "
+            "motion.gravity_file"
+        )
+    named = {site.name: site for site in design.stations}
+    for wanted in design.requirements:
+        for site in wanted.sites:
+            if named.get(site.name) != site:
+                yield (
+                    f"the site {site.name!r} of {wanted.name!r} is not in the file; make it one "
+                    "of the design's stations"
+                )
+
+
+def _motion(design: Design) -> list[str]:
+    motion = design.motion
+    if motion.model in ("two-body", "ephemeris"):
+        return []
+    lines = ["", "[motion]", f"model = {toml_text(motion.model)}"]
+    if motion.forces is not None:
+        f = motion.forces
+        lines += [
+            f"gravity_degree = {min(f.field.degree, built_in_field().degree)}",
+            f"sun = {toml_value(f.sun)}",
+            f"moons = {toml_value(f.moons)}",
+            f"radiation_m2_kg = {number(f.radiation)}",
+            f"shadow = {toml_text(f.shadow)}",
+        ]
+    return lines
+
+
+def _is_built_in(forces: ForceModel) -> bool:
+    """Whether the field is the built-in one, to some degree of it."""
+    field, known = forces.field, built_in_field()
+    if field.degree > known.degree:
+        return False
+    same = known.truncated(field.degree)
+    numbers = (field.gm, field.radius, field.meridian) == (same.gm, same.radius, same.meridian)
+    return numbers and np.array_equal(field.c, same.c) and np.array_equal(field.s, same.s)
+
+
+def _access(design: Design) -> list[str]:
+    wanted, plain = design.access, Design(design.constellation)
+    same = (
+        wanted == plain.access
+        and design.access_duration == plain.access_duration
+        and design.conjunction == plain.conjunction
+    )
+    if same:
+        return []
+    sols = decimal(design.access_duration / SOL, lambda x: x * SOL, design.access_duration)
+    return [
+        "",
+        "[access]",
+        f"duration_sols = {sols}",
+        f"moons = {toml_value(list(wanted.moons))}",
+        f"earth = {toml_value(wanted.earth)}",
+        f"crosslinks = {toml_value(wanted.crosslinks)}",
+        f"atmosphere_height_km = {_kilometres(wanted.atmosphere_height)}",
+        f"conjunction_deg = {_degrees(design.conjunction)}",
+    ]
+
+
+def _link(radio: Radio) -> list[str]:
+    megahertz = decimal(radio.frequency / MHZ, lambda x: x * MHZ, radio.frequency)
+    return [
+        "",
+        "[[link]]",
+        f"between = {toml_value(list(radio.between))}",
+        f"frequency_mhz = {megahertz}",
+        f"eirp_dbw = {number(radio.eirp)}",
+        f"g_over_t_db_per_k = {number(radio.figure_of_merit)}",
+        f"required_cn0_dbhz = {number(radio.required)}",
+    ]
+
+
+def _requirement(wanted: Requirement) -> list[str]:
+    lines = ["", "[[requirement]]", f"name = {toml_text(wanted.name)}"]
+    if wanted.sites:
+        lines.append(f"sites = {toml_value([site.name for site in wanted.sites])}")
+    if wanted.regions:
+        lines.append(f"region = {toml_value(list(wanted.regions))}")
+    if wanted.fold is not None:
+        lines.append(f"fold = {wanted.fold}")
+    if wanted.mask is not None:
+        lines.append(f"mask_deg = {_degrees(wanted.mask)}")
+    lines += [f"{name}_at_most = {number(limit)}" for name, limit in wanted.limits]
+    return [
+        *lines,
+        f"share = {number(wanted.share)}",
+        f"share_of = {toml_text(wanted.share_of)}",
+        f"altitude_km = {_kilometres(wanted.altitude)}",
+        f"losses = {wanted.losses}",
+    ]
+
+
+def _degrees(radians: float) -> str:
+    return decimal(float(np.degrees(radians)), np.radians, radians)
+
+
+def _kilometres(metres: float) -> str:
+    return decimal(metres / KM, lambda km: km * KM, metres)

@@ -1,0 +1,236 @@
+"""Who tracks whom when: the rows of all measurements of an arc."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.bodies import MARS_ROTATION_RATE
+from compass.core.determine import STATES, in_turn
+from compass.core.motion import states
+from compass.design import Design
+from compass.frames import Figure, prime_meridian_angle
+from compass.moons import moon_row
+from compass.planets import sun_earth_mci
+from compass.tracking import Tracker, Tracking
+
+Array = NDArray[Any]
+
+#: Columns of a row: two satellites' states and what is considered of a tracker.
+WIDTH = 2 * STATES + 5
+MINUTE, SHIFT, COMPLEXES = 60.0, 8 * 3600.0, 3
+CLOCK = 6
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Measurements in order of time, as `compass.core.determine.follow` takes them.
+
+    Attributes
+    ----------
+    first, columns, values, variances
+        See there.
+    considered
+        Variance of each considered number, behind the satellites' states.
+    counts
+        How many measurements each kind of tracker made.
+    """
+
+    first: NDArray[np.int64]
+    columns: NDArray[np.int64]
+    values: Array
+    variances: Array
+    considered: Array
+    counts: dict[str, int]
+
+
+@dataclass(frozen=True)
+class _Sight:
+    """One tracker's satellites: which are in view, directions and distances, who it is.
+
+    Shapes (satellite, epoch), with a last axis of 3 for vectors; `axes` are the tracker's own
+    coordinates in the inertial frame, (epoch, 3, 3).
+    """
+
+    kind: str
+    tracker: Tracker
+    seen: NDArray[np.bool_]
+    away: Array
+    speed: Array
+    on_duty: NDArray[np.bool_]
+    axes: Array | None = None
+
+
+def measurement_rows(design: Design, tracking: Tracking, times: Array, r: Array, v: Array) -> Rows:
+    """Rows of every measurement of an arc.
+
+    Parameters
+    ----------
+    design
+        Its stations, figure and mask.
+    tracking
+        Who tracks.
+    times
+        Epochs, s, shape (t,).
+    r, v
+        Inertial states of the satellites, m and m/s, shape (n, t, 3).
+    """
+    n = r.shape[0]
+    parts: list[tuple[Array, NDArray[np.int64], Array, Array]] = []
+    considered: list[float] = []
+    counts = dict.fromkeys(tracking.kinds, 0)
+    for sight in _sights(design, tracking, times, r, v):
+        at = STATES * n + len(considered)
+        tracker = sight.tracker
+        considered += [tracker.bias**2, tracker.time_bias**2] + [tracker.position**2] * 3
+        for part in _rows(sight, at, times, tracking.step):
+            parts.append(part)
+            counts[sight.kind] += len(part[0])
+    if tracking.crosslinks is not None:
+        for part in _crosslinks(design.figure, tracking, r, v):
+            parts.append(part)
+            counts["crosslinks"] += len(part[0])
+    epoch = np.concatenate([np.zeros(0), *(p[0] for p in parts)]).astype(np.int64)
+    order = np.argsort(epoch, kind="stable")
+    columns = np.concatenate([np.zeros((0, WIDTH), np.int64), *(p[1] for p in parts)])
+    values = np.concatenate([np.zeros((0, WIDTH)), *(p[2] for p in parts)])
+    variances = np.concatenate([np.zeros(0), *(p[3] for p in parts)])
+    first = np.searchsorted(epoch[order], np.arange(len(times) + 1))
+    return Rows(
+        first, columns[order], values[order], variances[order], np.array(considered), counts
+    )
+
+
+def _sights(
+    design: Design, tracking: Tracking, times: Array, r: Array, v: Array
+) -> Iterator[_Sight]:
+    """Every tracker with its view of the satellites, but for crosslinks."""
+    epoch = design.constellation.epoch
+    always = np.ones(len(times), bool)
+    if tracking.earth is not None:
+        earth = sun_earth_mci(epoch, times)[1]
+        away, speed = r - earth[:, :3], v - earth[:, 3:]
+        seen = clear_of(design.figure, np.broadcast_to(earth[:, :3], r.shape), r)
+        for complex_ in range(COMPLEXES):
+            duty = (times // SHIFT).astype(int) % COMPLEXES == complex_
+            yield _Sight("earth", tracking.earth, seen, away, speed, duty)
+    if tracking.stations is not None:
+        for site in design.stations:
+            turn = _turn(prime_meridian_angle(epoch, times))
+            place = turn @ site.r_mcmf
+            spin = np.cross([0.0, 0.0, MARS_ROTATION_RATE.value], place)
+            away = r - place
+            fixed = np.einsum("tji,ntj->nti", turn, away) @ site.enu_mcmf.T
+            elevation = np.arcsin(fixed[..., 2] / np.linalg.norm(fixed, axis=-1))
+            azimuth = np.arctan2(fixed[..., 0], fixed[..., 1])
+            seen = elevation >= site.mask.at(azimuth)
+            yield _Sight("stations", tracking.stations, seen, away, v - spin, always, turn)
+    if tracking.moons is not None:
+        for name in ("phobos", "deimos"):
+            row = moon_row(name, epoch, 0.5 * float(times[-1]))
+            moon = states(row, np.zeros((1, 6)), times)
+            away = r - moon[:, :3]
+            seen = clear_of(design.figure, np.broadcast_to(moon[:, :3], r.shape), r)
+            axes = np.swapaxes(_orbit_axes(moon), 1, 2)
+            yield _Sight("moons", tracking.moons, seen, away, v - moon[:, 3:], always, axes)
+
+
+def _turn(angle: Array) -> Array:
+    """Rotations from the Mars-fixed to the inertial frame, shape (t, 3, 3)."""
+    turn = np.zeros((len(angle), 3, 3))
+    turn[:, 0, 0] = turn[:, 1, 1] = np.cos(angle)
+    turn[:, 1, 0], turn[:, 0, 1], turn[:, 2, 2] = np.sin(angle), -np.sin(angle), 1.0
+    return turn
+
+
+def _orbit_axes(states_: Array) -> Array:
+    from compass.signal.ranges import radial_along_cross
+
+    return radial_along_cross(states_[:, :3], states_[:, 3:])
+
+
+def clear_of(figure: Figure, one: Array, two: Array) -> NDArray[np.bool_]:
+    """Whether the straight line between places passes Mars, shape of the places less the last.
+
+    With the pole stretched so that the figure is a sphere, its nearest point to the centre must
+    lie outside, or not between the ends.
+    """
+    scale = np.array([1.0, 1.0, figure.stretch])
+    a, b = one * scale, two * scale
+    d = b - a
+    share = np.clip(-(a * d).sum(axis=-1) / (d * d).sum(axis=-1), 0.0, 1.0)
+    nearest = a + share[..., None] * d
+    return np.asarray((nearest * nearest).sum(axis=-1) >= figure.equatorial_radius**2)
+
+
+def _rows(
+    sight: _Sight, at: int, times: Array, step: float
+) -> Iterator[tuple[Array, NDArray[np.int64], Array, Array]]:
+    """Epochs, columns, values and variances of one tracker's measurements, kind by kind."""
+    tracker = sight.tracker
+    busy = sight.seen & sight.on_duty
+    if tracker.schedule == "in-turn":
+        busy = in_turn(busy)
+    satellite, epoch = np.nonzero(busy)
+    distance = np.linalg.norm(sight.away, axis=-1)[satellite, epoch][:, None]
+    u = sight.away[satellite, epoch] / distance
+    rate = sight.speed[satellite, epoch]
+    columns = np.full((len(epoch), WIDTH), -1)
+    columns[:, :STATES] = STATES * satellite[:, None] + np.arange(STATES)
+    columns[:, 2 * STATES :] = at + np.arange(5)
+    empty = np.zeros((len(epoch), WIDTH))
+    if tracker.range is not None:
+        values = empty.copy()
+        values[:, :3], values[:, CLOCK] = u, float(tracker.one_way)
+        values[:, 2 * STATES] = 1.0
+        if sight.axes is not None:
+            values[:, 2 * STATES + 2 :] = -np.einsum("mi,mij->mj", u, sight.axes[epoch])
+        yield epoch, columns, values, np.full(len(epoch), tracker.range**2)
+    if tracker.doppler is not None:
+        values = empty.copy()
+        values[:, 3:6] = u
+        values[:, :3] = (rate - (rate * u).sum(axis=1, keepdims=True) * u) / distance
+        counted = tracker.doppler**2 * MINUTE / step
+        yield epoch, columns, values, np.full(len(epoch), counted)
+    if tracker.time is not None:
+        values = empty.copy()
+        values[:, CLOCK] = values[:, 2 * STATES + 1] = 1.0
+        yield epoch, columns, values, np.full(len(epoch), tracker.time**2)
+
+
+def _crosslinks(
+    figure: Figure, tracking: Tracking, r: Array, v: Array
+) -> Iterator[tuple[Array, NDArray[np.int64], Array, Array]]:
+    """As `_rows`, of all pairs of satellites that see each other."""
+    tracker = tracking.crosslinks
+    assert tracker is not None
+    one, two = np.triu_indices(len(r), 1)
+    away, speed = r[two] - r[one], v[two] - v[one]
+    busy = clear_of(figure, r[one], r[two])
+    if tracker.schedule == "in-turn":
+        busy = in_turn(busy)
+    pair, epoch = np.nonzero(busy)
+    distance = np.linalg.norm(away, axis=-1)[pair, epoch][:, None]
+    u, rate = away[pair, epoch] / distance, speed[pair, epoch]
+    columns = np.full((len(epoch), WIDTH), -1)
+    columns[:, :STATES] = STATES * one[pair][:, None] + np.arange(STATES)
+    columns[:, STATES : 2 * STATES] = STATES * two[pair][:, None] + np.arange(STATES)
+    empty = np.zeros((len(epoch), WIDTH))
+    if tracker.range is not None:
+        values = empty.copy()
+        values[:, :3], values[:, STATES : STATES + 3] = -u, u
+        # a bias of each link is noise of all links together: they do not share it
+        yield epoch, columns, values, np.full(len(epoch), tracker.range**2 + tracker.bias**2)
+    if tracker.doppler is not None:
+        values = empty.copy()
+        across = (rate - (rate * u).sum(axis=1, keepdims=True) * u) / distance
+        values[:, :3], values[:, STATES : STATES + 3] = -across, across
+        values[:, 3:6], values[:, STATES + 3 : STATES + 6] = -u, u
+        counted = tracker.doppler**2 * MINUTE / tracking.step
+        yield epoch, columns, values, np.full(len(epoch), counted)
+    if tracker.time is not None:
+        values = empty.copy()
+        values[:, CLOCK], values[:, STATES + CLOCK] = -1.0, 1.0
+        yield epoch, columns, values, np.full(len(epoch), tracker.time**2)

@@ -1,0 +1,91 @@
+"""What real orbits make of candidates: how long their fold lasts, what keeping them costs.
+
+Two ways, a quick law for all of them and a proof for those that are left. The law: the mean push
+of Mars's field along the track, undone for a year (`compass.orbits.resonance`). The proof: orbits
+under all forces, trimmed where they can be, and no symmetry (`compass.coverage.lasting`).
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.core.resonance import push_on_patterns
+from compass.coverage.lasting import prove_span
+from compass.errors import ArgumentError
+from compass.frames import SECONDS_PER_DAY, prime_meridian_angle
+from compass.inputs.study import Study
+from compass.orbits import Constellation
+from compass.orbits.forces import ForceModel
+from compass.orbits.motion import Motion
+from compass.orbits.resonance import slow_pushes
+from compass.orbits.trajectory import COARSE
+from compass.orbits.trimming import trim
+from compass.study.candidates import make_constellation, pattern_columns
+
+#: A year here, s.
+YEAR = 365.25 * SECONDS_PER_DAY
+
+#: Half width of a slot's box, as a share of what the margin allows; as of `compass.keep`.
+BOX = 0.5
+
+_forces = lru_cache(maxsize=1)(ForceModel)
+
+
+def keeping_law(rows: NDArray, spare: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Delta-v a year of the satellite that needs most, by the law of a mean push, m/s, shape (n,).
+
+    Nothing where what Mars's field does swings no satellite out of its box. With the nodes and
+    phases of the candidates as they stand at their epoch.
+
+    Parameters
+    ----------
+    rows
+        Candidates, of dtype `compass.study.candidates.ROW`.
+    spare
+        Cap radius less the least one with the fold, radians, shape (n,); nan where unknown.
+    """
+    field = _forces().field
+    orbits, group = np.unique(rows[["radius_km", "inclination_deg"]], return_inverse=True)
+    slow = slow_pushes(field, orbits["radius_km"] * 1e3, np.radians(orbits["inclination_deg"]))
+    largest = np.empty(rows.size)
+    meridian = float(prime_meridian_angle(0.0, 0.0)) + field.meridian
+    push_on_patterns(
+        *pattern_columns(rows)[:4],
+        group.ravel().astype(np.int64),
+        meridian,
+        BOX * np.asarray(spare),
+        slow.swings,
+        slow.waves,
+        slow.pushes,
+        largest,
+    )
+    return largest * YEAR
+
+
+def orbits_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
+    """Days that each candidate's fold is proven on real orbits, trimmed once where that helps."""
+    days = [
+        proven_days(
+            make_constellation(row),
+            study.fold,
+            study.orbits.days,
+            study.figure.equatorial_radius,
+            float(np.radians(row["mask_deg"])),
+        )
+        for row in rows
+    ]
+    return {"days_proven": np.array(days, dtype=float)}
+
+
+def proven_days(c: Constellation, fold: int, days: float, sphere: float, mask: float) -> float:
+    """Days for which a fold is proven under the default forces, from the epoch, trimmed once."""
+    forces, stop = _forces(), days * SECONDS_PER_DAY
+    try:
+        chosen = trim(c, forces, stop).constellation
+    except ArgumentError as error:
+        if "resonance" not in str(error):
+            raise
+        chosen = c
+    path = Motion("numerical", forces).trajectory(chosen, 0.0, stop, tolerance=COARSE)
+    return prove_span(path, fold, sphere_radius=sphere, mask=mask, stop=stop).days_proven

@@ -1,0 +1,73 @@
+"""What judged landers do not know of clocks and orbits: usual sigmas, or a design's own."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from compass.design import Design
+from compass.entry.unknowns import Unknowns
+from compass.errors import ArgumentError
+from compass.signal.budget import mean_age_covariance
+
+
+@dataclass(frozen=True)
+class Doubts:
+    """One sigma of everything, as a user says it.
+
+    Attributes
+    ----------
+    clock_m, clock_drift_m_s
+        Of the receiver's clock when the entry begins; both 0 for one that agrees with the
+        satellites', or ranges both ways. By default a clock set to 0.1 ms from Earth, and a
+        quartz oscillator good to 1e-9.
+    orbit_m
+        Radial, along and cross error of broadcast orbits.
+    satellite_clock_m
+        Of broadcast clocks.
+    range_bias_m
+        Of a bias of the ranges to each satellite.
+    """
+
+    clock_m: float = 3e4
+    clock_drift_m_s: float = 0.3
+    orbit_m: tuple[float, float, float] = (2.0, 8.0, 5.0)
+    satellite_clock_m: float = 3.0
+    range_bias_m: float = 1.0
+
+    def __post_init__(self) -> None:
+        for name, value in (
+            *(("orbit_m", sigma) for sigma in self.orbit_m),
+            ("satellite_clock_m", self.satellite_clock_m),
+        ):
+            if not 0 <= value < float("inf"):
+                raise ArgumentError(f"{name} = {value:g}: must be 0 or more, and finite")
+        self.of(None)
+
+    def of(self, design: Design | None) -> Unknowns:
+        """What is not known with a design: of its satellites what its [signal] says, if it does."""
+        satellites = np.diag(np.square([*self.orbit_m, self.satellite_clock_m]))
+        if design is not None and design.signal is not None:
+            satellites = mean_age_covariance(design.signal, design.constellation.size)
+        return Unknowns((self.clock_m, self.clock_drift_m_s), satellites, self.range_bias_m)
+
+    def sentence(self, own: list[str]) -> str:
+        """Say what is counted; `own` names the designs whose satellites have their own errors."""
+        clock = (
+            f"the receiver's clock, known to {self.clock_m:g} m and {self.clock_drift_m_s:g} m/s "
+            "at first and estimated"
+            if self.clock_m
+            else "a receiver's clock that agrees with the satellites'"
+        )
+        radial, along, cross = self.orbit_m
+        said = (
+            f"Counted, one sigma: {clock}; satellites' orbits to {radial:g}, {along:g}, {cross:g} "
+            f"m (radial, along, cross) and clocks to {self.satellite_clock_m:g} m, and a bias of "
+            f"the ranges to each of {self.range_bias_m:g} m, considered"
+        )
+        if own:
+            said += f"; orbits and clocks of {', '.join(own)} by its own table [signal]"
+        return f"{said}."
+
+
+#: Satellites known exactly, and clocks that agree: what a study takes, candidate by candidate.
+NO_DOUBTS = Doubts(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, 0.0)
