@@ -9,6 +9,7 @@ import numpy as np
 from compass.bodies import SOLAR_DAY
 from compass.errors import ArgumentError
 from compass.frames import DEFAULT_FIGURE, FIGURES, Figure
+from compass.integrity import Integrity
 from compass.orbits.constellation import Constellation
 from compass.orbits.motion import Motion
 from compass.ranging import Signal
@@ -42,6 +43,54 @@ class Wanted:
     earth: bool = False
     crosslinks: bool = False
     atmosphere_height: float = 0.0
+
+
+@dataclass(frozen=True)
+class Upkeep:
+    """What satellites keep themselves with.
+
+    Attributes
+    ----------
+    specific_impulse, dry_mass
+        Of the propulsion, s, and of a satellite without propellant, kg.
+    smallest_burn
+        That can be commanded, m/s; a smaller one is made as large.
+    execution_error
+        Of every burn, relative, 1 sigma.
+    navigation_error
+        Of the place along the track that burns are decided on, m, 1 sigma.
+    duration
+        For how long, s.
+    """
+
+    specific_impulse: float = 220.0
+    dry_mass: float = 100.0
+    smallest_burn: float = 0.005
+    execution_error: float = 0.01
+    navigation_error: float = 1000.0
+    duration: float = 365.25 * 86400.0
+
+
+@dataclass(frozen=True)
+class Launching:
+    """How satellites are brought to their planes.
+
+    Attributes
+    ----------
+    launched
+        Altitude of the circular orbit launched into, m.
+    waiting
+        Lowest and highest altitude of waiting orbits, m.
+    longest_wait
+        Until the last plane is reached, s.
+    satellites_a_launch
+        At most; None for all in one.
+    """
+
+    launched: float = 400e3
+    waiting: tuple[float, float] = (300e3, 12000e3)
+    longest_wait: float = 365.25 * 86400.0
+    satellites_a_launch: int | None = None
 
 
 @dataclass(frozen=True)
@@ -177,12 +226,18 @@ class Design:
         Radio links.
     motion
         How the satellites move.
+    upkeep
+        What they keep their slots with.
+    launching
+        How they come to their planes.
     requirements
         What must be so.
     signal
         The errors of ranges to the satellites, or None where nothing is known of them.
     tracking
         Who tracks the satellites, or None.
+    integrity
+        What users are promised, or None.
     text
         Of the file it was read from, for provenance; empty without one.
     label
@@ -202,9 +257,12 @@ class Design:
     conjunction: float = float(np.radians(2.0))
     radios: tuple[Radio, ...] = ()
     motion: Motion = field(default_factory=Motion)
+    upkeep: Upkeep = field(default_factory=Upkeep)
+    launching: Launching = field(default_factory=Launching)
     requirements: tuple[Requirement, ...] = ()
     signal: Signal | None = None
     tracking: Tracking | None = None
+    integrity: Integrity | None = None
     text: str = ""
     label: str = "design"
 

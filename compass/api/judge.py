@@ -13,6 +13,7 @@ from compass.api.progress import bar
 from compass.api.results import Result
 from compass.design import Design
 from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
+from compass.document.numbers import significant
 from compass.document.plain import plain
 from compass.errors import ArgumentError, DesignError
 from compass.frames import SECONDS_PER_DAY
@@ -63,7 +64,7 @@ class JudgeResult(Result):
         best, unknown = rows[0], unknown_air(record)
         claim = (
             f"{best['design']} is best of {len(rows)}: position bound at {record['deployment']} "
-            f"{best['crlb_position_m']['p95']:.4g} m in 95 % of {record['samples']} entries"
+            f"{_drawn(best['crlb_position_m'], 'p95')} m in 95 % of {record['samples']} entries"
             + "".join(f", {text}" for text in unknown)
         )
         run = [row for row in rows if row["nees"] is not None]
@@ -73,6 +74,7 @@ class JudgeResult(Result):
                 Verdict("", claim),
                 Sentence(f"Within {goal:g} m at deployment, anywhere and at any time?"),
                 *(Sentence(f"{row['design']}: {row['answer']}") for row in rows),
+                *(Sentence(said) for said in not_told_apart(rows)),
                 ranking_table(rows),
                 budget_table(rows),
                 *([filter_table(run)] if run else []),
@@ -102,7 +104,8 @@ class JudgeResult(Result):
 
 _MEANING = (
     "p50, p95: Cramer-Rao sigma of the position in space over the entries; worst: that a search "
-    "finds. In view: fewest. After worst loss: of the one satellite that matters most. Blind: "
+    "finds. In brackets: bounds that hold the percentile of all entries in 95 of 100 cases. "
+    "In view: fewest. After worst loss: of the one satellite that matters most. Blind: "
     "entries whose measurements alone do not determine the state. NEES: 6 if the filter is "
     "consistent, which in 95 of 100 cases puts it between the bounds. Budget: root mean squares "
     "over the entries, whose squares add up; ignored: for a filter that is blind to the errors of "
@@ -335,10 +338,10 @@ def ranking_table(rows: Sequence[dict[str, Any]]) -> Table:
                 row["design"],
                 row["satellites"],
                 row["in_view"]["min"],
-                _digits(row["crlb_position_m"]["p50"]),
-                _digits(row["crlb_position_m"]["p95"]),
+                _drawn(row["crlb_position_m"], "p50"),
+                _drawn(row["crlb_position_m"], "p95"),
                 _digits(row["worst_found"]["value"]),
-                _digits(row["crlb_velocity_m_s"]["p95"]),
+                _drawn(row["crlb_velocity_m_s"], "p95"),
                 *_loss_columns(row),
                 _digits(100 * row["unobservable_share"]),
             )
@@ -352,7 +355,7 @@ def _loss_columns(row: dict[str, Any]) -> tuple[object, object]:
     if "after_loss" not in row:
         return "", ""
     lost = row["after_loss"]
-    return _digits(lost["crlb_position_m"]["p95"]), _digits(lost["worst_found"]["value"])
+    return _drawn(lost["crlb_position_m"], "p95"), _digits(lost["worst_found"]["value"])
 
 
 def budget_table(rows: Sequence[dict[str, Any]]) -> Table:
@@ -378,8 +381,8 @@ def filter_table(rows: Sequence[dict[str, Any]]) -> Table:
                 row["design"],
                 row["runs"],
                 row["diverged"],
-                _digits(row["ekf_position_m"]["p50"]),
-                _digits(row["ekf_position_m"]["p95"]),
+                _drawn(row["ekf_position_m"], "p50"),
+                _drawn(row["ekf_position_m"], "p95"),
                 _digits(row["rms_over_bound"]),
                 _digits(row["nees"]),
                 "{low:.2f} and {high:.2f}".format(**row["nees_interval"]),
@@ -394,6 +397,31 @@ def _consistent(row: dict[str, Any]) -> str:
     if not row["believed"]:
         return f"no: errors {row['errors_over_claim']:.3g} times its claim"
     return "yes" if row["consistent"] else "no"
+
+
+def not_told_apart(rows: Sequence[dict[str, Any]]) -> list[str]:
+    """Say which designs so few entries cannot put behind the best; nothing if there is none."""
+    best, *others = rows
+    bounds = best["crlb_position_m"].get("p95_interval")
+    if bounds is None:
+        return []
+    names = [
+        row["design"] for row in others if row["crlb_position_m"]["p95_interval"][0] <= bounds[1]
+    ]
+    if not names:
+        return []
+    return [
+        f"not told apart from {best['design']} by so few entries: {', '.join(names)}; their bounds "
+        "of the 95th percentile overlap"
+    ]
+
+
+def _drawn(known: Mapping[str, Any], key: str) -> str | float:
+    """A percentile of what was drawn, and between what bounds that of endless draws lies."""
+    bounds = known.get(f"{key}_interval")
+    if bounds is None:
+        return _digits(known[key])
+    return f"{known[key]:.4g} ({significant(bounds[0], 3)} to {significant(bounds[1], 3)})"
 
 
 def _digits(value: float) -> float:

@@ -1,19 +1,20 @@
 """Station-keeping of a design: what it costs to hold every satellite in its slot."""
 
-from dataclasses import dataclass, field
-from math import degrees, exp, isfinite, radians
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from math import degrees, exp, radians
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from compass.api.drift import forces_of, real_motion
+from compass.api.drift import RadiusLasts, at_radii, forces_of, real_motion
 from compass.api.given import given_design, given_mask
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.coverage.margin import covering_radius
 from compass.coverage.room import has_slots, slot_box
-from compass.design import Design
+from compass.design import Design, Upkeep
 from compass.document import Page, Sampled, Sentence, Table, Value, Verdict
 from compass.document.blocks import facts
 from compass.document.plain import plain
@@ -40,16 +41,18 @@ class KeepResult(Result):
         The simulation, SI.
     margin_deg
         What a satellite may leave its slot by, sideways; the box is part of it.
-    specific_impulse_s, dry_mass_kg
-        Of the satellites.
+    upkeep
+        What the satellites keep themselves with.
+    radii
+        How long the pattern lasts untouched at other radii, if asked for.
     """
 
     design: Design = field(repr=False)
     motion: str
     keeping: Keeping
     margin_deg: float
-    specific_impulse_s: float
-    dry_mass_kg: float
+    upkeep: Upkeep
+    radii: tuple[RadiusLasts, ...] = ()
 
     @property
     def years(self) -> float:
@@ -59,7 +62,11 @@ class KeepResult(Result):
     @property
     def delta_v_m_s_year(self) -> list[float]:
         """Of each satellite, m/s an Earth year."""
-        return [float(spent) / self.years for spent in self.keeping.delta_v]
+        return [float(spent) / self.years for spent in self._spent()]
+
+    def _spent(self) -> Any:
+        """All impulses of each satellite, m/s."""
+        return self.keeping.delta_v + self.keeping.delta_v_across
 
     @property
     def holds(self) -> bool:
@@ -85,14 +92,20 @@ class KeepResult(Result):
                 "delta_v_keeping_m_s_year": max(costs),
                 "delta_v_mean_m_s_year": float(np.mean(costs)),
                 "delta_v_sum_m_s_year": float(np.sum(costs)),
-                "specific_impulse_s": self.specific_impulse_s,
-                "dry_mass_kg": self.dry_mass_kg,
+                "specific_impulse_s": self.upkeep.specific_impulse,
+                "dry_mass_kg": self.upkeep.dry_mass,
+                "smallest_burn_m_s": self.upkeep.smallest_burn,
+                "execution_error": self.upkeep.execution_error,
+                "navigation_error_m": self.upkeep.navigation_error,
+                "untouched": [r.as_dict() for r in self.radii],
                 "per_satellite": [
                     {
                         "name": name,
                         "delta_v_m_s_year": costs[s],
                         "push_m_s_year": float(found.push[s]) * YEAR,
+                        "across_m_s_year": float(found.delta_v_across[s]) / self.years,
                         "burns": int(found.burns[s]),
+                        "burns_across": int(found.burns_across[s]),
                         "days_between_burns": self._between(s),
                         "worst_in_track_deg": degrees(found.worst[s]),
                         "worst_cross_track_deg": degrees(found.tilt[s]),
@@ -104,13 +117,13 @@ class KeepResult(Result):
         )
 
     def _between(self, s: int) -> float | None:
-        burns = int(self.keeping.burns[s])
+        burns = int(self.keeping.burns[s] + self.keeping.burns_across[s])
         return self.keeping.duration / SECONDS_PER_DAY / burns if burns else None
 
     def _propellant(self, s: int) -> float:
         """Of the rocket equation, kg."""
-        exhaust = STANDARD_GRAVITY * self.specific_impulse_s
-        return self.dry_mass_kg * (exp(float(self.keeping.delta_v[s]) / exhaust) - 1.0)
+        exhaust = STANDARD_GRAVITY * self.upkeep.specific_impulse
+        return self.upkeep.dry_mass * (exp(float(self._spent()[s]) / exhaust) - 1.0)
 
     def document(self) -> Page:
         """The cost in a sentence, then satellite by satellite."""
@@ -128,6 +141,7 @@ class KeepResult(Result):
                 row["name"],
                 Value(cost, row["delta_v_m_s_year"]),
                 row["burns"],
+                row["burns_across"],
                 "" if row["days_between_burns"] is None else f"{row['days_between_burns']:.4g}",
                 f"{row['worst_in_track_deg']:.3g}",
                 f"{row['worst_cross_track_deg']:.3g}",
@@ -136,15 +150,18 @@ class KeepResult(Result):
             for row in out["per_satellite"]
         )
         header = (
-            "satellite", cost.heading, "burns", "days between", "worst in track, deg",
-            "worst cross track, deg", quantity(names[1]).heading,
+            "satellite", cost.heading, "burns along", "across", "days between",
+            "worst in track, deg", "worst cross track, deg", quantity(names[1]).heading,
         )  # fmt: skip
         how = (
             f"simulated over {self.years:.4g} years, one look a revolution, {self.motion}; "
-            "impulses along the track, exact and known; nothing is burnt across the track, and "
-            "the poles' drift from the best common turn is reported instead"
+            f"specific impulse {self.upkeep.specific_impulse:g} s, "
+            f"{self.upkeep.dry_mass:g} kg dry, "
+            f"burns from {self.upkeep.smallest_burn:g} m/s on, good to "
+            f"{100 * self.upkeep.execution_error:g} %, places known to "
+            f"{self.upkeep.navigation_error:g} m (all 1 sigma): the table [keeping] says otherwise"
         )
-        evidence = Sampled(how="one simulation, impulses without error")
+        evidence = Sampled(how="one simulation")
         return Page(
             self.design.name,
             (
@@ -158,19 +175,34 @@ class KeepResult(Result):
                 ),
                 Table("Satellite by satellite", header, rows),
                 Sentence(how),
+                *self._untouched(),
             ),
         )
+
+    def _untouched(self) -> list[Table]:
+        """The same pattern at other radii, which nobody keeps."""
+        rows = tuple(
+            (f"{r.radius_km:g}", Value(quantity("days_proven"), r.days_proven), "0")
+            for r in self.radii
+        )
+        header = ("radius, km", quantity("days_proven").heading, "delta-v, m s-1 year-1")
+        return [Table("Untouched instead, trimmed once", header, rows)] if rows else []
 
 
 def keep(
     design: Design | str | Path,
     *,
-    years: float = 1.0,
+    years: float | None = None,
     box_deg: float | None = None,
     fold: int | None = None,
     mask_deg: float | None = None,
-    specific_impulse_s: float = 220.0,
-    dry_mass_kg: float = 100.0,
+    radius_km: Sequence[float] = (),
+    specific_impulse_s: float | None = None,
+    dry_mass_kg: float | None = None,
+    smallest_burn_m_s: float | None = None,
+    execution_error: float | None = None,
+    navigation_error_m: float | None = None,
+    seed: int = 0,
     progress: bool = False,
 ) -> KeepResult:
     """Simulate impulsive station-keeping of every satellite in its slot along the track.
@@ -181,13 +213,19 @@ def keep(
         A design of circular orbits of one radius and inclination, or the path of its file; one
         of two-body motion is kept under the default forces.
     years
-        Time to simulate, Earth years of 365.25 days.
+        Time to simulate, Earth years of 365.25 days; else the design's, as all that follows.
     box_deg
         Half width of the box along the track, degrees; else half of what the margin allows.
     fold, mask_deg
         Satellites in view at once and elevation mask, degrees; else the design's.
+    radius_km
+        Radii at which to look how long the pattern lasts untouched, for as long.
     specific_impulse_s, dry_mass_kg
         For the propellant.
+    smallest_burn_m_s, execution_error, navigation_error_m
+        Of the burns: the least, the relative error, the error of the place along the track.
+    seed
+        Of the errors.
     progress
         Show bars on stderr.
 
@@ -203,12 +241,16 @@ def keep(
     Traceback (most recent call last):
     compass.errors.ArgumentError: years = 0: allowed 0.1 to 100
     """
-    if not (isfinite(years) and 0.1 <= years <= 100.0):
-        raise ArgumentError(f"years = {years:g}: allowed 0.1 to 100")
-    for name, value in (("specific_impulse_s", specific_impulse_s), ("dry_mass_kg", dry_mass_kg)):
-        if not 0.0 < value < 1e6:
-            raise ArgumentError(f"{name} = {value:g}: allowed above 0 to 1e6")
     read = given_design(design)
+    upkeep = _upkeep(
+        read.upkeep,
+        years=years,
+        specific_impulse_s=specific_impulse_s,
+        dry_mass_kg=dry_mass_kg,
+        smallest_burn_m_s=smallest_burn_m_s,
+        execution_error=execution_error,
+        navigation_error_m=navigation_error_m,
+    )
     c, motion = read.constellation, real_motion(read)
     if not has_slots(c):
         raise ArgumentError(
@@ -223,8 +265,39 @@ def keep(
     found = keep_slots(
         c,
         forces_of(motion),
-        years * YEAR,
+        upkeep.duration,
         width,
+        across=0.5 * width,
+        smallest_burn=upkeep.smallest_burn,
+        execution_error=upkeep.execution_error,
+        navigation_error=upkeep.navigation_error,
+        seed=seed,
         progress=lambda parts: bar(progress, "keeping", parts),
     )
-    return KeepResult(read, motion.title, found, degrees(margin), specific_impulse_s, dry_mass_kg)
+    days = upkeep.duration / SECONDS_PER_DAY
+    radii = at_radii(read, radius_km, days=days, fold=wanted, mask=mask, progress=progress)
+    return KeepResult(read, motion.title, found, degrees(margin), upkeep, radii)
+
+
+#: Options: field of `Upkeep`, factor to SI, least and most.
+_LIMITS = {
+    "years": ("duration", YEAR, 0.1, 100.0),
+    "specific_impulse_s": ("specific_impulse", 1.0, 1e-3, 1e6),
+    "dry_mass_kg": ("dry_mass", 1.0, 1e-3, 1e6),
+    "smallest_burn_m_s": ("smallest_burn", 1.0, 0.0, 100.0),
+    "execution_error": ("execution_error", 1.0, 0.0, 0.5),
+    "navigation_error_m": ("navigation_error", 1.0, 0.0, 1e6),
+}
+
+
+def _upkeep(given: Upkeep, **options: float | None) -> Upkeep:
+    """Return what a design says, but for the options that are given."""
+    changed = {}
+    for name, value in options.items():
+        field_name, factor, least, most = _LIMITS[name]
+        if value is None:
+            continue
+        if not least <= value <= most:
+            raise ArgumentError(f"{name} = {value:g}: allowed {least:g} to {most:g}")
+        changed[field_name] = value * factor
+    return replace(given, **changed)

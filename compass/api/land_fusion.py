@@ -31,6 +31,9 @@ def fusion_words(found: FusionRuns) -> tuple[str, ...]:
     if words and found.plan.see_through:
         words.append("as in the source, ranges are let through the planet all the same")
     said = [". ".join(word[0].upper() + word[1:] for word in words) + "."] if words else []
+    vain = [f"{name}, {how}" for name, data in found.clear.items() if (how := _vain(data))]
+    if vain:
+        said.insert(0, f"Not to be believed: {'; '.join(vain)}.")
     if case.arrival is not None:
         beta, step = case.arrival[:, 0], case.times[1] - case.times[0]
         partial = (beta < 1) & (beta > 1.0001 * beta.min())
@@ -51,6 +54,19 @@ def fusion_words(found: FusionRuns) -> tuple[str, ...]:
                     f"{data.attrs['divergences'][0]}."
                 )
     return tuple(said)
+
+
+def _vain(data: "xr.Dataset") -> str:
+    """How far a filter claims too much; empty if it does not."""
+    nees, high = _settled(data, "nees"), data.attrs["nees_high"]
+    if nees <= high:
+        return ""
+    if not np.isfinite(nees):
+        return "whose runs are all lost"
+    times = np.sqrt(nees / data.sizes["state"])
+    return (
+        f"whose errors are {times:.3g} times what it claims (NEES {nees:.4g}, at most {high:.2f})"
+    )
 
 
 def _fault_words(fault: Fault) -> str:

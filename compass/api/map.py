@@ -15,6 +15,7 @@ from compass.coverage.errors import ERRORS, FACTOR_95
 from compass.coverage.files import write_map
 from compass.coverage.gaps import next_prime
 from compass.coverage.maps import DOPS
+from compass.coverage.protection import LEVELS
 from compass.design import PDOP_MAX, Design
 from compass.document import Bracket, Page, Sampled, Sentence, Table, Value, Verdict
 from compass.document.blocks import facts
@@ -90,6 +91,7 @@ class MapResult(Result):
                 Verdict("" if met else "missed", claim, met),
                 *self.tables(),
                 *self._errors(),
+                *self._protection(),
                 *(Sentence(said) for said in self.certain()),
                 Sentence(how),
                 *self._between_epochs(),
@@ -151,6 +153,37 @@ class MapResult(Result):
                 f"95 % of the fixes are within {FACTOR_95 * p95:.3g} m horizontally (1.96 times "
                 "one sigma, at least 95 % whatever the shape of the error ellipse); ± is a "
                 "standard error of sampling"
+            ),
+        )
+
+    def _protection(self) -> tuple[Table | Sentence, ...]:
+        """Protection levels over area and time, and what they promise."""
+        promise = self.design.integrity
+        if "global_protection" not in self.dataset or promise is None:
+            return ()
+        made = self.dataset
+        found = protection_statistics(made)
+        rows = tuple(
+            (
+                quantity(name).title,
+                *(Value(quantity(name), found[name][p]) for p in list(found[name])),
+            )
+            for name in LEVELS
+        )
+        header = ("", *(f"p{int(q)}" for q in made.global_percentile.values))
+        shares = [
+            Value(quantity(name), found[name]) for name in ("detection_share", "protection_share")
+        ]
+        return (
+            Table("Protection levels, m: percentiles over area and time", header, rows),
+            facts("One faulty satellite", shares),
+            Sentence(
+                "solution separation: 2 Q((L - b0)/s0) + sum of P_sat Q((L - Tk - bk)/sk) = P_HMI "
+                f"less what two faults use up; P_HMI {promise.hazard:g} ({promise.horizontal:g} "
+                f"of it horizontal, half each east and north), P_sat {promise.fault:g} each, P_FA "
+                f"{promise.alarm:g}, bias {promise.bias:g} m; two of five faulty: "
+                f"{promise.unmonitored(5):.2g}; alert limits {promise.alert_horizontal:g} m "
+                f"horizontal, {promise.alert_vertical:g} m vertical; sampled as the errors are"
             ),
         )
 
@@ -295,11 +328,11 @@ class MapResult(Result):
 
 def _scale(name: str, values: "xr.DataArray") -> Any:
     """How the colours of a map run."""
-    if name in DOPS or name in ERRORS:
+    if name in DOPS or name in ERRORS or name in LEVELS:
         return "dilution"
     if np.issubdtype(values.dtype, np.integer):
         return "counts"
-    return "share" if name == "availability" else "linear"
+    return "share" if name in ("availability", "detection_share", "protection_share") else "linear"
 
 
 def map(
@@ -410,24 +443,30 @@ def statistics(dataset: "xr.Dataset") -> dict[str, Any]:
         }
         for name in dataset.dop.values
     }
-    return error_statistics(dataset) | {
-        "count": {
-            "min": int(dataset.count_min.min()),
-            "mean": float(dataset.global_count_mean),
-            "max": int(dataset.count_max.max()),
-        },
-        "fold_share": {
-            int(k): float(shares.sel(global_fold=k))
-            for k in shares.global_fold.values
-            if k and (k <= dataset.attrs["wanted_fold"] or float(shares.sel(global_fold=k)) > 0)
-        },
-        **dops,
-        "availability": float(dataset.global_availability),
-        "longest_gap_s": float(dataset.longest_gap.max()),
-        "mean_response_time_s": float(
-            (dataset.mean_response_time.mean("lon") * dataset.cell_share * dataset.lon.size).sum()
-        ),
-    }
+    return (
+        error_statistics(dataset)
+        | protection_statistics(dataset)
+        | {
+            "count": {
+                "min": int(dataset.count_min.min()),
+                "mean": float(dataset.global_count_mean),
+                "max": int(dataset.count_max.max()),
+            },
+            "fold_share": {
+                int(k): float(shares.sel(global_fold=k))
+                for k in shares.global_fold.values
+                if k and (k <= dataset.attrs["wanted_fold"] or float(shares.sel(global_fold=k)) > 0)
+            },
+            **dops,
+            "availability": float(dataset.global_availability),
+            "longest_gap_s": float(dataset.longest_gap.max()),
+            "mean_response_time_s": float(
+                (
+                    dataset.mean_response_time.mean("lon") * dataset.cell_share * dataset.lon.size
+                ).sum()
+            ),
+        }
+    )
 
 
 def error_statistics(dataset: "xr.Dataset") -> dict[str, Any]:
@@ -445,3 +484,23 @@ def error_statistics(dataset: "xr.Dataset") -> dict[str, Any]:
         found[name]["share"] = float(of.global_error_share)
         found[name]["share_sampling"] = float(of.global_error_share_sampling)
     return found | {"error_limit_m": dataset.attrs["error_limit_m"]}
+
+
+def protection_statistics(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Percentiles of the protection levels over area and time, and shares that they make."""
+    if "global_protection" not in dataset:
+        return {}
+    names = [f"p{int(q)}" for q in dataset.global_percentile.values]
+    found: dict[str, Any] = {
+        name: dict(
+            zip(names, dataset.global_protection.sel(level=name).values.tolist(), strict=True)
+        )
+        for name in dataset.level.values.tolist()
+    }
+    shares = dataset.global_protection_share
+    return found | {
+        "detection_share": float(shares.sel(protected="detectable")),
+        "protection_share": float(shares.sel(protected="both")),
+        "protection_horizontal_share": float(shares.sel(protected="horizontal")),
+        "protection_vertical_share": float(shares.sel(protected="vertical")),
+    }

@@ -105,8 +105,9 @@ def outlook(design: Design) -> Outlook:
     design
         The design.
     """
-    wanted = (HORIZON, STEPS, design.constellation, design.motion, design.figure)
-    question = ("outlook", *wanted, design.fold, design.mask)
+    bounds = (HORIZON, GLANCE, STEPS, SATELLITE_DAYS)
+    flown = (design.constellation, design.motion, design.figure, design.upkeep)
+    question = ("outlook", *bounds, *flown, design.fold, design.mask)
     found, known = kept(question, lambda: _look(design))
     radii = tuple(RadiusLasts(**row) for row in found.pop("radii"))
     notes = tuple(found.pop("notes"))

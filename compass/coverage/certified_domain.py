@@ -15,47 +15,23 @@ A mask by azimuth has no mirror and keeps only the shifts. What the moves miss i
 error of the satellites' places.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.coverage.certified_orbits import orbit_rows
+from compass.coverage.certified_places import Place, Spot, Tile, for_ever, sides_of
 from compass.coverage.motion import motion_of
 from compass.coverage.region import GLOBE, Region
 from compass.coverage.symmetry import Span
 from compass.errors import ArgumentError
-from compass.frames import Figure, planetographic_latitude
+from compass.frames import Figure, prime_meridian_angle
 from compass.orbits import Constellation, repeat_period
+from compass.orbits.motion import AnyMotion, Motion, as_motion
 from compass.orbits.period import secular_rates
 from compass.orbits.symmetry import mirrors, one_circle, one_period, shifts
-
-
-@dataclass(frozen=True)
-class Circle:
-    """All places of a latitude (planetocentric, radians)."""
-
-    latitude: float
-
-
-@dataclass(frozen=True)
-class Spot:
-    """One place that turns with Mars: planetocentric latitude and east longitude, radians."""
-
-    latitude: float
-    longitude: float
-
-
-@dataclass(frozen=True)
-class Tile:
-    """Between two latitudes and from a western to an eastern longitude, turning with Mars."""
-
-    south: float
-    north: float
-    west: float
-    east: float
-
-
-Place = Region | Circle | Spot | Tile
+from compass.orbits.trajectory import Trajectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,14 +43,24 @@ class Domain:
     sides
         Lowest and highest geodetic latitude, longitude and time, shape (3, 2); radians and
         radians of the mean motion.
-    orbits, circles, normals
+    orbits, circles, breaks, paths, normals
         See `compass.core.certified`; lengths in equatorial radii.
     flattening
         Eccentricity squared of the ellipsoid.
+    height
+        Of users over it.
     slack
         Error of the satellites' places.
     scope
         For which motion and how long, in words.
+    pace
+        Radians of the domain's time in a second.
+    drift
+        How fast the pattern as a whole turns about the pole, rad/s.
+    turning
+        Whether longitudes turn with Mars.
+    motion
+        How the satellites move.
     """
 
     sides: NDArray[np.float64]
@@ -82,8 +68,23 @@ class Domain:
     circles: NDArray[np.float64]
     normals: NDArray[np.float64]
     flattening: float
+    height: float
     slack: float
     scope: str
+    pace: float
+    drift: float = 0.0
+    turning: bool = False
+    motion: Motion = field(default_factory=Motion)
+    breaks: NDArray[np.float64] = field(default_factory=lambda: np.zeros(1))
+    paths: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 1, 3, 1)))
+
+    def moment(self, time: float, longitude: float, epoch: float) -> tuple[float, float]:
+        """Seconds after the epoch, and east longitude on Mars in (-pi, pi], of a point."""
+        seconds = time / self.pace
+        if not self.turning:
+            turned = prime_meridian_angle(epoch, seconds)
+            longitude += self.drift * seconds - float(turned)
+        return seconds, float(np.pi - np.mod(np.pi - longitude, 2 * np.pi))
 
 
 def domain_of(
@@ -93,7 +94,10 @@ def domain_of(
     *,
     mirrored: bool = True,
     symmetric: bool = True,
-    drifting: bool = False,
+    motion: AnyMotion = "two-body",
+    height: float = 0.0,
+    closed: bool = False,
+    since: float = 0.0,
     duration: float | None = None,
 ) -> Domain:
     """Lay out the box that decides about a place.
@@ -110,11 +114,18 @@ def domain_of(
         Whether the mask is the same in all directions.
     symmetric
         Whether to use symmetry at all.
-    drifting
-        Whether mean elements drift under J2.
+    motion
+        How the satellites move.
+    height
+        Of users over the ellipsoid, metres.
+    closed
+        Whether ground tracks are meant to close. Then a place that turns with Mars sees one repeat
+        period again and again; else, for ever, every longitude of its latitude alike.
+    since
+        Seconds from the epoch to the beginning of `duration`.
     duration
-        Seconds from the epoch; without it all time where the motion allows it, else the repeat
-        period of the ground tracks.
+        Seconds; without it all time where the motion allows it, else the repeat period of the
+        ground tracks.
 
     Raises
     ------
@@ -122,44 +133,123 @@ def domain_of(
         No satellite, orbits that meet the planet, a span of zero, or a region that is not a band
         or a polygon with great-circle edges.
     """
-    c = constellation
+    c, moved = constellation, as_motion(motion)
+    _check(c, figure, height, since, duration)
+    e2 = 1.0 - (figure.polar_radius / figure.equatorial_radius) ** 2
+    high = height / figure.equatorial_radius
+    drifting = moved.model == "j2"
+    steady = moved.is_closed_form and one_period(c) and duration is None
+    steady &= not drifting or (c.is_circular and np.unique(c.inclination).size == 1)
+    place = for_ever(place) if steady and not closed else place
+    south, north, west, east, normals = sides_of(place, figure)
+    turning = isinstance(place, Spot | Tile) or len(normals) > 0
+    if steady and not turning:
+        title = f"for all time, {moved.title}"
+        if one_circle(c):
+            torus = _torus(c, figure, south, north, e2, mirrored, symmetric)
+            drift, pace = 0.0, float(c.mean_motion[0])
+            if drifting:
+                node, periapsis, mean = secular_rates(
+                    c.semi_major_axis, c.eccentricity, c.inclination, c.gm
+                )
+                drift, pace = float(node[0]), float(periapsis[0] + mean[0])
+            scope = f"{title}; {torus.scope}"
+            return replace(torus, scope=scope, height=high, pace=pace, drift=drift, motion=moved)
+        sides = np.array([[south, north], [0.0, 2 * np.pi], [0.0, 2 * np.pi]])
+        pace = float(c.mean_motion[0])
+        orbits, circles = orbit_rows(c, figure, pace, 0.0, 0.0, False)
+        scope = f"{title}; one revolution, no symmetry"
+        return Domain(sides, orbits, circles, normals, e2, high, 1e-13, scope, pace, motion=moved)
+    span = Span(
+        since, since + (repeat_period(c).duration if duration is None else duration), False, ""
+    )
+    pace = float(c.mean_motion.mean())
+    angle = rate = error = 0.0
+    if turning:
+        frame = motion_of(c, span, Region("", np.zeros((1, 3)), np.zeros(1), mars_fixed=True))
+        angle, rate, error = frame.frame_angle, float(frame.spin[2]), frame.frame_error
+    sides = np.array([[south, north], [west, east], [span.start * pace, span.stop * pace]])
+    length = span.stop - span.start
+    begin = f"{since / 3600:.6g} h after the epoch" if since else "the epoch"
+    scope = f"over {length / 3600:.6g} h from {begin}, {moved.title}; no symmetry"
+    if not moved.is_closed_form:
+        path = moved.trajectory(c, span.start, span.stop)
+        return _along(
+            path, figure, sides, normals, e2, high, error, scope, pace, (angle, rate), moved
+        )
+    orbits, circles = orbit_rows(c, figure, pace, angle, rate, drifting)
+    reach = c.apoapsis_radius.max() / figure.equatorial_radius
+    # phases over a long span round by 4 roundoffs of their size
+    late = 4.4e-16 * (span.stop * pace + 8.0) / (1.0 - c.eccentricity.max()) ** 2
+    slack = float(reach * (error + late))
+    return Domain(
+        sides, orbits, circles, normals, e2, high, slack, scope, pace, 0.0, turning, moved
+    )
+
+
+def _check(
+    c: Constellation, figure: Figure, height: float, since: float, duration: float | None
+) -> None:
+    """Refuse what cannot be asked about."""
     if c.size == 0:
         raise ArgumentError("constellation: no satellite; nothing to certify")
-    if c.periapsis_radius.min() <= figure.equatorial_radius:
+    if not 0 <= height < np.inf:
+        raise ArgumentError(f"height = {height:g} m: must be 0 or more")
+    if c.periapsis_radius.min() <= figure.equatorial_radius + height:
         raise ArgumentError(
             f"constellation: an orbit comes down to {c.periapsis_radius.min() / 1e3:.6g} km, "
             f"inside the planet of {figure.equatorial_radius / 1e3:.6g} km"
+            + (f" with users {height / 1e3:.6g} km above it" if height else "")
         )
+    if not 0 <= since < np.inf:
+        raise ArgumentError(f"since = {since:g} s: must be 0 or more")
     if duration is not None and not 0 < duration < np.inf:
         raise ArgumentError(f"duration_h = {duration / 3600.0:g}: must be positive and finite")
-    e2 = 1.0 - (figure.polar_radius / figure.equatorial_radius) ** 2
-    south, north, west, east, normals = _sides(place, figure)
-    fixed = isinstance(place, Spot | Tile) or len(normals) > 0
-    alike = one_circle(c) and (not drifting or np.unique(c.inclination).size == 1)
-    if duration is None and not fixed and (alike or (one_period(c) and not drifting)):
-        if not alike:
-            sides = np.array([[south, north], [0.0, 2 * np.pi], [0.0, 2 * np.pi]])
-            orbits, circles = _orbits(c, figure, float(c.mean_motion[0]), 0.0, 0.0, False)
-            scope = "for all time, two-body motion; one revolution, no symmetry"
-            return Domain(sides, orbits, circles, normals, e2, 1e-13, scope)
-        motion = "mean motion under J2" if drifting else "two-body motion"
-        torus = _torus(c, figure, south, north, e2, mirrored, symmetric)
-        return replace(torus, scope=f"for all time, {motion}; {torus.scope}")
-    span = repeat_period(c).duration if duration is None else duration
-    pace = float(c.mean_motion.mean())
-    angle = rate = error = 0.0
-    if fixed:
-        over = Span(0.0, span, False, "")
-        frame = motion_of(c, over, Region("", np.zeros((1, 3)), np.zeros(1), mars_fixed=True))
-        angle, rate, error = frame.frame_angle, float(frame.spin[2]), frame.frame_error
-    orbits, circles = _orbits(c, figure, pace, angle, rate, drifting)
-    sides = np.array([[south, north], [west, east], [0.0, span * pace]])
-    reach = c.apoapsis_radius.max() / figure.equatorial_radius
-    motion = "mean motion under J2" if drifting else "two-body motion"
-    scope = f"over {span / 3600:.6g} h from the epoch, {motion}; no symmetry"
-    # phases over a long span round by 4 roundoffs of their size
-    slack = reach * (error + 4.4e-16 * (span * pace + 8.0) / (1.0 - c.eccentricity.max()) ** 2)
-    return Domain(sides, orbits, circles, normals, e2, float(slack), scope)
+
+
+def _along(
+    path: Trajectory,
+    figure: Figure,
+    sides: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    e2: float,
+    height: float,
+    error: float,
+    scope: str,
+    pace: float,
+    frame: tuple[float, float],
+    motion: Motion,
+) -> Domain:
+    """Box of time over paths, seen from a frame at an angle that turns at a rate (rad, rad/s)."""
+    radius, (angle, rate) = figure.equatorial_radius, frame
+    start, stop = sides[2] / pace
+    first = max(int(np.searchsorted(path.breaks, start, side="right")) - 1, 0)
+    last = max(int(np.searchsorted(path.breaks, stop, side="left")), first + 1)
+    low, high, speed, pull = path.bounds(start, stop).T
+    if low.min() <= radius * (1.0 + height):
+        raise ArgumentError("constellation: a path comes down to the planet, or its bound does")
+    w = abs(rate)
+    orbits = np.zeros((path.size, 12))
+    orbits[:, 0], orbits[:, 4], orbits[:, 7] = high / radius, -angle, -rate / pace
+    orbits[:, 10] = (speed + w * high) / (radius * pace) * (1 + 1e-12)
+    orbits[:, 11] = (pull + 2 * w * speed + w * w * high) / (radius * pace**2) * (1 + 1e-12)
+    slack = float((path.errors[first:last].max() + error * high.max()) / radius) + 1e-14
+    return Domain(
+        sides,
+        orbits,
+        np.empty((0, 6)),
+        normals,
+        e2,
+        height,
+        slack,
+        scope + (f"; paths {path.estimated}" if path.estimated else ""),
+        pace,
+        0.0,
+        angle != 0.0 or rate != 0.0,
+        motion,
+        np.ascontiguousarray(path.breaks[first : last + 1] * pace),
+        np.ascontiguousarray(path.paths[first:last] / radius),
+    )
 
 
 def _torus(
@@ -172,7 +262,7 @@ def _torus(
     symmetric: bool,
 ) -> Domain:
     """Box that decides for ever, of circles of one radius."""
-    orbits, circles = _orbits(c, figure, float(c.mean_motion[0]), 0.0, 0.0, False)
+    orbits, circles = orbit_rows(c, figure, float(c.mean_motion[0]), 0.0, 0.0, False)
     radius = float(orbits[0, 0])
     turns, phases, reason, missed = 1, 1, "no symmetry", 0.0
     first, half = 0.0, 1.0
@@ -199,89 +289,5 @@ def _torus(
         ]
     )
     empty = np.empty((0, 3))
-    return Domain(sides, orbits, circles, empty, e2, radius * missed + 1e-14 * radius, reason)
-
-
-def _sides(place: Place, figure: Figure) -> tuple[float, float, float, float, NDArray[np.float64]]:
-    """Geodetic latitudes, longitudes and great-circle edges of a place."""
-
-    def geodetic(latitude: float) -> float:
-        if not -np.pi / 2 <= latitude <= np.pi / 2:
-            raise ArgumentError(
-                f"latitude_deg = {np.degrees(latitude):g}: allowed -90 to 90 degrees"
-            )
-        return float(planetographic_latitude(latitude, figure))
-
-    none, turn = np.empty((0, 3)), 2 * np.pi
-    if isinstance(place, Circle):
-        b = geodetic(place.latitude)
-        return b, b, 0.0, turn, none
-    if isinstance(place, Spot):
-        b = geodetic(place.latitude)
-        return b, b, place.longitude, place.longitude, none
-    if isinstance(place, Tile):
-        if not (place.south < place.north and place.west < place.east <= place.west + turn):
-            raise ArgumentError(
-                "tile: give south below north, and west below east by at most 360 degrees"
-            )
-        return geodetic(place.south), geodetic(place.north), place.west, place.east, none
-    south, north = -np.pi / 2, np.pi / 2
-    if place.mars_fixed:
-        if np.any(place.floors != 0.0):
-            raise ArgumentError(f"region = {place.name}: edges must be great circles")
-        return south, north, 0.0, turn, np.ascontiguousarray(place.normals)
-    for normal, floor in zip(place.normals, place.floors, strict=True):
-        if normal[2] > 0:
-            south = float(np.arcsin(floor))
-        else:
-            north = float(-np.arcsin(floor))
-    return geodetic(south), geodetic(north), 0.0, turn, none
-
-
-def _orbits(
-    c: Constellation, figure: Figure, pace: float, angle: float, rate: float, drifting: bool
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Orbits and circles as the kernels take them, in a frame at `angle` that turns at `rate`.
-
-    Greatest speed and acceleration: at periapsis, ``v + w r`` and ``a + 2 w v + w^2 r`` with w all
-    that turns the orbit besides.
-    """
-    still = np.zeros(c.size)
-    rates = (still, still, c.mean_motion)
-    if drifting:
-        rates = secular_rates(c.semi_major_axis, c.eccentricity, c.inclination, c.gm)
-    a, e = c.semi_major_axis / figure.equatorial_radius, c.eccentricity
-    node, periapsis, mean = (np.asarray(r) / pace for r in rates)
-    node = node - rate / pace
-    low, high = a * (1 - e), a * (1 + e)
-    turning = np.abs(node) + np.abs(periapsis)
-    speed = mean * a * np.sqrt((1 + e) / (1 - e))
-    pull = mean**2 * a**3 / low**2
-    orbits = np.stack(
-        [
-            a,
-            e,
-            np.cos(c.inclination),
-            np.sin(c.inclination),
-            c.raan - angle,
-            c.argument_of_periapsis,
-            c.mean_anomaly,
-            node,
-            periapsis,
-            mean,
-            (speed + turning * high) * (1 + 1e-12),
-            (pull + 2 * turning * speed + turning**2 * high) * (1 + 1e-12),
-        ],
-        axis=1,
-    )
-    if not (np.all(e == 0) and np.unique(a).size == 1 and np.unique(node).size == 1):
-        return orbits, np.empty((0, 6))
-    if np.any(mean != 1.0) or np.any(periapsis != 0.0):
-        return orbits, np.empty((0, 6))
-    u = c.argument_of_periapsis + c.mean_anomaly
-    co, so, ci = np.cos(orbits[:, 4]), np.sin(orbits[:, 4]), orbits[:, 2]
-    towards = np.stack([co, so, 0 * co], axis=1)
-    across = np.stack([-so * ci, co * ci, orbits[:, 3]], axis=1)
-    cu, su = np.cos(u)[:, np.newaxis], np.sin(u)[:, np.newaxis]
-    start, later = cu * towards + su * across, cu * across - su * towards
-    return orbits, np.ascontiguousarray(np.hstack([start, later]) * a[:, np.newaxis])
+    slack = radius * missed + 1e-14 * radius
+    return Domain(sides, orbits, circles, empty, e2, 0.0, slack, reason, 1.0)

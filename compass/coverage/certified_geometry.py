@@ -17,6 +17,7 @@ from compass.coverage.certified_share import (
 from compass.design import PDOP_MAX
 from compass.frames import Figure
 from compass.orbits import Constellation
+from compass.orbits.motion import AnyMotion
 from compass.sites import Mask
 
 #: How near bounds of a share are to come, and those of a percentile, relative to it.
@@ -74,7 +75,7 @@ def certified_geometry(
     pdop_max: float = PDOP_MAX,
     percents: Sequence[int] = (95,),
     duration: float | None = None,
-    drifting: bool = False,
+    motion: AnyMotion = "two-body",
 ) -> CertifiedGeometry:
     """Bracket availability and percentiles of GDOP over the whole surface.
 
@@ -82,8 +83,8 @@ def certified_geometry(
 
     Parameters
     ----------
-    constellation, figure, mask, duration, drifting
-        As in `compass.coverage.certified_share.certified_share`.
+    constellation, figure, mask, duration, motion
+        As in `compass.coverage.certified_question.Question`.
     pdop_max
         Largest PDOP that is good, from 1.
     percents
@@ -93,7 +94,7 @@ def certified_geometry(
         "figure": figure,
         "mask": mask,
         "duration": duration,
-        "drifting": drifting,
+        "motion": motion,
         "budget_boxes": min(BUDGET_BOXES, BUDGET_SIGHTS // max(constellation.size, 1)),
     }
     availability = certified_share(constellation, pdop_max, dop="pdop", width=WIDTH, **asked)

@@ -4,26 +4,18 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from time import monotonic
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.certified.shares import BOX, measure, refine
-from compass.coverage.certified_domain import Domain, Place, domain_of
-from compass.coverage.region import GLOBE
+from compass.core.certified.shares import BOX, refine
+from compass.coverage.certified_question import Asked, Question
 from compass.errors import ArgumentError
-from compass.frames import DEFAULT_FIGURE, Figure
 from compass.orbits import Constellation
-from compass.sites import Mask
-
-#: In the order of the kernels.
-DOPS = ("gdop", "pdop", "hdop", "vdop", "tdop")
 
 #: Boxes that one piece of work starts from: fixed, so that sums do not depend on who works.
 PIECE = 2048
-
-#: Longest side of the first boxes.
-COARSE = 0.5
 
 #: What sums may be off by: a floor, and for every box.
 FLOOR, PER_BOX = 1e-10, 4e-16
@@ -74,19 +66,13 @@ def certified_share(
     constellation: Constellation,
     limit: float,
     *,
-    dop: str = "pdop",
-    figure: Figure = DEFAULT_FIGURE,
-    mask: Mask | float = 0.0,
-    place: Place = GLOBE,
     width: float = 1e-4,
     budget_s: float = np.inf,
     budget_boxes: float = np.inf,
-    duration: float | None = None,
-    drifting: bool = False,
-    symmetric: bool = True,
     workers: int = 1,
     start: CertifiedShare | None = None,
     progress: Callable[[float], None] = lambda open_share: None,
+    **asked: Unpack[Asked],
 ) -> CertifiedShare:
     """Bracket the share of area and time with a dilution of precision of at most a limit.
 
@@ -101,37 +87,27 @@ def certified_share(
         The orbits.
     limit
         From 1.
-    dop
-        ``gdop``, ``pdop``, ``hdop``, ``vdop`` or ``tdop``.
-    figure
-        The ellipsoid on which users stand.
-    mask
-        A mask, or a constant elevation in radians.
-    place
-        A region (share of area and time), a `Circle` or a `Spot` (shares of time) or a `Tile`.
     width, budget_s, budget_boxes
         Stop at bounds so near, after so many seconds, or after so many boxes (which is the same
         on any machine).
-    duration, drifting, symmetric
-        As in `domain_of`.
     workers
         Threads; the numbers do not depend on them.
     start
         A result of the same question to go on from.
     progress
         Called with the share that is still open.
+    **asked
+        ``dop`` (by default ``pdop``), ``figure``, ``mask``, ``place`` and others of `Question`:
+        of a region the share is of area and time, of a circle or a spot of time.
 
     Raises
     ------
     ArgumentError
-        A limit below 1, an unknown dilution, a width that is not positive, or as `domain_of`.
+        A limit below 1, a width that is not positive, or as `Question`.
     """
     if not limit >= 1.0:
         raise ArgumentError(f"limit = {limit:g}: a dilution of precision to ask for is 1 or more")
-    search = _Search(
-        constellation, dop, figure, mask, place, duration, drifting, symmetric, workers
-    )
-    return search.share(
+    return _Search(Question(constellation, **asked), workers).share(
         limit,
         width,
         budget_s=budget_s,
@@ -161,16 +137,11 @@ def certified_percentile(
     constellation: Constellation,
     percent: float,
     *,
-    dop: str = "gdop",
-    figure: Figure = DEFAULT_FIGURE,
-    mask: Mask | float = 0.0,
-    place: Place = GLOBE,
     precision: float = 1e-3,
     budget_s: float = np.inf,
     budget_boxes: float = np.inf,
-    duration: float | None = None,
-    drifting: bool = False,
     workers: int = 1,
+    **asked: Unpack[Asked],
 ) -> CertifiedPercentile:
     """Bracket the dilution of precision that `percent` of area and time do not exceed.
 
@@ -183,8 +154,8 @@ def certified_percentile(
         Above 0 and below 100.
     precision
         Stop at bounds that are so near, relative to the value.
-    constellation, dop, figure, mask, place, budget_s, budget_boxes, duration, drifting, workers
-        As in `certified_share`.
+    constellation, budget_s, budget_boxes, workers, asked
+        As in `certified_share`, ``dop`` by default ``gdop``.
 
     Raises
     ------
@@ -195,9 +166,11 @@ def certified_percentile(
         raise ArgumentError(f"percent = {percent:g}: allowed above 0 and below 100")
     if not precision > 0:
         raise ArgumentError(f"precision = {precision:g}: must be positive")
-    search = _Search(constellation, dop, figure, mask, place, duration, drifting, True, workers)
-    if search.satellites < 4:
-        return CertifiedPercentile(np.inf, np.inf, percent, search.domain.scope)
+    asked.setdefault("dop", "gdop")
+    question = Question(constellation, **asked)
+    search = _Search(question, workers)
+    if question.satellites < 4:
+        return CertifiedPercentile(np.inf, np.inf, percent, search.scope)
     end, level = monotonic() + budget_s, percent / 100
     low, high, tried, stopped = 0.0, np.inf, 4.0, ""
     while low < GREATEST and not (high < np.inf and high - low <= precision * high):
@@ -213,46 +186,16 @@ def certified_percentile(
             stopped = found.stopped or "nearer than shares can tell"
             break
         tried = 4.0 * low if high == np.inf else 0.25 * high if low == 0.0 else (low * high) ** 0.5
-    return CertifiedPercentile(low, high, percent, search.domain.scope, stopped)
+    return CertifiedPercentile(low, high, percent, search.scope, stopped)
 
 
 class _Search:
     """One question, at any limit."""
 
-    def __init__(
-        self,
-        constellation: Constellation,
-        dop: str,
-        figure: Figure,
-        mask: Mask | float,
-        place: Place,
-        duration: float | None,
-        drifting: bool,
-        symmetric: bool,
-        workers: int,
-    ) -> None:
-        if dop not in DOPS:
-            raise ArgumentError(f"dop = {dop!r}: allowed {', '.join(DOPS)}")
-        horizon = mask if isinstance(mask, Mask) else Mask.constant(mask)
-        self.domain: Domain = domain_of(
-            constellation,
-            figure,
-            place,
-            mirrored=horizon.is_constant,
-            symmetric=symmetric,
-            drifting=drifting,
-            duration=duration,
-        )
-        self.dop, self.workers = DOPS.index(dop), workers
-        rows = (
-            [[0.0], [horizon.lowest]]
-            if horizon.is_constant
-            else [horizon.azimuth, horizon.elevation]
-        )
-        self.mask = np.array(rows, dtype=float)
-        self.speed = 0.5 * float(self.domain.orbits[:, 10].mean())
-        self.satellites = constellation.size
-        if self.satellites >= 4:  # compiled before any clock runs
+    def __init__(self, question: Question, workers: int) -> None:
+        self.question, self.workers = question, workers
+        self.scope = question.domain.scope
+        if question.satellites >= 4:  # compiled before any clock runs
             self._round(np.empty((0, BOX)), 1.0, 1.0, np.inf, np.inf)
 
     def share(
@@ -269,16 +212,15 @@ class _Search:
         """Refine until the bounds are `width` apart, or both on one side of `level`."""
         if not width > 0:
             raise ArgumentError(f"width = {width:g}: must be positive")
-        scope = self.domain.scope
-        if self.satellites < 4:
-            return CertifiedShare(0.0, 0.0, 0, scope + "; fewer than four satellites")
-        total = self._total()
+        if self.question.satellites < 4:
+            return CertifiedShare(0.0, 0.0, 0, self.scope + "; fewer than four satellites")
         settled, boxes = np.zeros(3), 0
         if start is not None and start.leaves is not None:
             leaves, settled, boxes = start.leaves, np.array(start.settled), start.boxes
         else:
-            leaves = self._first(total)
+            leaves = self.question.boxes()
         end, stopped = monotonic() + budget_s, ""
+        total = settled.sum() + leaves[:, 6:].sum()
         eps = 4.0 * min(1e-5 * total, float(leaves[:, 9].max(initial=0.0)))
         while not stopped:
             found = self._result(leaves, settled, boxes, stopped)
@@ -291,38 +233,13 @@ class _Search:
             settled, boxes = settled + sums[:3], boxes + int(sums[3])
         return self._result(leaves, settled, boxes, stopped)
 
-    def _total(self) -> float:
-        """Measure of all of the domain."""
-        sides = self.domain.sides
-        box = np.zeros(BOX)
-        box[:3], box[3:6] = sides.mean(axis=1), 0.5 * (sides[:, 1] - sides[:, 0])
-        return float(measure(box, self.domain.flattening)[0])
-
-    def _first(self, total: float) -> NDArray[np.float64]:
-        """Boxes to begin with: the domain cut into parts of at most `COARSE`, all open."""
-        sides = self.domain.sides
-        length = (sides[:, 1] - sides[:, 0]) * [1.0, 1.0, self.speed]
-        axes, halves = [], []
-        for (low, high), size in zip(sides, length, strict=True):
-            edges = np.linspace(low, high, max(int(np.ceil(size / COARSE)), 1) + 1)
-            axes.append(0.5 * (edges[1:] + edges[:-1]))
-            halves.append(0.5 * (edges[1:] - edges[:-1]))
-        boxes = np.zeros((int(np.prod([len(axis) for axis in axes])), BOX))
-        boxes[:, :3] = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-        boxes[:, 3:6] = np.stack(np.meshgrid(*halves, indexing="ij"), axis=-1).reshape(-1, 3)
-        boxes[:, 9] = total
-        for box in boxes:
-            box[9] = measure(box, self.domain.flattening)[0]
-        return boxes
-
     def _round(
         self, leaves: NDArray[np.float64], eps: float, limit: float, end: float, most: float
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], str]:
         """Refine all leaves, piece by piece in their order; what the budget leaves undone stays."""
         if most <= 0:
             return leaves, np.zeros(4), "boxes"
-        d = self.domain
-        numbers = np.array([d.flattening, d.slack, float(self.dop), limit * limit])
+        arrays = self.question.arrays(limit)
         pieces = [leaves[k : k + PIECE] for k in range(0, max(len(leaves), 1), PIECE)]
         kept: list[NDArray[np.float64]] = []
         sums, stopped = np.zeros(4), ""
@@ -330,9 +247,7 @@ class _Search:
         def work(piece: NDArray[np.float64]) -> tuple[NDArray, NDArray] | None:
             if monotonic() > end:
                 return None
-            return refine(
-                piece, eps, self.speed, d.orbits, d.circles, d.normals, numbers, self.mask
-            )
+            return refine(piece, eps, self.question.speed, *arrays)
 
         with ThreadPoolExecutor(self.workers) as pool:
             results = pool.map(work, pieces)
@@ -366,5 +281,5 @@ class _Search:
         low = max(float(kept / whole) - error, 0.0)
         high = min(float((kept + still) / whole) + error, 1.0)
         return CertifiedShare(
-            low, high, boxes, self.domain.scope, stopped, leaves, tuple(settled.tolist())
+            low, high, boxes, self.scope, stopped, leaves, tuple(settled.tolist())
         )

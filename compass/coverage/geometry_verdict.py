@@ -1,11 +1,14 @@
 """Whether a dilution of precision is small enough, always or for long enough, for users."""
 
 from dataclasses import replace
+from typing import Any
 
-from compass.coverage.certified_domain import Circle, Place
+from compass.coverage.certificate import Outcome
+from compass.coverage.certified_places import Circle, Spot
 from compass.coverage.certified_share import CertifiedShare, certified_share
+from compass.coverage.certified_worst import CertifiedAlways, certified_always
 from compass.coverage.clearance import Users, centric
-from compass.coverage.fold_verdict import course_of, losses_of, users_of
+from compass.coverage.fold_verdict import Course, course_of, losses_of, users_of
 from compass.coverage.region import latitude_band
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
@@ -41,44 +44,73 @@ def geometry_verdict(
     course = None
     if design.motion.model in ("two-body", "j2"):
         course = course_of(design, days, start_day)
-    if course is None or course.span is not None:
-        scope = course.words if course is not None else f"under {design.motion.title}"
-        reason = f"{dop.upper()} is certified for ever on circles of latitude alone"
-        return undecided(requirement, scope, reason)
+    if course is None:
+        reason = f"{dop.upper()} is certified for ever for orbits of one period alone; give days"
+        return undecided(requirement, f"under {design.motion.title}", reason)
     found: list[tuple[CertifiedShare, Users, tuple[str, ...], int]] = []
+    claims: list[tuple[CertifiedAlways, tuple[str, ...], int]] = []
     everyone = users_of(design, requirement)
     for lost, alike, left in losses_of(design.constellation, requirement, everyone, course):
         for users in everyone:
-            place = _place(users, requirement)
-            if place is None:
+            where = _place(users, requirement, course)
+            if where is None:
                 reason = f"{dop.upper()} of these users is not certified yet"
                 return undecided(requirement, course.words, reason)
-            share = certified_share(
-                left,
-                limit,
-                dop=dop,
-                figure=users.figure,
-                mask=users.mask,
-                place=place,
-                width=WIDTH,
-                budget_s=float("inf") if budget_s is None else budget_s,
-                budget_boxes=SHARE_BOXES,
-                drifting=design.motion.model == "j2",
-            )
+            asked: dict[str, Any] = {
+                "dop": dop,
+                "figure": users.figure,
+                "mask": users.mask,
+                "budget_s": float("inf") if budget_s is None else budget_s,
+                "budget_boxes": SHARE_BOXES,
+                "motion": design.motion,
+                **where,
+            }
+            if requirement.share == 1.0:
+                claim = certified_always(left, limit, **asked)
+                claims.append((claim, lost, alike))
+                if claim.outcome != Outcome.UNDECIDED:
+                    continue
+            share = certified_share(left, limit, width=WIDTH, **asked)
             found.append((share, users, lost, alike))
-    return _verdict(requirement, dop, course.words, found)
+    settled = _always(requirement, course.words, claims)
+    return settled or _verdict(requirement, dop, course.words, found)
 
 
-def _place(users: Users, requirement: Requirement) -> Place | None:
-    """Where the share is taken; None where it is not certified."""
-    if users.height and users.longitude is None:
-        return None
-    if users.south == users.north:
-        return None if users.height else Circle(centric(users.south, users.figure))
-    if not users.is_belt or (requirement.share_of == "time" and requirement.share < 1.0):
+def _always(
+    requirement: Requirement,
+    scope: str,
+    claims: list[tuple[CertifiedAlways, tuple[str, ...], int]],
+) -> Verdict | None:
+    """Verdict where one claim is refuted, or all are proven; None where that is open."""
+    for claim, lost, alike in claims:
+        if claim.outcome == Outcome.REFUTED and claim.witness is not None:
+            w = claim.witness
+            worst = Worst(w.time, w.latitude, w.longitude, w.value)
+            return Verdict(requirement, False, "proven", scope, None, None, worst, lost, alike)
+    if claims and all(claim.outcome == Outcome.PROVEN for claim, *_ in claims):
+        return Verdict(requirement, True, "proven", scope, (1.0, 1.0))
+    return None
+
+
+def _place(users: Users, requirement: Requirement, course: Course) -> dict[str, Any] | None:
+    """Where and when a claim is looked at, as certified figures ask; None where they cannot yet."""
+    if users.below < 0.0:
         return None
     south, north = (centric(b, users.figure) for b in (users.south, users.north))
-    return latitude_band(south, north)
+    asked: dict[str, Any] = {"height": users.height}
+    # what holds for ever at all longitudes needs no span
+    if course.span is not None and not (course.for_ever and users.is_belt):
+        start, stop = course.span
+        asked |= {"since": start, "duration": stop - start}
+    if users.south == users.north:
+        if users.longitude is None or "duration" not in asked:
+            return asked | {"place": Circle(south)}
+        return asked | {"place": Spot(south, users.longitude)}
+    if requirement.share_of == "time" and requirement.share < 1.0:
+        return None
+    if users.is_belt:
+        return asked | {"place": latitude_band(south, north)}
+    return asked | {"place": users.region} if "duration" in asked else None
 
 
 def _verdict(

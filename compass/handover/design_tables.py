@@ -5,13 +5,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from compass.bodies import SOLAR_DAY
-from compass.design import Design, Radio, Requirement
+from compass.design import Design, Launching, Radio, Requirement, Upkeep
 from compass.handover.decimals import decimal, number
 from compass.inputs.toml_values import toml_text, toml_value
 from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import built_in_field
 
 KM, MHZ, SOL = 1e3, 1e6, SOLAR_DAY.value
+YEAR = 365.25 * 86400.0
 
 
 def table_lines(design: Design) -> list[str]:
@@ -21,6 +22,8 @@ def table_lines(design: Design) -> list[str]:
     """
     return [
         *_motion(design),
+        *_keeping(design),
+        *_deployment(design),
         *_access(design),
         *(line for radio in design.radios for line in _link(radio)),
         *(line for wanted in design.requirements for line in _requirement(wanted)),
@@ -69,6 +72,39 @@ def _motion(design: Design) -> list[str]:
             f"shadow = {toml_text(f.shadow)}",
         ]
     return lines
+
+
+def _keeping(design: Design) -> list[str]:
+    u, plain = design.upkeep, Upkeep()
+    if u == plain:
+        return []
+    return [
+        "",
+        "[keeping]",
+        f"specific_impulse_s = {number(u.specific_impulse)}",
+        f"dry_mass_kg = {number(u.dry_mass)}",
+        f"smallest_burn_m_s = {number(u.smallest_burn)}",
+        f"execution_error = {number(u.execution_error)}",
+        f"navigation_error_m = {number(u.navigation_error)}",
+        f"years = {decimal(u.duration / YEAR, lambda x: x * YEAR, u.duration)}",
+    ]
+
+
+def _deployment(design: Design) -> list[str]:
+    known = design.launching
+    if known == Launching():
+        return []
+    low, high = (decimal(h / KM, lambda x: x * KM, h) for h in known.waiting)
+    days = decimal(known.longest_wait / 86400.0, lambda x: x * 86400.0, known.longest_wait)
+    each = known.satellites_a_launch
+    return [
+        "",
+        "[deployment]",
+        f"launch_altitude_km = {decimal(known.launched / KM, lambda x: x * KM, known.launched)}",
+        f"waiting_altitude_km = [{low}, {high}]",
+        f"longest_wait_days = {days}",
+        *([] if each is None else [f"satellites_a_launch = {each}"]),
+    ]
 
 
 def _is_built_in(forces: ForceModel) -> bool:

@@ -13,6 +13,7 @@ from compass.handover.design_tables import table_lines
 from compass.handover.signal_toml import signal_lines
 from compass.handover.tracking_toml import tracking_lines
 from compass.inputs.design import KM
+from compass.inputs.integrity import integrity_lines
 from compass.inputs.toml_values import toml_text
 from compass.orbits import Constellation
 from compass.orbits.constellation import from_pattern
@@ -40,6 +41,8 @@ def design_toml(design: Design) -> str:
         written = "\n".join([written, *signal_lines(design.signal), ""])
     if design.tracking is not None:
         written = "\n".join([written, *tracking_lines(design.tracking), ""])
+    if design.integrity is not None:
+        written = "\n".join([written, *integrity_lines(design.integrity), ""])
     return written
 
 

@@ -8,16 +8,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.bodies import SOLAR_DAY
-from compass.design import Design, Radio, Wanted
+from compass.design import Design, Launching, Radio, Upkeep, Wanted
 from compass.errors import ArgumentError, DesignError
 from compass.frames import FIGURES, Figure, planetocentric_latitude, seconds_past_j2000
 from compass.inputs.faults import fault
+from compass.inputs.integrity import integrity_faults, integrity_of_table
 from compass.inputs.models import (
     AccessTable,
     CoverageTable,
+    DeploymentTable,
     DesignFile,
     ElementsTable,
     EphemerisTable,
+    KeepingTable,
     LinkTable,
     RosetteTable,
     SatelliteTable,
@@ -82,9 +85,33 @@ def read_design_text(text: str, label: str = "design") -> Design:
         radios=tuple(_radio(link) for link in file.link),
         signal=None if file.signal is None else signal_of_table(file.signal),
         tracking=None if file.tracking is None else tracking_of_table(file.tracking),
+        integrity=None if file.integrity is None else integrity_of_table(file.integrity),
         text=text,
         label=label,
         motion=motion,
+        upkeep=_upkeep(file.keeping),
+        launching=_launching(file.deployment),
+    )
+
+
+def _launching(table: DeploymentTable) -> Launching:
+    low, high = sorted(table.waiting_altitude_km)
+    return Launching(
+        table.launch_altitude_km * KM,
+        (low * KM, high * KM),
+        table.longest_wait_days * 86400.0,
+        table.satellites_a_launch,
+    )
+
+
+def _upkeep(table: KeepingTable) -> Upkeep:
+    return Upkeep(
+        table.specific_impulse_s,
+        table.dry_mass_kg,
+        table.smallest_burn_m_s,
+        table.execution_error,
+        table.navigation_error_m,
+        table.years * 365.25 * 86400.0,
     )
 
 
@@ -221,7 +248,7 @@ def cross_faults(raw: dict[str, Any]) -> list[str]:
         elif table.get("pattern") != "ephemeris":
             faults += _pattern_faults(table) + _orbit_faults(table, figure)
     faults += motion_faults(raw) + requirement_faults(raw)
-    faults += signal_faults(raw) + tracking_faults(raw)
+    faults += signal_faults(raw) + tracking_faults(raw) + integrity_faults(raw)
     faults += place_faults(raw)
     access = raw.get("access")
     moons = access.get("moons") if isinstance(access, dict) else None

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from compass.design import LinkEnd
+from compass.inputs.integrity import IntegrityTable
 from compass.inputs.requirements import RequirementTable
 from compass.inputs.signal import SignalTable
 from compass.inputs.table import Table
@@ -133,6 +134,47 @@ class MotionTable(Table):
     )
 
 
+class KeepingTable(Table):
+    """What satellites keep their slots with, for `compass keep`."""
+
+    specific_impulse_s: float = Field(
+        220.0, gt=0, lt=1e6, description="specific impulse of the propulsion, s"
+    )
+    dry_mass_kg: float = Field(
+        100.0, gt=0, lt=1e6, description="mass of a satellite without propellant, kg"
+    )
+    smallest_burn_m_s: float = Field(
+        0.005, ge=0, le=100, description="smallest impulse that can be commanded, m/s"
+    )
+    execution_error: float = Field(
+        0.01, ge=0, lt=0.5, description="error of an impulse, relative, 1 sigma"
+    )
+    navigation_error_m: float = Field(
+        1000.0, ge=0, le=1e6, description="error of the place along the track, m, 1 sigma"
+    )
+    years: float = Field(
+        1.0, ge=0.1, le=100, description="for how long, Earth years of 365.25 days"
+    )
+
+
+class DeploymentTable(Table):
+    """How satellites come to their planes, for `compass deploy`."""
+
+    launch_altitude_km: float = Field(
+        400.0, ge=100, le=1e6, description="altitude of the circular orbit launched into, km"
+    )
+    waiting_altitude_km: Pair = Field(
+        default_factory=lambda: [300.0, 12000.0],
+        description="lowest and highest altitude of orbits to wait in, km",
+    )
+    longest_wait_days: float = Field(
+        365.25, gt=0, le=36525, description="until the last plane is reached, days"
+    )
+    satellites_a_launch: int | None = Field(
+        None, ge=1, le=10_000, description="satellites of one launch; all if left out"
+    )
+
+
 class CoverageTable(Table):
     """What the user on the surface needs."""
 
@@ -219,6 +261,14 @@ class DesignFile(Table):
     motion: MotionTable = Field(
         default_factory=lambda: MotionTable.model_validate({}), description="how satellites move"
     )
+    keeping: KeepingTable = Field(
+        default_factory=lambda: KeepingTable.model_validate({}),
+        description="what satellites keep their slots with",
+    )
+    deployment: DeploymentTable = Field(
+        default_factory=lambda: DeploymentTable.model_validate({}),
+        description="how satellites come to their planes",
+    )
     coverage: CoverageTable = Field(
         default_factory=lambda: CoverageTable.model_validate({}), description="coverage wanted"
     )
@@ -236,3 +286,4 @@ class DesignFile(Table):
     )
     signal: SignalTable | None = Field(None, description="what a user's ranges are worth")
     tracking: TrackingTable | None = Field(None, description="who tracks the satellites")
+    integrity: IntegrityTable | None = Field(None, description="what users are promised")

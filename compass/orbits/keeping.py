@@ -1,4 +1,4 @@
-"""Station-keeping along the track: impulses that hold each satellite in a box about its slot.
+"""Station-keeping: impulses that hold each satellite in a box about its slot.
 
 The slots move as one, at the mean of the rates that satellites begin with. A satellite's place in
 its slot is the angle it has turned in its orbit's plane less the slot's, averaged over a
@@ -12,6 +12,10 @@ For a constant push that gives a burn every ``4 sqrt(w / |u''|)`` and ``a |u''| 
 second, whatever the box; here both are outcomes. About an unstable point of the field there is no
 turning before the other edge: a satellite that comes out there is sent less far by half from then
 on, so that it turns before that point.
+
+Across the track the orbits' poles are compared with those of the slots, turned as one by the best
+rotation; where one has come too far off, an impulse where the satellite crosses the plane that it
+should be in turns its velocity into that plane: ``2 v sin(tilt / 2)``.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,6 +24,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
 
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
@@ -31,6 +37,9 @@ from compass.orbits.trimming import angular_rates, with_axes
 
 #: Revolutions over which the push is fitted before the first burn, and at most later.
 LEARNING, MEMORY = 8, 40
+
+#: Places of a revolution in which a crossing of a plane is looked for.
+LOOKS = 25
 
 #: Smallest push that counts, rad/s^2: 1e-4 degrees a day squared. Where it is weaker a satellite
 #: is sent back at the speed for this one.
@@ -55,7 +64,9 @@ class Keeping:
         Furthest average place along the track after the learning, radians, shape (n,).
     tilt
         Largest angle of each orbit's pole from that of its slot, the poles turned as one,
-        radians, shape (n,): the price of not burning across the track.
+        radians, shape (n,).
+    delta_v_across, burns_across
+        Likewise of impulses across the track.
     push
         Mean acceleration along the track that was met, m/s^2, shape (n,).
     """
@@ -67,6 +78,8 @@ class Keeping:
     worst: NDArray[np.float64]
     tilt: NDArray[np.float64]
     push: NDArray[np.float64]
+    delta_v_across: NDArray[np.float64]
+    burns_across: NDArray[np.int64]
 
 
 def keep_slots(
@@ -75,9 +88,14 @@ def keep_slots(
     duration: float,
     half_width: float,
     *,
+    across: float = np.inf,
+    smallest_burn: float = 0.0,
+    execution_error: float = 0.0,
+    navigation_error: float = 0.0,
+    seed: int = 0,
     progress: Callable[[Sequence[Any]], Any] = iter,
 ) -> Keeping:
-    """Simulate impulsive station-keeping along the track.
+    """Simulate impulsive station-keeping.
 
     Parameters
     ----------
@@ -88,7 +106,16 @@ def keep_slots(
     duration
         Seconds, at least thirty revolutions.
     half_width
-        Of the box, radians.
+        Of the box along the track, radians.
+    across
+        Tilt of an orbit's pole at which it is turned back, radians.
+    smallest_burn
+        Smaller ones are made as large, m/s.
+    execution_error, navigation_error
+        1 sigma: of an impulse, relative; of the place along the track that is seen, m. What an
+        impulse really was is known afterwards.
+    seed
+        Of these errors.
     progress
         Wraps the list of revolutions, as tqdm does.
 
@@ -112,8 +139,10 @@ def keep_slots(
     r, v = (a[:, 0] for a in elliptic(own, np.zeros(1)))
     poles = _poles(r, v)
     axis = float(c.semi_major_axis[0])
-    state = _Slots(c.size, axis, half_width)
+    random = np.random.default_rng(seed)
+    state = _Slots(c.size, axis, half_width, smallest_burn)
     theta, tilt, time = np.zeros(c.size), np.zeros(c.size), 0.0
+    spent, burns = np.zeros(c.size), np.zeros(c.size, dtype=np.int64)
     for k in progress(list(range(count))):
         path = integrate(
             r, v, forces, time + period, start=time, epoch=c.epoch,
@@ -122,9 +151,17 @@ def keep_slots(
         gone, mean = _turn_and_mean(path)
         mean, theta, time = theta + mean, theta + gone, time + period
         r, v = (a[:, 0] for a in path.states([time]))
-        kicks = state.look((k + 0.5) * period, mean)
+        wrong = navigation_error / axis * random.standard_normal(c.size)
+        done = 1.0 + execution_error * random.standard_normal(c.size)
+        slots = _turned_as_one(_poles(r, v), poles)
+        tilts = _angles(_poles(r, v), slots)
+        tilt = np.maximum(tilt, tilts)
+        for s in np.flatnonzero(tilts > across):
+            r[s], v[s], burnt = _into_plane(path.only(int(s)), slots[s], float(done[s]), forces)
+            spent[s] += burnt
+            burns[s] += 1
+        kicks = state.look((k + 0.5) * period, mean, mean + wrong, done)
         v = v + kicks[:, None] * v / np.linalg.norm(v, axis=1, keepdims=True)
-        tilt = np.maximum(tilt, _tilts(_poles(r, v), poles))
     return Keeping(
         count * period,
         half_width,
@@ -133,14 +170,16 @@ def keep_slots(
         state.worst,
         tilt,
         axis / 3.0 * state.push(),
+        spent,
+        burns,
     )
 
 
 class _Slots:
     """Places in the slots as a controller sees them: one average a revolution."""
 
-    def __init__(self, size: int, axis: float, half_width: float) -> None:
-        self.axis, self.half_width = axis, half_width
+    def __init__(self, size: int, axis: float, half_width: float, smallest: float) -> None:
+        self.axis, self.half_width, self.smallest = axis, half_width, smallest
         self.times: list[float] = []
         self.places: list[NDArray[np.float64]] = []
         self.origin: NDArray[np.float64] | None = None
@@ -153,18 +192,28 @@ class _Slots:
         self.burns = np.zeros(size, dtype=np.int64)
         self.pushes: list[NDArray[np.float64]] = []
 
-    def look(self, time: float, mean: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Take the averages of a revolution; return the impulse of each satellite, m/s."""
+    def look(
+        self,
+        time: float,
+        mean: NDArray[np.float64],
+        seen: NDArray[np.float64],
+        done: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """Take the averages of a revolution; return the impulse of each satellite, m/s.
+
+        `seen` is what navigation makes of the averages, `done` what becomes of an impulse of 1.
+        """
         self.times.append(time)
-        self.places.append(mean)
+        self.places.append(seen)
         size = mean.size
         if len(self.times) < LEARNING:
             return np.zeros(size)
         if self.origin is None:
             self._begin()
         assert self.origin is not None
-        place, speed, push = self._fit(mean)
-        self.worst = np.maximum(self.worst, np.abs(place))
+        place, speed, push = self._fit(seen)
+        true = mean - self.origin - self.rate * time
+        self.worst = np.maximum(self.worst, np.abs(true))
         self.pushes.append(push)
         side = np.sign(place)
         out = (np.abs(place) >= self.half_width) & (speed * side > 0.0)
@@ -173,7 +222,9 @@ class _Slots:
         self.side = np.where(out, side, self.side)
         way = self.reach * (np.abs(place) + self.half_width)  # up to the other edge
         wanted = -side * np.sqrt(2.0 * way * np.maximum(np.abs(push), WEAKEST))
-        change = np.where(out, wanted - speed, 0.0)
+        least = 3.0 * self.smallest / self.axis
+        asked = -side * np.maximum(np.abs(wanted - speed), least)
+        change = np.where(out, asked * done, 0.0)
         # the impulse comes half a revolution after the average's moment
         step = self.times[-1] - self.times[-2]
         if out.any():
@@ -230,9 +281,41 @@ def _poles(r: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64
     return np.asarray(momentum / np.linalg.norm(momentum, axis=1, keepdims=True))
 
 
-def _tilts(now: NDArray[np.float64], before: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Angles between poles and those before, turned as one by the best rotation (Kabsch 1976)."""
+def _turned_as_one(now: NDArray[np.float64], before: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Poles as they were, turned as one by the rotation nearest to those now (Kabsch 1976)."""
     u, _, w = np.linalg.svd(before.T @ now)
     flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ w))])
-    cosine = ((before @ (u @ flip @ w)) * now).sum(axis=1)
-    return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    return np.asarray(before @ (u @ flip @ w))
+
+
+def _angles(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Angles between unit vectors, row by row, good near zero."""
+    sine = np.linalg.norm(np.cross(a, b), axis=1)
+    return np.asarray(np.arctan2(sine, (a * b).sum(axis=1)))
+
+
+def _into_plane(
+    path: Trajectory, pole: NDArray[np.float64], done: float, forces: ForceModel
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+    """State at the end of a satellite's revolution if it is turned into a plane, and the impulse.
+
+    The velocity is turned about the place where the satellite crosses the plane of that pole, by
+    the share `done` of the whole angle.
+    """
+    times = np.linspace(path.start, path.stop, LOOKS)
+    height = path.states(times)[0][0] @ pole
+    k = int(np.flatnonzero(height[:-1] * height[1:] <= 0.0)[0])
+    moment = float(brentq(lambda t: path.states([t])[0][0, 0] @ pole, times[k], times[k + 1]))
+    r, v = (a[0, 0] for a in path.states([moment]))
+    out = r / np.linalg.norm(r)
+    now, wanted = (np.cross(h, out) for h in (np.cross(r, v), pole))
+    now, wanted = now / np.linalg.norm(now), wanted / np.linalg.norm(wanted)
+    angle = done * float(np.arctan2(np.cross(now, wanted) @ out, now @ wanted))
+    turned = Rotation.from_rotvec(angle * out).apply(v)
+    if moment >= path.stop:
+        return r, turned, float(np.linalg.norm(turned - v))
+    rest = integrate(
+        r[None], turned[None], forces, path.stop, start=moment, epoch=path.epoch, tolerance=COARSE
+    )
+    end = tuple(a[0, 0] for a in rest.states([path.stop]))
+    return end[0], end[1], float(np.linalg.norm(turned - v))

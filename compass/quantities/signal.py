@@ -56,6 +56,26 @@ SIGNAL = (
     _error("error_position_m", "position error", "Root of the three variances"),
     _error("error_time_m", "time error", "Of the user's clock, as length"),
     Quantity(
+        "protection_horizontal_m", "m", "horizontal protection level", 3, "less",
+        limits=(1.0, 1000.0), ticks=(1, 3, 10, 30, 100, 300, 1000),
+        meaning="The horizontal error exceeds it unnoticed no more often than is allowed, should "
+        "one satellite be faulty; infinite where no fault can be noticed.",
+    ),
+    Quantity(
+        "protection_vertical_m", "m", "vertical protection level", 3, "less",
+        limits=(1.0, 1000.0), ticks=(1, 3, 10, 30, 100, 300, 1000),
+        meaning="The same of the height.",
+    ),
+    Quantity(
+        "detection_share", "1", "share of area and time in which a fault can be detected", 5,
+        "more", "share", (0.0, 1.0),
+        meaning="Five satellites in view or more, and each range checked by the others.",
+    ),
+    Quantity(
+        "protection_share", "1", "share of area and time within the alert limits", 5, "more",
+        "share", (0.0, 1.0), meaning="Both protection levels at most what the user can use.",
+    ),
+    Quantity(
         "error_share", "1", "share of area and time within the limit", 5, "more", "share",
         (0.0, 1.0), meaning="One sigma at most the limit asked for.",
     ),

@@ -17,7 +17,7 @@ def certified_figures(design: Design, options: MapOptions) -> CertifiedGeometry 
         As of `compass.study.mapping.make_map`.
     """
     motion = design.motion.or_of(options.motion)
-    if motion.model not in ("two-body", "j2") or not design.constellation.size:
+    if not motion.is_closed_form or not design.constellation.size:
         return None
     if options.start_day or options.pdop_max < 1.0:
         return None
@@ -28,5 +28,5 @@ def certified_figures(design: Design, options: MapOptions) -> CertifiedGeometry 
         mask=design.mask if options.mask_deg is None else option_mask(options.mask_deg),
         pdop_max=options.pdop_max,
         duration=None if hours is None else hours * 3600.0,
-        drifting=motion.model == "j2",
+        motion=motion,
     )

@@ -14,6 +14,7 @@ from compass.entry.beacons import Beacons, orbiting_beacons
 from compass.entry.consistency import FALSE_ALARM, nees_bounds
 from compass.entry.layout import Part
 from compass.entry.navigation import MonteCarlo, run_monte_carlo
+from compass.entry.quantiles import percentiles
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
 from compass.entry.trajectory import fly
 from compass.entry.unknowns import NOTHING, Unknowns
@@ -125,7 +126,11 @@ def judge_filter(
         result: dict[str, Any] = {"ekf_position_m": nothing, "ekf_velocity_m_s": nothing}
     else:
         low, high = chi2.ppf([0.025, 0.975], 6 * count) / count
-        result = {"ekf_position_m": _errors(position), "ekf_velocity_m_s": _errors(velocity)}
+        alone = each == 1  # several runs of one entry are no independent draws
+        result = {
+            "ekf_position_m": _errors(position, alone),
+            "ekf_velocity_m_s": _errors(velocity, alone),
+        }
     mean = float(nees[good].mean()) if count else np.nan
     least, most = nees_bounds(6, max(1, count), 1.0 - FALSE_ALARM)
     bound = np.sqrt(np.mean(found.position_sigma**2))
@@ -142,10 +147,10 @@ def judge_filter(
     }
 
 
-def _errors(values: NDArray[np.float64]) -> dict[str, float]:
+def _errors(values: NDArray[np.float64], alone: bool) -> dict[str, Any]:
+    found = percentiles(values)
     return {
-        "p50": float(np.percentile(values, 50)),
-        "p95": float(np.percentile(values, 95)),
+        **{key: one for key, one in found.items() if alone or not key.endswith("interval")},
         "rms": float(np.sqrt(np.mean(values**2))),
     }
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.entry.campaign import Campaign
+from compass.entry.quantiles import percentiles
 from compass.entry.unknowns import Unknowns
 from compass.orbits import Constellation
 
@@ -121,14 +122,14 @@ class Judgement:
         return {
             "in_view": {"min": int(np.argmax(counts > 0)), "median": float(median_number(counts))},
             "crlb_position_m": {
-                **_percentiles(position),
+                **percentiles(position),
                 "worst": float(position[worst]),
                 "worst_latitude_deg": float(np.degrees(latitude[worst])),
                 "worst_longitude_deg": float(np.degrees(longitude[worst])),
                 "worst_azimuth_deg": float(np.degrees(self.campaign.arrivals.azimuth[worst])),
                 "worst_epoch_s": float(self.epochs[worst]),
             },
-            "crlb_velocity_m_s": {**_percentiles(velocity), "worst": float(velocity.max())},
+            "crlb_velocity_m_s": {**percentiles(velocity), "worst": float(velocity.max())},
             "share_within_goal": float((position <= goal).mean()),
             "unobservable_share": float(blind.mean()),
             "fisher_log_det": {
@@ -166,7 +167,3 @@ def median_number(counts: NDArray[np.int64]) -> Array:
     total = below[..., -1:]
     middle = [(below <= (total - 1 + k) // 2).sum(axis=-1) for k in (0, 1)]
     return np.asarray((middle[0] + middle[1]) / 2, dtype=np.float64)
-
-
-def _percentiles(values: Array) -> dict[str, float]:
-    return {f"p{q}": float(np.percentile(values, q)) for q in (50, 95)}

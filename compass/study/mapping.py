@@ -14,6 +14,7 @@ from compass.coverage.errors import error_map
 from compass.coverage.gaps import coverage_gaps, shortest_pass
 from compass.coverage.grid import Grid, make_grid
 from compass.coverage.maps import coverage_map
+from compass.coverage.protection import protection_map
 from compass.coverage.view import View, view
 from compass.design import PDOP_MAX, Design
 from compass.errors import ArgumentError
@@ -175,6 +176,11 @@ def make_map(
         )
         dataset = dataset.assign(errors.data_vars).assign_coords(errors.coords)
         dataset.attrs |= errors.attrs | {"error_weights": chosen.weights}
+        if design.integrity is not None:
+            levels = protection_map(
+                seen, grid, ranges, design.integrity, workers=workers, progress=progress
+            )
+            dataset = dataset.assign(levels.data_vars).assign_coords(levels.coords)
     dataset.attrs |= provenance(design, command) | {
         "elevation_mask_deg": np.degrees(mask.elevation).tolist(),
         "motion_model": motion.model,

@@ -17,7 +17,8 @@ from compass.orbits import states_mci
 from compass.orbits.constellation import keplerian
 from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import built_in_field
-from compass.orbits.keeping import keep_slots
+from compass.orbits.keeping import _into_plane, keep_slots
+from compass.orbits.trajectory import integrate
 
 STILL = """
 name = "still"
@@ -84,6 +85,12 @@ fold = 4
 """
 
 
+SHORT = (
+    PUBLISHED.replace("satellites = 15", "satellites = 5").replace("fold = 4", "fold = 1")
+    + '[motion]\nmodel = "numerical"\ngravity_degree = 2\nmoons = false\nradiation_m2_kg = 0\n'
+)
+
+
 @pytest.mark.slow
 def test_the_published_pattern_costs_what_its_first_push_foretells(tmp_path):
     """0.9 to 26.1 m/s an Earth year by slot, mean 15.6, from the push of the first ten days (own)."""
@@ -107,11 +114,77 @@ def test_the_published_pattern_costs_what_its_first_push_foretells(tmp_path):
         assert row["propellant_kg"] == pytest.approx(100 * np.expm1(spent / exhaust))
 
 
-def test_a_short_simulation_prints_its_costs():
-    design = read_design_text(
-        PUBLISHED.replace("satellites = 15", "satellites = 5").replace("fold = 4", "fold = 1")
-        + '[motion]\nmodel = "numerical"\ngravity_degree = 2\nmoons = false\nradiation_m2_kg = 0\n'
+def test_a_turn_into_a_plane_costs_its_angle_and_no_speed():
+    """2 v sin(angle / 2), where the satellite crosses the plane."""
+    c = keplerian(1.2e7, 0.0, 0.7, 0.3, 0.0, 0.5, gm=built_in_field().gm)
+    forces = ForceModel(built_in_field().truncated(2, 0), False, False, 0.0, "none")
+    r, v = (a[:, 0] for a in states_mci(c, [0.0]))
+    path = integrate(r, v, forces, 3e4)
+    before = np.cross(r[0], v[0])
+    pole = np.array([0.3, -0.4, 0.85])
+    pole /= np.linalg.norm(pole)
+    there, speed, cost = _into_plane(path, pole, 1.0, forces)
+    after = np.cross(there, speed)
+    angle = np.arccos(before @ pole / np.linalg.norm(before))
+    # in a revolution oblateness turns a plane by 3 pi J2 (R/a)^2 cos i sin i, 0.0008 rad
+    assert np.arccos(after @ pole / np.linalg.norm(after)) < 0.005
+    assert cost == pytest.approx(2 * np.linalg.norm(v) * np.sin(angle / 2), abs=2.0)
+    energy = [
+        np.dot(w, w) / 2 - forces.field.gm / np.linalg.norm(x)
+        for x, w in ((r[0], v[0]), (there, speed))
+    ]
+    assert energy[1] == pytest.approx(energy[0], rel=2e-3)
+
+
+@pytest.mark.slow
+def test_planes_are_turned_back_where_they_leave_their_slots():
+    c = read_design_text(PUBLISHED).constellation
+    free, kept = (
+        keep_slots(c, ForceModel(), 60 * DAY, 0.05, across=across)
+        for across in (np.inf, np.radians(0.03))
     )
+    assert free.burns_across.sum() == 0
+    assert np.degrees(free.tilt.max()) > 0.06
+    # one revolution more than the box at most, and the short-period swing of the poles
+    assert np.degrees(kept.tilt.max()) < 0.06
+    speed = c.mean_motion[0] * c.semi_major_axis[0]
+    each = kept.delta_v_across.sum() / kept.burns_across.sum()
+    assert np.radians(0.03) < each / speed < np.radians(0.06)
+
+
+@pytest.mark.slow
+def test_errors_of_burns_are_met_and_repeat_with_their_seed():
+    design = read_design_text(
+        PUBLISHED + "[keeping]\nexecution_error = 0.1\nnavigation_error_m = 20000\nyears = 0.3\n"
+    )
+    one, again, other, exact = (
+        compass.keep(design, box_deg=0.5, **options)
+        for options in ({}, {}, {"seed": 1}, {"execution_error": 0.0, "navigation_error_m": 0.0})
+    )
+    assert one.to_dict() == again.to_dict()
+    assert one.delta_v_m_s_year != other.delta_v_m_s_year
+    assert np.mean(one.delta_v_m_s_year) == pytest.approx(np.mean(exact.delta_v_m_s_year), rel=0.2)
+    assert one.holds
+    assert "good to 10 %, places known to 20000 m" in text(one.document()).replace("\n  ", " ")
+
+
+@pytest.mark.slow
+def test_untouched_radii_stand_beside():
+    found = compass.keep(read_design_text(SHORT), years=0.1, box_deg=0.05, radius_km=[20800.0])
+    assert found.to_dict()["untouched"][0]["days_proven"] > 0.0
+    assert "Untouched instead, trimmed once" in text(found.document())
+
+
+@pytest.mark.slow
+def test_the_smallest_burn_is_the_least():
+    found = compass.keep(read_design_text(SHORT), years=0.1, box_deg=0.05, smallest_burn_m_s=3.0)
+    burnt = found.keeping.burns > 0
+    assert burnt.any()
+    assert np.all(found.keeping.delta_v[burnt] >= 2.8 * found.keeping.burns[burnt])
+
+
+def test_a_short_simulation_prints_its_costs():
+    design = read_design_text(SHORT)
     found = compass.keep(design, years=0.1, box_deg=0.05)
     words = text(found.document())
     assert "m/s an Earth year a satellite" in words
@@ -125,7 +198,7 @@ def test_a_short_simulation_prints_its_costs():
     ("options", "message"),
     [
         ({"years": 0.0}, "years = 0: allowed 0.1 to 100"),
-        ({"dry_mass_kg": 0.0}, "dry_mass_kg = 0: allowed above 0"),
+        ({"dry_mass_kg": 0.0}, r"dry_mass_kg = 0: allowed 0\.001 to 1e\+06"),
         ({"box_deg": -1.0}, "box_deg = -1: must be more than 0"),
     ],
 )

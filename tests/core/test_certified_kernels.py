@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from compass.core.certified.cuts import BROKEN, CUT, KEPT, SCRATCH, cuts, projector, volume
+from compass.core.certified.cuts import BROKEN, CUT, EXPANSION, KEPT, SCRATCH, cuts, projector
 from compass.core.certified.shares import BOX, look, measure, of_measure, region_parts
 from compass.core.certified.sights import (
     BEND,
@@ -17,6 +17,7 @@ from compass.core.certified.sights import (
     sights,
     states,
 )
+from compass.core.certified.volumes import volume
 from compass.coverage.certified_domain import domain_of
 from compass.frames import FIGURES
 from compass.orbits import walker_delta
@@ -53,7 +54,7 @@ class Case:
         self.box[0] = np.clip(self.box[0], self.box[3] - np.pi / 2, np.pi / 2 - self.box[3])
         self.mask = g.uniform(0, 0.3)
         self.user = np.zeros(25)
-        place(self.box, self.e2, self.user)
+        place(self.box, self.e2, 0.0, self.user)
         n = len(self.domain.orbits)
         self.rows, self.kinds = np.zeros((n + 1, WIDTH)), np.zeros(n + 1, dtype=np.int64)
         q, dq = self.motion(self.box[2])
@@ -65,7 +66,8 @@ class Case:
     def motion(self, t):
         n = len(self.domain.orbits)
         q, dq = np.zeros((n, 3)), np.zeros((n, 3))
-        states(self.domain.orbits, self.domain.circles, t, q, dq)
+        d = self.domain
+        states(d.orbits, d.circles, d.breaks, d.paths, t, q, dq)
         return q, dq
 
     def at(self, u):
@@ -136,7 +138,7 @@ def dilution(e, up, dop):
 @pytest.mark.parametrize("dop", range(5))
 def test_what_is_cut_off_keeps_and_breaks_the_limit(dop, seeds):
     decided = 0
-    scratch, cut = np.zeros(SCRATCH + CUT), np.zeros(CUT)
+    scratch, cut = np.zeros(SCRATCH), np.zeros(CUT + EXPANSION)
     for seed in range(seeds):
         case = Case(seed, dop in (2, 3))
         if case.count < 5:
@@ -145,7 +147,7 @@ def test_what_is_cut_off_keeps_and_breaks_the_limit(dop, seeds):
         projector(dop, case.user, scratch)
         up, e, _ = case.at(np.zeros(3))
         square = dilution(e[names], up, dop) * case.generator.uniform(0.8, 1.2)
-        cuts(case.rows, case.kinds, case.count, False, square, scratch, cut)
+        cuts(case.rows, case.kinds, case.count, False, True, square, scratch, cut)
         for u in case.generator.uniform(-1, 1, (8, 3)):
             up, e, _ = case.at(u)
             here = dilution(e[names], up, dop)
@@ -234,8 +236,9 @@ def test_a_satellite_overhead_and_near_leaves_its_box_open():
     box[3:6] = 0.2
     n = len(domain.orbits)
     look(
-        box, np.zeros(25), np.zeros(SCRATCH + CUT), np.zeros((n, 3)), np.zeros((n, 3)),
+        box, np.zeros(25), np.zeros(SCRATCH + CUT + EXPANSION), np.zeros((n, 3)), np.zeros((n, 3)),
         np.zeros((n + 1, WIDTH)), np.zeros(n + 1, dtype=np.int64), domain.orbits, domain.circles,
-        np.empty((0, 3)), np.array([0.0, 0.0, 1.0, 36.0]), np.zeros((2, 1)),
+        domain.breaks, domain.paths, np.empty((0, 3)), np.array([0.0, 0.0, 0.0, 1.0, 36.0]),
+        np.zeros((2, 1)),
     )  # fmt: skip
     assert box[6] == box[7] == 0.0 and box[9] > 0.0

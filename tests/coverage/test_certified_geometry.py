@@ -64,7 +64,9 @@ def test_map_search_and_judge_say_the_same(seed_design):
     figure, c = FIGURES["iau-sphere"], seed_design.constellation
     found = search_module._examine(Candidate(c, 1.0, 0.1, 1.0), 4, 0.0, figure)
     by_search = found.as_dict()
-    mapped = compass.map(compass.Design("same", c), step_deg=30, epochs=2).numbers()
+    mapped = compass.map(
+        compass.Design(name="same", constellation=c), step_deg=30, epochs=2
+    ).numbers()
     judged = judge_surface(c, fold=4, figure=figure, mask=Mask())
     assert 2.0 < judged["gdop"]["p95"] < 6.0
     for name in ("availability", "availability_bracket"):

@@ -5,8 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from compass.coverage.certified_domain import Circle, Spot, Tile, domain_of
-from compass.coverage.certified_share import DOPS, certified_percentile, certified_share
+from compass.coverage.certified_domain import domain_of
+from compass.coverage.certified_places import Circle, Spot, Tile
+from compass.coverage.certified_question import DOPS
+from compass.coverage.certified_share import certified_percentile, certified_share
 from compass.coverage.region import GLOBE, convex_polygon, latitude_band
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
@@ -144,7 +146,7 @@ def test_other_motions_meet_random_points(seed):
         figure=ELLIPSOID,
         width=0.03,
         duration=None if hours is None else hours * 3600,
-        drifting=drifting,
+        motion="j2" if drifting else "two-body",
     )
     last = 2 * np.pi / orbits.mean_motion[0] if hours is None else hours * 3600
     times = generator.uniform(0, last, 4000)
@@ -229,12 +231,15 @@ def test_domains_say_what_they_stand_for():
     assert domain_of(walker(8, 2, 0), KELLY).sides[1, 1] == pytest.approx(np.pi)
     tilted = keplerian(16e6, 0.1, 1.0, np.arange(5.0), 0.3, np.arange(5.0))
     assert "no symmetry" in domain_of(tilted, KELLY).scope
-    drifting = domain_of(tilted, KELLY, drifting=True, duration=3600.0)
+    drifting = domain_of(tilted, KELLY, motion="j2", duration=3600.0)
     assert "J2" in drifting.scope and "1 h" in drifting.scope
     assert np.all(drifting.orbits[:, 7] != 0) and drifting.circles.size == 0
     triangle = convex_polygon([0.1, 0.1, 0.9], [1.0, 2.0, 1.4])
     assert domain_of(pattern, KELLY, triangle, duration=3600.0).normals.shape == (3, 3)
-    assert domain_of(pattern, KELLY, Tile(0.1, 0.4, 1.0, 2.0)).sides[1].tolist() == [1.0, 2.0]
+    assert domain_of(pattern, KELLY, Tile(0.1, 0.4, 1.0, 2.0), closed=True).sides[1].tolist() == [
+        1.0,
+        2.0,
+    ]
     mixed = keplerian(np.array([16e6, 17e6] * 3), 0.0, 1.0, np.arange(6.0), 0.0, 0.0)
     assert "h from the epoch" in domain_of(mixed, KELLY).scope
 
@@ -290,7 +295,7 @@ def test_percentiles_stop_for_want_of_time_and_at_infinity():
         ({"limit": 0.5}, "limit = 0.5"),
         ({"dop": "xdop"}, "dop = 'xdop'"),
         ({"width": 0.0}, "width = 0"),
-        ({"duration": 0.0}, "duration = 0 s"),
+        ({"duration": 0.0}, "duration_h = 0"),
         ({"place": Circle(2.0)}, "latitude_deg"),
         ({"place": Tile(0.5, 0.2, 0.0, 1.0)}, "tile"),
     ],

@@ -143,8 +143,9 @@ def test_plasma_and_hidden_beacons_are_told():
     changes = changes[1:]
     found = run_fusion(plan_of("lou2017-recommended", 46, changes), 1, progress=False)
     section = fusion_section(found)
-    assert section.paragraphs[0] == "Beacon orbiter 1: in line of sight at 44 of 47 epochs."
-    assert section.paragraphs[1].startswith("The plasma dims the ranges for")
+    assert section.paragraphs[0] == "Not to be believed: information, whose runs are all lost."
+    assert section.paragraphs[1] == "Beacon orbiter 1: in line of sight at 44 of 47 epochs."
+    assert section.paragraphs[2].startswith("The plasma dims the ranges for")
     assert "The fault: spike of orbiter 3 by 9 m at 3 s." in section.paragraphs
     assert any("1 of 1 runs of information diverged" in words for words in section.paragraphs)
     assert section.pictures[-1].stem == "fusion-plasma"

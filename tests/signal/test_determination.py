@@ -36,7 +36,7 @@ EARTH = Tracker(range=1.0, bias=2.0, doppler=1e-4)
 
 
 def design(t=15, p=5, sites=SITES):
-    c = walker_delta(t, p, 1, inclination_deg=45, radius_km=20427)
+    c = walker_delta(t, p, min(1, p - 1), inclination_deg=45, radius_km=20427)
     return Design(constellation=c, name="d", figure="kelly2018-sphere", stations=sites)
 
 

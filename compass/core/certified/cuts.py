@@ -17,7 +17,7 @@ broken where this is below g^2/limit^2. M need not be an inverse for that.
 ``(1+K)^-1 = 1 - K + K (1+K)^-1 K`` gives
 
     DOP^2 <= g - l.u + r1 + u'B u + E3,      r1 = sum_k D2 |Q a|_3  (the term in D1^2 helps)
-    B_de = tr P X_d X_e M,  X_d = M dN_d,    k1^2 = sum |tr X_d X_e|
+    B_de = tr Q dN_d X_e,   X_d = M dN_d,    k1^2 = sum |tr X_d X_e|
     k2 = sum_k ||M_33|| D1^2 + sqrt(a'M a ||M_33||) D2,      kappa = k1 + k2
     E3 = (sqrt beta + k2 sqrt g)^2/(1 - kappa) - beta,       beta >= u'B u
 
@@ -30,9 +30,10 @@ the other root does not matter.
 **Rounding.** Doubles, sums in the order written. Broken holds for the matrix Y as it is stored, so
 only the sums err: the entries of Q by 1e-15 (tr M)^2 and the form by as much a term, 1e-13 times
 ``sum |a|^2 (tr M)^2`` in all (over 40 operations of 1.1e-16 on 16 entries, and the rows' own
-1e-15). Kept is used only where ``tr M sum |a|^2 <= 1e6``, which bounds the condition number;
-the error of the inverse is then below 1e-12 ``sum |a|^2 (tr M)^2``, added. beta, beta' and kappa
-are raised by 1e-6, thresholds moved by 1e-9 of themselves.
+1e-15). Kept is used only where ``tr M sum |a|^2 <= 1e9``, which bounds the condition number; the
+error of the inverse, to first order some 20 roundoffs times that of itself, is then below 2e-6 of
+it and below 1e-12 ``sum |a|^2 (tr M)^2``, added. beta, beta' and kappa are raised by 1e-6 and 1e-13
+times that product, thresholds moved by 1e-9 of themselves.
 """
 
 import math
@@ -40,11 +41,15 @@ import math
 from compass.core.certified.sights import FIRST, SECOND
 from compass.core.jit import kernel
 
-#: Offsets in the scratch array of `cuts`: N, M, P, Q, three slopes of N, three X, three X M P.
-N_, M_, P_, Q_, DN, X_, XMP, SCRATCH = 0, 16, 32, 48, 64, 112, 160, 208
+#: Offsets in the scratch array of `cuts`: N, M, P, Q, three slopes of N, three X, three Q dN.
+N_, M_, P_, Q_, DN, X_, W_, SCRATCH = 0, 16, 32, 48, 64, 112, 160, 208
 
 #: Offsets in a cut: threshold and direction, of what is kept and of what is broken.
 KEPT, BROKEN, CUT = 0, 4, 8
+
+#: Offsets in an expansion: g, l, ``g + beta' + E3 + r1`` (inf where kappa is too large),
+#: ``sum a'Q a + r2``, and what rounding may add to either.
+CENTRE, TILT, MOST, LEAST, SMALL, EXPANSION = 0, 1, 4, 5, 6, 7
 
 
 @kernel
@@ -187,131 +192,114 @@ def residues(rows, kinds, count, sure, s):
 
 
 @kernel
-def cuts(rows, kinds, count, sure, square, s, cut):
-    """Fill the half-spaces ``direction . u >= threshold`` where the limit is kept and broken.
+def expansion(rows, kinds, count, sure, above, s, out):
+    """Expand the square of a dilution over a box, with bounds of what is left out.
 
     Parameters
     ----------
     rows, kinds, count
         From `sights`.
     sure
-        Only satellites surely in sight (a bound for what is kept) or all (for what is broken).
-    square
-        The limit squared.
+        Only satellites surely in sight (a bound from above) or all (from below).
+    above
+        Whether a bound from above is wanted at all.
     s
         Scratch with P filled in.
-    cut
-        Filled, shape (8,); a threshold of inf means nowhere.
+    out
+        Filled, shape (7,): see `CENTRE`, `TILT`, `MOST`, `LEAST`, `SMALL`.
+
+    Returns
+    -------
+    used
+        Number of satellites; below four nothing is filled, the dilution is infinite.
     """
-    cut[KEPT] = cut[BROKEN] = math.inf
     used = moments(rows, kinds, count, sure, s)
     if used < 4:
-        cut[BROKEN] = -math.inf
-        return
+        return used
     regular = invert(s, 0.0)
     trace = s[M_] + s[M_ + 5] + s[M_ + 10] + s[M_ + 15]
-    if not regular or not trace * 2.0 * used <= 1e6:
+    if not regular or not trace * 2.0 * used <= 1e9:
         regular = False
         if not invert(s, 1e-5):
-            return
+            out[CENTRE], out[MOST], out[LEAST], out[SMALL] = 1.0, math.inf, math.inf, 0.0
+            return used
         trace = s[M_] + s[M_ + 5] + s[M_ + 10] + s[M_ + 15]
-    multiply(s, M_, P_, XMP)
-    multiply(s, XMP, M_, Q_)
+    multiply(s, M_, P_, W_)
+    multiply(s, W_, M_, Q_)
     g = trace_of_product(s, P_, M_)
-    l0 = trace_of_product(s, Q_, DN)
-    l1 = trace_of_product(s, Q_, DN + 16)
-    l2 = trace_of_product(s, Q_, DN + 32)
+    for d in range(3):
+        multiply(s, Q_, DN + 16 * d, W_ + 16 * d)
+        w = W_ + 16 * d
+        out[TILT + d] = s[w] + s[w + 5] + s[w + 10] + s[w + 15]
     value, bent, spread, k2 = residues(rows, kinds, count, sure, s)
     weight = 2.0 * used * trace * trace
-    room = g * g / square * (1.0 - 1e-9) - (value + bent + spread) * (1.0 + 1e-9) - 1e-13 * weight
-    cut[BROKEN], cut[BROKEN + 1], cut[BROKEN + 2], cut[BROKEN + 3] = -room, -l0, -l1, -l2
-    if not regular:
-        return
+    small = 1e-12 * weight
+    out[CENTRE], out[MOST], out[SMALL] = g, math.inf, small
+    out[LEAST] = (value + bent + spread) * (1.0 + 1e-9) + 1e-13 * weight
+    if not regular or not above:
+        return used
     for d in range(3):
         multiply(s, M_, DN + 16 * d, X_ + 16 * d)
-    k1 = 0.0
+    k1 = beta = less = 0.0
     for d in range(3):
-        for e in range(3):
-            k1 += abs(trace_of_product(s, X_ + 16 * d, X_ + 16 * e))
-    kappa = (math.sqrt(k1) + k2) * (1.0 + 1e-6) + 1e-9
+        for e in range(d + 1):
+            times = 1.0 if d == e else 2.0  # both forms are symmetric
+            k1 += times * abs(trace_of_product(s, X_ + 16 * d, X_ + 16 * e))
+            b = trace_of_product(s, W_ + 16 * d, X_ + 16 * e)
+            beta += times * abs(b)
+            less += times * abs(b - out[TILT + d] * out[TILT + e] / g)
+    raised = 1.0 + 1e-6 + 2e-13 * used * trace
+    kappa = (math.sqrt(k1) + k2) * raised + 1e-9
     if not kappa < 0.49:
-        return
-    multiply(s, M_, P_, N_)
-    for d in range(3):
-        multiply(s, X_ + 16 * d, N_, XMP + 16 * d)
-    beta = less = 0.0
-    for d in range(3):
-        ld = l0 if d == 0 else (l1 if d == 1 else l2)
-        for e in range(3):
-            le = l0 if e == 0 else (l1 if e == 1 else l2)
-            b = 0.5 * (
-                trace_of_product(s, XMP + 16 * e, X_ + 16 * d)
-                + trace_of_product(s, XMP + 16 * d, X_ + 16 * e)
-            )
-            beta += abs(b)
-            less += abs(b - ld * le / g)
-    small = 1e-12 * weight
-    beta, less = beta * (1.0 + 1e-6) + small, less * (1.0 + 1e-6) + 1e-6 * beta + small
-    root = math.sqrt(beta) + k2 * (1.0 + 1e-6) * math.sqrt(g)
+        return used
+    less = less * raised + (raised - 1.0) * beta + small
+    beta = beta * raised + small
+    root = math.sqrt(beta) + k2 * raised * math.sqrt(g)
     third = root * root / (1.0 - kappa) - beta
-    c0 = (g + less + third + bent) * (1.0 + 1e-9) + small - square * (1.0 - 1e-9)
-    inner = 1.0 - 4.0 * c0 / g
-    if inner < 0.0:
+    out[MOST] = (g + less + third + bent) * (1.0 + 1e-9) + small
+    return used
+
+
+@kernel
+def cuts(rows, kinds, count, sure, above, square, s, cut):
+    """Fill the half-spaces ``direction . u >= threshold`` where the limit is kept and broken.
+
+    Parameters
+    ----------
+    rows, kinds, count, sure, above, s
+        As of `expansion`; without `above` nothing is said to be kept.
+    square
+        The limit squared.
+    cut
+        Filled, shape (CUT,); a threshold of inf means nowhere.
+    """
+    cut[KEPT] = cut[BROKEN] = math.inf
+    out = cut[CUT:]
+    if expansion(rows, kinds, count, sure, above, s, out) < 4:
+        cut[BROKEN] = -math.inf
         return
-    y = 2.0 * c0 / (1.0 + math.sqrt(inner))
-    cut[KEPT], cut[KEPT + 1], cut[KEPT + 2], cut[KEPT + 3] = y + 1e-9 * abs(y) + small, l0, l1, l2
+    g, l0, l1, l2 = out[CENTRE], out[TILT], out[TILT + 1], out[TILT + 2]
+    room = g * g / square * (1.0 - 1e-9) - out[LEAST]
+    cut[BROKEN], cut[BROKEN + 1], cut[BROKEN + 2], cut[BROKEN + 3] = -room, -l0, -l1, -l2
+    c0 = out[MOST] - square * (1.0 - 1e-9)
+    inner = 1.0 - 4.0 * c0 / g
+    if inner >= 0.0:
+        y = 2.0 * c0 / (1.0 + math.sqrt(inner))
+        cut[KEPT] = y + 1e-9 * abs(y) + out[SMALL]
+        cut[KEPT + 1], cut[KEPT + 2], cut[KEPT + 3] = l0, l1, l2
 
 
 @kernel
-def volume(threshold, a, b, c):
-    """Share of the cube [-1, 1]^3 where ``a x + b y + c z >= threshold``, never too large.
+def most(out):
+    """Bound from above of the square of a dilution over a box, from its `expansion`.
 
-    Inclusion and exclusion of corners; a coefficient below a thousandth of the largest is dropped
-    and the plane moved by it; 1e-9 for rounding.
+    ``g - y + y^2/g`` plus what is left out is largest at an end of the range of y.
     """
-    a, b, c = abs(a), abs(b), abs(c)
-    if not threshold < a + b + c:
-        return 0.0
-    if threshold <= -(a + b + c):
-        return 1.0
-    if a < b:
-        a, b = b, a
-    if b < c:
-        b, c = c, b
-    if a < b:
-        a, b = b, a
-    t = -threshold
-    if c < 1e-3 * a:
-        t, c = t - c, 0.0
-    if b < 1e-3 * a:
-        t, b = t - b, 0.0
-    # share where a x + b y + c z <= t, by symmetry; from the smaller side
-    share = corner(a + b + c + t, a, b, c) if t <= 0.0 else 1.0 - corner(a + b + c - t, a, b, c)
-    return min(1.0, max(0.0, share - 1e-9))
+    tilt = abs(out[TILT]) + abs(out[TILT + 1]) + abs(out[TILT + 2])
+    return (out[MOST] + tilt + tilt * tilt / out[CENTRE]) * (1.0 + 1e-9) + out[SMALL]
 
 
 @kernel
-def corner(w, a, b, c):
-    """Share of the cube of side 2 at the origin where ``a x + b y + c z <= w``, a >= b >= c >= 0.
-
-    For w up to half of what the far corner has; b and c may be 0.
-    """
-    if w <= 0.0:
-        return 0.0
-    w *= 0.5
-    if b == 0.0:
-        return w / a
-    if c == 0.0:
-        total = w * w
-        for x in (a, b):
-            if w > x:
-                total -= (w - x) * (w - x)
-        return total / (2.0 * a * b)
-    total = w * w * w
-    for x in (a, b, c):
-        if w > x:
-            total -= (w - x) * (w - x) * (w - x)
-    for x in (a + b, a + c, b + c):
-        if w > x:
-            total += (w - x) * (w - x) * (w - x)
-    return total / (6.0 * a * b * c)
+def least(out):
+    """Bound from below of the square of a dilution at the centre of a box without width."""
+    return out[CENTRE] * out[CENTRE] / out[LEAST] * (1.0 - 1e-9)

@@ -20,8 +20,22 @@ import math
 
 import numpy as np
 
-from compass.core.certified.cuts import BROKEN, CUT, KEPT, SCRATCH, cuts, projector, volume
-from compass.core.certified.sights import BEND, HIGH, LOW, WIDTH, place, sights, states
+from compass.core.certified.cuts import BROKEN, CUT, EXPANSION, KEPT, SCRATCH, cuts, projector
+from compass.core.certified.sights import (
+    BEND,
+    DOP,
+    E2,
+    HEIGHT,
+    HIGH,
+    LOW,
+    SLACK,
+    SQUARE,
+    WIDTH,
+    place,
+    sights,
+    states,
+)
+from compass.core.certified.volumes import volume
 from compass.core.jit import kernel
 
 #: Columns of a box: centre and half-widths (b, l, t), what is kept, broken, outside and open.
@@ -107,40 +121,53 @@ def kept_broken(rows, kinds, count, square, s, cut):
     doubtful = 0
     for k in range(count):
         doubtful += kinds[k] - 1
-    cuts(rows, kinds, count, False, square, s, cut)
+    on, off = 1.0, 0.0
+    if doubtful:
+        on, off = rim_parts(rows, kinds, count)
+    cuts(rows, kinds, count, False, on > 0.0, square, s, cut)
     kept = volume(cut[KEPT], cut[KEPT + 1], cut[KEPT + 2], cut[KEPT + 3])
     broken = volume(cut[BROKEN], cut[BROKEN + 1], cut[BROKEN + 2], cut[BROKEN + 3])
     if doubtful == 0 or broken == 1.0:
         return (0.0 if doubtful else kept), broken
-    on, off = rim_parts(rows, kinds, count)
-    cuts(rows, kinds, count, True, square, s, cut)
+    cuts(rows, kinds, count, True, True, square, s, cut)
     surely = volume(cut[KEPT], cut[KEPT + 1], cut[KEPT + 2], cut[KEPT + 3])
     fewest = volume(cut[BROKEN], cut[BROKEN + 1], cut[BROKEN + 2], cut[BROKEN + 3])
     return max(surely, on + kept - 1.0), max(broken, off + fewest - 1.0)
 
 
 @kernel
-def look(box, user, scratch, q, dq, rows, kinds, model, circles, normals, numbers, mask):
+def look(
+    box, user, scratch, q, dq, rows, kinds, orbits, circles, breaks, paths, normals, numbers, mask
+):
     """Settle what a box's bounds settle: fills its columns from 6 on.
 
-    `model` holds the orbits, `numbers` e2, slack, which DOP and the limit squared, `mask` two rows:
-    azimuths and elevations.
+    `numbers` as in `sights`, `mask` two rows: azimuths and elevations.
     """
-    place(box, numbers[0], user)
-    m, size, thin, dense = measure(box, numbers[0])
+    place(box, numbers[E2], numbers[HEIGHT], user)
+    m, size, thin, dense = measure(box, numbers[E2])
     inside, outside = 1.0, 0.0
     if normals.shape[0]:
         inside, outside = region_parts(user, normals)
     kept = broken = 0.0
     if inside > 0.0:
-        dop = int(numbers[2])
-        states(model, circles, box[2], q, dq)
+        dop = int(numbers[DOP])
+        states(orbits, circles, breaks, paths, box[2], q, dq)
         count = sights(
-            box, user, model, q, dq, numbers[1], dop == 2 or dop == 3, mask[0], mask[1], rows, kinds
+            box,
+            user,
+            orbits,
+            q,
+            dq,
+            numbers[SLACK],
+            dop == 2 or dop == 3,
+            mask[0],
+            mask[1],
+            rows,
+            kinds,
         )
         projector(dop, user, scratch)
         cut = scratch[SCRATCH:]
-        kept, broken = kept_broken(rows, kinds, count, numbers[3], scratch, cut)
+        kept, broken = kept_broken(rows, kinds, count, numbers[SQUARE], scratch, cut)
     box[6] = of_measure(kept + inside - 1.0, m, size, thin, dense)
     box[7] = of_measure(broken + inside - 1.0, m, size, thin, dense)
     box[8] = of_measure(outside, m, size, thin, dense)
@@ -169,7 +196,7 @@ def split(box, speed, left, right):
 
 
 @kernel
-def refine(leaves, eps, speed, model, circles, normals, numbers, mask):
+def refine(leaves, eps, speed, orbits, circles, breaks, paths, normals, numbers, mask):
     """Split boxes until none has more than `eps` open.
 
     Parameters
@@ -180,7 +207,7 @@ def refine(leaves, eps, speed, model, circles, normals, numbers, mask):
         Open measure that a box may keep.
     speed
         How much of a length a unit of time is worth when the longest side is chosen.
-    model, circles, normals, numbers, mask
+    orbits, circles, breaks, paths, normals, numbers, mask
         See `look`.
 
     Returns
@@ -190,8 +217,8 @@ def refine(leaves, eps, speed, model, circles, normals, numbers, mask):
     open
         Boxes with something open, shape (k, BOX).
     """
-    n = model.shape[0]
-    user, scratch = np.empty(25), np.zeros(SCRATCH + CUT)
+    n = orbits.shape[0]
+    user, scratch = np.empty(25), np.zeros(SCRATCH + CUT + EXPANSION)
     q, dq, rows = np.empty((n, 3)), np.empty((n, 3)), np.empty((n + 1, WIDTH))
     kinds = np.empty(n + 1, np.int64)
     settled, out, stack = np.zeros(4), np.empty((64, BOX)), np.empty((256, BOX))
@@ -204,8 +231,8 @@ def refine(leaves, eps, speed, model, circles, normals, numbers, mask):
             box = stack[depth].copy()
             if box[9] > eps and depth < 250 and split(box, speed, stack[depth], stack[depth + 1]):
                 for k in range(depth, depth + 2):
-                    look(stack[k], user, scratch, q, dq, rows, kinds, model, circles, normals,
-                         numbers, mask)  # fmt: skip
+                    look(stack[k], user, scratch, q, dq, rows, kinds, orbits, circles, breaks,
+                         paths, normals, numbers, mask)  # fmt: skip
                 settled[3] += 2
                 depth += 2
                 continue

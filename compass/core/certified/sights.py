@@ -4,8 +4,9 @@ Within a box with centre c and half-widths h = (hb, hl, ht) a place and moment i
 [-1, 1]^3. Lengths are in equatorial radii of the planet. All bounds are along the straight line
 from the centre, u(s) = s u with s from 0 to 1, dots are derivatives by s.
 
-User: geodetic latitude b, up n, place p on the ellipsoid (eccentricity squared e2) with meridian
-and normal radii ``M <= N <= F = 1/sqrt(1 - e2)``. With ``cm = max cos b, sm = max |sin b|``::
+User: geodetic latitude b, up n, place p at a height over the ellipsoid (eccentricity squared e2)
+with meridian and normal radii, height added, ``M <= N <= F``. With ``cm = max cos b`` and
+``sm = max |sin b|``::
 
     |n'|  <= v  = sqrt(hb^2 + cm^2 hl^2)            |p'|  <= F v
     |n''| <= wn = sqrt(v^4 + (sm cm hl^2)^2 + (2 sm hb hl)^2)
@@ -32,8 +33,11 @@ In sight where ``G = n.(q - p) - sin m |q - p| >= 0``; ``|G''|`` is at most
 
 import math
 
+import numpy as np
+
 from compass.core.jit import kernel
 from compass.core.kepler import eccentric_anomaly
+from compass.core.path import path_state, piece_of
 
 #: Columns of a satellite's row: line of sight, its three slopes, D1, D2, sight and its slopes for
 #: the highest and for the lowest mask that can apply, bound of the curvature of either.
@@ -41,20 +45,47 @@ E, SLOPE, FIRST, SECOND, HIGH, LOW, BEND, WIDTH = 0, 3, 12, 13, 14, 18, 22, 24
 
 #: Columns of an orbit: semi-major axis, eccentricity, cosine and sine of inclination, node,
 #: periapsis, mean anomaly at time 0, the rates of these three, greatest speed and acceleration.
+#: Of a path: greatest distance, 0, and 4 and 7 as they turn all about the pole into the frame.
 ORBIT = 12
+
+#: What the kernels take in one array: eccentricity squared of the ellipsoid, error of the
+#: satellites' places, height of users, which dilution (as `compass.core.dop`), its limit squared.
+E2, SLACK, HEIGHT, DOP, SQUARE, NUMBERS = 0, 1, 2, 3, 4, 5
 
 #: What rounding can move a sight by, relative to the satellite's distance.
 SIGHT_ROUNDING = 1e-12
 
 
 @kernel
-def states(orbits, circles, t, q, dq):
+def turned_paths(orbits, breaks, paths, t, q, dq):
+    """Fill positions and velocities of satellites on paths, seen from a turning frame."""
+    piece, state = piece_of(breaks, t), np.empty(6)
+    rate = orbits[0, 7]
+    c, s = math.cos(orbits[0, 4] + rate * t), math.sin(orbits[0, 4] + rate * t)
+    for k in range(orbits.shape[0]):
+        path_state(breaks, paths, piece, k, t, state)
+        q[k, 0], q[k, 1], q[k, 2] = (
+            c * state[0] - s * state[1],
+            s * state[0] + c * state[1],
+            state[2],
+        )
+        dq[k, 0] = c * state[3] - s * state[4] - rate * q[k, 1]
+        dq[k, 1] = s * state[3] + c * state[4] + rate * q[k, 0]
+        dq[k, 2] = state[5]
+
+
+@kernel
+def states(orbits, circles, breaks, paths, t, q, dq):
     """Positions and velocities of satellites at time t, filled in, shape (n, 3).
 
-    With `circles`, shape (n, 6), all go around at rate 1 in the plane of two vectors, seen from
+    With `paths` as in `compass.core.path`, seen from a frame that turns about the pole. With
+    `circles`, shape (n, 6), all go around at rate 1 in the plane of two vectors, seen from
     a frame that turns about the pole at minus the first orbit's node rate.
     """
     n = orbits.shape[0]
+    if paths.shape[0]:
+        turned_paths(orbits, breaks, paths, t, q, dq)
+        return
     if circles.shape[0]:
         c, s = math.cos(t), math.sin(t)
         rate = orbits[0, 7]
@@ -90,7 +121,7 @@ def states(orbits, circles, t, q, dq):
 
 
 @kernel
-def place(box, e2, user):
+def place(box, e2, height, user):
     """Fill the user's up, place, their slopes and bounds; shape (25,).
 
     0:3 up, 3:6 place, 6:9 and 9:12 slopes of up times hb, hl, 12:15 and 15:18 of the place,
@@ -101,9 +132,11 @@ def place(box, e2, user):
     cb, sb, cl, sl = math.cos(b), math.sin(b), math.cos(lon), math.sin(lon)
     flat = 1.0 - e2 * sb * sb
     normal = 1.0 / math.sqrt(flat)
-    meridian = (1.0 - e2) * normal / flat
+    meridian = (1.0 - e2) * normal / flat + height
     user[0], user[1], user[2] = cb * cl, cb * sl, sb
-    user[3], user[4], user[5] = normal * user[0], normal * user[1], normal * (1.0 - e2) * sb
+    user[5] = (normal * (1.0 - e2) + height) * sb
+    normal += height
+    user[3], user[4] = normal * user[0], normal * user[1]
     user[6], user[7], user[8] = -hb * sb * cl, -hb * sb * sl, hb * cb
     user[9], user[10], user[11] = -hl * user[1], hl * user[0], 0.0
     for k in range(3):
@@ -114,7 +147,7 @@ def place(box, e2, user):
     sm = min(1.0, max(abs(math.sin(low)), abs(math.sin(high))))
     if high >= 0.5 * math.pi or low <= -0.5 * math.pi:
         sm = 1.0
-    most = 1.0 / math.sqrt(1.0 - e2)
+    most = 1.0 / math.sqrt(1.0 - e2) + height
     mu = 1.5 * e2 / (1.0 - e2)
     v2 = hb * hb + cm * cm * hl * hl
     v = math.sqrt(v2)
@@ -124,7 +157,7 @@ def place(box, e2, user):
     north += mu * hb * hb
     user[20] = most * math.sqrt(v2 * v2 + north * north + east * east)
     user[21] = most * v
-    user[22] = max(most - math.sqrt(1.0 - e2), e2) * hb * hb
+    user[22] = max(1.0 / math.sqrt(1.0 - e2) - math.sqrt(1.0 - e2), e2) * hb * hb
     user[23] = sm
     user[24] = e2
 
@@ -203,20 +236,22 @@ def sights(box, user, orbits, q, dq, slack, level, azimuths, elevations, rows, k
     nx, ny, nz = user[0], user[1], user[2]
     constant = azimuths.size == 1
     lowest, highest = elevations.min(), elevations.max()
+    sin_high, sin_low = math.sin(highest), math.sin(lowest)
     count = 0
     for k in range(orbits.shape[0]):
         row = rows[count]
         rx, ry, rz = q[k, 0] - user[3], q[k, 1] - user[4], q[k, 2] - user[5]
         tx, ty, tz = dq[k, 0] * ht, dq[k, 1] * ht, dq[k, 2] * ht
+        up = nx * rx + ny * ry + nz * rz
+        speed, farthest = orbits[k, 10] * ht, orbits[k, 0] * (1.0 + orbits[k, 1])
+        # G <= n.(q - p), which changes by no more than this: most satellites below end here
+        if up + v * (farthest + speed + user[24]) + speed + slack < 0.0:
+            continue
         bend = orbits[k, 11] * ht * ht
-        speed = min(math.sqrt(tx * tx + ty * ty + tz * tz) + bend, orbits[k, 10] * ht)
+        speed = min(math.sqrt(tx * tx + ty * ty + tz * tz) + bend, speed)
         away = math.sqrt(q[k, 0] * q[k, 0] + q[k, 1] * q[k, 1] + q[k, 2] * q[k, 2])
         r = math.sqrt(rx * rx + ry * ry + rz * rz)
         reach = user[21] + speed
-        up = nx * rx + ny * ry + nz * rz
-        # G <= n.(q - p), which changes by no more than this: most satellites below end here
-        if up + v * (away + speed + user[24]) + speed + slack < 0.0:
-            continue
         nearest = r - reach - slack
         if nearest <= 0.1 * r:
             return -1
@@ -245,14 +280,13 @@ def sights(box, user, orbits, q, dq, slack, level, azimuths, elevations, rows, k
             row[HIGH + 1 + d], row[LOW + 1 + d] = slope, along
         first = chord(row) + 0.5 * second
         first = min(first, turn + slack / nearest)
-        low, high = lowest, highest
         if not constant:
             azimuth, half = azimuth_reach(user, ex, ey, ez, first)
             low, high = mask_range(azimuths, elevations, azimuth, half)
+            sin_high, sin_low = math.sin(high), math.sin(low)
         curve = wn * (away + speed) + 2.0 * v * speed + bend + user[22]
         far = swing + reach * reach / nearest
         error = SIGHT_ROUNDING * away + 2.0 * slack
-        sin_high, sin_low = math.sin(high), math.sin(low)
         row[HIGH], row[LOW] = up - sin_high * r, up - sin_low * r
         least, most = row[HIGH], row[LOW]
         for d in range(3):

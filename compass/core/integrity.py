@@ -1,0 +1,226 @@
+"""Protection levels by solution separation, one faulty satellite at most.
+
+The fix of all ranges is compared with the fixes that leave one range out each. With weights that
+are the true variances the difference of two such fixes has the variance ``P_k - P_0``, and P_k is
+``P_0 + w P_0 g g'P_0 / (1 - h)``, ``h = w g'P_0 g`` (Sherman and Morrison).
+
+In each direction the level L solves (Working Group C, ARAIM Technical Subgroup 2016, Milestone 3
+report; Reference Airborne Algorithm Description 3.0)
+``2 Q((L - b_0)/s_0) + sum p_k Q((L - T_k - b_k)/s_k) = P_HMI less the unmonitored share``,
+with the thresholds ``T_k = K s_ss,k`` and Q the tail of the normal distribution.
+"""
+
+import math
+
+import numpy as np
+
+from compass.core.dop import row_runs
+from compass.core.error import DELAY2, range_variance
+from compass.core.ionosphere import sunlit
+from compass.core.jit import kernel
+from compass.core.ranking import BINS, add_to_histogram
+from compass.core.runs import HIGH, OUT, UP_OUT, UP_Z
+from compass.core.smallmatrix import invert
+
+#: Places among the numbers of a promise: P_sat, bias, share of the risk of each direction (east,
+#: north, up), and the factor of thresholds of each.
+FAULT, BIAS, RISK, FACTOR = 0, 1, 2, 5
+
+#: A range whose leverage leaves less than this cannot be checked by the others.
+UNCHECKED = 1e-9
+
+#: Where correlations make a variance larger by this, rounding has made the geometry regular.
+SINGULAR = 1e12
+
+#: Halvings of the interval that holds a level: to 1e-6 of it.
+HALVINGS = 24
+
+
+@kernel
+def tail(x):
+    """Probability that a standard normal number exceeds x."""
+    return 0.5 * math.erfc(x * 0.7071067811865476)
+
+
+@kernel
+def level(sigma, bias, sigmas, thresholds, biases, fault, risk):
+    """Protection level of one direction, m: where the risk of exceeding it is what is allowed.
+
+    Parameters
+    ----------
+    sigma, bias
+        Of the fix of all ranges.
+    sigmas, thresholds, biases
+        Of the fixes without one range, and of their tests, shape (n,).
+    fault
+        Probability of each fault.
+    risk
+        Allowed.
+    """
+    high = bias + 8.0 * sigma
+    for k in range(sigmas.size):
+        high = max(high, thresholds[k] + biases[k] + 8.0 * sigmas[k])
+    low = 0.0
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        found = 2.0 * tail((middle - bias) / sigma)
+        for k in range(sigmas.size):
+            found += fault * tail((middle - thresholds[k] - biases[k]) / sigmas[k])
+        if found > risk:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+@kernel
+def protect(g, variances, numbers, unmonitored, levels):
+    """Protection levels east, north and up of one user; False where no fault can be detected.
+
+    Parameters
+    ----------
+    g
+        Rows of the design matrix: east, north, up and clock, shape (n, 4).
+    variances
+        Of the ranges, m^2, shape (n,).
+    numbers
+        Of the promise: see above.
+    unmonitored
+        Share of the risk that faults of two satellites use up.
+    levels
+        Filled; shape (3,), m; infinite where there is none.
+    """
+    n = g.shape[0]
+    levels[:] = math.inf
+    if n < 5:
+        return False
+    normal, p, work = np.zeros((4, 4)), np.empty((4, 4)), np.empty((4, 4))
+    for i in range(n):
+        for a in range(4):
+            for b in range(4):
+                normal[a, b] += g[i, a] * g[i, b] / variances[i]
+    if not invert(normal, p, work):
+        return False
+    for a in range(4):
+        if p[a, a] * normal[a, a] > SINGULAR:
+            return False
+    pg = g @ p
+    left = np.empty(n)
+    for i in range(n):
+        h = 0.0
+        for a in range(4):
+            h += pg[i, a] * g[i, a]
+        left[i] = 1.0 - h / variances[i]
+        if left[i] < UNCHECKED:
+            return False
+    if unmonitored >= 1.0:
+        return True
+    sigmas, thresholds, biases = np.empty(n), np.empty(n), np.zeros(n)
+    for q in range(3):
+        bias = 0.0
+        for k in range(n):
+            more = pg[k, q] * pg[k, q] / (variances[k] * left[k])
+            sigmas[k] = math.sqrt(p[q, q] + more)
+            thresholds[k] = numbers[FACTOR + q] * math.sqrt(more)
+        if numbers[BIAS] > 0.0:
+            for i in range(n):
+                bias += numbers[BIAS] * abs(pg[i, q]) / variances[i]
+            for k in range(n):
+                biases[k] = 0.0
+                for i in range(n):
+                    if i != k:
+                        shared = 0.0
+                        for a in range(4):
+                            shared += pg[k, a] * g[i, a]
+                        row = pg[i, q] + pg[k, q] * shared / (variances[k] * left[k])
+                        biases[k] += numbers[BIAS] * abs(row) / variances[i]
+        risk = numbers[RISK + q] * (1.0 - unmonitored)
+        levels[q] = level(
+            math.sqrt(p[q, q]), bias, sigmas, thresholds, biases, numbers[FAULT], risk
+        )
+    return True
+
+
+@kernel
+def protection_row(
+    r, cos_cap, azimuths, elevations, place, cos_lon, sin_lon, lon0,
+    q, sun, lit, numbers, promise, unmonitored, alerts, weight, levels, shares, histograms, total,
+):  # fmt: skip
+    """Protection levels of one row of users over all epochs.
+
+    Parameters
+    ----------
+    r ... numbers
+        As in `compass.core.error.error_map_row`.
+    promise
+        Numbers of the promise.
+    unmonitored
+        Share of the risk that two faults use up, by number in view, shape (satellite + 1,).
+    alerts
+        Largest useful levels, horizontal and vertical, m, shape (2,).
+    weight
+        Weight of a cell at an epoch.
+    levels
+        Filled; horizontal and vertical, m, shape (2, column, epoch).
+    shares
+        Filled; of time with a fault detectable, and with both levels useful, shape (2, column).
+    histograms
+        Added to; shape (2, BINS + 1).
+    total
+        Added to: shares of area and time detectable, horizontal, vertical, both; shape (4,).
+    """
+    m, n = cos_lon.size, r.shape[1]
+    runs = np.empty((n * (m // 2 + 1) if azimuths.size > 1 else n, 2), np.int64)
+    owners, seen = np.empty(len(runs), np.int64), np.zeros((m, n), np.bool_)
+    g, variances, found = np.empty((n, 4)), np.empty(n), np.empty(3)
+    row = np.empty((2, m))
+    up_out, up_z, out, high = place[UP_OUT], place[UP_Z], place[OUT], place[HIGH]
+    shares[:] = 0.0
+    for t in range(r.shape[0]):
+        count = row_runs(
+            r[t], cos_cap[t], azimuths, elevations, place, cos_lon, sin_lon, lon0, runs, owners
+        )
+        seen[:] = False
+        for k in range(count):
+            for j in range(runs[k, 0], runs[k, 1]):
+                seen[j % m, owners[k]] = True
+        for j in range(m):
+            c, s = cos_lon[j], sin_lon[j]
+            shade = (
+                sunlit((c * sun[t, 0] + s * sun[t, 1]) * up_out + sun[t, 2] * up_z, lit)
+                if (numbers[DELAY2] > 0.0)
+                else 0.0
+            )
+            size = 0
+            for k in range(n):
+                if seen[j, k]:
+                    dx, dy, dz = r[t, k, 0] - out * c, r[t, k, 1] - out * s, r[t, k, 2] - high
+                    w = 1.0 / math.sqrt(dx * dx + dy * dy + dz * dz)
+                    x, y, z = dx * w, dy * w, dz * w
+                    outward = x * c + y * s
+                    sine = outward * up_out + z * up_z
+                    g[size, 0], g[size, 1] = s * x - c * y, outward * up_z - z * up_out
+                    g[size, 2], g[size, 3] = -sine, 1.0
+                    variances[size] = range_variance(x, y, z, w, sine, shade, q[t, k], numbers)
+                    size += 1
+            able = protect(g[:size], variances[:size], promise, unmonitored[size], found)
+            row[0, j] = math.sqrt(found[0] * found[0] + found[1] * found[1])
+            row[1, j] = found[2]
+            flat, tall = row[0, j] <= alerts[0], row[1, j] <= alerts[1]
+            shares[0, j] += able
+            shares[1, j] += flat and tall
+            total[0] += weight * able
+            total[1] += weight * flat
+            total[2] += weight * tall
+            total[3] += weight * (flat and tall)
+            levels[0, j, t], levels[1, j, t] = row[0, j], row[1, j]
+        for d in range(2):
+            add_to_histogram(row[d], weight, histograms[d])
+    for d in range(2):
+        for j in range(m):
+            shares[d, j] /= r.shape[0]
+
+
+def empty_level_histograms() -> np.ndarray:
+    """Histograms of the levels, ready to be added to."""
+    return np.zeros((2, BINS + 1))

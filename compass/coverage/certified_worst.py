@@ -1,0 +1,370 @@
+"""The largest dilution of precision over a place and time, between proven bounds, and where."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from time import monotonic
+from typing import Any, Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.core.certified.worst import LEAF, pursue
+from compass.coverage.certificate import Outcome
+from compass.coverage.certified_question import DOPS, Asked, Question
+from compass.errors import ArgumentError
+from compass.frames import mcmf_from_mci, planetocentric_latitude, prime_meridian_angle
+from compass.orbits import Constellation
+from compass.orbits.motion import Motion
+from compass.sites import Site
+
+#: A dilution above this is called unbounded: near a place where lines of sight lie on a cone it
+#: takes every value, and rounding hides more than this.
+UNBOUNDED = 1e4
+
+#: How far above the largest value found bounds may lie, in one round after the other.
+RATIOS = (4.0, 2.0, 1.25, 1.05)
+
+#: Boxes that one piece of work starts from, and may look at: at first and at most, twice as many
+#: in each turn. Fixed, so that nothing depends on who works.
+PIECE, FEW, MANY = 1024, 8192, 262_144
+
+
+@dataclass(frozen=True)
+class WorstWitness:
+    """A place and moment with a dilution of precision, evaluated there by itself.
+
+    Attributes
+    ----------
+    time
+        Seconds after the epoch.
+    latitude, longitude
+        Planetocentric and east, Mars-fixed, radians.
+    value
+        The dilution; inf with fewer than four in view.
+    satellites
+        Names of those in view.
+    """
+
+    time: float
+    latitude: float
+    longitude: float
+    value: float
+    satellites: tuple[str, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values with degrees."""
+        return {
+            "time_s": self.time,
+            "latitude_deg": float(np.degrees(self.latitude)),
+            "longitude_deg": float(np.degrees(self.longitude)),
+            "value": self.value,
+            "satellites": list(self.satellites),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class CertifiedWorst:
+    """The largest dilution (exactly: its supremum) between proven bounds.
+
+    Attributes
+    ----------
+    low, high
+        It lies between them; high is inf where it is unbounded, or nothing is known yet.
+    witness
+        Where and when it is at least `low`; None before anything was looked at.
+    boxes
+        Boxes looked at.
+    scope
+        For which motion and how long, and by which symmetry.
+    stopped
+        Empty, or why bounds are wider than asked: ``time``, ``boxes``, ``interrupted``, or
+        ``resolution``: boxes as small as they get have no bound, near where it is infinite.
+    leaves, best
+        Where it can go on from.
+    """
+
+    low: float
+    high: float
+    witness: WorstWitness | None
+    boxes: int
+    scope: str
+    stopped: str = ""
+    leaves: NDArray[np.float64] | None = None
+    best: tuple[float, ...] = ()
+
+    @property
+    def unbounded(self) -> bool:
+        """Whether it exceeds all that could be bounded."""
+        return self.low >= UNBOUNDED
+
+    @property
+    def sentence(self) -> str:
+        """What is known, in words."""
+        if self.witness is None:
+            return f"not known: stopped early ({self.stopped})"
+        w = self.witness
+        where = (
+            f"latitude {np.degrees(w.latitude):.3f} deg, longitude {np.degrees(w.longitude):.3f} "
+            f"deg, {w.time:.3f} s after the epoch"
+        )
+        if np.isinf(w.value):
+            return f"infinite: {len(w.satellites)} satellites in view at {where}"
+        if self.unbounded:
+            return f"unbounded near {where}"
+        bounds = f"between {self.low:.6g} and {self.high:.6g}"
+        if np.isinf(self.high):
+            bounds = f"{self.low:.6g} or more"
+        return f"{bounds}, at {where}"
+
+
+@dataclass(frozen=True, eq=False)
+class CertifiedAlways:
+    """What came of the claim that a dilution of precision is always at most a limit.
+
+    Attributes
+    ----------
+    outcome
+        Proven, refuted (at `witness`) or undecided.
+    limit
+        As claimed.
+    witness
+        Where and when it is largest of all that was looked at; above the limit if refuted.
+    boxes, scope, stopped
+        As of `CertifiedWorst`.
+    """
+
+    outcome: Outcome
+    limit: float
+    witness: WorstWitness | None
+    boxes: int
+    scope: str
+    stopped: str = ""
+
+
+def certified_worst(
+    constellation: Constellation,
+    *,
+    precision: float = 1e-3,
+    budget_s: float = np.inf,
+    budget_boxes: float = np.inf,
+    workers: int = 1,
+    start: CertifiedWorst | None = None,
+    progress: Callable[[float, float], None] = lambda low, high: None,
+    **asked: Unpack[Asked],
+) -> CertifiedWorst:
+    """Bracket the largest dilution of precision over a place and time, and say where it is.
+
+    Boxes of latitude, longitude and time are split until none can hold a value that is more than
+    `precision` above the largest one found (`compass.core.certified.worst`).
+
+    Parameters
+    ----------
+    constellation
+        The orbits.
+    precision
+        How near bounds are to come, relative to the value.
+    budget_s, budget_boxes
+        Stop after so many seconds, or boxes.
+    workers
+        Threads; the numbers do not depend on them.
+    start
+        A result of the same question to go on from.
+    progress
+        Called with the bounds known so far.
+    **asked
+        ``dop`` (by default ``pdop``), ``figure``, ``mask``, ``place`` and others of `Question`.
+
+    Raises
+    ------
+    ArgumentError
+        A precision that is not positive, or as `Question`.
+    """
+    if not precision > 0:
+        raise ArgumentError(f"precision = {precision:g}: must be positive")
+    search = _Pursuit(Question(constellation, **asked), workers, budget_s, budget_boxes, start)
+    for ratio in [*(r for r in RATIOS if r > 1.0 + precision), 1.0 + precision]:
+        search.go_on(ratio, 0.0, UNBOUNDED)
+        low, high = search.bounds()
+        progress(low, high)
+        if search.stopped or low >= UNBOUNDED:
+            break
+    return search.result()
+
+
+def certified_always(
+    constellation: Constellation,
+    limit: float,
+    *,
+    budget_s: float = np.inf,
+    budget_boxes: float = np.inf,
+    workers: int = 1,
+    **asked: Unpack[Asked],
+) -> CertifiedAlways:
+    """Prove or refute that a dilution of precision is at most a limit, always and everywhere.
+
+    Parameters
+    ----------
+    limit
+        From 1.
+    constellation, budget_s, budget_boxes, workers, asked
+        As in `certified_worst`.
+
+    Raises
+    ------
+    ArgumentError
+        A limit below 1, or as `Question`.
+    """
+    if not limit >= 1.0:
+        raise ArgumentError(f"limit = {limit:g}: a dilution of precision to ask for is 1 or more")
+    search = _Pursuit(Question(constellation, **asked), workers, budget_s, budget_boxes)
+    search.go_on(1.0, limit, limit)
+    found = search.result()
+    outcome = Outcome.UNDECIDED
+    if found.witness is not None and found.witness.value > limit:
+        outcome = Outcome.REFUTED
+    elif not len(search.leaves) and search.best[0] <= limit * limit:
+        outcome = Outcome.PROVEN
+    return CertifiedAlways(outcome, limit, found.witness, found.boxes, found.scope, found.stopped)
+
+
+class _Pursuit:
+    """Boxes that may still hold the largest value, and the largest found."""
+
+    def __init__(
+        self,
+        question: Question,
+        workers: int,
+        budget_s: float,
+        budget_boxes: float,
+        start: CertifiedWorst | None = None,
+    ) -> None:
+        self.question, self.workers, self.most = question, workers, budget_boxes
+        self.stopped, self.boxes, self.few = "", 0, FEW
+        self.arrays = question.arrays()
+        if start is not None and start.leaves is not None:
+            self.leaves, self.best, self.boxes = start.leaves, np.array(start.best), start.boxes
+        else:
+            boxes = question.boxes()
+            self.leaves, self.best = np.full((len(boxes), LEAF), np.inf), np.zeros(4)
+            self.leaves[:, :6], self.leaves[:, 7] = boxes[:, :6], 0.0
+        self._work(self.leaves[:0], 1.0, 0.0, 1.0)  # compiled before the clock runs
+        self.end = monotonic() + budget_s
+
+    def go_on(self, ratio: float, enough: float, beyond: float) -> None:
+        """Refine until all bounds are within a ratio of the largest value, or small enough."""
+        self.stopped, halt = "", beyond * beyond
+        pending, done = self.leaves, []
+        while len(pending) and not self.stopped and self.best[0] <= halt:
+            pieces = [pending[k : k + PIECE] for k in range(0, len(pending), PIECE)]
+            left: list[NDArray[np.float64]] = []
+            with ThreadPoolExecutor(self.workers) as pool:
+                results = pool.map(lambda piece: self._work(piece, ratio, enough, beyond), pieces)
+                best = self.best
+                try:
+                    for piece, result in zip(pieces, results, strict=True):
+                        if result is None or self.stopped or best[0] > halt:
+                            late = "" if best[0] > halt else "time"
+                            self.stopped = self.stopped or late
+                            left.append(piece)
+                            continue
+                        if self.boxes >= self.most:
+                            self.stopped = "boxes"
+                            left.append(piece)
+                            continue
+                        found, looked, stuck, open_ = result
+                        best = found if found[0] > best[0] else best
+                        self.stopped = self.stopped or ("resolution" if stuck else "")
+                        self.boxes += int(looked)
+                        left.append(open_)
+                except KeyboardInterrupt:
+                    pool.shutdown(cancel_futures=True)
+                    left += pieces[len(left) :]
+                    self.stopped = "interrupted"
+            self.best, self.few = best, min(2 * self.few, MANY)
+            leaves = np.concatenate(left)
+            leaves = leaves[leaves[:, 6] > max(best[0], enough * enough)]
+            near = leaves[:, 6] <= best[0] * ratio * ratio
+            done.append(leaves[near])
+            pending = leaves[~near]
+        self.leaves = np.concatenate([*done, pending])
+        self.leaves = self.leaves[self.leaves[:, 6] > max(self.best[0], enough * enough)]
+
+    def _work(
+        self, piece: NDArray[np.float64], ratio: float, enough: float, beyond: float
+    ) -> tuple[NDArray, int, bool, NDArray] | None:
+        """Pursue one piece; None where time is over."""
+        if len(piece) and monotonic() > self.end:
+            return None
+        return pursue(
+            np.ascontiguousarray(piece),
+            self.best,
+            ratio * ratio,
+            enough * enough,
+            beyond * beyond,
+            int(min(self.few, max(self.most, 1))),
+            self.question.speed,
+            self.question.domain.sides,
+            *self.arrays,
+        )
+
+    def bounds(self) -> tuple[float, float]:
+        """What the largest value lies between."""
+        low = float(np.sqrt(self.best[0]))
+        high = max(low, float(np.sqrt(self.leaves[:, 6].max(initial=0.0))))
+        return low, np.inf if low >= UNBOUNDED else high
+
+    def result(self) -> CertifiedWorst:
+        """What was found."""
+        low, high = self.bounds()
+        witness = self._witness() if self.best[0] > 0.0 else None
+        return CertifiedWorst(
+            low,
+            high,
+            witness,
+            self.boxes,
+            self.question.domain.scope,
+            self.stopped,
+            self.leaves,
+            tuple(self.best.tolist()),
+        )
+
+    def _witness(self) -> WorstWitness:
+        """Evaluate the dilution where it is largest, from the orbits themselves."""
+        q = self.question
+        _, b, longitude, t = self.best
+        time, east = q.domain.moment(t, longitude, q.constellation.epoch)
+        latitude = float(planetocentric_latitude(b, q.figure))
+        site = Site("", latitude, east, q.height, q.horizon, q.figure)
+        value, seen = dilution_at(q.constellation, site, time, q.domain.motion, DOPS[q.dop])
+        return WorstWitness(float(time), latitude, east, value, seen)
+
+
+def dilution_at(
+    constellation: Constellation, site: Site, time: float, motion: Motion, dop: str
+) -> tuple[float, tuple[str, ...]]:
+    """A dilution at a site and moment by inverting the normal matrix, and who is in view."""
+    angle = prime_meridian_angle(constellation.epoch, time)
+    r = mcmf_from_mci(motion.states(constellation, [time])[0][:, 0], angle)
+    seen = site.sees(r)
+    names = tuple(np.array(constellation.satellite_names)[seen].tolist())
+    sights = r[seen] - site.r_mcmf
+    units = sights / np.linalg.norm(sights, axis=1, keepdims=True)
+    rows = np.column_stack([units, np.ones(len(units))])
+    if len(rows) < 4:
+        return np.inf, names
+    _, singular, turns = np.linalg.svd(rows)
+    if singular[-1] < 1e-12 * singular[0]:
+        return np.inf, names
+    up = np.append(site.enu_mcmf[2], 0.0)
+    spread = turns / singular[:, np.newaxis]  # inverse of the normal matrix is spread' spread
+    position = float((spread[:, :3] ** 2).sum())
+    clock, vertical = float((spread[:, 3] ** 2).sum()), float(((spread @ up) ** 2).sum())
+    squares = {
+        "gdop": position + clock,
+        "pdop": position,
+        "hdop": position - vertical,
+        "vdop": vertical,
+        "tdop": clock,
+    }
+    return float(np.sqrt(squares[dop])), names

@@ -1,0 +1,175 @@
+"""Protection maps: how far a fix may be off unnoticed, anywhere, should a satellite fail."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.core.integrity import FACTOR, RISK, empty_level_histograms, protection_row
+from compass.core.ranking import histogram_quantile
+from compass.coverage.errors import PERCENTILES
+from compass.coverage.grid import Grid
+from compass.coverage.maps import BLOCKS, CELL_PERCENTILES
+from compass.coverage.view import View
+from compass.errors import ArgumentError
+from compass.integrity import Integrity
+from compass.signal.ranges import RangeErrors
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Order of the levels in every array and table.
+LEVELS = {
+    "protection_horizontal_m": "horizontal protection level",
+    "protection_vertical_m": "vertical protection level",
+}
+#: Shares of area and time, in the kernel's order.
+SHARES = ("detectable", "horizontal", "vertical", "both")
+
+
+def promise_numbers(integrity: Integrity, satellites: int) -> NDArray[np.float64]:
+    """Numbers of a promise as `compass.core.integrity` takes them.
+
+    Thresholds share the false alarms among the tests of all satellites of a direction:
+    ``K = Q^-1(P_FA,q / (2 n))``, n the largest number in view there can be.
+    """
+    from statistics import NormalDist
+
+    numbers = np.zeros(FACTOR + 3)
+    numbers[0], numbers[1] = integrity.fault, integrity.bias
+    for axis, share in enumerate((0.5 * integrity.horizontal,) * 2 + (1.0 - integrity.horizontal,)):
+        numbers[RISK + axis] = share * integrity.hazard
+        tests = 2.0 * max(satellites, 1)
+        numbers[FACTOR + axis] = -NormalDist().inv_cdf(share * integrity.alarm / tests)
+    return numbers
+
+
+def protection_map(
+    view: View,
+    grid: Grid,
+    ranges: RangeErrors,
+    integrity: Integrity,
+    *,
+    workers: int | None = None,
+    progress: Callable[[int], None] = lambda rows: None,
+) -> "xr.Dataset":
+    """Protection levels in each cell over time, and over the whole sphere, metres.
+
+    By solution separation for one faulty satellite (`compass.core.integrity`). Infinite with fewer
+    than five satellites in view, with a range that the others cannot check, and where two faults
+    at once use up the whole risk; infinities count.
+
+    Parameters
+    ----------
+    view, grid, ranges, workers, progress
+        As of `compass.coverage.errors.error_map`.
+    integrity
+        What is promised.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (percentile, lat, lon): ``protection_horizontal_m``, ``protection_vertical_m``; over
+        (lat, lon): ``detection_share``, ``protection_share``; global: ``global_protection`` over
+        (level, global_percentile), ``global_protection_share`` over protected.
+
+    Raises
+    ------
+    ArgumentError
+        Fewer than five satellites.
+    """
+    import xarray as xr
+
+    count = view.r.shape[1]
+    if count < 5:
+        raise ArgumentError(
+            f"integrity: {count} satellites; a fault is noticed with five in view or more"
+        )
+    epochs, shape = view.times.size, (grid.rows, grid.columns)
+    percentiles = np.empty((2, len(CELL_PERCENTILES), *shape), np.float32)
+    shares = np.empty((2, *shape), np.float32)
+    longitude, places, cell_share = grid.longitude, grid.places, grid.cell_share
+    columns = np.cos(longitude), np.sin(longitude), float(longitude[0])
+    ranks = np.array([max(-(-q * epochs // 100), 1) - 1 for q in CELL_PERCENTILES])
+    promise = promise_numbers(integrity, count)
+    unmonitored = np.array([integrity.unmonitored(n) for n in range(count + 1)]) / integrity.hazard
+    alerts = np.array([integrity.alert_horizontal, integrity.alert_vertical])
+
+    def one_block(rows: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        histograms, total = empty_level_histograms(), np.zeros(len(SHARES))
+        levels = np.empty((2, grid.columns, epochs), np.float32)
+        within = np.empty((2, grid.columns))
+        for i in rows:
+            protection_row(
+                view.r,
+                view.cos_cap,
+                view.azimuths,
+                view.elevations,
+                places[i],
+                *columns,
+                ranges.forms,
+                ranges.sun,
+                ranges.lit,
+                ranges.numbers,
+                promise,
+                unmonitored,
+                alerts,
+                cell_share[i] / epochs,
+                levels,
+                within,
+                histograms,
+                total,
+            )
+            shares[:, i] = within
+            levels.sort(axis=-1)
+            percentiles[:, :, i] = np.moveaxis(levels[..., ranks], -1, 1)
+        return histograms, total
+
+    histograms, total = empty_level_histograms(), np.zeros(len(SHARES))
+    blocks = np.array_split(np.arange(grid.rows), min(BLOCKS, grid.rows))
+    with ThreadPoolExecutor(workers) as pool:
+        for block, (histogram, part) in zip(blocks, pool.map(one_block, blocks), strict=True):
+            histograms += histogram
+            total += part
+            progress(block.size)
+    by_cell = ("lat", "lon")
+    data: dict[str, tuple] = {
+        name: (
+            ("percentile", *by_cell),
+            percentiles[k],
+            {"units": "m", "long_name": f"{text}, percentile over time (nearest rank)"},
+        )
+        for k, (name, text) in enumerate(LEVELS.items())
+    }
+    limits = f"{integrity.alert_horizontal:g} m and {integrity.alert_vertical:g} m"
+    data |= {
+        "detection_share": (
+            by_cell,
+            shares[0],
+            {"units": "1", "long_name": "share of time in which one fault can be detected"},
+        ),
+        "protection_share": (
+            by_cell,
+            shares[1],
+            {"units": "1", "long_name": f"share of time with levels within {limits}"},
+        ),
+        "global_protection": (
+            ("level", "global_percentile"),
+            np.array([[histogram_quantile(h, q / 100) for q in PERCENTILES] for h in histograms]),
+            {"units": "m", "long_name": "percentile over area and time"},
+        ),
+        "global_protection_share": (
+            "protected",
+            total,
+            {"units": "1", "long_name": f"share of area and time; levels within {limits}"},
+        ),
+    }
+    coords = {
+        "percentile": ("percentile", list(CELL_PERCENTILES), {"units": "percent"}),
+        "global_percentile": ("global_percentile", list(PERCENTILES), {"units": "percent"}),
+        "level": ("level", list(LEVELS)),
+        "protected": ("protected", list(SHARES)),
+    }
+    return xr.Dataset(data, coords)

@@ -1,0 +1,48 @@
+"""Claims that a dilution of precision is always small enough: proven, refuted, or left open."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from compass.coverage import geometry_verdict as module
+from compass.coverage.certificate import Outcome
+from compass.coverage.geometry_verdict import geometry_verdict
+from compass.design import Design, Requirement
+from compass.orbits import walker_delta
+
+
+def asked(pattern, mask, share=1.0):
+    wanted = Requirement(name="band", regions=("lat:-30:30",), mask=mask, share=share)
+    return geometry_verdict(Design(pattern), wanted, "pdop", 6.0)
+
+
+@pytest.mark.slow
+def test_always_is_proven_or_refuted_with_place_and_moment():
+    good = walker_delta(24, 6, 1, inclination_deg=55, radius_km=20427)
+    met = asked(good, math.radians(5))
+    assert (met.met, met.evidence, met.share) == (True, "proven", (1.0, 1.0))
+    # on a grid of 4 degrees this one passes
+    bad = walker_delta(14, 14, 8, inclination_deg=18.4, orbit="areosynchronous")
+    missed = asked(bad, math.radians(10))
+    assert (missed.met, missed.evidence) == (False, "proven")
+    assert missed.worst.value > 6.0
+    assert abs(missed.worst.latitude) <= math.radians(30) + 1e-9
+
+
+def test_what_claims_leave_open_is_asked_of_the_share(monkeypatch):
+    pattern = walker_delta(12, 3, 1, inclination_deg=55, radius_km=20427)
+    witness = SimpleNamespace(time=1.0, latitude=0.1, longitude=0.2, value=9.0)
+    share = SimpleNamespace(low=0.9, high=1.0, value=0.95, stopped="boxes")
+    monkeypatch.setattr(module, "certified_share", lambda *_, **__: share)
+    found = {}
+    for outcome in Outcome:
+        claim = SimpleNamespace(outcome=outcome, witness=witness)
+        monkeypatch.setattr(module, "certified_always", lambda *_, claim=claim, **__: claim)
+        found[outcome] = asked(pattern, 0.1)
+    assert found[Outcome.PROVEN].met is True
+    assert found[Outcome.REFUTED].met is False
+    assert found[Outcome.REFUTED].worst.value == 9.0
+    assert found[Outcome.UNDECIDED].met is None
+    assert np.isclose(found[Outcome.UNDECIDED].share, (0.9, 1.0)).all()

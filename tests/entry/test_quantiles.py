@@ -1,0 +1,35 @@
+"""Bounds of percentiles of what was drawn."""
+
+import numpy as np
+import pytest
+
+from compass.entry.quantiles import percentiles, quantile_bounds
+
+
+@pytest.mark.parametrize("draw", [np.random.Generator.normal, np.random.Generator.standard_cauchy])
+@pytest.mark.parametrize(("count", "percent"), [(64, 50), (64, 95), (300, 95)])
+def test_the_bounds_hold_as_often_as_they_say(draw, count, percent):
+    """Of a thousand samples at least 95 in 100, four standard errors off, hold the percentile."""
+    rng = np.random.default_rng(5)
+    true = {
+        np.random.Generator.normal: {50: 0.0, 95: 1.6448536269514722},
+        np.random.Generator.standard_cauchy: {50: 0.0, 95: 6.313751514675044},
+    }[draw][percent]
+    held, short = 0, 0
+    for _ in range(1000):
+        low, high = quantile_bounds(draw(rng, size=count), percent)
+        held += low <= true <= high
+        short += np.isfinite(high)
+    assert 0.95 - 4 * np.sqrt(0.05 * 0.95 / 1000) <= held / 1000 <= 0.995
+    assert short == (1000 if (count, percent) != (64, 95) else 0)
+
+
+def test_what_no_draw_can_bound_is_infinite():
+    found = percentiles(np.arange(4.0))
+    assert found["p50"] == 1.5 and found["p95_interval"][1] == np.inf
+    assert quantile_bounds(np.arange(4.0), 5)[0] == -np.inf
+
+
+def test_ranks_by_the_binomial_sums():
+    """Of 100 draws the median lies between the 40th and the 61st in 96 of 100 cases (by hand)."""
+    assert quantile_bounds(np.arange(1.0, 101.0), 50) == (40.0, 61.0)
