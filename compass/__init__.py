@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.access import access
     from compass.api.check import check
+    from compass.api.deploy import deploy
     from compass.api.determine import determine
     from compass.api.drift import drift
     from compass.api.export import export
@@ -34,7 +35,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.inputs.study import read_study
     from compass.orbits import (
         Constellation,
-        areosynchronous_radius,
+        areosynchronous_radius_km,
         ephemeris,
         from_elements,
         rosette,
@@ -55,9 +56,10 @@ __all__ = [
     "Site",
     "__version__",
     "access",
-    "areosynchronous_radius",
+    "areosynchronous_radius_km",
     "check",
     "covariance_intersection",
+    "deploy",
     "determine",
     "drift",
     "ephemeris",
@@ -92,6 +94,7 @@ __all__ = [
 _COMMANDS = (
     "access",
     "check",
+    "deploy",
     "determine",
     "drift",
     "export",
@@ -118,7 +121,7 @@ _HOMES = {
     "Mask": "compass.sites",
     "Requirement": "compass.design",
     "Site": "compass.sites",
-    "areosynchronous_radius": "compass.orbits",
+    "areosynchronous_radius_km": "compass.orbits",
     "covariance_intersection": "compass.entry.fusion",
     "ephemeris": "compass.orbits",
     "from_elements": "compass.orbits",
