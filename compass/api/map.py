@@ -90,8 +90,8 @@ class MapResult(Result):
             (
                 Verdict("" if met else "missed", claim, met),
                 *self.tables(),
-                *self._errors(),
-                *self._protection(),
+                *self.error_blocks(),
+                *self.protection_blocks(),
                 *(Sentence(said) for said in self.certain()),
                 Sentence(how),
                 *self._between_epochs(),
@@ -113,7 +113,7 @@ class MapResult(Result):
             f"everywhere and not only at cells, {self.certified.scope}.",
         )
 
-    def _errors(self) -> tuple[Table | Sentence, ...]:
+    def error_blocks(self) -> tuple[Table | Sentence, ...]:
         """Errors of fixes over area and time, with what sampling leaves of doubt."""
         if "global_error" not in self.dataset:
             return ()
@@ -156,7 +156,7 @@ class MapResult(Result):
             ),
         )
 
-    def _protection(self) -> tuple[Table | Sentence, ...]:
+    def protection_blocks(self) -> tuple[Table | Sentence, ...]:
         """Protection levels over area and time, and what they promise."""
         promise = self.design.integrity
         if "global_protection" not in self.dataset or promise is None:
