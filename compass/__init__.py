@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.access import access
     from compass.api.check import check
+    from compass.api.deploy import deploy
     from compass.api.determine import determine
     from compass.api.drift import drift
     from compass.api.export import export
@@ -58,6 +59,7 @@ __all__ = [
     "areosynchronous_radius",
     "check",
     "covariance_intersection",
+    "deploy",
     "determine",
     "drift",
     "ephemeris",
@@ -92,6 +94,7 @@ __all__ = [
 _COMMANDS = (
     "access",
     "check",
+    "deploy",
     "determine",
     "drift",
     "export",

@@ -72,6 +72,28 @@ class Upkeep:
 
 
 @dataclass(frozen=True)
+class Launching:
+    """How satellites are brought to their planes.
+
+    Attributes
+    ----------
+    launched
+        Altitude of the circular orbit launched into, m.
+    waiting
+        Lowest and highest altitude of waiting orbits, m.
+    longest_wait
+        Until the last plane is reached, s.
+    satellites_a_launch
+        At most; None for all in one.
+    """
+
+    launched: float = 400e3
+    waiting: tuple[float, float] = (300e3, 12000e3)
+    longest_wait: float = 365.25 * 86400.0
+    satellites_a_launch: int | None = None
+
+
+@dataclass(frozen=True)
 class Radio:
     """A radio link between two kinds of nodes.
 
@@ -206,6 +228,8 @@ class Design:
         How the satellites move.
     upkeep
         What they keep their slots with.
+    launching
+        How they come to their planes.
     requirements
         What must be so.
     signal
@@ -234,6 +258,7 @@ class Design:
     radios: tuple[Radio, ...] = ()
     motion: Motion = field(default_factory=Motion)
     upkeep: Upkeep = field(default_factory=Upkeep)
+    launching: Launching = field(default_factory=Launching)
     requirements: tuple[Requirement, ...] = ()
     signal: Signal | None = None
     tracking: Tracking | None = None

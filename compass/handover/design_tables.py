@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from compass.bodies import SOLAR_DAY
-from compass.design import Design, Radio, Requirement, Upkeep
+from compass.design import Design, Launching, Radio, Requirement, Upkeep
 from compass.handover.decimals import decimal, number
 from compass.inputs.toml_values import toml_text, toml_value
 from compass.orbits.forces import ForceModel
@@ -23,6 +23,7 @@ def table_lines(design: Design) -> list[str]:
     return [
         *_motion(design),
         *_keeping(design),
+        *_deployment(design),
         *_access(design),
         *(line for radio in design.radios for line in _link(radio)),
         *(line for wanted in design.requirements for line in _requirement(wanted)),
@@ -86,6 +87,23 @@ def _keeping(design: Design) -> list[str]:
         f"execution_error = {number(u.execution_error)}",
         f"navigation_error_m = {number(u.navigation_error)}",
         f"years = {decimal(u.duration / YEAR, lambda x: x * YEAR, u.duration)}",
+    ]
+
+
+def _deployment(design: Design) -> list[str]:
+    known = design.launching
+    if known == Launching():
+        return []
+    low, high = (decimal(h / KM, lambda x: x * KM, h) for h in known.waiting)
+    days = decimal(known.longest_wait / 86400.0, lambda x: x * 86400.0, known.longest_wait)
+    each = known.satellites_a_launch
+    return [
+        "",
+        "[deployment]",
+        f"launch_altitude_km = {decimal(known.launched / KM, lambda x: x * KM, known.launched)}",
+        f"waiting_altitude_km = [{low}, {high}]",
+        f"longest_wait_days = {days}",
+        *([] if each is None else [f"satellites_a_launch = {each}"]),
     ]
 
 

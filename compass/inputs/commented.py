@@ -94,12 +94,19 @@ def _table(
     model: type[BaseModel], values: Mapping[str, Any], path: tuple[str, ...], live: bool
 ) -> Iterator[str]:
     keys = [Key(name, field) for name, field in model.model_fields.items()]
+    short = [key.name for key in keys if not key.models or _is_short(values.get(key.name))]
     for key in keys:
-        if not key.models:
+        if key.name in short:
             yield from _value_lines(key, values, live)
     for key in keys:
         if key.models:
-            yield from _nested(key, values.get(key.name), (*path, key.name), live)
+            given = None if key.name in short else values.get(key.name)
+            yield from _nested(key, given, (*path, key.name), live)
+
+
+def _is_short(given: Any) -> bool:
+    """Whether a value stands where a table could: the name of a clock, say."""
+    return given is not None and not isinstance(given, dict | list)
 
 
 def _value_lines(key: Key, values: Mapping[str, Any], live: bool) -> Iterator[str]:

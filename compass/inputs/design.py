@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.bodies import SOLAR_DAY
-from compass.design import Design, Radio, Upkeep, Wanted
+from compass.design import Design, Launching, Radio, Upkeep, Wanted
 from compass.errors import ArgumentError, DesignError
 from compass.frames import FIGURES, Figure, planetocentric_latitude, seconds_past_j2000
 from compass.inputs.faults import fault
@@ -16,6 +16,7 @@ from compass.inputs.integrity import integrity_faults, integrity_of_table
 from compass.inputs.models import (
     AccessTable,
     CoverageTable,
+    DeploymentTable,
     DesignFile,
     ElementsTable,
     EphemerisTable,
@@ -89,6 +90,17 @@ def read_design_text(text: str, label: str = "design") -> Design:
         label=label,
         motion=motion,
         upkeep=_upkeep(file.keeping),
+        launching=_launching(file.deployment),
+    )
+
+
+def _launching(table: DeploymentTable) -> Launching:
+    low, high = sorted(table.waiting_altitude_km)
+    return Launching(
+        table.launch_altitude_km * KM,
+        (low * KM, high * KM),
+        table.longest_wait_days * 86400.0,
+        table.satellites_a_launch,
     )
 
 

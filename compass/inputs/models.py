@@ -157,6 +157,24 @@ class KeepingTable(Table):
     )
 
 
+class DeploymentTable(Table):
+    """How satellites come to their planes, for `compass deploy`."""
+
+    launch_altitude_km: float = Field(
+        400.0, ge=100, le=1e6, description="altitude of the circular orbit launched into, km"
+    )
+    waiting_altitude_km: Pair = Field(
+        default_factory=lambda: [300.0, 12000.0],
+        description="lowest and highest altitude of orbits to wait in, km",
+    )
+    longest_wait_days: float = Field(
+        365.25, gt=0, le=36525, description="until the last plane is reached, days"
+    )
+    satellites_a_launch: int | None = Field(
+        None, ge=1, le=10_000, description="satellites of one launch; all if left out"
+    )
+
+
 class CoverageTable(Table):
     """What the user on the surface needs."""
 
@@ -246,6 +264,10 @@ class DesignFile(Table):
     keeping: KeepingTable = Field(
         default_factory=lambda: KeepingTable.model_validate({}),
         description="what satellites keep their slots with",
+    )
+    deployment: DeploymentTable = Field(
+        default_factory=lambda: DeploymentTable.model_validate({}),
+        description="how satellites come to their planes",
     )
     coverage: CoverageTable = Field(
         default_factory=lambda: CoverageTable.model_validate({}), description="coverage wanted"

@@ -2,7 +2,9 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field, GetJsonSchemaHandler, field_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 
 from compass.clocks import PARAMETERS, Clock, clock_named
 from compass.errors import ArgumentError
@@ -31,6 +33,15 @@ class ClockTable(Table):
     frequency_sigma: float | None = Field(
         None, ge=0, lt=1, description="relative error of the frequency at upload, 1 sigma"
     )
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Schema of the table, and of the name that may be written instead of it."""
+        table = handler.resolve_ref_schema(handler(core))
+        name = {"type": "string", "minLength": 1}
+        return {"anyOf": [table, name], "description": table["description"]}
 
 
 class CommonTable(Table):

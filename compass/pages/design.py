@@ -34,6 +34,7 @@ from compass.orbits.symmetry import one_circle
 from compass.pages.access import access_section
 from compass.pages.answers import answer_section
 from compass.pages.coverage import count_picture, dilution_pictures, fold_pictures, one_colour
+from compass.pages.deployment import deployment_section
 from compass.pages.fold import fold_section
 from compass.pages.found import Found
 from compass.pages.globe.piece import globe
@@ -278,6 +279,7 @@ SECTIONS: tuple[tuple[str, Callable[[Found, list[Neighbour]], Section | None]], 
     ("stations and links", _links),
     ("orbits", _orbits),
     ("how long it lasts", lambda found, _: lasting_section(found.design, found.outlook)),
+    ("deployment", lambda found, _: deployment_section(found.design)),
     ("losses", _losses),
     ("caps and gaps", _caps),
     ("comparison", _comparison),

@@ -48,6 +48,17 @@ LASTING = (
         "constellation that of the satellite that needs most.",
     ),
     Quantity(
+        "waiting_altitude_km", "km", "altitude of the waiting orbit", 5, meaning="Over the equator."
+    ),
+    Quantity(
+        "wait_days", "d", "wait", 4, "less",
+        meaning="Until the node of the waiting orbit has come to that of the plane.",
+    ),
+    Quantity(
+        "delta_v_deploy_m_s", "m s-1", "delta-v of one satellite", 4, "less",
+        meaning="From the orbit launched into to its place in the constellation.",
+    ),
+    Quantity(
         "propellant_kg", "kg", "propellant", 3, "less",
         meaning="For the time simulated, by the rocket equation.",
     ),

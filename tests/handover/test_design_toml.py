@@ -29,7 +29,8 @@ from compass.sites import Mask
 
 IAU = FIGURES["iau-sphere"]
 KEPT = ("name", "source", "paper", "figure", "mask", "fold", "access", "access_duration",
-        "conjunction", "radios", "requirements", "signal", "tracking", "upkeep")  # fmt: skip
+        "conjunction", "radios", "requirements", "signal", "tracking", "upkeep",
+        "launching")  # fmt: skip
 SAME = ("name", "epoch", "satellite_names", "pattern", "gm", "repeat")
 ELEMENTS = ("semi_major_axis", "eccentricity", "inclination", "raan", "argument_of_periapsis",
             "mean_anomaly")  # fmt: skip
@@ -210,6 +211,11 @@ sun = false
 moons = true
 radiation_m2_kg = 0.031
 shadow = "cone"
+[deployment]
+launch_altitude_km = 350
+waiting_altitude_km = [500.5, 9000]
+longest_wait_days = 700
+satellites_a_launch = 8
 [keeping]
 specific_impulse_s = 1500
 years = 3.3

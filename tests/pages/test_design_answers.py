@@ -131,3 +131,18 @@ def test_errors_of_a_fix_are_answered_where_a_signal_is_known():
     (row,) = _errors(numbers)
     assert row.question == "Horizontal error, 95 % below" and row.written == "12 ± 0.5 m"
     assert _errors({}) == []
+
+
+def test_maps_and_losses_of_a_page(met):
+    from compass.pages import design as page
+    from compass.pages.coverage import count_picture, dilution_pictures, one_colour
+
+    assert "0 to" in count_picture(met.mapped).alt or "1 to" in count_picture(met.mapped).alt
+    drawn = dilution_pictures(met.mapped)
+    assert [p.stem for p in drawn][:5] == [f"{n}dop-p95" for n in "gphvt"]
+    assert all(p.alt.startswith("Map of Mars") for p in drawn) and drawn[0].wide
+    flat = met.mapped.dataset.assign(availability=0.0 * met.mapped.dataset.availability)
+    even = replace(met.mapped, made=replace(met.mapped.made, dataset=flat))
+    assert one_colour(even) == ["PDOP is at most 6 for 0.0% of the time, at every cell."]
+    lost = page._losses(met, [])
+    assert lost is not None and lost.tables[0].title.startswith("After 1 loss")

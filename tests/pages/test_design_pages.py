@@ -87,7 +87,7 @@ def test_page_tells_everything(page, seed_design):
     titles = [section.title for section in sections]
     assert titles == [
         "The answer", "Coverage", "Geometry and accuracy", "Stations and links", "Orbits",
-        "How long it lasts", "Losses", "Caps and gaps", "Published against computed",
+        "How long it lasts", "Deployment", "Losses", "Caps and gaps", "Published against computed",
     ]  # fmt: skip
     (answers,) = (block for block in sections[0].blocks if isinstance(block, Answers))
     said = {row.question: row for row in answers.rows}

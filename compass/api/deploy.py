@@ -1,0 +1,219 @@
+"""How satellites of one launch come to their planes: waiting against delta-v."""
+
+from dataclasses import dataclass, field
+from math import degrees
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from compass.api.given import given_design
+from compass.api.results import Result
+from compass.coverage.room import has_slots
+from compass.design import Design
+from compass.document import Page, Sentence, Table, Value, Verdict
+from compass.document.plain import plain
+from compass.errors import ArgumentError
+from compass.frames import SECONDS_PER_DAY
+from compass.orbits.deployment import Deployment, deploy_by_drift
+from compass.quantities import quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+#: Waiting orbits that are weighed, and of these rows that the table shows.
+WEIGHED, SHOWN = 235, 10
+
+
+@dataclass(frozen=True, repr=False)
+class DeployResult(Result):
+    """Waiting times and delta-v of the planes of one launch.
+
+    Attributes
+    ----------
+    design
+        What is deployed.
+    deployment
+        What was found, SI.
+    longest_wait_days
+        Allowed.
+    """
+
+    design: Design = field(repr=False)
+    deployment: Deployment
+    longest_wait_days: float
+
+    @property
+    def chosen(self) -> int | None:
+        """Place of the cheapest waiting orbit that is quick enough."""
+        return self.deployment.cheapest(self.longest_wait_days * SECONDS_PER_DAY)
+
+    @property
+    def holds(self) -> bool:
+        """Whether waiting reaches every plane in time."""
+        return self.chosen is not None
+
+    @property
+    def altitudes_km(self) -> Any:
+        """Altitudes of the waiting orbits."""
+        return (self.deployment.radii - self.design.figure.equatorial_radius) / 1e3
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        found, k = self.deployment, self.chosen
+        return plain(
+            {
+                "design": self.design.name,
+                "launches": found.launches,
+                "planes_a_launch": found.planes_a_launch,
+                "longest_wait_days": self.longest_wait_days,
+                "delta_v_first_plane_m_s": found.transfer,
+                "chosen": None if k is None else self._option(k),
+                "planes": [
+                    {
+                        "node_deg": degrees(plane.node),
+                        "direct_m_s": plane.direct,
+                        "wait_days": None if k is None else plane.waits[k] / SECONDS_PER_DAY,
+                        "waiting_m_s": None if k is None else found.delta_v[k],
+                    }
+                    for plane in found.planes
+                ],
+                "options": [self._option(j) for j in range(found.radii.size)],
+            }
+        )
+
+    def _option(self, k: int) -> dict[str, float]:
+        found = self.deployment
+        return {
+            "waiting_altitude_km": self.altitudes_km[k],
+            "wait_days": found.waits[k] / SECONDS_PER_DAY,
+            "delta_v_deploy_m_s": found.delta_v[k],
+            "parting_deg_day": degrees(found.parting[k]) * SECONDS_PER_DAY,
+        }
+
+    def document(self) -> Page:
+        """The cheapest way in time, plane by plane, then waiting against delta-v."""
+        found, k = self.deployment, self.chosen
+        names = ("waiting_altitude_km", "wait_days", "delta_v_deploy_m_s")
+        wait, cost = quantity("wait_days"), quantity("delta_v_deploy_m_s")
+        if k is None:
+            claim = f"no waiting orbit brings every plane in {self.longest_wait_days:g} days"
+        else:
+            known = self._option(k)
+            shown = {name: Value(quantity(name), known[name]) for name in names}
+            claim = (
+                f"{found.planes_a_launch} planes from each of {found.launches} launch(es): waiting "
+                f"at {shown['waiting_altitude_km']} km for up to {shown['wait_days']} days, "
+                f"{shown['delta_v_deploy_m_s']} m/s a satellite"
+            )
+        rows = tuple(
+            (
+                f"{degrees(plane.node):.4g}",
+                Value(wait, None if k is None else float(plane.waits[k]) / SECONDS_PER_DAY),
+                Value(cost, None if k is None else float(found.delta_v[k])),
+                Value(cost, plane.direct),
+            )
+            for plane in found.planes
+        )
+        header = ("node from the first, deg", wait.heading, f"{cost.heading}, waiting", "at once")
+        pick = np.unique(np.linspace(0, found.radii.size - 1, SHOWN).astype(int))
+        options = tuple(
+            tuple(Value(quantity(name), self._option(j)[name]) for name in names) for j in pick
+        )
+        how = (
+            "first-order J2 rates of nodes, Hohmann transfers, satellites phased in their planes "
+            f"by the moment of the last one; the first plane costs {found.transfer:.4g} m/s a "
+            "satellite; the table [deployment] says otherwise"
+        )
+        return Page(
+            self.design.name,
+            (
+                Verdict("" if self.holds else "too slow", claim, self.holds),
+                *([Table("Planes of one launch", header, rows)] if rows else []),
+                Table(
+                    "Waiting against delta-v", tuple(quantity(n).heading for n in names), options
+                ),
+                Sentence(how),
+            ),
+        )
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw delta-v against the wait for the last plane, and what turning at once costs.
+
+        Parameters
+        ----------
+        axes
+            Where to; new ones without.
+        """
+        from compass.pictures.style import CYCLE, MARS, axes_or_new
+
+        drawn, found = axes_or_new(axes), self.deployment
+        days = found.waits / SECONDS_PER_DAY
+        drawn.plot(days, found.delta_v, color=MARS, label="waiting")
+        if found.planes:
+            worst = max(plane.direct for plane in found.planes)
+            drawn.axhline(worst, color=CYCLE[0], label="turning the farthest plane at once")
+        if (k := self.chosen) is not None:
+            drawn.plot(days[k], found.delta_v[k], "o", color=MARS, label="cheapest in time")
+        drawn.axvline(self.longest_wait_days, color="0.5", linewidth=0.8, linestyle=":")
+        drawn.set_xlim(0.0, 2.0 * self.longest_wait_days)
+        drawn.set(
+            xlabel="days until the last plane is reached",
+            ylabel="delta-v of one satellite, m/s",
+            title=self.design.name,
+        )
+        drawn.legend()
+        return drawn
+
+
+def deploy(
+    design: Design | str | Path,
+    *,
+    launch_altitude_km: float | None = None,
+    longest_wait_days: float | None = None,
+    satellites_a_launch: int | None = None,
+) -> DeployResult:
+    """Weigh waiting for planes, whose nodes the flattening of Mars turns apart, against delta-v.
+
+    Parameters
+    ----------
+    design
+        A design of circular orbits of one radius and inclination, or the path of its file.
+    launch_altitude_km
+        Of the circular orbit launched into; else the design's.
+    longest_wait_days
+        Until the last plane is reached; else the design's.
+    satellites_a_launch
+        At most; else the design's, or all.
+
+    Raises
+    ------
+    ArgumentError, DesignError
+        An option or the design is not allowed.
+
+    Examples
+    --------
+    >>> import compass
+    >>> found = compass.deploy("designs/compass-15-5-1.toml")
+    >>> found.deployment.launches
+    1
+    """
+    read = given_design(design)
+    c, known = read.constellation, read.launching
+    if not has_slots(c):
+        raise ArgumentError("deploy: needs circular orbits of one radius and inclination")
+    limits = (
+        ("launch_altitude_km", launch_altitude_km, 100.0, 1e6),
+        ("longest_wait_days", longest_wait_days, 1e-3, 36525.0),
+        ("satellites_a_launch", satellites_a_launch, 1, 10_000),
+    )
+    for name, value, least, most in limits:
+        if value is not None and not least <= value <= most:
+            raise ArgumentError(f"{name} = {value:g}: allowed {least:g} to {most:g}")
+    sphere = read.figure.equatorial_radius
+    launched = known.launched if launch_altitude_km is None else launch_altitude_km * 1e3
+    days = known.longest_wait / SECONDS_PER_DAY if longest_wait_days is None else longest_wait_days
+    each = satellites_a_launch or known.satellites_a_launch or c.size
+    low, high = known.waiting
+    found = deploy_by_drift(c, sphere + launched, sphere + np.linspace(low, high, WEIGHED), each)
+    return DeployResult(read, found, days)
