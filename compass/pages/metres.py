@@ -58,30 +58,32 @@ def error_picture(mapped: MapResult, name: str, *, wide: bool = False) -> Pictur
 
 
 def budget_picture(design: Design) -> Picture:
-    """Bars of a range's variance by elevation: clock, orbit, receiver, ionosphere."""
+    """Bars of the shares in a range's variance by elevation, its sigma above each."""
     found = signal_facts(design)
     # at the very horizon a receiver's noise may have no end
-    kept = [k for k, e in enumerate(found["range_error_m"]) if np.isfinite(e)]
-    places = np.arange(len(kept))
-    base = np.zeros(len(kept))
+    kept = [k for k, e in enumerate(found["range_error_m"]) if np.isfinite(e) and e > 0]
+    places, base = np.arange(len(kept)), np.zeros(len(kept))
+    total = np.array([found["range_error_m"][k] for k in kept])
     with look():
         figure = new_figure(8.0, 3.6)
         axes = figure.add_subplot()
         for colour, term in zip(CYCLE, TERMS, strict=False):
-            share = np.array([found[f"{term}_error_m"][k] for k in kept]) ** 2
+            share = 100.0 * (np.array([found[f"{term}_error_m"][k] for k in kept]) / total) ** 2
             axes.bar(places, share, 0.7, base, color=colour, label=term)
             base += share
+        for place, sigma in zip(places, total, strict=True):
+            axes.annotate(f"{sigma:.3g} m", (place, 101.0), ha="center")
         axes.set_xticks(places, [f"{found['elevation_deg'][k]:g}°" for k in kept])
         axes.set_xlabel("elevation of the satellite")
-        axes.set_ylabel("variance of a range, m²")
-        axes.set_yscale("symlog", linthresh=float(base.min()) if len(kept) else 1.0)
-        axes.legend()
+        axes.set_ylabel("share of a range's variance, %")
+        axes.set_ylim(0.0, 112.0)
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return picture(
         figure,
         "range-budget",
         "What a range's error is made of",
-        "Variances add up; the receiver's falls with elevation. The scale is linear up to the "
-        "smallest bar.",
+        "Shares of the variance, by the satellite's elevation; above each bar the error of one "
+        "range, one sigma.",
         wide=True,
         alt=f"Bars of {', '.join(TERMS)} by elevation.",
     )
