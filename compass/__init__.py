@@ -35,7 +35,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.inputs.study import read_study
     from compass.orbits import (
         Constellation,
-        areosynchronous_radius,
+        areosynchronous_radius_km,
         ephemeris,
         from_elements,
         rosette,
@@ -56,7 +56,7 @@ __all__ = [
     "Site",
     "__version__",
     "access",
-    "areosynchronous_radius",
+    "areosynchronous_radius_km",
     "check",
     "covariance_intersection",
     "deploy",
@@ -121,7 +121,7 @@ _HOMES = {
     "Mask": "compass.sites",
     "Requirement": "compass.design",
     "Site": "compass.sites",
-    "areosynchronous_radius": "compass.orbits",
+    "areosynchronous_radius_km": "compass.orbits",
     "covariance_intersection": "compass.entry.fusion",
     "ephemeris": "compass.orbits",
     "from_elements": "compass.orbits",

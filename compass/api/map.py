@@ -111,7 +111,13 @@ class MapResult(Result):
         return (
             "Availability and the 95th percentile of GDOP lie between the bounds shown, "
             f"everywhere and not only at cells, {self.certified.scope}.",
+            *self._worst(),
         )
+
+    def _worst(self) -> tuple[str, ...]:
+        """The largest PDOP, and where, in a sentence; nothing where it was not looked for."""
+        worst = self.certified.worst if self.certified else None
+        return () if worst is None else (f"The largest PDOP is {worst.sentence}.",)
 
     def _errors(self) -> tuple[Table | Sentence, ...]:
         """Errors of fixes over area and time, with what sampling leaves of doubt."""
@@ -417,7 +423,7 @@ def map(
     read = given_design(design)
     with bar(progress, "map", unit="row", leave=False) as rows:
         made = make_map(read, options, command, workers=workers, progress=rows.update)
-    certified = certified_figures(read, options)
+    certified = certified_figures(read, options, workers)
     if certified:
         made.dataset.attrs |= _attributes(certified)
     return MapResult(read, made, certified)

@@ -5,15 +5,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import degrees, radians
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from compass.api.progress import bar
+from compass.api.requirement_search import RequirementSearchResult, needs_of
 from compass.api.results import Result
-from compass.design import PDOP_MAX
+from compass.design import PDOP_MAX, Requirement
 from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError
-from compass.frames import FIGURES
+from compass.frames import FIGURES, Figure
 from compass.handover.toml import constellation_toml
 from compass.orbits.kinds import ROSETTE
 from compass.orbits.pattern import rosette_notation
@@ -22,6 +23,7 @@ from compass.quantities import quantity
 from compass.saving import replacing
 from compass.sites import Mask
 from compass.study import search as engine
+from compass.study.requirement_search import Question, search_for
 
 #: Orbits are of less than this, metres.
 MOST_RADIUS = 1e10
@@ -40,6 +42,8 @@ class SearchResult(Result):
         What was looked for.
     candidates
         What was found.
+    least_approach_deg, kept_out
+        Those whose satellites come nearer to each other than this were kept out, smallest first.
     """
 
     fold: int
@@ -50,6 +54,8 @@ class SearchResult(Result):
     max_satellites: int
     beyond: int
     candidates: tuple[engine.Candidate, ...]
+    least_approach_deg: float = 0.0
+    kept_out: tuple[engine.Candidate, ...] = ()
 
     @property
     def holds(self) -> bool:
@@ -92,7 +98,31 @@ class SearchResult(Result):
                 "candidates": [
                     candidate.as_dict() | {"pattern": self.pattern} for candidate in self.candidates
                 ],
+                "least_approach_deg": self.least_approach_deg,
+                "kept_out": [candidate.as_dict() for candidate in self.kept_out],
+                "sentence": self.sentence,
             }
+        )
+
+    @property
+    def sentence(self) -> str:
+        """What to build, what is next best, and what was kept out and why."""
+        kept = ""
+        if self.kept_out:
+            first = self.kept_out[0]
+            angle = degrees(first.closest_approach)
+            kept = (
+                f"; kept out: {len(self.kept_out)} whose satellites come within "
+                f"{self.least_approach_deg:g} deg of each other, the smallest "
+                f"{self._notation(first)} ({angle:.2f} deg)"
+            )
+        if not self.holds:
+            return f"{self._claim()}{kept}."
+        following = self._notation(self.candidates[1]) if len(self.candidates) > 1 else "none found"
+        near = degrees(self.best.closest_approach)
+        return (
+            f"Build {self._notation(self.best)}: {self._claim()}; closest approach {near:.1f} deg; "
+            f"geometry was not asked for; next best {following}{kept}."
         )
 
     def _claim(self) -> str:
@@ -113,7 +143,8 @@ class SearchResult(Result):
         """The smallest, then all that were found."""
         title = f"Smallest {self.pattern}"
         if not self.holds:
-            return Page(title, (Verdict("none", self._claim(), False),))
+            said = Verdict("none", self._claim(), False)
+            return Page(title, (said, *([Sentence(self.sentence)] if self.kept_out else [])))
         count = len(self.candidates)
         how = (
             f"every pattern of up to {self.tried} satellites at its best inclination to "
@@ -126,7 +157,8 @@ class SearchResult(Result):
                 f". Larger ones, up to {self.max_satellites}, were not tried: ask how many sizes "
                 "beyond the smallest to try (beyond)"
             )
-        return Page(title, (Verdict("found", self._claim(), True), self._table(), Sentence(how)))
+        found = Verdict("found", self._claim(), True)
+        return Page(title, (found, self._table(), Sentence(how), Sentence(self.sentence)))
 
     def _notation(self, candidate: engine.Candidate) -> str:
         """What to call a pattern, in the notation of the kind that was looked for."""
@@ -171,42 +203,57 @@ class SearchResult(Result):
 
 def search(
     *,
-    fold: int,
     max_satellites: int,
+    require: str | Path | Sequence[Requirement] | None = None,
+    fold: int | None = None,
     mask_deg: float = 0.0,
+    region: str | Sequence[str] = (),
+    pdop_at_most: float | None = None,
+    gdop_at_most: float | None = None,
+    share: float = 1.0,
+    share_of: Literal["time", "area-time"] = "time",
     radius_km: float | None = None,
     altitude_km: float | None = None,
     orbit: str | None = None,
     repeat: Sequence[int] | None = None,
+    least_approach_deg: float = 1.0,
     beyond: int = 0,
     pattern: str = "walker-delta",
     figure: str = "iau-sphere",
     finalists: int = 10,
     workers: int | None = None,
     progress: bool = False,
-) -> SearchResult:
-    """Find the smallest patterns with continuous k-fold coverage of the whole sphere.
+) -> SearchResult | RequirementSearchResult:
+    """Find the smallest patterns that meet requirements, or cover the whole sphere k-fold.
 
-    Every pattern, size after size up to the smallest that has it, each at its best inclination to
-    0.01 degree; smallest first, then largest mask margin.
+    With requirements, a region or a limit on geometry: every pattern of every size at every whole
+    degree of inclination, and where tracks are closed every turn over the ground, until the
+    smallest that meets all of it. Of a fold alone: every pattern, size after size up to the
+    smallest that has it, at its best inclination to 0.01 degree; largest mask margin first.
 
     Parameters
     ----------
-    fold
-        Satellites to be in view at once.
     max_satellites
-        Largest size to try; the search ends sooner, with the smallest size that has the fold.
-    beyond
-        How many sizes to try beyond that one.
-    mask_deg
-        Elevation mask, degrees.
+        Largest size to try; the search ends sooner, with the smallest size that does it.
+    require
+        File with ``[[requirement]]`` (a design may be one), or requirements.
+    fold, mask_deg
+        Satellites to be in view at once, above a mask, degrees; instead of a file.
+    region
+        Where, one or several, as in a ``[[requirement]]``; else everywhere.
+    pdop_at_most, gdop_at_most, share, share_of
+        Geometry wanted there, and for which share.
     radius_km, altitude_km, orbit, repeat
         One of them: radius, altitude over the equator, ``areosynchronous``, or revolutions and
         rotations of Mars after which the ground track closes.
+    least_approach_deg
+        Least angle that must lie between two satellites at any time, seen from Mars's centre.
+    beyond
+        How many sizes to try beyond the smallest, of a fold alone.
     pattern
         ``walker-delta``, ``walker-star`` or ``rosette``.
     figure
-        Sphere that is to be covered: ``iau-sphere`` or ``kelly2018-sphere``.
+        Sphere that is to be covered: ``iau-sphere`` or ``kelly2018-sphere``; a file says its own.
     finalists
         How many of the best get a certificate, and GDOP and availability between proven bounds.
     workers
@@ -216,8 +263,8 @@ def search(
 
     Raises
     ------
-    ArgumentError
-        An option is not allowed.
+    ArgumentError, DesignError
+        An option or the file is not allowed.
 
     Examples
     --------
@@ -229,9 +276,77 @@ def search(
     if figure not in FIGURES or not FIGURES[figure].is_sphere:
         spheres = ", ".join(name for name, each in FIGURES.items() if each.is_sphere)
         raise ArgumentError(f"figure = {figure!r}: allowed {spheres}")
-    radius, _ = orbit_radius(radius_km, altitude_km, orbit, repeat, FIGURES[figure])
-    if not radius < MOST_RADIUS:
-        raise ArgumentError(f"radius_km = {radius / 1e3:g}: allowed below {MOST_RADIUS / 1e3:g} km")
+    if not 0 <= least_approach_deg < 180:
+        raise ArgumentError(
+            f"least_approach_deg = {least_approach_deg:g}: allowed 0 up to below 180 degrees"
+        )
+    if not 0 <= mask_deg < 90:
+        raise ArgumentError(f"mask_deg = {mask_deg:g}: allowed 0 up to below 90")
+    least, threads = radians(least_approach_deg), workers or os.cpu_count() or 1
+    regions = (region,) if isinstance(region, str) else tuple(region)
+    named = (("pdop", pdop_at_most), ("gdop", gdop_at_most))
+    limits = [(name, limit) for name, limit in named if limit is not None]
+    if require is None and not regions and not limits:
+        return _covering(
+            fold,
+            mask_deg,
+            _radius(radius_km, altitude_km, orbit, repeat, FIGURES[figure])[0],
+            figure,
+            pattern,
+            max_satellites,
+            beyond,
+            finalists,
+            least_approach_deg,
+            threads,
+            progress,
+        )
+    needs = needs_of(
+        require,
+        regions,
+        fold=fold,
+        mask_deg=mask_deg,
+        limits=limits,
+        share=share,
+        share_of=share_of,
+        figure=figure,
+    )
+    radius, closed = _radius(radius_km, altitude_km, orbit, repeat, needs.figure)
+    question = Question(
+        needs.requirements,
+        needs.figure,
+        needs.mask,
+        radius,
+        closed,
+        least,
+        (pattern,),
+        max_satellites,
+    )
+    outcome = search_for(
+        question,
+        finalists=min(finalists, 5),
+        workers=threads,
+        progress=lambda sizes: bar(progress, "sizes", sizes),
+    )
+    return RequirementSearchResult(question, outcome)
+
+
+def _covering(
+    fold: int | None,
+    mask_deg: float,
+    radius: float,
+    figure: str,
+    pattern: str,
+    max_satellites: int,
+    beyond: int,
+    finalists: int,
+    least_approach_deg: float,
+    workers: int,
+    progress: bool,
+) -> SearchResult:
+    """Smallest patterns that cover the whole sphere."""
+    if fold is None:
+        raise ArgumentError("fold: missing; give it, a region and a limit, or a file (require)")
+    least = radians(least_approach_deg)
     found = engine.search(
         fold,
         radians(mask_deg),
@@ -241,12 +356,36 @@ def search(
         beyond=beyond,
         kind=pattern,
         finalists=finalists,
-        workers=workers or os.cpu_count() or 1,
+        least_approach=least,
+        workers=workers,
         progress=lambda work, total: bar(progress, "patterns", work, total=total),
     )
     return SearchResult(
-        fold, mask_deg, radius / 1e3, figure, pattern, max_satellites, beyond, tuple(found)
+        fold,
+        mask_deg,
+        radius / 1e3,
+        figure,
+        pattern,
+        max_satellites,
+        beyond,
+        tuple(c for c in found if c.closest_approach >= least),
+        least_approach_deg,
+        tuple(c for c in found if c.closest_approach < least),
     )
+
+
+def _radius(
+    radius_km: float | None,
+    altitude_km: float | None,
+    orbit: str | None,
+    repeat: Sequence[int] | None,
+    figure: Figure,
+) -> tuple[float, tuple[int, int] | None]:
+    """Orbit radius, metres, of the one that is given, and how tracks close if that is said."""
+    radius, closed = orbit_radius(radius_km, altitude_km, orbit, repeat, figure)
+    if not radius < MOST_RADIUS:
+        raise ArgumentError(f"radius_km = {radius / 1e3:g}: allowed below {MOST_RADIUS / 1e3:g} km")
+    return radius, closed
 
 
 def _cell(name: str, known: dict[str, Any]) -> Value | str:

@@ -16,7 +16,28 @@ from compass.cli.shared import (
 
 
 @click.command()
-@click.option("--fold", type=int, required=True, help="Satellites to be in view at once.")
+@click.option(
+    "--require", type=click.Path(path_type=Path), help="File with [[requirement]], or a design."
+)
+@click.option("--fold", type=int, help="Satellites to be in view at once.")
+@click.option("--region", multiple=True, help="globe, lat:MIN:MAX or polygon:LAT,LON;..., degrees.")
+@click.option("--pdop-at-most", type=float, help="Largest PDOP allowed there.")
+@click.option("--gdop-at-most", type=float, help="Largest GDOP allowed there.")
+@click.option("--share", type=float, default=1.0, show_default=True, help="For how much of it.")
+@click.option(
+    "--share-of",
+    type=click.Choice(["time", "area-time"]),
+    default="time",
+    show_default=True,
+    help="Of the time at the worst place, or of area and time.",
+)
+@click.option(
+    "--least-approach-deg",
+    type=float,
+    default=1.0,
+    show_default=True,
+    help="Least angle between two satellites at any time.",
+)
 @click.option("--mask-deg", type=float, default=0.0, show_default=True, help="Elevation mask.")
 @click.option("--radius-km", type=float, help="Orbit radius from Mars's centre.")
 @click.option("--altitude-km", type=float, help="Orbit altitude over the equator.")
@@ -53,10 +74,11 @@ from compass.cli.shared import (
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Write the best as a design.")
 @json_option
 def command(output: Path | None, as_json: bool, **options: Any) -> None:
-    """Find the smallest pattern with continuous k-fold coverage of the whole sphere.
+    """Find the smallest pattern that meets requirements, or covers the whole sphere k-fold.
 
-    Every pattern, size after size up to the smallest that has it, each at its best inclination to
-    0.01 degree; smallest first, then largest mask margin. Exit status 1 if there is none.
+    Requirements are those of a file (--require), or --fold, --region and limits on geometry; size
+    after size is tried. Ends with the sentence that says what to build. Exit status 1 if there is
+    none.
     """
     announce_compilation()
     import compass

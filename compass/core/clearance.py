@@ -168,6 +168,7 @@ def least_clearance(
     k,
     domain,
     enough,
+    give_up,
     tolerance,
     most,
 ):
@@ -183,6 +184,8 @@ def least_clearance(
         Least and greatest latitude, longitude and phase, shape (3, 2), rad.
     enough
         Clearances from this on need not be told apart, rad.
+    give_up
+        Stop at the first clearance below this, rad: the lower bound is then minus infinity.
     tolerance
         How near the bounds are to come, rad.
     most
@@ -215,6 +218,8 @@ def least_clearance(
         if central < high:
             high, seen = central, now
             worst[:] = box[:3]
+            if high < give_up:
+                return -math.inf, high, worst, seen, cell
     step, spot = 0.5 * COARSE, np.zeros(BOX)
     while step > 1e-7 and high < math.inf:
         better = False
@@ -231,6 +236,8 @@ def least_clearance(
                 if central < high:
                     high, seen, better = central, now, True
                     worst[:] = spot[:3]
+        if high < give_up:
+            return -math.inf, high, worst, seen, 0
         step = step if better else 0.5 * step
     low, boxes = math.inf, 0
     for cell in range(cells.prod()):
@@ -251,6 +258,8 @@ def least_clearance(
                 if side_of(spot, figure, normals, floors) >= 0:
                     high, seen = central, now
                     worst[:] = box[:3]
+                    if high < give_up:
+                        return -math.inf, high, worst, seen, boxes
             longest = _longest(box, pace)
             done = bottom >= min(high - tolerance, enough) or boxes >= most
             if done or depth + 2 > DEEPEST or box[3 + longest] < 1e-10:

@@ -14,6 +14,7 @@ from compass.coverage.certified_share import (
     certified_percentile,
     certified_share,
 )
+from compass.coverage.certified_worst import CertifiedWorst, certified_worst
 from compass.design import PDOP_MAX
 from compass.frames import Figure
 from compass.orbits import Constellation
@@ -40,11 +41,14 @@ class CertifiedGeometry:
         The share.
     gdop
         Percentiles, by per cent.
+    worst
+        The largest PDOP anywhere and at any time; None if it was not asked for.
     """
 
     pdop_max: float
     availability: CertifiedShare
     gdop: Mapping[int, CertifiedPercentile]
+    worst: CertifiedWorst | None = None
 
     def numbers(self) -> dict[str, Any]:
         """Plain values: the middle of every bracket, and the bracket beside it."""
@@ -56,6 +60,10 @@ class CertifiedGeometry:
         }
         for percent, p in self.gdop.items():
             found["gdop"] |= {f"p{percent}": p.value, f"p{percent}_bracket": [p.low, p.high]}
+        if self.worst is not None:
+            w = self.worst
+            found["pdop_worst_bracket"] = [w.low, w.high]
+            found["pdop_worst_at"] = None if w.witness is None else w.witness.as_dict()
         return found
 
     @property
@@ -76,6 +84,8 @@ def certified_geometry(
     percents: Sequence[int] = (95,),
     duration: float | None = None,
     motion: AnyMotion = "two-body",
+    worst: bool = False,
+    workers: int = 1,
 ) -> CertifiedGeometry:
     """Bracket availability and percentiles of GDOP over the whole surface.
 
@@ -89,8 +99,13 @@ def certified_geometry(
         Largest PDOP that is good, from 1.
     percents
         Which percentiles.
+    worst
+        Whether to look for the largest PDOP too.
+    workers
+        Threads; the numbers do not depend on them.
     """
     asked: dict[str, Any] = {
+        "workers": workers,
         "figure": figure,
         "mask": mask,
         "duration": duration,
@@ -104,4 +119,5 @@ def certified_geometry(
         )
         for percent in percents
     }
-    return CertifiedGeometry(pdop_max, availability, gdop)
+    largest = certified_worst(constellation, dop="pdop", **asked) if worst else None
+    return CertifiedGeometry(pdop_max, availability, gdop, largest)

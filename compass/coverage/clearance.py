@@ -144,6 +144,27 @@ class Clearance:
         return True if self.low >= 0.0 else False if self.high < 0.0 else None
 
 
+def always_clear(
+    constellation: Constellation,
+    users: Users,
+    fold: int,
+    *,
+    span: tuple[float, float] | None = None,
+    most: int | None = None,
+) -> bool:
+    """Whether `fold` satellites are proven to be always above the horizon; quickly where not.
+
+    Parameters and errors as in `least_clearance`.
+    """
+    _check(constellation, users, fold)
+    if constellation.size < fold:
+        return False
+    most = MOST_BOXES if most is None else most
+    laid = _lay_out(constellation, users, span)
+    low, *_ = _least(laid, fold, laid.missed, FINEST, most, 0.0)
+    return bool(low - laid.missed >= 0.0)
+
+
 @dataclass(frozen=True)
 class Share:
     """Share of time, or of area and time, with k satellites above the horizon, between bounds."""
@@ -344,8 +365,12 @@ class _Laid:
         )
 
 
-def _least(laid: _Laid, fold: int, enough: float, tolerance: float, most: int) -> tuple:
-    return kernels.least_clearance(*laid.arrays(), fold, laid.domain, enough, tolerance, most)
+def _least(
+    laid: _Laid, fold: int, enough: float, tolerance: float, most: int, give_up: float = -inf
+) -> tuple:
+    return kernels.least_clearance(
+        *laid.arrays(), fold, laid.domain, enough, give_up, tolerance, most
+    )
 
 
 def _check(c: Constellation, users: Users, fold: int) -> None:
@@ -453,10 +478,14 @@ def _torus(c: Constellation, users: Users) -> tuple[NDArray[np.float64], float]:
             if len(back):
                 first, half = 0.5 * (np.pi - float(back.phase[0])), 0.5
                 missed += back.mismatch
+    last = first + around * half / phases
+    if one_circle(c) and not np.any(c.inclination):
+        first = last = 0.0  # a ring over the equator only turns, and users are at every longitude
+        turns = 1
     east = around / turns
     if south == north and abs(south) == np.pi / 2 and users.alike_all_around:
         east = 0.0  # a pole has one longitude
-    return np.array([[south, north], [0.0, east], [first, first + around * half / phases]]), missed
+    return np.array([[south, north], [0.0, east], [first, last]]), missed
 
 
 def _place(

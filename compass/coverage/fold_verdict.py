@@ -11,6 +11,7 @@ from compass.coverage.clearance import (
     Clearance,
     Share,
     Users,
+    always_clear,
     centric,
     clear_share,
     geodetic,
@@ -30,6 +31,9 @@ from compass.sites import Mask
 
 #: Boxes for each share, and for that of a miss, which is told for what it is worth.
 SHARE_BOXES, MISSED_BOXES = 4_000_000, 300_000
+
+#: Boxes for one of many candidates.
+GLANCE_BOXES = 200_000
 
 
 @dataclass(frozen=True)
@@ -160,6 +164,21 @@ def _ask(c: Constellation, users: Users, fold: int, course: Course) -> Clearance
         if belt.low >= 0.0:
             return belt
     return least_clearance(c, users, fold, span=course.span)
+
+
+def fold_always_met(
+    c: Constellation, users: Sequence[Users], requirement: Requirement, course: Course
+) -> bool:
+    """Whether a fold wanted always is proven for all users and losses; quickly where it is not."""
+    assert requirement.fold is not None
+    for _, _, left in losses_of(c, requirement, users, course):
+        for each in users:
+            belt = course.span is None or (each.is_belt and one_period(c))
+            asked = each.belt() if belt else each
+            span = None if belt else course.span
+            if not always_clear(left, asked, requirement.fold, span=span, most=GLANCE_BOXES):
+                return False
+    return True
 
 
 def _always(

@@ -68,14 +68,14 @@ def read_design_text(text: str, label: str = "design") -> Design:
     figure, folder = FIGURES[file.figure], Path(label).parent
     table = _ephemeris(file, folder, label)
     motion = motion_of_table(file.motion, folder, label, table)
-    stations = tuple(_site(station, figure) for station in file.station)
+    stations = tuple(site_of(station, figure) for station in file.station)
     return Design(
         name=file.name,
         source=file.source,
         paper=file.paper,
         figure=figure,
         constellation=_constellation(file, figure, table),
-        mask=_mask(file.coverage),
+        mask=mask_of(file.coverage),
         fold=file.coverage.fold,
         stations=stations,
         requirements=requirements_of(file.requirement, stations),
@@ -196,14 +196,16 @@ def _anomaly(satellite: SatelliteTable, eccentricity: float) -> float:
     return float(mean_of_true(np.radians(satellite.true_anomaly_deg), eccentricity))
 
 
-def _mask(table: CoverageTable | StationTable) -> Mask:
+def mask_of(table: CoverageTable | StationTable) -> Mask:
+    """Mask of a table: constant, or a horizon by azimuth."""
     if table.horizon_deg is None:
         return Mask.constant(float(np.radians(table.mask_deg)))
     azimuths, elevations = np.radians(np.array(table.horizon_deg)).T
     return Mask(tuple(azimuths.tolist()), tuple(elevations.tolist()))
 
 
-def _site(table: StationTable, figure: Figure) -> Site:
+def site_of(table: StationTable, figure: Figure) -> Site:
+    """Site of a station's table."""
     latitude = np.radians(table.latitude_deg)
     if table.latitude_kind == "planetographic":
         latitude = planetocentric_latitude(latitude, figure)
@@ -212,7 +214,7 @@ def _site(table: StationTable, figure: Figure) -> Site:
         float(latitude),
         float(np.radians(table.longitude_deg)),
         table.height_km * KM,
-        _mask(table),
+        mask_of(table),
         figure,
     )
 
@@ -247,16 +249,7 @@ def cross_faults(raw: dict[str, Any]) -> list[str]:
             faults += _pattern_faults(table) + _orbit_faults(table, figure)
     faults += motion_faults(raw) + requirement_faults(raw)
     faults += signal_faults(raw) + tracking_faults(raw) + integrity_faults(raw)
-    if isinstance(raw.get("coverage"), dict):
-        faults += _horizon_faults(raw["coverage"], "coverage")
-    stations, names = raw.get("station"), set()
-    for k, station in enumerate(stations if isinstance(stations, list) else [], start=1):
-        if isinstance(station, dict):
-            faults += _horizon_faults(station, f"station[{k}]")
-            name = station.get("name")
-            if isinstance(name, str) and name in names:
-                faults.append(fault(f"station[{k}].name", name, "used twice; rename one"))
-            names.add(name if isinstance(name, str) else None)
+    faults += place_faults(raw)
     access = raw.get("access")
     moons = access.get("moons") if isinstance(access, dict) else None
     if isinstance(moons, list) and len(moons) == 2 and moons[0] == moons[1]:
@@ -268,6 +261,22 @@ def cross_faults(raw: dict[str, Any]) -> list[str]:
                 "epoch", epoch.isoformat(), "must be TDB, without a time zone; drop the Z or offset"
             )
         )
+    return faults
+
+
+def place_faults(raw: dict[str, Any]) -> list[str]:
+    """Faults of the mask and the stations, across fields."""
+    faults: list[str] = []
+    if isinstance(raw.get("coverage"), dict):
+        faults += _horizon_faults(raw["coverage"], "coverage")
+    stations, names = raw.get("station"), set()
+    for k, station in enumerate(stations if isinstance(stations, list) else [], start=1):
+        if isinstance(station, dict):
+            faults += _horizon_faults(station, f"station[{k}]")
+            name = station.get("name")
+            if isinstance(name, str) and name in names:
+                faults.append(fault(f"station[{k}].name", name, "used twice; rename one"))
+            names.add(name if isinstance(name, str) else None)
     return faults
 
 

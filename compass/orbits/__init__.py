@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from compass.orbits.period import (
         RepeatPeriod,
         areosynchronous_radius,
+        areosynchronous_radius_km,
         orbital_period,
         repeat_period,
     )
@@ -23,6 +24,7 @@ __all__ = [
     "Pattern",
     "RepeatPeriod",
     "areosynchronous_radius",
+    "areosynchronous_radius_km",
     "ephemeris",
     "from_elements",
     "keplerian",
@@ -40,7 +42,13 @@ _HOMES = {
     "constellation": ("Constellation", "keplerian"),
     "pattern": ("Pattern",),
     "patterns": ("from_elements", "rosette", "walker_delta", "walker_star"),
-    "period": ("RepeatPeriod", "areosynchronous_radius", "orbital_period", "repeat_period"),
+    "period": (
+        "RepeatPeriod",
+        "areosynchronous_radius",
+        "areosynchronous_radius_km",
+        "orbital_period",
+        "repeat_period",
+    ),
     "positions": ("ephemeris", "positions_mci", "positions_mcmf", "states_mci"),
 }
 

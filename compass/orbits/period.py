@@ -1,11 +1,13 @@
 """Periods: of an orbit, of the ground tracks, and the radius that keeps pace with Mars."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.bodies import MARS_GM, MARS_J2, MARS_J2_RADIUS, MARS_ROTATION_RATE, sidereal_day
+from compass.errors import ArgumentError
 from compass.orbits.constellation import Constellation
 
 
@@ -70,6 +72,32 @@ def areosynchronous_radius(
     from scipy.optimize import brentq
 
     return float(brentq(pace, 0.99 * kepler, 1.01 * kepler, xtol=1e-6, rtol=1e-14))
+
+
+def areosynchronous_radius_km(*, j2: bool = False, inclination_deg: float = 0.0) -> float:
+    """Radius of the circular orbit whose ground track closes after one rotation of Mars, km.
+
+    Parameters
+    ----------
+    j2
+        Whether to include the secular rates of J2.
+    inclination_deg
+        0 to 180 degrees; only the J2 rates depend on it.
+
+    Raises
+    ------
+    ArgumentError
+        An inclination out of range.
+
+    Examples
+    --------
+    >>> import compass
+    >>> round(compass.areosynchronous_radius_km(), 2)
+    20427.68
+    """
+    if not 0.0 <= inclination_deg <= 180.0:
+        raise ArgumentError(f"inclination_deg = {inclination_deg:g}: allowed 0 to 180 degrees")
+    return areosynchronous_radius(j2=j2, inclination=math.radians(inclination_deg)) / 1e3
 
 
 def repeat_radius(revolutions: int, rotations: int, gm: float = MARS_GM.value) -> float:

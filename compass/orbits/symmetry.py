@@ -15,7 +15,7 @@ miss, ``|dOmega| + |du| + |di|``, bounds the angle between the directions to the
 all of them keep one pace. Whoever uses a move adds that to what he proves.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -75,12 +75,12 @@ def shifts(constellation: Constellation) -> Moves:
     constellation
         Any; of orbits that are not circles of one radius only the move that does nothing.
     """
-    return _moves(constellation)[0]
+    return _moves(_laid_flat(constellation))[0]
 
 
 def mirrors(constellation: Constellation) -> Moves:
     """Half turns about lines of nodes that run the constellation backwards; maybe none."""
-    return _moves(constellation)[1]
+    return _moves(_laid_flat(constellation))[1]
 
 
 def phase_steps(constellation: Constellation) -> int:
@@ -92,6 +92,13 @@ def widest_gap(phases: NDArray[np.float64]) -> float:
     """Greatest distance between neighbours among phases on the circle, radians."""
     ordered = np.sort(np.mod(phases, 2 * np.pi))
     return float(np.diff(ordered, append=ordered[0] + 2 * np.pi).max())
+
+
+def _laid_flat(c: Constellation) -> Constellation:
+    """The constellation, in the equator if all of it is inclined alike: its moves are the same."""
+    if c.size and one_circle(c) and np.ptp(c.inclination) == 0.0 and c.inclination[0] != 0.0:
+        return replace(c, inclination=np.zeros(c.size))
+    return c
 
 
 @lru_cache(maxsize=64)

@@ -1,11 +1,15 @@
 """What a map's figures over all area and time are for sure: brackets beside the samples."""
 
+import os
+
 from compass.coverage.certified_geometry import CertifiedGeometry, certified_geometry
 from compass.design import Design
 from compass.study.mapping import MapOptions, option_mask
 
 
-def certified_figures(design: Design, options: MapOptions) -> CertifiedGeometry | None:
+def certified_figures(
+    design: Design, options: MapOptions, workers: int | None = None
+) -> CertifiedGeometry | None:
     """Bracket a map's figures over the whole surface; None for motions that have no bounds yet.
 
     For all time where the motion repeats up to a turn of the figure, else over the map's period
@@ -13,7 +17,7 @@ def certified_figures(design: Design, options: MapOptions) -> CertifiedGeometry 
 
     Parameters
     ----------
-    design, options
+    design, options, workers
         As of `compass.study.mapping.make_map`.
     """
     motion = design.motion.or_of(options.motion)
@@ -29,4 +33,6 @@ def certified_figures(design: Design, options: MapOptions) -> CertifiedGeometry 
         pdop_max=options.pdop_max,
         duration=None if hours is None else hours * 3600.0,
         motion=motion,
+        worst=True,
+        workers=workers or os.cpu_count() or 1,
     )

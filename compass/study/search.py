@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.inclination import best_inclination
 from compass.coverage.cap import cap_radius, mask_for_cap
@@ -104,6 +105,7 @@ def search(
     beyond: int = 0,
     kind: str = "walker-delta",
     finalists: int = 10,
+    least_approach: float = 0.0,
     workers: int = 2,
     progress: Callable[..., Iterable[Any]] = lambda items, **_: items,
 ) -> list[Candidate]:
@@ -129,6 +131,8 @@ def search(
         Name of one of `compass.orbits.kinds.KINDS`.
     finalists
         How many of the best get a certificate and certified geometry.
+    least_approach
+        Those in which two satellites come nearer than this, radians, do not count and go last.
     workers
         Threads; the result does not depend on them.
     progress
@@ -154,6 +158,7 @@ def search(
     cap = float(cap_radius(radius, sphere_radius, mask))
     sizes = [list(patterns(kind, t, radius, smallest=t)) for t in range(fold + 1, largest + 1)]
     found: list[Candidate] = []
+    close: list[Candidate] = []
     pool = ThreadPoolExecutor(workers)
 
     def size_after_size() -> Iterator[Candidate | None]:
@@ -165,12 +170,13 @@ def search(
     try:
         for one in progress(size_after_size(), total=sum(map(len, sizes))):
             if one is not None:
-                found.append(one)
-        found.sort(key=lambda c: (c.constellation.size, -round(c.mask_margin, 9)))
+                (found if one.closest_approach >= least_approach else close).append(one)
+        for some in (found, close):
+            some.sort(key=lambda c: (c.constellation.size, -round(c.mask_margin, 9)))
         best = list(pool.map(lambda c: _examine(c, fold, mask, figure), found[:finalists]))
     finally:
         pool.shutdown(cancel_futures=True)  # an interrupted search does not finish its list first
-    return best + found[len(best) :]
+    return best + found[len(best) :] + close
 
 
 def _best(
@@ -225,6 +231,17 @@ def closest_approach(constellation: Constellation) -> float:
     ``(P.P' + Q.Q')/2 + (P.P' - Q.Q')/2 cos 2x + (P.Q' + Q.P')/2 sin 2x``. A single satellite
     has pi.
     """
+    if constellation.size < 2:
+        return float(np.pi)
+    middle, swing = pair_cosines(constellation)
+    return float(np.arccos(np.clip((middle + swing).max(), -1.0, 1.0)))
+
+
+def pair_cosines(constellation: Constellation) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mean and amplitude of the cosine of the angle between each two satellites.
+
+    Of equal circular orbits; shape (pairs,). They do not change as the whole turns or goes on.
+    """
     c = constellation
     co, so = np.cos(c.raan), np.sin(c.raan)
     ci, si = np.cos(c.inclination), np.sin(c.inclination)
@@ -233,11 +250,8 @@ def closest_approach(constellation: Constellation) -> float:
     cu, su = np.cos(c.mean_anomaly)[:, np.newaxis], np.sin(c.mean_anomaly)[:, np.newaxis]
     p, q = node * cu + ahead * su, ahead * cu - node * su
     pp, qq, pq = p @ p.T, q @ q.T, p @ q.T
-    nearest = (pp + qq) / 2 + np.hypot((pp - qq) / 2, (pq + pq.T) / 2)
     pairs = np.triu_indices(c.size, k=1)
-    if not pairs[0].size:
-        return float(np.pi)
-    return float(np.arccos(np.clip(nearest[pairs].max(), -1.0, 1.0)))
+    return ((pp + qq) / 2)[pairs], np.hypot((pp - qq) / 2, (pq + pq.T) / 2)[pairs]
 
 
 def _examine(candidate: Candidate, fold: int, mask: float, figure: Figure) -> Candidate:

@@ -177,6 +177,18 @@ def test_the_worst_latitude_has_the_least_share():
     assert told.low >= 0.01 or told.high < 0.01
 
 
+def test_a_ring_over_the_equator_is_known_by_hand():
+    """Nine at 40 degrees: over one of them the fourth nearest stands 80 degrees away."""
+    c = walker_delta(9, 1, 0, inclination_deg=0, radius_km=20427.7)
+    belt = region_users(read_region("lat:-15:15"), SPHERE, Mask())
+    away = np.arccos(np.cos(np.radians(15)) * np.cos(np.radians(80)))
+    wanted = np.arctan2(np.cos(away) - R / 20427.7e3, np.sin(away))
+    found = least_clearance(c, belt, 4)
+    assert found.low <= wanted + 1e-9
+    assert found.high >= wanted - 1e-9
+    assert found.holds is True
+
+
 def test_a_horizon_open_to_one_side_counts_by_azimuth():
     """A wall to the south of 89 degrees: of a ring over the equator a northern site sees none."""
     c = walker_delta(24, 1, 0, inclination_deg=0, radius_km=20427)

@@ -83,7 +83,7 @@ def test_defaults():
     [
         ("radius_km = 20427", 20427e3),
         ("altitude_km = 800", MARS_EQUATORIAL_RADIUS.value + 800e3),
-        ('orbit = "areosynchronous"', compass.areosynchronous_radius()),
+        ('orbit = "areosynchronous"', 1e3 * compass.areosynchronous_radius_km()),
     ],
 )
 def test_three_ways_to_say_how_high(orbit, radius_m):

@@ -1,12 +1,20 @@
 import numpy as np
 import pytest
 
-from compass import areosynchronous_radius, ephemeris, walker_delta
+import compass
+from compass import ephemeris, walker_delta
 from compass.bodies import MARS_GM, MARS_J2, MARS_ROTATION_RATE, sidereal_day
 from compass.errors import ArgumentError
 from compass.frames import latitude_longitude
 from compass.inputs import read_design
-from compass.orbits import keplerian, orbital_period, positions_mcmf, repeat_period, states_mci
+from compass.orbits import (
+    areosynchronous_radius,
+    keplerian,
+    orbital_period,
+    positions_mcmf,
+    repeat_period,
+    states_mci,
+)
 from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import built_in_field
 from compass.orbits.motion import Motion, as_motion
@@ -189,3 +197,13 @@ def test_a_repeat_has_a_revolution_in_it():
     assert repeat.closure < 1e-6
     mixed = keplerian([axis, 1e7], [0.4, 0.0], 1.0, 0.0, 0.0, 0.0)
     assert repeat_period(mixed).sidereal_days >= 29
+
+
+@pytest.mark.parametrize("inclination_deg", [0.0, 45.0, 97.0])
+def test_the_radius_in_kilometres_and_degrees(inclination_deg):
+    """What a user types carries its unit; the track then closes after one rotation of Mars."""
+    radius_km = compass.areosynchronous_radius_km(j2=True, inclination_deg=inclination_deg)
+    node, periapsis, anomaly = secular_rates(1e3 * radius_km, 0.0, np.radians(inclination_deg))
+    assert node + periapsis + anomaly == pytest.approx(MARS_ROTATION_RATE.value, rel=1e-12)
+    with pytest.raises(ArgumentError, match="inclination_deg = 181"):
+        compass.areosynchronous_radius_km(inclination_deg=181.0)

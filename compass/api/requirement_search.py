@@ -1,0 +1,224 @@
+"""The smallest constellations that meet requirements, and the sentence that says what to build."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import degrees, radians, sin
+from pathlib import Path
+from typing import Any
+
+from compass.api.results import Result
+from compass.design import Design, Requirement
+from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
+from compass.document.blocks import Block
+from compass.document.plain import plain
+from compass.errors import ArgumentError
+from compass.frames import FIGURES
+from compass.handover.toml import design_toml
+from compass.inputs.requirement_file import Needs, read_needs
+from compass.orbits.constellation import Constellation
+from compass.quantities import quantity
+from compass.saving import replacing
+from compass.sites import Mask
+from compass.study.requirement_search import MOST_CERTIFIED, Found, Outcome, Question
+
+
+@dataclass(frozen=True, repr=False)
+class RequirementSearchResult(Result):
+    """Constellations that meet requirements, of the smallest size, the best first.
+
+    Attributes
+    ----------
+    question
+        What was looked for.
+    found
+        What was found.
+    """
+
+    question: Question
+    found: Outcome
+
+    @property
+    def holds(self) -> bool:
+        """Whether there is any."""
+        return bool(self.found.met)
+
+    @property
+    def best(self) -> Found:
+        """The first of the smallest.
+
+        Raises
+        ------
+        ArgumentError
+            Nothing was found.
+        """
+        if not self.found.met:
+            raise ArgumentError(f"search: {self.sentence}")
+        return self.found.met[0]
+
+    @property
+    def sentence(self) -> str:
+        """What to build, what is next best, and what was kept out and why."""
+        q, met = self.question, self.found.met
+        kept = "; ".join(f"{_name(k.constellation)} ({k.reason})" for k in self.found.kept_out)
+        out = f"; kept out: {kept}" if kept else ""
+        if not met:
+            kinds = " or ".join(q.kinds)
+            return f"No {kinds} of up to {q.largest} satellites meets all requirements{out}."
+        best = met[0]
+        c, angle = best.constellation, best.closest_approach
+        parts = [
+            f"Build {_name(c)} at {q.radius / 1e3:.6g} km: {c.size} satellites, "
+            + ", ".join(_said(verdict) for verdict in best.verdicts)
+        ]
+        if c.size > 1:
+            apart = 2.0 * q.radius * sin(angle / 2.0) / 1e3
+            parts.append(f"closest approach {apart:.0f} km ({degrees(angle):.1f} deg)")
+        other = met[1] if len(met) > 1 else self.found.next_best
+        following = f"{_name(other.constellation)}" if other is not None else "none looked at"
+        parts.append(f"next best {following}")
+        return "; ".join(parts) + out + "."
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        following = self.found.next_best
+        return plain(
+            {
+                "smallest": self.best.constellation.size if self.holds else None,
+                "candidates": [one.as_dict() for one in self.found.met],
+                "next_best": following.as_dict() if following else None,
+                "kept_out": [
+                    {"notation": _name(k.constellation), "reason": k.reason}
+                    for k in self.found.kept_out
+                ],
+                "sentence": self.sentence,
+                "radius_km": self.question.radius / 1e3,
+                "repeat": self.question.repeat,
+                "least_approach_deg": degrees(self.question.least_approach),
+                "max_satellites": self.question.largest,
+                "looked_at": self.found.looked_at,
+                "requirements": [r.claim for r in self.question.requirements],
+            }
+        )
+
+    def document(self) -> Page:
+        """The sentence, then what was found."""
+        how = (
+            f"{self.found.looked_at} patterns at an inclination (in whole degrees) and, where "
+            "tracks are declared closed, a turn over the ground; folds proven or refuted for each; "
+            "random samples put what is left in order, certified figures decide, of at most "
+            f"{MOST_CERTIFIED} a size"
+        )
+        word = "found" if self.holds else "none"
+        wanted = "; ".join(f"{r.name}: {r.claim}" for r in self.question.requirements)
+        blocks: list[Block] = [Verdict(word, self.sentence, self.holds), Sentence(wanted)]
+        if self.holds:
+            blocks.append(self._table())
+        return Page("Search for requirements", (*blocks, Sentence(how)))
+
+    def _table(self) -> Table:
+        near, margin = quantity("closest_approach_deg"), quantity("requirement_margin_deg")
+        share = quantity("requirement_share")
+        rows = []
+        following = self.found.next_best
+        for one in (*self.found.met, *((following,) if following else ())):
+            shares = [v.share for v in one.verdicts if v.share is not None]
+            low = min((s[0] for s in shares), default=1.0)
+            high = min((s[1] for s in shares), default=1.0)
+            room = None if one.margin is None else degrees(one.margin)
+            rows.append(
+                (
+                    _name(one.constellation),
+                    Value(quantity("satellites"), one.constellation.size),
+                    Value(margin, room),
+                    Value(share, low, Proven() if low == high else Bracket(low, high)),
+                    Value(near, degrees(one.closest_approach)),
+                )
+            )
+        header = (
+            "pattern", quantity("satellites").heading, margin.heading, share.heading, near.heading,
+        )  # fmt: skip
+        return Table("Constellations that meet all requirements", header, tuple(rows))
+
+    def write(self, path: str | Path, *, command: str = "compass.search") -> None:
+        """Write the best as a design file.
+
+        Raises
+        ------
+        ArgumentError, OutputError
+            Nothing was found, or the file cannot be written.
+        """
+        q = self.question
+        design = Design(
+            self.best.constellation,
+            source=f"Found by: {command}. {self.sentence}",
+            figure=q.figure,
+            mask=q.mask,
+            fold=max((r.fold or 4 for r in q.requirements), default=4),
+            stations=tuple({site.name: site for r in q.requirements for site in r.sites}.values()),
+            requirements=q.requirements,
+        )
+        text = design_toml(design)
+        with replacing(Path(path)) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+
+
+def needs_of(
+    require: str | Path | Sequence[Requirement] | None,
+    region: Sequence[str],
+    *,
+    fold: int | None,
+    mask_deg: float,
+    limits: Sequence[tuple[str, float]],
+    share: float,
+    share_of: Any,
+    figure: str,
+) -> Needs:
+    """What is needed: of a file, of requirements, or of options.
+
+    Raises
+    ------
+    ArgumentError, DesignError
+        Nothing is asked for, or as `read_needs`.
+    """
+    if isinstance(require, str | Path):
+        return read_needs(require)
+    shape, mask = FIGURES[figure], Mask.constant(radians(mask_deg))
+    if require is not None:
+        return Needs("requirements", shape, mask, tuple(require))
+    if fold is None and not limits:
+        raise ArgumentError("fold: missing; give it, pdop_at_most, or requirements (require)")
+    if not 0 < share <= 1:
+        raise ArgumentError(f"share = {share:g}: allowed above 0 to 1")
+    wanted = []
+    if fold is not None:
+        wanted.append(Requirement("fold", regions=tuple(region), fold=fold))
+    if limits:
+        wanted.append(
+            Requirement(
+                "geometry",
+                regions=tuple(region),
+                limits=tuple(limits),
+                share=share,
+                share_of=share_of,
+            )
+        )
+    return Needs("options", shape, mask, tuple(wanted))
+
+
+def _name(c: Constellation) -> str:
+    p = c.pattern
+    assert p is not None
+    kind = "" if p.kind == "walker-delta" else f"{p.kind} "
+    turned = f" from node {degrees(p.raan):.4g} deg" if p.raan else ""
+    counts = f"{p.satellites}/{p.planes}/{p.phasing}"
+    return f"{kind}{counts} at {degrees(p.inclination):.4g} deg{turned}"
+
+
+def _said(verdict: Any) -> str:
+    """How a requirement is met, in some words."""
+    wanted = verdict.requirement
+    if verdict.evidence == "proven":
+        return f"{wanted.wanted} proven ({wanted.name})"
+    low = int(verdict.share[0] * 1e5) / 1e3
+    of = "of the time" if wanted.share_of == "time" else "of area and time"
+    return f"{wanted.wanted} for at least {low:g} % {of} ({wanted.name})"

@@ -1,0 +1,191 @@
+"""Searches for requirements: small ones whose answers are known, and what is kept out."""
+
+import json
+
+import numpy as np
+import pytest
+
+import compass
+from compass import Requirement
+from compass.coverage.clearance import always_clear, region_users
+from compass.coverage.region import read_region
+from compass.errors import ArgumentError, DesignError
+from compass.frames import FIGURES
+from compass.inputs import read_design
+from compass.orbits.constellation import from_pattern
+from compass.orbits.pattern import Pattern
+from compass.sites import Mask, Site
+from compass.study import requirement_search as module
+
+EQUATOR = Site("equator", 0.0, 0.3)
+FILE = """
+name = "small"
+[coverage]
+mask_deg = 5
+[[station]]
+name = "E"
+latitude_deg = 0
+longitude_deg = 20
+[[requirement]]
+name = "one in view"
+sites = ["E"]
+fold = 1
+"""
+
+
+@pytest.fixture
+def flat(monkeypatch):
+    """Only a few inclinations: kernels are slow where they are interpreted."""
+    monkeypatch.setattr(module, "STEP", 45.0)
+    monkeypatch.setattr(module, "TURN_STEP", 40.0)
+
+
+def test_a_ring_for_a_site_on_the_equator(flat, tmp_path):
+    """Caps of 75 degrees: three satellites on the equator, and one over a place that it keeps."""
+    path = tmp_path / "needs.toml"
+    path.write_text(FILE)
+    found = compass.search(require=path, radius_km=20427.7, max_satellites=4)
+    assert found.holds
+    best = found.best.constellation
+    assert (best.size, best.inclination[0]) == (3, 0.0)
+    assert found.sentence.startswith("Build 3/")
+    assert "next best" in found.sentence
+    known = found.to_dict()
+    json.dumps(known, allow_nan=False)
+    assert (known["smallest"], known["sentence"]) == (3, found.sentence)
+    assert {"satellites", "planes", "phasing", "inclination_deg"} <= set(known["candidates"][0])
+    out = tmp_path / "found.toml"
+    found.write(out)
+    again = read_design(out)
+    assert again.constellation == best or again.constellation.size == 3
+    assert compass.check(again).holds
+    closed = compass.search(require=path, orbit="areosynchronous", max_satellites=2)
+    assert closed.best.constellation.size == 1
+    closed.write(out)
+    assert 'orbit = "areosynchronous"' in out.read_text()
+    assert compass.check(out).holds
+
+
+def test_what_meets_nothing_says_so(flat):
+    asked = [Requirement("both poles", regions=("lat:80:90",), fold=3)]
+    none = compass.search(require=asked, radius_km=9000, max_satellites=3)
+    assert not none.holds
+    assert none.sentence.startswith("No walker-delta of up to 3 satellites meets all requirements")
+    assert none.to_dict()["smallest"] is None
+    assert "NONE: No walker-delta" in str(none)
+    with pytest.raises(ArgumentError, match="search: No walker-delta"):
+        none.write("nowhere.toml")
+
+
+def test_geometry_keeps_a_ring_out(flat):
+    found = compass.search(
+        fold=4, region="lat:-5:5", pdop_at_most=10, share=0.5, radius_km=20427.7, max_satellites=9
+    )
+    ring = next(k for k in found.found.kept_out if k.constellation.inclination[0] == 0.0)
+    assert ring.constellation.size <= 9
+    assert not any(one.constellation.inclination[0] == 0.0 for one in found.found.met)
+
+
+def test_satellites_that_meet_are_kept_out(flat):
+    asked = [Requirement("one", regions=("lat:-5:5",), fold=1)]
+    close = compass.search(require=asked, radius_km=20427.7, max_satellites=4, least_approach_deg=0)
+    apart = compass.search(
+        require=asked, radius_km=20427.7, max_satellites=4, least_approach_deg=100
+    )
+    assert close.best.closest_approach <= apart.best.closest_approach
+    assert np.degrees(apart.best.closest_approach) >= 100
+    assert "kept out" in apart.sentence
+    assert "come within" in apart.sentence
+
+
+def test_turns_over_the_ground_are_all_there_are():
+    """Three on one plane of closed tracks: a turn of 120 degrees brings them back."""
+    q = module.Question((), FIGURES["iau-sphere"], Mask(), 2e7, (1, 1), 0.0, ("walker-delta",), 3)
+    turns = module._turns(q, Pattern("walker-delta", 3, 1, 0, 0.0))
+    assert max(turns) < np.radians(120) <= max(turns) + 2 * (turns[1] - turns[0])
+    half = module._turns(
+        module.Question((), q.figure, q.mask, q.radius, (2, 1), 0.0, q.kinds, 3),
+        Pattern("walker-delta", 3, 1, 0, 0.0),
+    )
+    assert max(half) < np.radians(60) + 1e-9
+    open_ = module.Question((), q.figure, q.mask, q.radius, None, 0.0, q.kinds, 3)
+    assert module._turns(open_, Pattern("walker-delta", 3, 1, 0, 0.0)) == [0.0]
+
+
+def test_sampled_geometry_is_the_same_by_a_matrix_at_a_time():
+    rng = np.random.default_rng(4)
+    local = rng.normal(size=(50, 6, 3))
+    local /= np.linalg.norm(local, axis=-1, keepdims=True)
+    seen = rng.random((50, 6)) < 0.8
+    asked = Requirement("a", limits=(("pdop", 3.0), ("tdop", 2.0)))
+    good = module._over(local, seen, asked) <= 1.0
+    for rows, mask, verdict in zip(local, seen, good, strict=True):
+        if mask.sum() < 4:
+            assert not verdict
+            continue
+        h = np.column_stack([rows[mask], np.ones(mask.sum())])
+        q = np.linalg.inv(h.T @ h)
+        assert verdict == (np.trace(q[:3, :3]) <= 9.0 and q[3, 3] <= 4.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("band", "mask", "size"), [(15, 0, 9), (30, 0, 10)])
+def test_bands_against_a_brute_force_of_others(band, mask, size, monkeypatch):
+    """Fold alone, Walker delta at 20,427.7 km: one size below nothing covers."""
+    monkeypatch.setattr(module, "STEP", 15.0)
+    users = region_users(
+        read_region(f"lat:-{band}:{band}"), FIGURES["iau-sphere"], Mask.constant(np.radians(mask))
+    )
+    asked = Requirement(
+        "band", regions=(f"lat:-{band}:{band}",), fold=4, mask=float(np.radians(mask))
+    )
+    q = module.Question(
+        (asked,), FIGURES["iau-sphere"], Mask(), 20427.7e3, None, 0.0, ("walker-delta",), 16
+    )
+    less = module._folded(q, list(module._candidates(q, size - 1)), 2)
+    assert less == []
+    found = module._folded(q, list(module._candidates(q, size)), 2)
+    assert found
+    assert always_clear(found[0], users, 4)
+
+
+def test_bad_files_and_options_are_told(tmp_path, run):
+    path = tmp_path / "needs.toml"
+    path.write_text(FILE.replace('"E"]', '"F"]'))
+    with pytest.raises(DesignError, match="sites = 'F': no such"):
+        compass.search(require=path, radius_km=2e4, max_satellites=3)
+    path.write_text('name = "x"\n[constellation]\npattern = "walker-delta"\nsatellites = 3\n'
+                    "planes = 1\nphasing = 0\ninclination_deg = 0\nradius_km = 20000\n")  # fmt: skip
+    with pytest.raises(DesignError, match="requires nothing; add a"):
+        compass.search(require=path, radius_km=2e4, max_satellites=3)
+    for options, message in (
+        ({"share": 2.0}, "share = 2: allowed above 0 to 1"),
+        ({"least_approach_deg": -1}, "least_approach_deg = -1: allowed 0 up to below 180"),
+        ({"max_satellites": 100}, "max_satellites = 100: allowed 1 to 64"),
+        ({"mask_deg": 95}, "mask_deg = 95: allowed 0 up to below 90"),
+        ({"finalists": 0}, "finalists = 0: must be 1 or more"),
+        ({"fold": None}, "fold: missing; give it, pdop_at_most, or requirements"),
+        ({"region": ()}, ""),
+    ):
+        asked = {"fold": 1, "region": "globe", "radius_km": 2e4, "max_satellites": 1} | options
+        if message:
+            with pytest.raises(ArgumentError, match=message):
+                compass.search(**asked)
+    with pytest.raises(ArgumentError, match="fold: missing; give it, a region and a limit"):
+        compass.search(radius_km=2e4, max_satellites=1)
+    code, _, err = run(
+        "search", "--max-satellites", 3, "--radius-km", 20000, "--require", "no.toml"
+    )
+    assert code == 2
+    assert "no.toml: no such file" in err
+
+
+def test_twins_are_one():
+    one = from_pattern(Pattern("walker-delta", 6, 3, 0, 0.0), 2e7)
+    other = from_pattern(Pattern("walker-delta", 6, 6, 3, 0.0), 2e7)
+    lean = from_pattern(Pattern("walker-delta", 6, 3, 0, 0.3), 2e7)
+    assert module._shape(one) == module._shape(one)
+    assert module._shape(one) != module._shape(lean)
+    assert (module._shape(one) == module._shape(other)) == np.allclose(
+        *(np.sort(np.concatenate(module.pair_cosines(c))) for c in (one, other))
+    )
