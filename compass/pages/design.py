@@ -41,6 +41,7 @@ from compass.pages.found import Found
 from compass.pages.globe.piece import globe
 from compass.pages.globe.still import still_picture
 from compass.pages.lasting import lasting_section
+from compass.pages.metres import metres_section, tracking_section
 from compass.pages.neighbours import Neighbour, neighbours
 from compass.pages.orbits import cap_picture, orbit_picture, track_picture
 from compass.pages.page import render
@@ -282,6 +283,8 @@ SECTIONS: tuple[tuple[str, Callable[[Found, list[Neighbour]], Section | None]], 
     ("requirements", _requirements),
     ("coverage", _coverage),
     ("geometry and accuracy", _accuracy),
+    ("errors in metres", lambda found, _: metres_section(found.mapped)),
+    ("who tracks them", lambda found, _: tracking_section(found.design)),
     ("stations and links", _links),
     ("orbits", _orbits),
     ("how long it lasts", lambda found, _: lasting_section(found.design, found.outlook)),
