@@ -90,8 +90,8 @@ class MapResult(Result):
             (
                 Verdict("" if met else "missed", claim, met),
                 *self.tables(),
-                *self._errors(),
-                *self._protection(),
+                *self.error_blocks(),
+                *self.protection_blocks(),
                 *(Sentence(said) for said in self.certain()),
                 Sentence(how),
                 *self._between_epochs(),
@@ -119,7 +119,7 @@ class MapResult(Result):
         worst = self.certified.worst if self.certified else None
         return () if worst is None else (f"The largest PDOP is {worst.sentence}.",)
 
-    def _errors(self) -> tuple[Table | Sentence, ...]:
+    def error_blocks(self) -> tuple[Table | Sentence, ...]:
         """Errors of fixes over area and time, with what sampling leaves of doubt."""
         if "global_error" not in self.dataset:
             return ()
@@ -162,7 +162,7 @@ class MapResult(Result):
             ),
         )
 
-    def _protection(self) -> tuple[Table | Sentence, ...]:
+    def protection_blocks(self) -> tuple[Table | Sentence, ...]:
         """Protection levels over area and time, and what they promise."""
         promise = self.design.integrity
         if "global_protection" not in self.dataset or promise is None:

@@ -71,10 +71,11 @@ def slow_pushes(field: GravityField, radius: ArrayLike, inclination: ArrayLike) 
     rate = turning + over_ground
     with np.errstate(divide="ignore", invalid="ignore"):
         swing = np.where(amplitude == 0.0, 0.0, 6.0 * abs(amplitude) / (a[:, None, None] * rate**2))
-    flat = np.argsort(-swing.reshape(a.size, -1), axis=1, kind="stable")[:, :KEPT]
+    waves = size * field.degree  # said, because of no orbit none could be told
+    flat = np.argsort(-swing.reshape(a.size, waves), axis=1, kind="stable")[:, :KEPT]
 
     def chosen(values: NDArray) -> NDArray:
-        whole = np.broadcast_to(values, swing.shape).reshape(a.size, -1)
+        whole = np.broadcast_to(values, swing.shape).reshape(a.size, waves)
         return np.take_along_axis(whole, flat, axis=1)
 
     kept = chosen(2.0 * amplitude)

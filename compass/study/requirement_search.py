@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.bodies import MARS_ROTATION_RATE
 from compass.coverage.clearance import Users, least_clearance
 from compass.coverage.fold_verdict import course_of, fold_always_met, users_of
 from compass.coverage.requirement_verdict import verdict_of
 from compass.coverage.verdict import Verdict
 from compass.design import Design, Requirement
 from compass.errors import ArgumentError
-from compass.frames import Figure
+from compass.frames import Figure, prime_meridian_angle
 from compass.orbits import Constellation, Pattern, states_mci
 from compass.orbits.constellation import from_pattern
 from compass.orbits.kinds import ROSETTE, WALKER_DELTA, WALKER_STAR, kind_of, least_multiplier
@@ -343,6 +344,8 @@ def _shape(c: Constellation) -> tuple[float, bytes]:
 def _hopeless(question: Question, one: Found) -> bool:
     """Whether samples are so far below the share wanted that chance does not explain it."""
     wanted = min((r.share for r in question.geometry), default=0.0)
+    if wanted == 1.0:  # a sample that misses is a miss
+        return one.sampled < 1.0
     sigma = np.sqrt(max(wanted * (1.0 - wanted), 1.0 / SAMPLES) / SAMPLES)
     return one.sampled < wanted - 4.0 * sigma
 
@@ -368,12 +371,13 @@ def _why(verdict: Verdict) -> str:
 
 
 def _ranked(question: Question, one: Found) -> tuple[tuple[float, ...], Found]:
-    """Where a candidate stands: more samples with good geometry first, then more room."""
-    c, share, room = one.constellation, 1.0, np.inf
+    """Where a candidate stands: more samples with good geometry, the worst better, more room."""
+    c, share, room, worst = one.constellation, 1.0, np.inf, 0.0
     design = question.design(c)
     for wanted in question.geometry:
         for users in users_of(design, wanted):
-            share = min(share, _sampled(c, users, wanted))
+            found, most = _sampled(c, users, wanted)
+            share, worst = min(share, found), max(worst, most)
     for wanted in () if question.geometry else question.always:
         assert wanted.fold is not None
         for users in users_of(design, wanted):
@@ -384,16 +388,23 @@ def _ranked(question: Question, one: Found) -> tuple[tuple[float, ...], Found]:
             asked = users if span is not None else users.belt()
             about = least_clearance(c, asked, wanted.fold, span=span, tolerance=3e-3, most=20_000)
             room = min(room, about.high)
-    return (-share, -room), replace(one, sampled=share)
+    return (-share, worst, -room), replace(one, sampled=share)
 
 
-def _sampled(c: Constellation, users: Users, wanted: Requirement) -> float:
-    """Share of random places and moments with the geometry wanted."""
+def _sampled(c: Constellation, users: Users, wanted: Requirement) -> tuple[float, float]:
+    """Share of random places and moments with the geometry wanted, and the worst over its limit.
+
+    A site under closed tracks keeps its longitude over Mars; all others take any.
+    """
     rng = np.random.default_rng(0)
     low, high = np.sin([users.south, users.north])
     latitude = np.arcsin(rng.uniform(low, high, SAMPLES))
+    times = rng.uniform(0, 1e7, SAMPLES)
     longitude = rng.uniform(0, 2 * np.pi, SAMPLES)
-    r = np.moveaxis(states_mci(c, rng.uniform(0, 1e7, SAMPLES))[0], 1, 0)
+    if c.repeat is not None and users.longitude is not None:
+        longitude = users.longitude + prime_meridian_angle(c.epoch, 0.0) + np.zeros(SAMPLES)
+        longitude = longitude + MARS_ROTATION_RATE.value * times
+    r = np.moveaxis(states_mci(c, times)[0], 1, 0)
     cb, sb, cl, sl = np.cos(latitude), np.sin(latitude), np.cos(longitude), np.sin(longitude)
     up = np.stack([cb * cl, cb * sl, sb], axis=-1)
     east = np.stack([-sl, cl, 0 * sl], axis=-1)
@@ -406,13 +417,14 @@ def _sampled(c: Constellation, users: Users, wanted: Requirement) -> float:
     elevation = np.arcsin(np.clip(local[..., 2], -1, 1))
     azimuth = np.mod(np.arctan2(local[..., 0], local[..., 1]), 2 * np.pi)
     seen = elevation >= users.mask.at(azimuth) + users.below
-    return float(np.mean(_good(local, seen, wanted)))
+    over = _over(local, seen, wanted)
+    return float(np.mean(over <= 1.0)), float(over.max())
 
 
-def _good(
+def _over(
     local: NDArray[np.float64], seen: NDArray[np.bool_], wanted: Requirement
-) -> NDArray[np.bool_]:
-    """Whether dilutions of east-north-up lines of sight (t, n, 3) are within all limits."""
+) -> NDArray[np.float64]:
+    """Largest dilution over its limit, of east-north-up lines of sight (t, n, 3)."""
     rows = np.concatenate([local, np.ones((*local.shape[:2], 1))], axis=-1) * seen[..., np.newaxis]
     normal = np.einsum("tna,tnb->tab", rows, rows)
     able = (seen.sum(axis=1) >= 4) & (np.linalg.cond(normal) < 1e10)
@@ -425,7 +437,5 @@ def _good(
         "vdop": d[:, 2],
         "tdop": d[:, 3],
     }
-    good = able
-    for name, limit in wanted.limits:
-        good = good & (squares[name] <= limit * limit)
-    return good
+    over = np.max([np.sqrt(squares[name]) / limit for name, limit in wanted.limits], axis=0)
+    return np.where(able, over, np.inf)

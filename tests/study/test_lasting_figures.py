@@ -147,3 +147,10 @@ def test_resonant_candidates_do_not_last(tmp_path):
     page = compass.report(path, store=store, output=tmp_path / "page").page.read_text()
     assert "none needed" in page
     assert "days that the fold is proven on real orbits" in page
+
+
+def test_no_orbit_has_no_pushes_and_is_no_error():
+    """A block of candidates may have none whose orbits are to be looked at."""
+    field = built_in_field().truncated(4)
+    none, one = slow_pushes(field, [], []), slow_pushes(field, [2e7], [0.7])
+    assert none.rates.shape == (0, *one.rates.shape[1:]) and none.waves.shape[0] == 0

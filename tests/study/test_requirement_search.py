@@ -118,7 +118,7 @@ def test_sampled_geometry_is_the_same_by_a_matrix_at_a_time():
     local /= np.linalg.norm(local, axis=-1, keepdims=True)
     seen = rng.random((50, 6)) < 0.8
     asked = Requirement("a", limits=(("pdop", 3.0), ("tdop", 2.0)))
-    good = module._good(local, seen, asked)
+    good = module._over(local, seen, asked) <= 1.0
     for rows, mask, verdict in zip(local, seen, good, strict=True):
         if mask.sum() < 4:
             assert not verdict

@@ -244,16 +244,16 @@ def pursue(
     for i in range(leaves.shape[0]):
         stack[0] = leaves[i]
         share = budget * (i + 1) // leaves.shape[0]  # no leaf takes the time of those after it
-        depth = 1
+        depth, lost = 1, False  # a leaf with a box too small to be split is left as it is
         while depth > 0:
             depth -= 1
             box = stack[depth].copy()
             if box[6] <= max(best[0], enough):
                 continue
-            wide = box[6] > best[0] * ratio and best[0] < beyond and not stuck
+            wide = box[6] > best[0] * ratio and best[0] < beyond and not lost
             if wide and looked < share:
-                stuck = depth >= 250 or not split(box, speed, stack[depth], stack[depth + 1])
-                wide = not stuck
+                lost = depth >= 250 or not split(box, speed, stack[depth], stack[depth + 1])
+                stuck, wide = stuck or lost, not lost
             if wide and looked < share:
                 first = depth
                 for side in range(2):
