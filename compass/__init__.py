@@ -15,6 +15,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.drift import drift
     from compass.api.export import export
     from compass.api.fold import fold
+    from compass.api.horizon import horizon
     from compass.api.judge import judge
     from compass.api.keep import keep
     from compass.api.land import land
@@ -66,6 +67,7 @@ __all__ = [
     "export",
     "fold",
     "from_elements",
+    "horizon",
     "intersection_weights",
     "judge",
     "keep",
@@ -99,6 +101,7 @@ _COMMANDS = (
     "drift",
     "export",
     "fold",
+    "horizon",
     "judge",
     "keep",
     "land",

@@ -66,6 +66,8 @@ def test_files_of_the_pages_read():
     assert read_design_text(toml("why/conventions.md")[0]).constellation.size == 15
     assert read_design_text(toml("tutorial.md")[0]).stations[1].name == "Oxia Planum"
     assert read_design_text(toml("howto/requirements.md")[0]).requirements[0].fold == 4
+    promised = read_design_text(toml("howto/accuracy.md")[0])
+    assert promised.signal and promised.tracking and promised.integrity
     study = read_study_text(toml("howto/study.md")[0], folder=DOCS.parent / "designs")
     assert study.entry is not None and study.compare is not None
 

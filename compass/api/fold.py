@@ -11,7 +11,7 @@ from compass.api.progress import bar
 from compass.api.results import Result
 from compass.coverage.certificate import Outcome
 from compass.coverage.clearance import Clearance, least_clearance, site_users
-from compass.coverage.continuous import ContinuousCoverage, continuous_coverage
+from compass.coverage.continuous import STEPS, ContinuousCoverage, continuous_coverage
 from compass.coverage.lasting import prove_span
 from compass.coverage.region import GLOBE, read_region
 from compass.design import Design
@@ -379,17 +379,24 @@ def fold(
         return _over_days(
             read, wanted, mask, region, days, duration_h, start_day, losses, chosen, progress
         )
-    found = continuous_coverage(
-        read.constellation,
-        wanted,
-        sphere_radius=read.figure.equatorial_radius,
-        stretch=read.figure.stretch,
-        mask=mask,
-        region=GLOBE if region is None else read_region(region),
-        duration=None if duration_h is None else duration_h * 3600.0,
-        losses=losses,
-        progress=lambda sets: bar(progress, "losses", sets),
-    )
+    with bar(progress, "fold", total=len(STEPS), leave=False) as steps:
+
+        def begin(step: str, revolutions: float) -> None:
+            steps.set_description(f"fold: {step}, over {revolutions:.3g} revolutions")
+            steps.update(STEPS.index(step) - steps.n)
+
+        found = continuous_coverage(
+            read.constellation,
+            wanted,
+            sphere_radius=read.figure.equatorial_radius,
+            stretch=read.figure.stretch,
+            mask=mask,
+            region=GLOBE if region is None else read_region(region),
+            duration=None if duration_h is None else duration_h * 3600.0,
+            losses=losses,
+            progress=lambda sets: bar(progress, "losses", sets),
+            begin=begin,
+        )
     region_name = found.certificate.region.name
     sites: tuple[tuple[Site, Clearance], ...] = ()
     if region is None and duration_h is None and one_period(read.constellation):

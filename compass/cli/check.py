@@ -5,7 +5,13 @@ from typing import Any
 
 import click
 
-from compass.cli.shared import announce_compilation, design_argument, json_option, print_result
+from compass.cli.shared import (
+    announce_compilation,
+    design_argument,
+    json_option,
+    print_result,
+    watched,
+)
 
 
 @click.command()
@@ -27,4 +33,4 @@ def command(design: Path, as_json: bool, **options: Any) -> None:
     announce_compilation()
     import compass
 
-    print_result(compass.check(design, progress=True, **options), as_json)
+    print_result(compass.check(design, progress=watched(), **options), as_json)

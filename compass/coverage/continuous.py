@@ -24,6 +24,9 @@ from compass.orbits import Constellation
 from compass.orbits.symmetry import one_circle
 from compass.sites import Mask
 
+#: What is settled of continuous coverage, in order.
+STEPS = ("the claim", "folds", "cap radius and shares", "lowest altitude", "highest mask")
+
 
 @dataclass(frozen=True)
 class ContinuousCoverage:
@@ -82,6 +85,7 @@ def continuous_coverage(
     stretch: float = 1.0,
     losses: int = 0,
     progress: Callable[[Sequence[Any]], Any] = iter,
+    begin: Callable[[str, float], None] = lambda step, revolutions: None,
 ) -> ContinuousCoverage:
     """Settle continuous coverage, and how far it is from failing or from holding.
 
@@ -100,6 +104,9 @@ def continuous_coverage(
         Look at every loss of 1 up to so many satellites.
     progress
         Wraps the list of sets of lost satellites, as tqdm does.
+    begin
+        Told each of `STEPS` before it is settled, and over how many revolutions of the fastest
+        satellite, which is what it costs.
 
     Raises
     ------
@@ -112,12 +119,16 @@ def continuous_coverage(
     span = shortest_span(c, region, duration)
     if losses:
         unlike_subsets(c, losses, region, duration)  # refuse too many before any work
+    turns = _revolutions(c, span)
+    begin(STEPS[0], turns)
     outcome, certificate = _settle(c, fold, sphere, mask, region, span, stretch)
+    begin(STEPS[1], turns)
     # caps are alike on a sphere only
     high, globe, alike = mask.highest, region.is_globe, one_circle(c) and stretch == 1.0
     least, greatest = fold_range(
         c, sphere_radius=sphere, mask=high, region=region, span=span, stretch=stretch
     )
+    begin(STEPS[2], turns)
     worst = covering_radius(c, fold, span=span) if globe and stretch == 1.0 else None
     shares = (
         mean_fold_shares(c, sphere_radius=sphere, mask=high, span=span) if globe and alike else None
@@ -125,6 +136,7 @@ def continuous_coverage(
     guess = None
     if worst is not None and alike and np.isfinite(worst.radius):
         guess = lowest_altitude(worst.radius, sphere, high)
+    begin(STEPS[3], turns)
     altitude = lowest_orbit(
         c,
         fold,
@@ -151,6 +163,7 @@ def continuous_coverage(
         )
         for number in range(1, losses + 1)
     )
+    begin(STEPS[4], turns)
     margin = highest_mask(c, fold, sphere_radius=sphere, region=region, span=span, stretch=stretch)
     return ContinuousCoverage(
         outcome=outcome,
@@ -166,6 +179,11 @@ def continuous_coverage(
         shares=shares,
         losses=lost,
     )
+
+
+def _revolutions(c: Constellation, span: Span) -> float:
+    """How often the fastest satellite goes round in a span."""
+    return float(c.mean_motion.max(initial=0.0)) * (span.stop - span.start) / (2.0 * np.pi)
 
 
 def _settle(

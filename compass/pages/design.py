@@ -17,6 +17,7 @@ from compass.api.map import MapResult
 from compass.api.outlook import outlook
 from compass.api.reproduce import comparison_table
 from compass.api.show import show
+from compass.bodies import SOLAR_DAY
 from compass.core.ranking import nearest_rank
 from compass.coverage.site import site_coverage
 from compass.design import Design
@@ -105,12 +106,20 @@ def look_at(
     progress("access")
     wanted = design.access
     linked = design.stations or wanted.moons or wanted.earth or wanted.crosslinks
-    links = access(design, eclipse=True) if linked else None
+    links = access(design, eclipse=True, duration_sols=_known_sols(design)) if linked else None
     progress("how long it lasts")
     lasts = outlook(design)
     progress("requirements")
     checked = check(design) if design.requirements else None
     return Found(design, show(design), mapped, proven, links, lasts, checked)
+
+
+def _known_sols(design: Design) -> float | None:
+    """Sols for which an ephemeris is known, if that is less than what the design asks for."""
+    table = design.motion.table
+    if table is None or table.stop >= design.access_duration:
+        return None
+    return table.stop / SOLAR_DAY.value
 
 
 def provenance_rows(found: Found, command: str) -> list[tuple[str, str]]:

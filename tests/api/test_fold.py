@@ -6,9 +6,12 @@ import pytest
 
 import compass
 from compass.coverage.certificate import Outcome
+from compass.coverage.continuous import STEPS, continuous_coverage
 from compass.document import html, text
 from compass.errors import ArgumentError
+from compass.orbits import orbital_period
 from compass.orbits.constellation import from_pattern
+from compass.sites import Mask
 
 
 @pytest.fixture(scope="module")
@@ -89,3 +92,22 @@ def test_margins_hold_as_they_are_printed(designs, name, fold):
         design, constellation=from_pattern(design.constellation.pattern, radius)
     )
     assert compass.fold(lower, fold=fold).outcome == "proven"
+
+
+def test_what_a_long_claim_costs_is_told_before_each_step():
+    """Every step, in order, and the revolutions of the fastest satellite that it looks at."""
+    c = compass.from_elements(
+        semi_major_axis_km=[9000, 20000.5], inclination_deg=[10, 50], satellite_names=["a", "b"]
+    )
+    told, hours = [], 3.0
+    continuous_coverage(
+        c,
+        1,
+        sphere_radius=3396.19e3,
+        mask=Mask(),
+        duration=hours * 3600,
+        begin=lambda step, revolutions: told.append((step, revolutions)),
+    )
+    assert [step for step, _ in told] == list(STEPS)
+    turns = hours * 3600 / orbital_period(9000e3)
+    assert [number for _, number in told] == pytest.approx([turns] * len(STEPS))

@@ -1,6 +1,7 @@
 """``compass fold`` as a user runs it."""
 
 import json
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -77,7 +78,10 @@ def test_proven_is_0_and_the_json_is_complete(design):
     assert sum(found["fold_share"]) == pytest.approx(1.0)
     assert found["fold_share"][0] == 0.0
     assert found["witness"] is None
-    assert 0 < found["mask_margin_deg"] < 30
+    # the elevation at the rim of that cap, of the triangle of centre, user and satellite
+    cap = math.radians(found["cap_radius_min_deg"])
+    rim = math.degrees(math.atan2(math.cos(cap) - 3396.19 / 20428, math.sin(cap)))
+    assert found["mask_margin_deg"] == pytest.approx(rim, abs=1e-3)
     (after,) = found["after_losses"]
     assert after["losses"] == 1
     assert after["min_fold"] == 0
@@ -160,7 +164,7 @@ def test_an_undecided_claim_names_what_is_left(design, monkeypatch):
         (["--losses", "-1"], "losses = -1"),
         (["--losses", "7"], "losses = 7"),
         (["--region", "moon"], "region = moon"),
-        (["--duration-h", "0"], "duration = 0"),
+        (["--duration-h", "0"], "duration_h = 0"),
     ],
 )
 def test_bad_options(design, arguments, message):

@@ -317,3 +317,25 @@ def test_orbits_inside_the_planet_and_none_at_all_are_refused():
             certified_percentile(walker(5, 5, 1), percent)
     with pytest.raises(ArgumentError, match="precision"):
         certified_percentile(walker(5, 5, 1), 50, precision=0)
+
+
+@pytest.mark.slow
+def test_a_place_under_closed_tracks_is_not_its_circle():
+    """An independent program says 0.9456 at the worst place of +-60 deg and 0.9916 on its circle."""
+    pattern = walker_delta(17, 17, 3, inclination_deg=44.2, orbit="areosynchronous")
+    mask, latitude, longitude = math.radians(5), math.radians(32), math.radians(14)
+    circle = certified_share(pattern, 6.0, mask=mask, place=Circle(latitude), width=1e-5)
+    assert circle.low == pytest.approx(0.9916, abs=2e-4)
+    spot = Spot(latitude, longitude)
+    place = certified_share(pattern, 6.0, mask=mask, place=spot, closed=True, width=1e-5)
+    assert place.high == pytest.approx(0.9456, abs=1e-3)
+    # where tracks are not said to close, a place stands for its circle
+    open_ = certified_share(pattern, 6.0, mask=mask, place=spot, width=1e-5)
+    assert (open_.low, open_.high) == (circle.low, circle.high)
+    generator, day = np.random.default_rng(2), 2 * np.pi / pattern.mean_motion[0]
+    horizon, sphere = Mask.constant(mask), FIGURES["iau-sphere"]
+    where = np.full((4000, 2), (latitude, longitude))
+    times = generator.uniform(0, day, 4000)
+    agrees(place, *sampled(pattern, 6.0, "pdop", sphere, horizon, where, times))
+    where[:, 1] = generator.uniform(0, 2 * np.pi, 4000)
+    agrees(circle, *sampled(pattern, 6.0, "pdop", sphere, horizon, where, times))

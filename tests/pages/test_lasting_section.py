@@ -1,12 +1,21 @@
 """How long a design lasts, as its page says it."""
 
+from dataclasses import replace
+
 import pytest
 
 import compass
 from compass.api import outlook as module
 from compass.api.drift import RadiusLasts
 from compass.api.outlook import Outlook, commands, outlook
+from compass.bodies import SOLAR_DAY
+from compass.coverage.certificate import Outcome
+from compass.coverage.lasting import Lasting
+from compass.coverage.region import GLOBE
+from compass.errors import ArgumentError
 from compass.inputs import read_design_text
+from compass.orbits.motion import Motion
+from compass.pages.design import _known_sols
 from compass.pages.lasting import (
     TITLE,
     lasting_advice,
@@ -200,3 +209,77 @@ def test_orbits_without_slots_are_followed_all_the_same(near):
     found = outlook(oval)
     assert (found.radius_km, found.radii) == (None, ())
     assert lasting_verdicts(oval, found)[0].holds is False
+
+
+class Asked:
+    """Stand-ins for what takes long: a claim that is lost, radii that last from a distance on."""
+
+    def __init__(self, monkeypatch, lasts_from):
+        self.radii = []
+        self.lasts_from = lasts_from
+        monkeypatch.setattr(module, "kept", lambda question, work: (work(), False))
+        monkeypatch.setattr(module, "_claim", lambda design, horizon: self.claim(horizon))
+        monkeypatch.setattr(module, "_over_time", lambda design, days: DRIFT | {"end": days})
+        monkeypatch.setattr(module, "at_radii", self.at_radii)
+
+    def claim(self, horizon):
+        stop = horizon * 86400.0
+        return Lasting(
+            Outcome.REFUTED,
+            1,
+            GLOBE,
+            0.0,
+            stop,
+            30 * 86400.0,
+            30 * 86400.0 + 1.0,
+            None,
+            (),
+            9,
+            "x",
+            "",
+        )
+
+    def at_radii(self, design, radii, *, days, fold, mask):
+        own = design.constellation.semi_major_axis[0] / 1e3
+        self.radii += [round(r - own) for r in radii]
+        return tuple(
+            RadiusLasts(r, days if abs(r - own) >= self.lasts_from else 40.0, None, 5.0, 9.0, True)
+            for r in radii
+        )
+
+
+def test_radii_are_tried_from_near_to_far(monkeypatch):
+    def refuse(design):
+        raise ArgumentError("box_deg = 0: must be more than 0")
+
+    monkeypatch.setattr(module, "keep", refuse)
+    resonant = Asked(monkeypatch, 400)
+    found = outlook(ring())
+    assert resonant.radii == [-400, 400]
+    assert [r.days_proven for r in found.lasting_radii] == [687.0, 687.0]
+    assert found.keeping is None
+    assert found.notes == ("keeping: box_deg = 0: must be more than 0",)
+    assert found.drift["end"] == 37.5
+    stubborn = Asked(monkeypatch, 800)
+    assert len(outlook(ring()).lasting_radii) == 2
+    assert stubborn.radii == [-400, 400, -800, 800]
+    trimmed = Asked(monkeypatch, 0)
+    assert outlook(ring(radius=18000)).lasting_radii[0].radius_km == 18000
+    assert trimmed.radii == [0]
+
+
+def test_many_satellites_are_followed_for_less_time(monkeypatch):
+    monkeypatch.setattr(module, "keep", lambda design: None)
+    asked = Asked(monkeypatch, 400)
+    found = outlook(ring(n=41))
+    assert found.horizon_days == pytest.approx(15 * 687 / 41)
+    assert asked.radii == []
+    assert len(found.notes) == 2
+
+
+def test_access_of_an_ephemeris_looks_as_far_as_it_is_known():
+    path = Motion().trajectory(ring().constellation, 0.0, 2 * 86400.0)
+    design = replace(ring(), motion=Motion("ephemeris", table=path))
+    assert _known_sols(design) * SOLAR_DAY.value == pytest.approx(2 * 86400.0)
+    assert _known_sols(replace(design, access_duration=86400.0)) is None
+    assert _known_sols(ring()) is None

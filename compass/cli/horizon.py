@@ -1,0 +1,52 @@
+"""``compass horizon``: horizons of stations from a grid of heights."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from compass.cli.shared import (
+    announce_compilation,
+    design_argument,
+    json_option,
+    print_result,
+    say,
+    watched,
+)
+
+
+@click.command()
+@design_argument
+@click.option(
+    "--terrain",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="GeoTIFF or netCDF grid of heights.",
+)
+@click.option("--variable", help="Name of the heights in a netCDF file that has several.")
+@click.option(
+    "--latitude-kind",
+    type=click.Choice(["planetocentric", "planetographic"]),
+    default="planetocentric",
+    show_default=True,
+    help="Kind of latitude of a netCDF grid.",
+)
+@click.option("--above-m", type=float, default=0.0, help="Height of stations over the ground, m.")
+@click.option("--azimuths", type=int, default=360, show_default=True, help="Steps all around.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), help="Write the design with the horizons."
+)
+@json_option
+def command(output: Path | None, design: Path, as_json: bool, **options: Any) -> None:
+    """Draw the horizon of every station from terrain, and write it into a design file."""
+    announce_compilation()
+    import compass
+    from compass.saving import check_writable
+
+    if output is not None:
+        check_writable(output)
+    found = compass.horizon(design, progress=watched(), **options)
+    print_result(found, as_json)
+    if output is not None:
+        found.write(output)
+        say(f"wrote {output}")
