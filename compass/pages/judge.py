@@ -87,18 +87,24 @@ def answer_section(record: dict[str, Any], carrying: Picture) -> Section:
         lead += (
             " That is the bound: the filter flown on it is inconsistent, so no accuracy is claimed."
         )
-    answers = (
-        Answer(
-            str(row["design"]),
-            f"{significant(row['crlb_position_m']['p95'], 3)} m in 95 %, worst found "
-            f"{significant(row['worst_found']['value'], 3)} m",
-            row["crlb_position_m"]["p95"] <= goal and row["worst_found"]["value"] <= goal,
-            f"bound of {record['samples']:,} entries{_filter_words(row)}",
-        )
-        for row in rows
-    )
+    answers = (landing_answer(str(row["design"]), row, record) for row in rows)
     title = f"Within {goal:g} m at {record['deployment']}, anywhere and at any time?"
     return Section("The answer", (Sentence(lead), Answers(title, tuple(answers)), carrying))
+
+
+def landing_answer(question: str, row: dict[str, Any], record: dict[str, Any]) -> Answer:
+    """Whether a lander knows its place well enough on one design, everywhere and at any time.
+
+    Met if the worst found is within the goal too, and the filter, where it was flown, is believed.
+    """
+    p95, worst = row["crlb_position_m"]["p95"], row["worst_found"]["value"]
+    believed = row["nees"] is None or row["believed"]
+    return Answer(
+        question,
+        f"{significant(p95, 3)} m in 95 %, worst found {significant(worst, 3)} m",
+        bool(p95 <= record["goal_m"] and worst <= record["goal_m"] and believed),
+        f"bound of {record['samples']:,} entries{_filter_words(row)}",
+    )
 
 
 def _filter_words(row: dict[str, Any]) -> str:

@@ -22,7 +22,7 @@ from compass.handover.toml import constellation_toml
 from compass.inputs import read_design_text
 from compass.inputs.merit import MERITS
 from compass.inputs.study import Objective, Study
-from compass.pages.judge import judge_section, surface_section
+from compass.pages.judge import judge_section, landing_answer, surface_section
 from compass.sites import Mask
 from compass.study.choice import Finalist
 from compass.study.ranking import Ranking, rank_designs
@@ -163,15 +163,8 @@ def answer_section(
         rows.append(Answer(MERITS[o.figure].title, value, None, sure + beside))
     if ranking is not None:
         judged = next(row for row in ranking["designs"] if row["given"] == 1)
-        bound = judged["crlb_position_m"]["p95"]
-        rows.append(
-            Answer(
-                f"Landing: place known to {ranking['goal_m']:g} m at {ranking['deployment']}",
-                f"{bound:.3g} m in 95 % of entries",
-                bound <= ranking["goal_m"],
-                str(judged["answer"]),
-            )
-        )
+        question = f"Landing: place known to {ranking['goal_m']:g} m at {ranking['deployment']}"
+        rows.append(landing_answer(question, judged, ranking))
     return Section(
         "The answer", (Sentence(lead), Answers("What it is worth", tuple(rows)), *carrying)
     )
