@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import quad_vec
 
 from compass.core.area import FULL, areas_by_fold
 from compass.coverage.fold import caps_of, fold_extremes
@@ -68,6 +67,8 @@ def mean_fold_shares(
 
     def at(part: float) -> NDArray[np.float64]:
         return fold_shares(*caps_of(constellation, sphere_radius, mask, span.start + part * length))
+
+    from scipy.integrate import quad_vec  # it takes a second to load, a proof does not need it
 
     share, error = quad_vec(
         at, 0.0, 1.0, epsabs=tolerance, epsrel=0.0, norm="max", limit=2000, quadrature="gk15"
