@@ -127,6 +127,18 @@ def horizon(
     ------
     ArgumentError, DesignError
         No station, a grid that cannot be read or does not hold one, a height below the ground.
+
+    Examples
+    --------
+    >>> import tempfile, numpy as np, xarray as xr
+    >>> import compass
+    >>> height = ("lat", "lon"), np.zeros((181, 361)), {"units": "m"}
+    >>> flat = xr.Dataset({"height": height}, {"lat": np.r_[-90:91.0], "lon": np.r_[-180:181.0]})
+    >>> with tempfile.NamedTemporaryFile(suffix=".nc") as file:
+    ...     flat.to_netcdf(file.name, engine="h5netcdf")
+    ...     found = compass.horizon("designs/five-landing-sites.toml", file.name, azimuths=8)
+    >>> len(found.design.stations)
+    5
     """
     read = given_design(design)
     if not read.stations:

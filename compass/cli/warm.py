@@ -6,7 +6,9 @@ from compass.cli.shared import json_option, print_result, watched
 
 
 @click.command()
-@click.option("--workers", type=click.IntRange(1), help="Commands run at a time; else one a core.")
+@click.option(
+    "--workers", type=click.IntRange(1, 256), help="Commands run at a time; else one a core."
+)
 @json_option
 def command(workers: int | None, as_json: bool) -> None:
     """Compile every kernel once, by small jobs of every command.

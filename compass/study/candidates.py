@@ -113,8 +113,8 @@ def blocks(study: Study) -> list[Block]:
     """Every kind, size and number of planes that the study allows, in its order, none twice.
 
     Candidates are their geometry, not its spelling: of kinds that lay out the same satellites the
-    first of `orbits.kinds.KINDS` stands for all, whether the study names it or not, so that the
-    same constellation is the same candidate in every study.
+    first of `orbits.kinds.KINDS` that the study names stands for all; a rosette is written down as
+    the delta that it is.
 
     Raises
     ------
@@ -131,7 +131,7 @@ def blocks(study: Study) -> list[Block]:
                     continue
                 phasings = _phasings(kind, t, p, space.phasing)
                 if len(phasings):
-                    found.append(Block(PATTERNS.index(_written(kind, p)), t, p, phasings))
+                    found.append(Block(PATTERNS.index(_written(kind)), t, p, phasings))
     if not found:
         raise DesignError(
             f"{study.label}: study: no candidate: none of the satellites "
@@ -152,9 +152,9 @@ def _is_said_already(kind: str, planes: int, kinds: Iterable[str]) -> bool:
     return kind == WALKER_STAR.name and planes == 1 and bool(others)
 
 
-def _written(kind: str, planes: int) -> str:
-    """Name of the kind under which candidates of a kind are written down."""
-    return WALKER_STAR.name if kind == WALKER_STAR.name and planes > 1 else WALKER_DELTA.name
+def _written(kind: str) -> str:
+    """Name of the kind under which candidates of a kind are written down: a rosette is a delta."""
+    return kind if kind == WALKER_STAR.name else WALKER_DELTA.name
 
 
 def _divisors(number: int) -> list[int]:

@@ -43,13 +43,15 @@ def options(kind):
     for name in COMMANDS:
         for parameter in program.program.get_command(None, name).params:
             if isinstance(parameter, click.Option) and isinstance(parameter.type, kind):
-                yield name, max(parameter.opts, key=len)
+                yield name, max(parameter.opts, key=len), parameter.nargs
 
 
 @pytest.mark.parametrize("value", [2**63, -(2**63) - 1, 10**30])
-@pytest.mark.parametrize(("command", "option"), list(options(click.types.IntParamType)))
-def test_a_whole_number_that_no_kernel_takes_is_refused_by_its_option(run, command, option, value):
-    code, out, err = run(command, option, value)
+@pytest.mark.parametrize(("command", "option", "count"), list(options(click.types.IntParamType)))
+def test_a_whole_number_that_no_kernel_takes_is_refused_by_its_option(
+    run, command, option, count, value
+):
+    code, out, err = run(command, option, *[value] * count)
     assert (code, out) == (2, "")
     assert f"Invalid value for '{option}': {value} is not in the range" in err
 
