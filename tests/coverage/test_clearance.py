@@ -177,6 +177,7 @@ def test_the_worst_latitude_has_the_least_share():
     assert told.low >= 0.01 or told.high < 0.01
 
 
+@pytest.mark.slow
 def test_a_ring_over_the_equator_is_known_by_hand():
     """Nine at 40 degrees: over one of them the fourth nearest stands 80 degrees away."""
     c = walker_delta(9, 1, 0, inclination_deg=0, radius_km=20427.7)

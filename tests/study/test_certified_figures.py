@@ -10,6 +10,7 @@ from compass.study.certified import certified_figures
 from compass.study.mapping import MapOptions
 
 
+@pytest.mark.slow
 def test_map_says_what_is_certain(seed_design, tmp_path):
     made = compass.map(seed_design, step_deg=15, epochs=6)
     numbers = json.loads(json.dumps(made.to_dict()))
