@@ -41,9 +41,10 @@ def geometry_verdict(
     ArgumentError
         As `certified_share`.
     """
-    course = None
-    if design.motion.model in ("two-body", "j2"):
-        course = course_of(design, days, start_day)
+    if not design.motion.is_closed_form:
+        reason = f"{dop.upper()} is certified in two-body motion and under mean J2 alone"
+        return undecided(requirement, f"under {design.motion.title}", reason)
+    course = course_of(design, days, start_day)
     if course is None:
         reason = f"{dop.upper()} is certified for ever for orbits of one period alone; give days"
         return undecided(requirement, f"under {design.motion.title}", reason)

@@ -214,6 +214,14 @@ def test_a_horizon_by_azimuth_refutes_with_its_lowest_along_paths():
     assert low.sees(seen).sum() == 0
 
 
+def test_geometry_along_integrated_paths_says_what_is_not_certified():
+    asked = Requirement("g", limits=(("pdop", 6.0),))
+    found = verdict(ring(asked, motion=Motion("numerical")), days=1.0)
+    assert (found.met, found.evidence) == (None, "none")
+    assert "two-body motion and under mean J2 alone" in found.reason
+    assert "give days" not in found.reason
+
+
 def test_what_cannot_be_asked_is_told():
     design = ring(Requirement("a", fold=1), motion=Motion("numerical"))
     with pytest.raises(ArgumentError, match="days: missing; under numerical motion"):
