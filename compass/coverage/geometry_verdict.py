@@ -123,8 +123,12 @@ def _verdict(
     """Verdict of the shares of all users, after all losses."""
     low = min(share.low for share, *_ in found)
     least, users, lost, alike = min(found, key=lambda one: one[0].high)
-    high = least.high
-    wanted = requirement.share
+    high, wanted = least.high, requirement.share
+    if requirement.share_of == "area-time" and wanted < 1.0:  # a mean lies between its parts
+        parts: dict[tuple[str, ...], list[float]] = {}
+        for share, _, without, _ in found:
+            parts.setdefault(without, []).append(share.high)
+        high = min(max(highs) for highs in parts.values())
     met = True if low >= wanted else False if high < wanted else None
     verdict = Verdict(requirement, met, "bracket", scope, (low, high), None, None, lost, alike)
     if users.south == users.north:
