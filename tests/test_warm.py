@@ -13,7 +13,7 @@ from compass.errors import OutputError
 
 @pytest.fixture
 def few(monkeypatch):
-    """Run one command that is quick and one whose claim does not hold."""
+    """Run commands that are quick."""
     monkeypatch.setattr(
         warming, "COMMANDS", (("show", "design.toml"), ("schema", "study"), ("version",))
     )
@@ -52,7 +52,6 @@ def test_where_nothing_lasts_it_says_so(monkeypatch):
 @pytest.mark.parametrize("command", warming.COMMANDS, ids=" ".join)
 def test_every_job_is_one_that_the_program_takes(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for kind in warming.KINDS:
-        compass.new(kind).write(tmp_path / f"{kind}.toml")
+    warming.write_files(tmp_path)
     name, *arguments = command
     assert Commands().get_command(None, name).make_context(name, arguments)

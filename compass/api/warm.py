@@ -1,12 +1,12 @@
-"""All kernels compiled at once, before the first question: for images, clusters and impatience."""
+"""The commands' kernels compiled at once, before the first question: for images and clusters."""
 
+import os
 import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
-from os import sched_getaffinity
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -20,18 +20,34 @@ from compass.document.blocks import columns, values
 from compass.document.plain import plain
 from compass.errors import OutputError
 
-#: Files of `compass new` that the commands below are run on.
-KINDS = ("design", "scenario", "study")
+#: Files that the commands below are run on: the kind, and the shipped one it is like.
+FILES = {
+    "design.toml": ("design", None),
+    "ellipsoid.toml": ("design", "areostationary-trio"),
+    "sites.toml": ("design", "five-landing-sites"),
+    "tracked.toml": ("design", "tracked-15-5-1"),
+    "scenario.toml": ("scenario", None),
+    "fused.toml": ("scenario", "lou2019-recommended"),
+    "beacons.toml": ("scenario", "entry-ground-beacons"),
+    "study.toml": ("study", None),
+}
 
-#: What is run, longest to compile first: together it calls every kernel that a command calls.
+#: What is run, longest to compile first. Rarer options (rivals, relaying, protection levels,
+#: horizons from terrain, beacons in orbit) and the papers' own filters compile theirs when asked.
 COMMANDS = (
     ("land", "scenario.toml", "--runs", "2"),
     ("judge", "design.toml", "-s", "scenario.toml", "--samples", "8", "--runs", "8"),
+    ("land", "fused.toml", "--runs", "2"),
+    ("optimize", "beacons.toml"),
     ("fold", "design.toml", "--losses", "1"),
+    ("fold", "ellipsoid.toml", "--fold", "1"),
+    ("check", "sites.toml"),
     ("map", "design.toml", "--step-deg", "10", "--fold", "1"),
+    ("map", "tracked.toml", "--step-deg", "10"),
+    ("determine", "tracked.toml"),
     ("drift", "design.toml", "--days", "2"),
     ("keep", "design.toml", "--years", "0.1"),
-    ("access", "design.toml", "--earth", "--crosslinks"),
+    ("access", "design.toml", "--earth", "--crosslinks", "--moon", "phobos"),
     ("search", "--orbit", "areosynchronous", "--fold", "1", "--max-satellites", "6"),
     ("trade", "study.toml", "--workers", "1"),
 )
@@ -96,7 +112,9 @@ class WarmResult(Result):
 
 
 def warm(*, workers: int | None = None, progress: bool = False) -> WarmResult:
-    """Compile every kernel once, by running small jobs of every command.
+    """Compile the kernels of the commands now, by running small jobs of them.
+
+    Rarer options compile theirs when they are first asked for.
 
     Parameters
     ----------
@@ -121,9 +139,8 @@ def warm(*, workers: int | None = None, progress: bool = False) -> WarmResult:
         raise OutputError(f"warm: {REMEDY}")
     begin = perf_counter()
     with tempfile.TemporaryDirectory() as folder:
-        for kind in KINDS:
-            new(kind).write(Path(folder) / f"{kind}.toml")
-        with ThreadPoolExecutor(workers or len(sched_getaffinity(0))) as pool:
+        write_files(Path(folder))
+        with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
             started = [pool.submit(_run, command, Path(folder)) for command in COMMANDS]
             try:
                 for done in bar(progress, "warm", as_completed(started), total=len(started)):
@@ -135,6 +152,12 @@ def warm(*, workers: int | None = None, progress: bool = False) -> WarmResult:
     return WarmResult(
         [job.result() for job in started], perf_counter() - begin, place, len(kept), sum(kept) / 1e6
     )
+
+
+def write_files(folder: Path) -> None:
+    """Write the files that the commands are run on."""
+    for name, (kind, like) in FILES.items():
+        new(kind, like=like).write(folder / name)
 
 
 def _run(command: Sequence[str], folder: Path) -> Run:

@@ -1,4 +1,4 @@
-"""``compass warm``: compile every kernel now, so that no later run waits for it."""
+"""``compass warm``: compile kernels now, so that later runs do not wait for it."""
 
 import click
 
@@ -11,9 +11,10 @@ from compass.cli.shared import json_option, print_result, watched
 )
 @json_option
 def command(workers: int | None, as_json: bool) -> None:
-    """Compile every kernel once, by small jobs of every command.
+    """Compile the commands' kernels now, by small jobs of them.
 
-    For images of containers, for clusters, and before a lecture.
+    For images of containers, for clusters, and before a lecture. Rarer options compile theirs when
+    they are first asked for.
     """
     import compass
 

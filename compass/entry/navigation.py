@@ -260,11 +260,13 @@ def run_monte_carlo(
         part = slice(first, min(first + BLOCK, runs))
         total = size + heard + count * size
         drawn = np.stack([np.random.default_rng(s).standard_normal(total) for s in streams[part]])
+        first_state, heard_by, shaken_by = np.split(drawn, [size, size + heard], axis=1)
         monte_carlo(
             *common,
-            drawn[:, :size].copy(),
-            drawn[:, size : size + heard].reshape(len(drawn), count, n, 2),
-            drawn[:, size + heard :].reshape(len(drawn), count, size),
+            # of several runs these are strided, of one they are not: two types to the compiler
+            np.ascontiguousarray(first_state),
+            np.ascontiguousarray(heard_by).reshape(len(drawn), count, n, 2),
+            np.ascontiguousarray(shaken_by).reshape(len(drawn), count, size),
             errors[part],
             squares[part],
             sigmas[part],
