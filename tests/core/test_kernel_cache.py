@@ -46,6 +46,8 @@ def package(tmp_path):
         (core / "inner.py").write_text(INNER.format(value))
         where = {k: v for k, v in os.environ.items() if k not in OWN}
         where |= {"PYTHONPATH": str(tmp_path / "site"), "HOME": str(tmp_path / "home")}
+        # Python itself takes a file for unchanged that is as long and written in the same second
+        where["PYTHONDONTWRITEBYTECODE"] = "1"
         done = subprocess.run(
             [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path / 'site')!r})\n"
              + CALL], env=where | environment, capture_output=True, text=True,
@@ -67,7 +69,6 @@ def test_an_edit_of_what_is_compiled_in_is_seen_wherever_kernels_are(package, tm
         environment["NUMBA_CACHE_LOCATOR_CLASSES"] = "InTreeCacheLocator"
     if taken in ("home", "passing"):
         (package.core / "__pycache__").write_text("no folder")  # not even for root
-        environment["PYTHONDONTWRITEBYTECODE"] = "1"
     if taken == "passing":
         (tmp_path / "home").write_text("no folder")
         (tmp_path / "now").mkdir()
