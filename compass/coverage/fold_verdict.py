@@ -20,7 +20,7 @@ from compass.coverage.symmetry import unlike_subsets
 from compass.coverage.users import Users, centric, geodetic, region_users, site_users
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
-from compass.frames import SECONDS_PER_DAY
+from compass.frames import SECONDS_PER_DAY, prime_meridian_angle
 from compass.orbits import Constellation
 from compass.orbits.symmetry import one_circle, one_period
 from compass.sites import Mask
@@ -147,19 +147,31 @@ def losses_of(
 def _ask(c: Constellation, users: Users, fold: int, course: Course) -> Clearance:
     """Least clearance of users on a course.
 
-    Who stands at every longitude sees in one revolution what he ever sees. Where tracks do not
-    close, users of a polygon meet whatever those on its latitudes meet.
+    Who stands at every longitude sees in one revolution what he ever sees. What all on the
+    latitudes of a polygon have, its own users have too; how near they come to losing it, and
+    where, is not known then.
     """
     if course.span is None:
         return least_clearance(c, users.belt(), fold)
     if users.longitude is None and one_period(c):
         revolution = 2 * np.pi / float(c.mean_motion[0]) if c.size else 0.0
         if users.is_belt and course.span[1] - course.span[0] >= revolution:
-            return least_clearance(c, users, fold)
+            return _from(course.span[0], c, least_clearance(c, users, fold))
         belt = least_clearance(c, users.belt(), fold)
         if belt.low >= 0.0:
-            return belt
+            return replace(belt, high=np.inf)
     return least_clearance(c, users, fold, span=course.span)
+
+
+def _from(start: float, c: Constellation, found: Clearance) -> Clearance:
+    """The same clearance of a belt, some whole revolutions on: at its first time in a span."""
+    if not np.isfinite(found.high):
+        return found
+    revolution = 2 * np.pi / float(c.mean_motion[0])
+    later = max(0.0, np.ceil((start - found.time) / revolution)) * revolution
+    before, after = prime_meridian_angle(c.epoch, [found.time, found.time + later])
+    longitude = np.mod(found.longitude + before - after + np.pi, 2 * np.pi) - np.pi
+    return replace(found, time=found.time + float(later), longitude=float(longitude))
 
 
 def fold_always_met(

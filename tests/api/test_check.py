@@ -214,6 +214,24 @@ def test_a_horizon_by_azimuth_refutes_with_its_lowest_along_paths():
     assert low.sees(seen).sum() == 0
 
 
+def test_the_worst_over_days_lies_in_them_and_among_the_users():
+    c = walker_delta(12, 3, 1, inclination_deg=50, radius_km=20000)
+    belt = Requirement("a", regions=("lat:-60:60",), fold=8)
+    missed = verdict(Design(c, requirements=(belt,)), days=2, start_day=3)
+    assert missed.met is False
+    assert 3 * 86400 <= missed.worst.time <= 5 * 86400
+    seen = positions_mcmf(c, [missed.worst.time])[:, 0]
+    there = Site("w", missed.worst.latitude, missed.worst.longitude)
+    assert there.sees(seen).sum() == missed.worst.value < 8
+    elevation, _ = there.elevation_azimuth(seen)
+    assert np.sort(elevation)[-8] == pytest.approx(missed.margin, abs=1e-6)
+    # all around its latitudes one is in view, of the polygon's own worst nothing is known
+    part = Requirement("p", regions=("polygon:0,0;0,10;10,10;10,0",), fold=1)
+    met = verdict(Design(c, requirements=(part,)), days=2, start_day=3)
+    assert (met.met, met.worst) == (True, None)
+    assert met.margin > 0
+
+
 def test_geometry_along_integrated_paths_says_what_is_not_certified():
     asked = Requirement("g", limits=(("pdop", 6.0),))
     found = verdict(ring(asked, motion=Motion("numerical")), days=1.0)
