@@ -163,9 +163,7 @@ def _shift(found: Outlook, radius: RadiusLasts) -> str:
 
 
 def _how(found: Outlook) -> str:
-    paid = "kept from an earlier run that took" if found.known else "worked out in"
-    notes = "".join(f"; {note}" for note in found.notes)
-    return f"{found.motion}; {paid} {found.seconds:.0f} s{notes}."
+    return "; ".join((found.motion, *found.notes)) + "."
 
 
 def _margin_picture(found: Outlook) -> Picture:
