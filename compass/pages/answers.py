@@ -80,24 +80,22 @@ def geometry(found: Found) -> list[Answer]:
     sampled = Sampled(None, f"{attrs['epochs']} epochs, {attrs['grid']}")
     scope = found.mapped.certified.scope.split(";")[0] if found.mapped.certified else ""
 
-    def bracketed(bounds: list[float] | None) -> Bracket | Sampled:
-        return Bracket(bounds[0], bounds[1], scope) if bounds else sampled
+    def known(name: str, of: dict[str, Any], key: str) -> Value:
+        if f"{key}_bracket" not in of:
+            return Value(quantity(name), of[key], sampled)
+        low, high = of[f"{key}_bracket"]
+        return Value(quantity(name), of[key], Bracket(low, high, scope))
 
-    gdop = quantity("gdop")
-    rows = [
-        Answer("GDOP, half of area and time below", Value(gdop, numbers["gdop"]["p50"], sampled)),
+    gdop, within = numbers["gdop"], attrs["pdop_threshold"]
+    return [
+        Answer("GDOP, half of area and time below", known("gdop", gdop, "p50")),
+        Answer("GDOP, 95 % below", known("gdop", gdop, "p95")),
         Answer(
-            "GDOP, 95 % below",
-            Value(gdop, numbers["gdop"]["p95"], bracketed(numbers["gdop"].get("p95_bracket"))),
+            f"Area and time with PDOP {within:g} or less",
+            known("availability", numbers, "availability"),
         ),
+        *_errors(numbers),
     ]
-    share = Value(
-        quantity("availability"),
-        numbers["availability"],
-        bracketed(numbers.get("availability_bracket")),
-    )
-    rows.append(Answer(f"Area and time with PDOP {attrs['pdop_threshold']:g} or less", share))
-    return rows + _errors(numbers)
 
 
 def _errors(numbers: dict[str, Any]) -> list[Answer]:
