@@ -115,7 +115,7 @@ def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
                 dataset.lat,
                 100 * share.sel(fold=k),
                 color=CYCLE[n % len(CYCLE)],
-                label=f"at least {k}",
+                label=f"at least {k} in view",
                 lw=1.8,
             )
         axes.set(
@@ -127,7 +127,9 @@ def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
         )
         axes.grid(True)
         if drawn:  # none if no cell of the map ever sees a satellite
-            axes.legend(title="in view", loc="best", fontsize=8, frameon=False)
+            axes.legend(
+                loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=4, fontsize=8, frameon=False
+            )
         by_latitude = picture(
             figure,
             "fold-latitude",
