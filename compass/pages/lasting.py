@@ -46,7 +46,7 @@ def lasting_answers(design: Design, found: Outlook) -> list[Answer]:
         rows = [Answer(left, f"{floor(found.days_proven)} days", False, proven)]
     if found.keeping is not None:
         mean = Value(quantity("delta_v_keeping_m_s_year"), found.keeping["delta_v_mean_m_s_year"])
-        years = f"simulated over {found.keeping['years']:.3g} year(s)"
+        years = f"simulated over {_years(found.keeping)}"
         cost = f"{mean} m/s a year a satellite"
         question = "To keep every satellite in its slot costs"
         rows.append(Answer(question, cost, None, f"{years}: {shown['keeping']}"))
@@ -126,7 +126,7 @@ def _keeping(design: Design, found: Outlook, kept: dict) -> Verdict:
     stays = "every satellite stays in its slot" if kept["holds"] else "some leave their slots"
     return Verdict(
         f"Keeping it costs {mean} m/s a year a satellite",
-        f"{low} to {high} by slot; {stays}, simulated over {kept['years']:.3g} year(s) "
+        f"{low} to {high} by slot; {stays}, simulated over {_years(kept)} "
         f"({commands(design, found)['keeping']})",
         bool(kept["holds"]),
     )
@@ -164,6 +164,10 @@ def _shift(found: Outlook, radius: RadiusLasts) -> str:
 
 def _how(found: Outlook) -> str:
     return "; ".join((found.motion, *found.notes)) + "."
+
+
+def _years(kept: dict) -> str:
+    return f"{kept['years']:.3g} year" + ("s" if kept["years"] != 1 else "")
 
 
 def _margin_picture(found: Outlook) -> Picture:
@@ -317,7 +321,7 @@ def _keeping_table(kept: dict) -> Table:
         "worst across, deg", mass.heading,
     )  # fmt: skip
     return Table(
-        f"Keeping budget over {kept['years']:.3g} year(s), box of {kept['box_deg']:.3g} deg along "
+        f"Keeping budget over {_years(kept)}, box of {kept['box_deg']:.3g} deg along "
         f"the track, {kept['dry_mass_kg']:g} kg dry, {kept['specific_impulse_s']:g} s",
         header,
         rows,
