@@ -199,23 +199,22 @@ def what_to_do(found: Found, neighbours: Sequence[Neighbour]) -> list[str]:
     }.get(result.outcome, f"Decide after a finer look: {wanted} is neither proven nor refuted.")
     said = [words]
     margin = result.mask_margin_deg
-    if margin is not None and margin < result.mask_deg:
-        margin = None  # of a miss it is no room to speak of
+    here = -np.inf if margin is None else margin
+    room = here >= result.mask_deg  # of a miss there is none to speak of
     if neighbours:
         best = max(neighbours, key=lambda n: n.mask_deg)
-        here = -np.inf if margin is None else margin
         if best.mask_deg > here + 0.1:
             said.append(
                 f"Its rival of the same size: {best.notation}, with a mask up to "
                 f"{significant(best.mask_deg, 3)}°"
-                + ("." if margin is None else f" instead of {significant(margin, 3)}°.")
+                + (f" instead of {significant(here, 3)}°." if room else ".")
             )
         else:
             said.append("No other phasing or inclination of as many satellites has more margin.")
-    if margin is not None:
-        said.append(f"A mask above {significant(margin, 3)}° would change this.")
-    if found.fold.coverage.losses and c.size > 1:
-        least = min(sets.least[0] for sets in found.fold.coverage.losses[0])
+    if room:
+        said.append(f"A mask above {significant(here, 3)}° would change this.")
+    if room and result.coverage.losses and c.size > 1:
+        least = min(sets.least[0] for sets in result.coverage.losses[0])
         if least < result.fold <= c.size:
             said.append(
                 f"So would the loss of one satellite: then {least} in view is all that is sure."
