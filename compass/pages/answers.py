@@ -4,6 +4,7 @@ Further answers join `ANSWERS` in the order of the page: a function from `Found`
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from compass.api.check import CheckResult
 from compass.coverage.certificate import Outcome
 from compass.coverage.site import site_coverage
-from compass.document import Answer, Answers, Bracket, Sampled, Section, Sentence, Value
+from compass.document import Answer, Answers, Bracket, Proven, Sampled, Section, Sentence, Value
 from compass.document.blocks import Block
 from compass.document.numbers import significant
 from compass.pages.found import Found
@@ -33,7 +34,7 @@ def requirements(found: Found) -> list[Answer]:
             how = f"{value} % of it"
         elif margin is not None:
             how = f"{significant(float(np.degrees(margin)), 3)}° to spare"
-        sure = ", ".join(text for text in (verdict.evidence, verdict.reason, verdict.scope) if text)
+        sure = ", ".join(text for text in (verdict.sure, verdict.reason, verdict.scope) if text)
         rows.append(Answer(f"{asked.name}: {asked.wanted}", how or verdict.word, verdict.met, sure))
     return rows
 
@@ -139,14 +140,19 @@ def losses(found: Found) -> list[Answer]:
     if not found.fold.coverage.losses:
         return []
     least = min(sets.least for sets in found.fold.coverage.losses[0])
-    evidence = Bracket(*least, found.fold.scope)
+    scope = found.fold.scope
+    evidence = Proven(scope) if least[0] == least[1] else Bracket(*least, scope)
     left = Value(quantity("min_fold"), least[0], evidence)
-    return [Answer("After any one loss, in view at least", left, None, found.fold.scope)]
+    return [Answer("After any one loss, in view at least", left)]
 
 
 def lasting(found: Found) -> list[Answer]:
     """How long it lasts left alone, what keeping costs, which radius does without."""
-    return lasting_answers(found.design, found.outlook) if found.outlook else []
+    if found.outlook is None:
+        return []
+    rows = lasting_answers(found.design, found.outlook)
+    # beside requirements the fold everywhere is not what was asked for
+    return [replace(row, holds=None) for row in rows] if found.checked else rows
 
 
 #: In the order of the page.
