@@ -115,7 +115,7 @@ def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
                 dataset.lat,
                 100 * share.sel(fold=k),
                 color=CYCLE[n % len(CYCLE)],
-                label=f"at least {k} in view",
+                label=f"at least {k}",
                 lw=1.8,
             )
         axes.set(
@@ -128,8 +128,9 @@ def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
         axes.grid(True)
         if drawn:  # none if no cell of the map ever sees a satellite
             axes.legend(
-                loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=4, fontsize=8, frameon=False
-            )
+                title="in view", loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=4,
+                fontsize=8, frameon=False,
+            )  # fmt: skip
         by_latitude = picture(
             figure,
             "fold-latitude",
