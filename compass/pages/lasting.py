@@ -242,25 +242,11 @@ def _radius_picture(found: Outlook) -> Picture:
         axes = figure.add_subplot()
         for r in found.radii:
             good = r.days_proven >= found.horizon_days
-            axes.plot(
-                [r.radius_km] * 2, [0, r.days_proven], color=CYCLE[2] if good else FAINT, lw=5
-            )
-            axes.annotate(
-                f"{r.days_proven:.4g} d" + (" or more" if good else ""),
-                (r.radius_km, r.days_proven),
-                (0, 3),
-                textcoords="offset points",
-                ha="center",
-            )
+            said = f"{r.days_proven:.4g} d" + (" or more" if good else "")
+            _bar(axes, r.radius_km, r.days_proven, CYCLE[2] if good else FAINT, said)
         assert found.radius_km is not None
-        axes.plot([found.radius_km] * 2, [0, found.days_proven], color=MARS, lw=5)
-        axes.annotate(
-            f"as designed {found.days_proven:.4g} d",
-            (found.radius_km, found.days_proven),
-            (0, 3),
-            textcoords="offset points",
-            ha="center",
-        )
+        said = f"as designed {found.days_proven:.4g} d"
+        _bar(axes, found.radius_km, found.days_proven, MARS, said)
         axes.axhline(found.horizon_days, color=INK, lw=0.8, ls=":")
         radii = [found.radius_km, *(r.radius_km for r in found.radii)]
         axes.set_xlim(min(radii) - 150, max(radii) + 150)
@@ -283,6 +269,11 @@ def _radius_picture(found: Outlook) -> Picture:
         "Days for which the fold is proven with no burn: the design as it is, and the same pattern "
         "at other radii after one trim; the dotted line is how far was looked.",
     )
+
+
+def _bar(axes: "Axes", radius_km: float, days: float, colour: str, said: str) -> None:
+    axes.plot([radius_km] * 2, [0, days], color=colour, lw=5)
+    axes.annotate(said, (radius_km, days), (0, 3), textcoords="offset points", ha="center")
 
 
 def _radius_table(found: Outlook) -> Table:
