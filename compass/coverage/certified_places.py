@@ -82,14 +82,9 @@ def sides_of(
     if isinstance(place, Tile):
         _check_tile(place)
         return geodetic(place.south), geodetic(place.north), place.west, place.east, none
-    south, north = -np.pi / 2, np.pi / 2
     if place.mars_fixed:
         if np.any(place.floors != 0.0):
             raise ArgumentError(f"region = {place.name}: edges must be great circles")
-        return south, north, 0.0, turn, np.ascontiguousarray(place.normals)
-    for normal, floor in zip(place.normals, place.floors, strict=True):
-        if normal[2] > 0:
-            south = float(np.arcsin(floor))
-        else:
-            north = float(-np.arcsin(floor))
+        return -np.pi / 2, np.pi / 2, 0.0, turn, np.ascontiguousarray(place.normals)
+    south, north = place.latitudes()
     return geodetic(south), geodetic(north), 0.0, turn, none

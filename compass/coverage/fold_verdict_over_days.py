@@ -25,6 +25,7 @@ def fold_verdict_over_days(
 
     A site stands for the points of a small square about it, on the sphere through it: its up leans
     from the radius by a known angle, which the mask is raised by to prove and lowered by to refute.
+    A mask that depends on azimuth proves with its highest all around and refutes with its lowest.
 
     Parameters
     ----------
@@ -45,15 +46,16 @@ def fold_verdict_over_days(
     if requirement.share < 1.0 or requirement.losses:
         what = "shares" if requirement.share < 1.0 else "losses"
         return undecided(requirement, scope, f"{what} along real paths are not bracketed")
-    if not design.figure.is_sphere and not requirement.sites:
+    regions = requirement.regions or (() if requirement.sites else ("globe",))
+    if regions and not design.figure.is_sphere:
         reason = "regions along real paths are proven on a sphere; name one as figure"
         return undecided(requirement, scope, reason)
     start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY
     path = motion.trajectory(design.constellation, start, stop)
-    mask, outcomes = _mask(design, requirement), []
+    own, outcomes = _mask(design, requirement), []
     claims = [
-        (region, design.figure.equatorial_radius + requirement.altitude, mask, mask)
-        for text in requirement.regions or (() if requirement.sites else ("globe",))
+        (region, design.figure.equatorial_radius + requirement.altitude, *own)
+        for text in regions
         for region in read_regions(text)
     ]
     users = users_of(design, requirement)
@@ -71,8 +73,10 @@ def fold_verdict_over_days(
         found = prove_span(path, requirement.fold, mask=high, **asked)
         if found.outcome is Outcome.REFUTED and low < high:
             lowest = prove_span(path, requirement.fold, mask=low, **asked)
-            if lowest.outcome is not Outcome.REFUTED:
-                found = replace(found, outcome=Outcome.UNDECIDED, witness=None)
+            if lowest.outcome is Outcome.REFUTED:  # a loss over the highest may be none
+                found = replace(found, lost_at=lowest.lost_at, witness=lowest.witness)
+            else:
+                found = replace(found, outcome=Outcome.UNDECIDED, lost_at=None, witness=None)
         outcomes.append(found)
     return _verdict(requirement, scope, outcomes)
 
@@ -95,10 +99,11 @@ def _verdict(requirement: Requirement, scope: str, found: list[Lasting]) -> Verd
     return undecided(requirement, scope, f"proven for {days:.6g} days; then neither could be shown")
 
 
-def _mask(design: Design, requirement: Requirement) -> float:
+def _mask(design: Design, requirement: Requirement) -> tuple[float, float]:
+    """Lowest and highest elevation of the mask of regions, radians."""
     if requirement.mask is not None:
-        return requirement.mask
-    return design.mask.highest
+        return requirement.mask, requirement.mask
+    return design.mask.lowest, design.mask.highest
 
 
 def square(site: Site) -> Region:

@@ -41,9 +41,10 @@ def geometry_verdict(
     ArgumentError
         As `certified_share`.
     """
-    course = None
-    if design.motion.model in ("two-body", "j2"):
-        course = course_of(design, days, start_day)
+    if not design.motion.is_closed_form:
+        reason = f"{dop.upper()} is certified in two-body motion and under mean J2 alone"
+        return undecided(requirement, f"under {design.motion.title}", reason)
+    course = course_of(design, days, start_day)
     if course is None:
         reason = f"{dop.upper()} is certified for ever for orbits of one period alone; give days"
         return undecided(requirement, f"under {design.motion.title}", reason)
@@ -122,8 +123,12 @@ def _verdict(
     """Verdict of the shares of all users, after all losses."""
     low = min(share.low for share, *_ in found)
     least, users, lost, alike = min(found, key=lambda one: one[0].high)
-    high = least.high
-    wanted = requirement.share
+    high, wanted = least.high, requirement.share
+    if requirement.share_of == "area-time" and wanted < 1.0:  # a mean lies between its parts
+        parts: dict[tuple[str, ...], list[float]] = {}
+        for share, _, without, _ in found:
+            parts.setdefault(without, []).append(share.high)
+        high = min(max(highs) for highs in parts.values())
     met = True if low >= wanted else False if high < wanted else None
     verdict = Verdict(requirement, met, "bracket", scope, (low, high), None, None, lost, alike)
     if users.south == users.north:

@@ -68,7 +68,7 @@ def closed_form(design: Design, days: float | None) -> bool:
 
 def _check_days(design: Design, days: float | None, start_day: float) -> None:
     if days is None:
-        if design.motion.model not in ("two-body", "j2"):
+        if not design.motion.is_closed_form:
             raise ArgumentError(
                 f"days: missing; under {design.motion.title} nothing is for ever: give the days to "
                 "prove"

@@ -27,6 +27,16 @@ def fault(field: str, value: object, problem: str) -> str:
     return f"{field} = {shown if len(shown) <= 60 else shown[:57] + '...'}: {problem}"
 
 
+def satellites_given(raw: dict[str, Any]) -> int | None:
+    """How many satellites the raw tables of a design give; None where they do not say."""
+    constellation = raw.get("constellation")
+    if not isinstance(constellation, dict):
+        return None
+    listed = constellation.get("satellite")
+    count = len(listed) if isinstance(listed, list) else constellation.get("satellites")
+    return count if isinstance(count, int) else None
+
+
 def model_faults(errors: Iterable[ErrorDetails], model: type[BaseModel]) -> list[str]:
     """Say pydantic's errors in the project's words, one sentence a fault."""
     return [_sentence(error, model) for error in errors]

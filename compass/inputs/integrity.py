@@ -5,6 +5,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from compass.errors import ArgumentError
+from compass.inputs.faults import satellites_given
 from compass.inputs.table import Table
 from compass.integrity import Integrity
 
@@ -44,15 +45,11 @@ def integrity_faults(raw: dict[str, Any]) -> list[str]:
     faults = []
     if "signal" not in raw:
         faults.append("integrity: needs the errors of ranges; add a table [signal]")
-    constellation = raw.get("constellation")
-    if isinstance(constellation, dict):
-        count = constellation.get("satellites")
-        if isinstance(constellation.get("satellite"), list):
-            count = len(constellation["satellite"])
-        if isinstance(count, int) and count < 5:
-            faults.append(
-                f"integrity: {count} satellites; a fault is noticed with five in view or more"
-            )
+    count = satellites_given(raw)
+    if count is not None and count < 5:
+        faults.append(
+            f"integrity: {count} satellites; a fault is noticed with five in view or more"
+        )
     try:
         integrity_of_table(IntegrityTable.model_validate(table))
     except ArgumentError as error:

@@ -8,7 +8,7 @@ from pydantic_core import CoreSchema
 
 from compass.clocks import PARAMETERS, Clock, clock_named
 from compass.errors import ArgumentError
-from compass.inputs.faults import fault
+from compass.inputs.faults import fault, satellites_given
 from compass.inputs.table import Table
 from compass.ranging import MAS, Receiver, Signal
 
@@ -243,11 +243,8 @@ def _covariance_faults(raw: dict[str, Any], table: dict[str, Any]) -> list[str]:
         return [f"signal.{error}"]
     except (TypeError, IndexError, KeyError, ValueError):
         return []
-    constellation = raw.get("constellation")
-    count = constellation.get("satellites") if isinstance(constellation, dict) else None
-    if isinstance(constellation, dict) and isinstance(constellation.get("satellite"), list):
-        count = len(constellation["satellite"])
-    if isinstance(count, int) and len(matrices) not in (1, count):
+    count = satellites_given(raw)
+    if count is not None and len(matrices) not in (1, count):
         return [
             f"signal.covariance_m2: {len(matrices)} matrices for {count} satellites; give one for "
             "all, or one each"

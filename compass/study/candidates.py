@@ -60,9 +60,8 @@ def make_constellation(row: np.void) -> Constellation:
     """Return the constellation of a candidate."""
     t, p, f = int(row["satellites"]), int(row["planes"]), int(row["phasing"])
     inclination, radius = float(np.radians(row["inclination_deg"])), float(row["radius_km"]) * 1e3
-    star = PATTERNS[row["pattern"]] == WALKER_STAR.name
-    kind = WALKER_STAR if star else WALKER_DELTA
-    return from_pattern(Pattern(kind.name, t, p, f, inclination), radius)
+    kind = _written(PATTERNS[row["pattern"]])
+    return from_pattern(Pattern(kind, t, p, f, inclination), radius)
 
 
 def described(row: np.void) -> str:
@@ -112,9 +111,9 @@ class Block:
 def blocks(study: Study) -> list[Block]:
     """Every kind, size and number of planes that the study allows, in its order, none twice.
 
-    Candidates are their geometry, not its spelling: of kinds that lay out the same satellites the
-    first of `orbits.kinds.KINDS` that the study names stands for all; a rosette is written down as
-    the delta that it is.
+    Candidates are their geometry, not its spelling: of kinds that the study names and that lay out
+    the same satellites one stands for all, a delta or else a rosette before a star; a rosette is
+    written down as the delta that it is.
 
     Raises
     ------
@@ -142,7 +141,7 @@ def blocks(study: Study) -> list[Block]:
 
 
 def _is_said_already(kind: str, planes: int, kinds: Iterable[str]) -> bool:
-    """Whether another kind of a study has all that a kind would lay out in so many planes.
+    """Whether another of a study's kinds has all that a kind would lay out in so many planes.
 
     Every rosette is a delta pattern; a star of one plane is a delta pattern, and a rosette, of one.
     """

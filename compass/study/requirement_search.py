@@ -12,28 +12,24 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from compass.bodies import MARS_ROTATION_RATE
-from compass.coverage.clearance import Users, least_clearance
+from compass.coverage.clearance import least_clearance
 from compass.coverage.fold_verdict import course_of, fold_always_met, users_of
 from compass.coverage.requirement_verdict import verdict_of
 from compass.coverage.verdict import Verdict
 from compass.design import Design, Requirement
 from compass.errors import ArgumentError
-from compass.frames import Figure, prime_meridian_angle
-from compass.orbits import Constellation, Pattern, states_mci
+from compass.frames import Figure
+from compass.orbits import Constellation, Pattern
 from compass.orbits.constellation import from_pattern
 from compass.orbits.kinds import ROSETTE, WALKER_DELTA, WALKER_STAR, kind_of, least_multiplier
 from compass.orbits.symmetry import shifts
 from compass.sites import Mask
+from compass.study.requirement_samples import is_hopeless, sampled_geometry
 from compass.study.search import MOST_SATELLITES, closest_approach, pair_cosines
 
 #: Step of inclinations and of turns over the ground, degrees.
 STEP, TURN_STEP = 1.0, 3.0
-
-#: Random places and moments on which geometry is looked at before it is certified.
-SAMPLES = 400
 
 #: Candidates of a size whose figures are certified at most, the most promising first; and
 #: inclinations or turns of one pattern.
@@ -309,6 +305,7 @@ def _certified(
     good: list[Found] = []
     tries: dict[tuple[str, int, int], int] = {}
     known = set()
+    share = min((r.share for r in question.geometry), default=0.0)
     for _, one in ranked:
         p = one.constellation.pattern
         assert p is not None
@@ -316,7 +313,7 @@ def _certified(
         tried = tries.get(name, 0)
         if len(good) >= wanted or sum(tries.values()) >= MOST_CERTIFIED:
             break
-        if tried >= TRIES or (tries and _hopeless(question, one)):
+        if tried >= TRIES or (tries and is_hopeless(one.sampled, share)):
             continue
         shape = _shape(one.constellation)
         if shape in known:  # the same satellites, numbered or turned otherwise
@@ -339,15 +336,6 @@ def _shape(c: Constellation) -> tuple[float, bytes]:
     raan = float(np.round(c.raan[0], 9)) if c.repeat is not None else 0.0
     pairs = np.round(np.stack(pair_cosines(c), axis=-1), 9) + 0.0
     return raan, pairs[np.lexsort(pairs.T)].tobytes()
-
-
-def _hopeless(question: Question, one: Found) -> bool:
-    """Whether samples are so far below the share wanted that chance does not explain it."""
-    wanted = min((r.share for r in question.geometry), default=0.0)
-    if wanted == 1.0:  # a sample that misses is a miss
-        return one.sampled < 1.0
-    sigma = np.sqrt(max(wanted * (1.0 - wanted), 1.0 / SAMPLES) / SAMPLES)
-    return one.sampled < wanted - 4.0 * sigma
 
 
 def _verdicts(question: Question, one: Found) -> tuple[tuple[Verdict, ...], Verdict | None]:
@@ -376,7 +364,7 @@ def _ranked(question: Question, one: Found) -> tuple[tuple[float, ...], Found]:
     design = question.design(c)
     for wanted in question.geometry:
         for users in users_of(design, wanted):
-            found, most = _sampled(c, users, wanted)
+            found, most = sampled_geometry(c, users, wanted)
             share, worst = min(share, found), max(worst, most)
     for wanted in () if question.geometry else question.always:
         assert wanted.fold is not None
@@ -389,53 +377,3 @@ def _ranked(question: Question, one: Found) -> tuple[tuple[float, ...], Found]:
             about = least_clearance(c, asked, wanted.fold, span=span, tolerance=3e-3, most=20_000)
             room = min(room, about.high)
     return (-share, worst, -room), replace(one, sampled=share)
-
-
-def _sampled(c: Constellation, users: Users, wanted: Requirement) -> tuple[float, float]:
-    """Share of random places and moments with the geometry wanted, and the worst over its limit.
-
-    A site under closed tracks keeps its longitude over Mars; all others take any.
-    """
-    rng = np.random.default_rng(0)
-    low, high = np.sin([users.south, users.north])
-    latitude = np.arcsin(rng.uniform(low, high, SAMPLES))
-    times = rng.uniform(0, 1e7, SAMPLES)
-    longitude = rng.uniform(0, 2 * np.pi, SAMPLES)
-    if c.repeat is not None and users.longitude is not None:
-        longitude = users.longitude + prime_meridian_angle(c.epoch, 0.0) + np.zeros(SAMPLES)
-        longitude = longitude + MARS_ROTATION_RATE.value * times
-    r = np.moveaxis(states_mci(c, times)[0], 1, 0)
-    cb, sb, cl, sl = np.cos(latitude), np.sin(latitude), np.cos(longitude), np.sin(longitude)
-    up = np.stack([cb * cl, cb * sl, sb], axis=-1)
-    east = np.stack([-sl, cl, 0 * sl], axis=-1)
-    north = np.cross(up, east)
-    radius = users.figure.equatorial_radius + users.height
-    sight = r - (radius * up)[:, np.newaxis]
-    e = sight / np.linalg.norm(sight, axis=-1, keepdims=True)
-    axes = [axis[:, np.newaxis] for axis in (east, north, up)]
-    local = np.stack([(e * axis).sum(axis=-1) for axis in axes], axis=-1)
-    elevation = np.arcsin(np.clip(local[..., 2], -1, 1))
-    azimuth = np.mod(np.arctan2(local[..., 0], local[..., 1]), 2 * np.pi)
-    seen = elevation >= users.mask.at(azimuth) + users.below
-    over = _over(local, seen, wanted)
-    return float(np.mean(over <= 1.0)), float(over.max())
-
-
-def _over(
-    local: NDArray[np.float64], seen: NDArray[np.bool_], wanted: Requirement
-) -> NDArray[np.float64]:
-    """Largest dilution over its limit, of east-north-up lines of sight (t, n, 3)."""
-    rows = np.concatenate([local, np.ones((*local.shape[:2], 1))], axis=-1) * seen[..., np.newaxis]
-    normal = np.einsum("tna,tnb->tab", rows, rows)
-    able = (seen.sum(axis=1) >= 4) & (np.linalg.cond(normal) < 1e10)
-    normal[~able] = np.eye(4)
-    d = np.diagonal(np.linalg.inv(normal), axis1=1, axis2=2)
-    squares = {
-        "gdop": d.sum(axis=1),
-        "pdop": d[:, :3].sum(axis=1),
-        "hdop": d[:, 0] + d[:, 1],
-        "vdop": d[:, 2],
-        "tdop": d[:, 3],
-    }
-    over = np.max([np.sqrt(squares[name]) / limit for name, limit in wanted.limits], axis=0)
-    return np.where(able, over, np.inf)

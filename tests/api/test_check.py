@@ -186,6 +186,40 @@ def test_along_real_paths_over_days():
 
     flat = replace(design, figure=FIGURES["iau-ellipsoid"], requirements=(belt,))
     assert "proven on a sphere" in verdict(flat, days=0.5).reason
+    both_kinds = replace(belt, sites=(EQUATOR,))  # a site does not make the belt's figure a sphere
+    flat = replace(flat, requirements=(both_kinds,))
+    assert verdict(flat, days=0.5).met is None
+
+
+def test_a_horizon_by_azimuth_refutes_with_its_lowest_along_paths():
+    """What is missed over the highest part of a horizon may stand over another part."""
+    belt = Requirement("one", regions=("lat:-5:5",), fold=1)
+    wall = Mask((0.0, np.pi), (0.0, np.radians(89)))
+    steep = Mask((0.0, np.pi), (np.radians(80), np.radians(89)))
+
+    def under(mask):
+        return verdict(replace(ring(belt, mask=mask), motion=Motion("j2")), days=0.1)
+
+    assert under(Mask.constant(0.0)).met is True
+    assert under(Mask.constant(np.radians(80))).met is False
+    assert under(wall).met is None
+    missed = under(steep)
+    assert (missed.met, missed.evidence) == (False, "proven")
+    # the place and moment are a miss over the lowest of the horizon, so over all of it
+    design = ring(belt)
+    seen = positions_mcmf(design.constellation, [missed.worst.time])[:, 0]
+    there = Site("w", missed.worst.latitude, missed.worst.longitude, mask=steep)
+    assert there.sees(seen).sum() == missed.worst.value == 0
+    low = replace(there, mask=Mask.constant(steep.lowest))
+    assert low.sees(seen).sum() == 0
+
+
+def test_geometry_along_integrated_paths_says_what_is_not_certified():
+    asked = Requirement("g", limits=(("pdop", 6.0),))
+    found = verdict(ring(asked, motion=Motion("numerical")), days=1.0)
+    assert (found.met, found.evidence) == (None, "none")
+    assert "two-body motion and under mean J2 alone" in found.reason
+    assert "give days" not in found.reason
 
 
 def test_what_cannot_be_asked_is_told():

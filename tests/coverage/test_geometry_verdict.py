@@ -1,6 +1,7 @@
 """Claims that a dilution of precision is always small enough: proven, refuted, or left open."""
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -46,3 +47,21 @@ def test_what_claims_leave_open_is_asked_of_the_share(monkeypatch):
     assert found[Outcome.REFUTED].worst.value == 9.0
     assert found[Outcome.UNDECIDED].met is None
     assert np.isclose(found[Outcome.UNDECIDED].share, (0.9, 1.0)).all()
+
+
+def test_a_share_of_area_and_time_lies_between_those_of_its_parts(monkeypatch):
+    """One part of two that surely falls short does not refute the mean, both do."""
+    pattern = walker_delta(12, 3, 1, inclination_deg=55, radius_km=20427)
+    wanted = Requirement(name="two", regions=("lat:-30:0", "lat:0:30"), share=0.8)
+
+    def settled(highs, share_of):
+        found = iter([SimpleNamespace(low=0.1, high=h, value=h, stopped="") for h in highs])
+        monkeypatch.setattr(module, "certified_share", lambda *_, **__: next(found))
+        monkeypatch.setattr(module, "_place", lambda *_: {})
+        asked = replace(wanted, share_of=share_of)
+        return geometry_verdict(Design(pattern), asked, "pdop", 6.0)
+
+    mean = settled((0.5, 0.9), "area-time")
+    assert (mean.met, mean.share) == (None, (0.1, 0.9))
+    assert settled((0.5, 0.7), "area-time").met is False
+    assert settled((0.5, 0.9), "time").met is False

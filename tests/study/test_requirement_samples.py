@@ -1,0 +1,80 @@
+"""Samples of geometry against one site at a time, and that they are where the users are."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compass import Requirement, walker_delta
+from compass.coverage.certified_worst import dilution_at
+from compass.coverage.clearance import Users, region_users, site_users
+from compass.coverage.region import read_region
+from compass.frames import FIGURES, direction, planetocentric_latitude, prime_meridian_angle
+from compass.orbits import areosynchronous_radius, keplerian
+from compass.orbits.motion import Motion
+from compass.sites import Mask, Site
+from compass.study import requirement_samples as module
+
+PDOP = Requirement("a", limits=(("pdop", 3.0),))
+SPHERE, ELLIPSOID = FIGURES["iau-sphere"], FIGURES["iau-ellipsoid"]
+
+
+def fifteen(**orbit):
+    return walker_delta(15, 5, 1, inclination_deg=45, **(orbit or {"radius_km": 12000}))
+
+
+@pytest.mark.parametrize("figure", [SPHERE, ELLIPSOID])
+def test_a_place_over_the_figure_is_that_of_a_site(figure):
+    latitude = np.linspace(-1.5, 1.5, 7)
+    users = Users("", -1.5, 1.5, figure, Mask(), height=3e3)
+    stand = module._stand(users, latitude, direction(latitude, np.zeros(7)))
+    for b, place in zip(latitude, stand, strict=True):
+        centric = float(planetocentric_latitude(b, figure))
+        assert Site("", centric, 0.0, 3e3, figure=figure).r_mcmf == pytest.approx(place, abs=1e-6)
+
+
+@pytest.mark.parametrize("figure", [SPHERE, ELLIPSOID])
+def test_a_site_under_closed_tracks_is_sampled_where_it_stands(figure, monkeypatch):
+    """By the inverse of the normal matrix in the Mars-fixed frame, one moment at a time."""
+    monkeypatch.setattr(module, "SAMPLES", 20)
+    c = fifteen(repeat=(3, 1))
+    site = Site("s", 0.7, 0.3, 2e3, Mask.constant(0.1), figure)
+    share, worst = module.sampled_geometry(c, site_users(site), PDOP)
+    times, *_ = module._moments(c, site_users(site), np.random.default_rng(0))
+    found = np.array([dilution_at(c, site, t, Motion(), "pdop")[0] for t in times])
+    assert share == np.mean(found <= 3.0)
+    assert worst == pytest.approx(found.max() / 3.0, rel=1e-5)
+
+
+def test_users_of_a_polygon_are_sampled_inside_it_alone(monkeypatch):
+    """Six that hang over it are in view of all of it, and of nobody on the other side."""
+    text = "polygon:-20,-30;-20,30;20,30;20,-30"
+    region = read_region(text)
+    points = module.points_in(region, np.random.default_rng(1))
+    assert len(points) == module.SAMPLES
+    assert region.contains(points).all()
+    # of equal chance: halves by the middle meridian and the equator
+    for axis in (1, 2):
+        assert abs(np.mean(points[:, axis] > 0) - 0.5) < 4 * 0.5 / np.sqrt(module.SAMPLES)
+    nodes, along = np.array([0, 1, 2, 3, 4, 5.0]), np.radians([-25, -15, -5, 5, 15, 25])
+    still = keplerian(
+        areosynchronous_radius(), 0.0, 0.35, nodes, 0.0,
+        along + prime_meridian_angle(0.0, 0.0) - nodes, repeat=(1, 1),
+    )  # fmt: skip
+    users, rough = region_users(region, SPHERE, Mask()), Requirement("r", limits=(("pdop", 1e4),))
+    assert module.sampled_geometry(still, users, rough)[0] == 1.0
+    assert module.sampled_geometry(replace(still, repeat=None), users, rough)[0] < 0.6
+
+
+@pytest.mark.parametrize(
+    ("share", "wanted", "hopeless"),
+    [
+        (0.9975, 1.0, True),
+        (1.0, 1.0, False),
+        (0.9, 0.95, True),
+        (0.93, 0.95, False),
+        (1.0, 0.0, False),
+    ],
+)
+def test_only_what_chance_cannot_excuse_is_hopeless(share, wanted, hopeless):
+    assert module.is_hopeless(share, wanted) is hopeless
