@@ -167,7 +167,8 @@ def _how(found: Outlook) -> str:
 
 
 def _years(kept: dict) -> str:
-    return f"{kept['years']:.3g} year" + ("s" if kept["years"] != 1 else "")
+    count = f"{kept['years']:.3g}"
+    return f"{count} year" if count == "1" else f"{count} years"
 
 
 def _margin_picture(found: Outlook) -> Picture:

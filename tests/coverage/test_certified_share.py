@@ -287,7 +287,11 @@ def test_percentiles_stop_for_want_of_time_and_at_infinity():
     assert few.low == few.high == few.value == np.inf
     late = certified_percentile(walker(5, 5, 1), 50, place=Circle(0.2), budget_s=0.0)
     assert (late.low, late.high, late.stopped) == (0.0, np.inf, "time")
-    rare = certified_percentile(walker(5, 5, 1), 95)  # seldom four in view: no limit is enough
+
+
+@pytest.mark.slow
+def test_a_percentile_that_no_limit_reaches_is_infinite_from_the_last_limit_on():
+    rare = certified_percentile(walker(5, 5, 1), 95)
     assert (rare.low, rare.high, rare.stopped) == (1e5, np.inf, "")
 
 

@@ -94,10 +94,14 @@ def test_what_is_missed_is_not_to_be_built():
     assert "with a mask up to 2°." in words and "instead" not in words
     (words,) = what_to_do(found, beside(found, -80.0, -70.0))  # no rival: its mask is lower still
     assert "No other phasing or inclination" in words and "rival" not in words
-    lost = replace(found, fold=compass.fold(found.design, losses=1))
-    assert "loss of one" not in what_to_do(lost, [])[0]  # nothing that a loss could change
     assert losses(found) == []
     assert "missed" in compass.document.text(compass.document.Page("x", section.blocks))
+
+
+@pytest.mark.slow
+def test_no_loss_changes_a_refusal():
+    found = look(4, lost=1)
+    assert found.fold.coverage.losses and "loss of one" not in what_to_do(found, [])[0]
 
 
 def test_latitudes_are_north_or_south():

@@ -248,6 +248,12 @@ class Asked:
         )
 
 
+@pytest.mark.parametrize(("years", "said"), [(1.0001, "1 year"), (2.0, "2 years")])
+def test_one_year_is_written_as_one(years, said):
+    rows = lasting_answers(ring(), told(keeping={**KEPT, "years": years}))
+    assert f"simulated over {said}: compass keep" in rows[1].sure
+
+
 def test_radii_are_tried_from_near_to_far(monkeypatch):
     def refuse(design):
         raise ArgumentError("box_deg = 0: must be more than 0")
