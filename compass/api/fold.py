@@ -10,10 +10,11 @@ from compass.api.lasting import LastingResult
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.coverage.certificate import Outcome
-from compass.coverage.clearance import Clearance, least_clearance, site_users
+from compass.coverage.clearance import Clearance, least_clearance
 from compass.coverage.continuous import STEPS, ContinuousCoverage, continuous_coverage
 from compass.coverage.lasting import prove_span
 from compass.coverage.region import GLOBE, read_region
+from compass.coverage.users import site_users
 from compass.design import Design
 from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block, facts

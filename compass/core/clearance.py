@@ -22,6 +22,7 @@ import math
 
 import numpy as np
 
+from compass.core.belt import area_below
 from compass.core.jit import kernel
 from compass.core.kepler import eccentric_anomaly
 
@@ -202,10 +203,7 @@ def least_clearance(
     boxes
         Boxes looked at.
     """
-    near = np.empty((3, max(k, 1)))
-    cells = np.empty(3, dtype=np.int64)
-    for axis in range(3):
-        cells[axis] = max(1, math.ceil((domain[axis, 1] - domain[axis, 0]) / COARSE))
+    near, cells = np.empty((3, max(k, 1))), _cells(domain)
     pace = _pace(orbits)
     box, stack = np.zeros(BOX), np.empty((DEEPEST, BOX))
     high, seen, worst = math.inf, 0, np.full(3, math.nan)
@@ -274,6 +272,15 @@ def least_clearance(
 
 
 @kernel
+def _cells(domain):
+    """Along each axis of the domain how many first boxes, of at most `COARSE`, there are."""
+    cells = np.empty(3, dtype=np.int64)
+    for axis in range(3):
+        cells[axis] = max(1, math.ceil((domain[axis, 1] - domain[axis, 0]) / COARSE))
+    return cells
+
+
+@kernel
 def _cell(domain, cells, number, box):
     """Write the first box of a number: the domain cut evenly into `cells` along its axes."""
     for axis in range(3):
@@ -329,10 +336,7 @@ def clear_share(
     clear, hidden, undecided, boxes
         Measures, and boxes looked at.
     """
-    near = np.empty((3, max(k, 1)))
-    cells = np.empty(3, dtype=np.int64)
-    for axis in range(3):
-        cells[axis] = max(1, math.ceil((domain[axis, 1] - domain[axis, 0]) / COARSE))
+    near, cells = np.empty((3, max(k, 1))), _cells(domain)
     if whole:
         cells[0] = 1
     pace = _pace(orbits)
@@ -384,17 +388,8 @@ def _measure(box, figure, whole, domain):
         part *= 2.0 * box[3 + axis] if domain[axis, 1] > domain[axis, 0] else 1.0
     if whole or domain[0, 1] == domain[0, 0]:
         return part
-    return part * (_belt(box[0] + box[3], figure[1]) - _belt(box[0] - box[3], figure[1]))
-
-
-@kernel
-def _belt(latitude, flattening):
-    """Integral of ``cos b/(1 - e^2 sin^2 b)^2`` from the equator: the area of a belt, scaled."""
-    s = math.sin(latitude)
-    if flattening < 1e-12:
-        return s
-    e = math.sqrt(flattening)
-    return 0.5 * (s / (1.0 - flattening * s * s) + math.atanh(e * s) / e)
+    north, south = box[0] + box[3], box[0] - box[3]
+    return part * (area_below(north, figure[1]) - area_below(south, figure[1]))
 
 
 @kernel

@@ -1,18 +1,9 @@
 """Where and when a certified share is taken, and which symmetry spares looking at most of it.
 
 For circles of one radius the share over all longitudes and all time is the mean over a torus of
-longitude l and phase th (Mars's rotation only turns the longitudes). With moves of the elements
-that are verified on every satellite (`compass.orbits.symmetry`), a place sees alike at
-
-* ``(b, l, th)`` and ``(b, l - turn, th + phase)`` for each shift: of G shifts q leave the phase
-  alone, so ``l in [0, 2 pi/q)`` and 2 pi q/G of phase hold everything once;
-* ``(b, l, th)`` and ``(-b, l + pi, th + pi)``: the mirror image of a circular orbit in the
-  equator is the orbit half a turn and half a revolution on, so north stands for south;
-* with a half turn about a line of nodes and the mirror image, ``(b, l, th)`` and
-  ``(b, turn + pi - l, pi - phase - th)``: half of the phase, from ``(pi - phase)/2`` on.
-
-A mask by azimuth has no mirror and keeps only the shifts. What the moves miss is added to the
-error of the satellites' places.
+longitude and phase (Mars's rotation only turns the longitudes), of which a part decides
+(`compass.coverage.symmetry.deciding_part`). What the moves miss that carry it into the rest is
+added to the error of the satellites' places.
 """
 
 from dataclasses import dataclass, field, replace
@@ -24,13 +15,13 @@ from compass.coverage.certified_orbits import orbit_rows
 from compass.coverage.certified_places import Place, Spot, Tile, for_ever, sides_of
 from compass.coverage.motion import motion_of
 from compass.coverage.region import GLOBE, Region
-from compass.coverage.symmetry import Span
+from compass.coverage.symmetry import Span, deciding_part
 from compass.errors import ArgumentError
 from compass.frames import Figure, prime_meridian_angle
 from compass.orbits import Constellation, repeat_period
 from compass.orbits.motion import AnyMotion, Motion, as_motion
 from compass.orbits.period import secular_rates
-from compass.orbits.symmetry import mirrors, one_circle, one_period, shifts
+from compass.orbits.symmetry import one_circle, one_period
 from compass.orbits.trajectory import Trajectory
 
 
@@ -264,30 +255,13 @@ def _torus(
     """Box that decides for ever, of circles of one radius."""
     orbits, circles = orbit_rows(c, figure, float(c.mean_motion[0]), 0.0, 0.0, False)
     radius = float(orbits[0, 0])
-    turns, phases, reason, missed = 1, 1, "no symmetry", 0.0
-    first, half = 0.0, 1.0
+    east, phases, reason, missed = 2 * np.pi, (0.0, 2 * np.pi), "no symmetry", 0.0
     if symmetric:
-        found = shifts(c)
-        still = np.abs(np.mod(found.phase + np.pi, 2 * np.pi) - np.pi) < 1e-9
-        turns = max(int(still.sum()), 1)
-        phases, missed = len(found) // turns, found.mismatch
-        reason = f"{len(found)} verified shifts"
-        if mirrored:
-            reason += ", north mirrors south"
-            if south == -north:
-                south = 0.0
-            back = mirrors(c)
-            if len(back):
-                first, half = 0.5 * (np.pi - float(back.phase[0])), 0.5
-                missed += back.mismatch
-                reason += ", half turns run it backwards"
-    sides = np.array(
-        [
-            [south, north],
-            [0.0, 2 * np.pi / turns],
-            [first, first + 2 * np.pi * half / phases],
-        ]
-    )
+        part = deciding_part(c, mirrored=mirrored)
+        east, phases, reason, missed = part.longitude, part.phases, part.reason, part.mismatch
+        if mirrored and south == -north:
+            south = 0.0
+    sides = np.array([[south, north], [0.0, east], phases])
     empty = np.empty((0, 3))
     slack = radius * missed + 1e-14 * radius
     return Domain(sides, orbits, circles, empty, e2, 0.0, slack, reason, 1.0)

@@ -10,18 +10,14 @@ from compass.bodies import MARS_ROTATION_RATE
 from compass.coverage.clearance import (
     Clearance,
     Share,
-    Users,
     always_clear,
-    centric,
     clear_share,
-    geodetic,
     least_clearance,
-    region_users,
-    site_users,
     worst_share,
 )
 from compass.coverage.region import Region, read_regions
 from compass.coverage.symmetry import unlike_subsets
+from compass.coverage.users import Users, centric, geodetic, region_users, site_users
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
 from compass.frames import SECONDS_PER_DAY

@@ -7,9 +7,9 @@ from compass.coverage.certificate import Outcome
 from compass.coverage.certified_places import Circle, Spot
 from compass.coverage.certified_share import CertifiedShare, certified_share
 from compass.coverage.certified_worst import CertifiedAlways, certified_always
-from compass.coverage.clearance import Users, centric
 from compass.coverage.fold_verdict import Course, course_of, losses_of, users_of
 from compass.coverage.region import latitude_band
+from compass.coverage.users import Users, centric
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
 

@@ -165,6 +165,63 @@ def _deciding(c: Constellation, region: Region) -> Span:
 
 
 @dataclass(frozen=True)
+class Part:
+    """The part of all longitudes and phases that decides for ever about equal circular orbits.
+
+    Attributes
+    ----------
+    longitude
+        Longitudes from 0 up to this, radians.
+    phases
+        From the first to the last, radians.
+    mismatch
+        As of `Span`.
+    reason
+        Why, in words.
+    """
+
+    longitude: float
+    phases: tuple[float, float]
+    mismatch: float
+    reason: str
+
+
+def deciding_part(c: Constellation, *, mirrored: bool) -> Part:
+    """Part of longitude and phase that decides for ever about equal circular orbits.
+
+    A place sees alike at
+
+    * ``(b, l, th)`` and ``(b, l - turn, th + phase)`` for each shift: of G shifts q leave the phase
+      alone, so ``l in [0, 2 pi/q)`` and 2 pi q/G of phase hold everything once;
+    * ``(b, l, th)`` and ``(-b, l + pi, th + pi)``: the mirror image of a circular orbit in the
+      equator is the orbit half a turn and half a revolution on, so north stands for south;
+    * with a half turn about a line of nodes and the mirror image, ``(b, l, th)`` and
+      ``(b, turn + pi - l, pi - phase - th)``: half of the phase, from ``(pi - phase)/2`` on.
+
+    Parameters
+    ----------
+    c
+        Orbits of one radius, without eccentricity.
+    mirrored
+        Whether users see as far in all directions; else there is no mirror, and only shifts count.
+    """
+    found = shifts(c)
+    still = np.abs(np.mod(found.phase + np.pi, 2 * np.pi) - np.pi) < 1e-9
+    turns = max(int(still.sum()), 1)
+    first, half, missed = 0.0, 1.0, found.mismatch
+    reason = f"{len(found)} verified shifts"
+    if mirrored:
+        reason += ", north mirrors south"
+        back = mirrors(c)
+        if len(back):
+            first, half = 0.5 * (np.pi - float(back.phase[0])), 0.5
+            missed += back.mismatch
+            reason += ", half turns run it backwards"
+    last = first + 2 * np.pi * half / (len(found) // turns)
+    return Part(2 * np.pi / turns, (first, last), missed, reason)
+
+
+@dataclass(frozen=True)
 class Alike:
     """Sets of satellites, sorted by what is left without them.
 

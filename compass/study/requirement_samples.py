@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.bodies import MARS_ROTATION_RATE
-from compass.coverage.clearance import Users
 from compass.coverage.region import Region
+from compass.coverage.users import Users
 from compass.design import Requirement
 from compass.frames import (
     direction,

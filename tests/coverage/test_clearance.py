@@ -9,17 +9,10 @@ from hypothesis import strategies as st
 
 from compass.core.clearance import profile_range
 from compass.coverage.certificate import prove_fold
-from compass.coverage.clearance import (
-    Users,
-    clear_share,
-    geodetic,
-    least_clearance,
-    region_users,
-    site_users,
-    worst_share,
-)
+from compass.coverage.clearance import clear_share, least_clearance, worst_share
 from compass.coverage.region import read_region
 from compass.coverage.share import mean_fold_shares
+from compass.coverage.users import Users, geodetic, region_users, site_users
 from compass.errors import ArgumentError
 from compass.frames import FIGURES, prime_meridian_angle
 from compass.orbits import Constellation, positions_mcmf, states_mci, walker_delta

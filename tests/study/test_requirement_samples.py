@@ -7,8 +7,8 @@ import pytest
 
 from compass import Requirement, walker_delta
 from compass.coverage.certified_worst import dilution_at
-from compass.coverage.clearance import Users, region_users, site_users
 from compass.coverage.region import read_region
+from compass.coverage.users import Users, region_users, site_users
 from compass.frames import FIGURES, direction, planetocentric_latitude, prime_meridian_angle
 from compass.orbits import areosynchronous_radius, keplerian
 from compass.orbits.motion import Motion

@@ -7,8 +7,9 @@ import pytest
 
 import compass
 from compass import Requirement
-from compass.coverage.clearance import always_clear, region_users
+from compass.coverage.clearance import always_clear
 from compass.coverage.region import read_region
+from compass.coverage.users import region_users
 from compass.errors import ArgumentError, DesignError
 from compass.frames import FIGURES
 from compass.inputs import read_design

@@ -38,7 +38,7 @@ times that product, thresholds moved by 1e-9 of themselves.
 
 import math
 
-from compass.core.certified.sights import FIRST, SECOND
+from compass.core.certified.sights import DOP, FIRST, SECOND, SLACK, sights
 from compass.core.jit import kernel
 
 #: Offsets in the scratch array of `cuts`: N, M, P, Q, three slopes of N, three X, three Q dN.
@@ -70,6 +70,18 @@ def projector(dop, user, s):
             else:
                 p = same
             s[P_ + 4 * i + j] = p
+
+
+@kernel
+def gather(box, user, scratch, q, dq, rows, kinds, orbits, numbers, mask):
+    """Fill lines of sight from a box and P of the dilution asked for; return `sights`'s number.
+
+    `numbers` as in `sights`, `mask` two rows: azimuths and elevations.
+    """
+    dop = int(numbers[DOP])
+    projector(dop, user, scratch)
+    level = dop == 2 or dop == 3
+    return sights(box, user, orbits, q, dq, numbers[SLACK], level, mask[0], mask[1], rows, kinds)
 
 
 @kernel

@@ -20,19 +20,17 @@ import math
 
 import numpy as np
 
-from compass.core.certified.cuts import BROKEN, CUT, EXPANSION, KEPT, SCRATCH, cuts, projector
+from compass.core.belt import area_below
+from compass.core.certified.cuts import BROKEN, CUT, EXPANSION, KEPT, SCRATCH, cuts, gather
 from compass.core.certified.sights import (
     BEND,
-    DOP,
     E2,
     HEIGHT,
     HIGH,
     LOW,
-    SLACK,
     SQUARE,
     WIDTH,
     place,
-    sights,
     states,
 )
 from compass.core.certified.volumes import volume
@@ -43,16 +41,6 @@ BOX = 10
 
 #: Half-widths below which a box is not split.
 FINEST = 1e-7
-
-
-@kernel
-def area_below(b, e2):
-    """Integral of the density of area by latitude from the equator, per radian of longitude."""
-    s = math.sin(b)
-    if e2 == 0.0:
-        return s
-    e = math.sqrt(e2)
-    return 0.5 * (1.0 - e2) * (s / (1.0 - e2 * s * s) + math.atanh(e * s) / e)
 
 
 @kernel
@@ -150,22 +138,8 @@ def look(
         inside, outside = region_parts(user, normals)
     kept = broken = 0.0
     if inside > 0.0:
-        dop = int(numbers[DOP])
         states(orbits, circles, breaks, paths, box[2], q, dq)
-        count = sights(
-            box,
-            user,
-            orbits,
-            q,
-            dq,
-            numbers[SLACK],
-            dop == 2 or dop == 3,
-            mask[0],
-            mask[1],
-            rows,
-            kinds,
-        )
-        projector(dop, user, scratch)
+        count = gather(box, user, scratch, q, dq, rows, kinds, orbits, numbers, mask)
         cut = scratch[SCRATCH:]
         kept, broken = kept_broken(rows, kinds, count, numbers[SQUARE], scratch, cut)
     box[6] = of_measure(kept + inside - 1.0, m, size, thin, dense)

@@ -20,22 +20,12 @@ from compass.core.certified.cuts import (
     SCRATCH,
     TILT,
     expansion,
+    gather,
     least,
     most,
-    projector,
 )
 from compass.core.certified.shares import region_parts, split
-from compass.core.certified.sights import (
-    DOP,
-    E2,
-    HEIGHT,
-    HIGH,
-    SLACK,
-    WIDTH,
-    place,
-    sights,
-    states,
-)
+from compass.core.certified.sights import E2, HEIGHT, HIGH, WIDTH, place, states
 from compass.core.jit import kernel
 
 #: Columns of a leaf: centre and half-widths (b, l, t), bound of the square, value at the centre.
@@ -54,22 +44,8 @@ def expand(box, sure, user, scratch, q, dq, rows, kinds, orbits, normals, number
     place(box, numbers[E2], numbers[HEIGHT], user)
     if normals.shape[0] and region_parts(user, normals)[1] >= 1.0:
         return -1
-    dop = int(numbers[DOP])
     kinds[:] = 0
-    count = sights(
-        box,
-        user,
-        orbits,
-        q,
-        dq,
-        numbers[SLACK],
-        dop == 2 or dop == 3,
-        mask[0],
-        mask[1],
-        rows,
-        kinds,
-    )
-    projector(dop, user, scratch)
+    count = gather(box, user, scratch, q, dq, rows, kinds, orbits, numbers, mask)
     return expansion(rows, kinds, max(count, 0), sure, sure, scratch, scratch[SCRATCH:])
 
 

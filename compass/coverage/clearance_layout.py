@@ -1,0 +1,161 @@
+"""Questions about clearances as kernels take them: orbits, frame, and the domain that decides."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.bodies import MARS_ROTATION_RATE
+from compass.coverage.region import Region
+from compass.coverage.symmetry import deciding_part
+from compass.coverage.users import Users, centric
+from compass.errors import ArgumentError
+from compass.frames import prime_meridian_angle
+from compass.orbits import Constellation
+from compass.orbits.symmetry import one_circle, one_period
+
+#: Revolutions over which phases are good to what bounds allow for.
+MOST_REVOLUTIONS = 5000.0
+
+
+def check_users(c: Constellation, users: Users, fold: int) -> None:
+    """Refuse a fold below 1, users above the satellites, and those who look through Mars."""
+    if fold < 1:
+        raise ArgumentError(f"fold = {fold}: must be a whole number from 1 on")
+    surface = users.figure.equatorial_radius
+    if c.size and c.periapsis_radius.min() <= surface + users.height:
+        lowest = (c.periapsis_radius.min() - surface) / 1e3
+        raise ArgumentError(
+            f"altitude_km = {users.height / 1e3:g}: satellites come down to {lowest:.6g} km, and "
+            "who is above one sees it in a ring, not in a cap; ask for users below all of them"
+        )
+    dip = float(np.arccos(min(1.0, surface / (users.figure.polar_radius + users.height))))
+    if users.mask.lowest + users.below < -dip - 1e-12:
+        raise ArgumentError(
+            f"mask_deg = {np.degrees(users.mask.lowest + users.below):g}: below the limb of Mars, "
+            f"{-np.degrees(dip):.4g} deg as seen from {users.height / 1e3:g} km; ask for more"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Laid:
+    """What kernels take of a question, with the seconds and the phase at which it begins."""
+
+    orbits: NDArray[np.float64]
+    figure: NDArray[np.float64]
+    turn: float
+    horizon: NDArray[np.float64]
+    region: Region
+    domain: NDArray[np.float64]
+    missed: float
+    pace: float
+    start: float
+
+    def arrays(self) -> tuple[Any, ...]:
+        """In the kernels' order."""
+        return (
+            self.orbits,
+            self.figure,
+            self.turn,
+            self.horizon[0],
+            self.horizon[1],
+            self.region.normals,
+            self.region.floors,
+        )
+
+
+def lay_out(c: Constellation, users: Users, span: tuple[float, float] | None) -> Laid:
+    """Orbits, frame and domain of a question."""
+    pace = float(c.mean_motion.mean())
+    flattening = 1.0 - (users.figure.polar_radius / users.figure.equatorial_radius) ** 2
+    bend = users.figure.equatorial_radius / np.sqrt(1.0 - flattening) + users.height
+    figure = np.array([users.figure.equatorial_radius, flattening, users.height, bend])
+    horizon = np.array([users.mask.azimuth, np.array(users.mask.elevation) + users.below])
+    if users.alike_all_around:
+        horizon = np.ascontiguousarray(horizon[:, :1])
+    if span is None:
+        turn, angle, start, missed = 0.0, 0.0, 0.0, 0.0
+        domain, missed = _torus(c, users)
+        shortest = c.periapsis_radius.min() - users.figure.equatorial_radius - users.height
+        missed *= float(c.apoapsis_radius.max() / shortest)
+    else:
+        start, missed, turn = span[0], 0.0, MARS_ROTATION_RATE.value / pace
+        angle = float(prime_meridian_angle(c.epoch, start))
+        revolutions = (span[1] - start) * pace / (2 * np.pi)
+        if revolutions > MOST_REVOLUTIONS:
+            raise ArgumentError(
+                f"days = {(span[1] - start) / 86400:g}: {revolutions:.0f} revolutions, more than "
+                f"{MOST_REVOLUTIONS:g}; ask for fewer days"
+            )
+        west, east = 0.0, 2 * np.pi
+        if users.longitude is not None:
+            west = east = users.longitude
+        phases = [0.0, (span[1] - start) * pace]
+        domain = np.array([[users.south, users.north], [west, east], phases])
+    orbits = _orbits(c, pace, turn, angle, start)
+    return Laid(orbits, figure, turn, horizon, users.region, domain, missed, pace, start)
+
+
+def _orbits(
+    c: Constellation, pace: float, turn: float, angle: float, start: float
+) -> NDArray[np.float64]:
+    """Rows as the kernels take them, seen from the meridian at `angle`, phases from `start` on.
+
+    In the frame that turns by `turn` a radian of phase, of a position at angular rate w about the
+    pole h: ``|w h - turn z| r`` across, convex in w, and the radial speed besides.
+    """
+    e, i, node, w = c.eccentricity, c.inclination, c.raan - angle, c.argument_of_periapsis
+    co, so, ci, si, cw, sw = (
+        np.cos(node), np.sin(node), np.cos(i), np.sin(i), np.cos(w), np.sin(w),
+    )  # fmt: skip
+    towards = np.stack([co * cw - so * ci * sw, so * cw + co * ci * sw, si * sw], axis=1)
+    across = np.stack([-co * sw - so * ci * cw, -so * sw + co * ci * cw, si * cw], axis=1)
+    root = np.sqrt(1.0 - e * e)
+    mean = c.mean_motion / pace
+    rates = mean * root / np.array([(1.0 - e) ** 2, (1.0 + e) ** 2])
+    fastest = np.sqrt((rates**2 - 2 * rates * turn * ci + turn**2).clip(0.0).max(axis=0))
+    swift = np.hypot(fastest * (1.0 + e), mean * e / root) * c.semi_major_axis
+    if turn == 0.0:
+        swift = mean * c.semi_major_axis * np.sqrt((1.0 + e) / (1.0 - e))
+    a = c.semi_major_axis[:, np.newaxis]
+    anomaly = c.mean_anomaly + c.mean_motion * start
+    columns = (a * towards, a * root[:, np.newaxis] * across)
+    return np.ascontiguousarray(
+        np.column_stack([*columns, e, anomaly, mean, swift * (1.0 + 1e-12)])
+    )
+
+
+def _torus(c: Constellation, users: Users) -> tuple[NDArray[np.float64], float]:
+    """Latitudes, longitudes and phases that decide for ever; what symmetries miss, radians."""
+    if not one_period(c):
+        raise ArgumentError(
+            "orbits of different periods: a claim for ever would need every combination of their "
+            "phases; give days"
+        )
+    around, missed = 2 * np.pi, 0.0
+    south, east, phases = users.south, around, (0.0, around)
+    if one_circle(c):
+        part = deciding_part(c, mirrored=users.alike_all_around)
+        east, phases, missed = part.longitude, part.phases, part.mismatch
+        if users.alike_all_around and south == -users.north:
+            south = 0.0
+        if not np.any(c.inclination):
+            # a ring over the equator only turns, and users are at every longitude
+            east, phases = around, (0.0, 0.0)
+    if south == users.north and abs(south) == np.pi / 2 and users.alike_all_around:
+        east = 0.0  # a pole has one longitude
+    return np.array([[south, users.north], [0.0, east], phases]), missed
+
+
+def place_of(
+    c: Constellation, users: Users, laid: Laid, worst: NDArray[np.float64]
+) -> tuple[float, float, float]:
+    """Seconds after the epoch, planetocentric latitude, Mars-fixed longitude of a box's centre."""
+    time = laid.start + float(worst[2]) / laid.pace
+    longitude = float(worst[1])
+    if laid.turn == 0.0:
+        time = laid.start + float(np.mod(worst[2], 2 * np.pi)) / laid.pace
+        longitude -= float(prime_meridian_angle(c.epoch, time))
+    longitude = float(np.mod(longitude + np.pi, 2 * np.pi) - np.pi)
+    return time, centric(float(worst[0]), users.figure), longitude
