@@ -28,7 +28,7 @@ from compass.orbits.approach import Approach, closest_approaches
 from compass.orbits.forces import ForceModel
 from compass.orbits.motion import Motion
 from compass.orbits.trajectory import COARSE
-from compass.orbits.trimming import Trim, beat_of, trim, with_axes
+from compass.orbits.trimming import Trim, beat_of, can_trim, trim, with_axes
 from compass.quantities import quantity
 
 if TYPE_CHECKING:
@@ -532,13 +532,8 @@ def _at_radius(
             "radius_km: a sweep needs a design of circular orbits of one radius and inclination"
         )
     moved = with_axes(c, np.full(c.size, radius_km * 1e3))
-    beat, trimmed = beat_of(moved) / SECONDS_PER_DAY, True
-    try:
-        chosen = trim(moved, forces_of(motion), stop).constellation
-    except ArgumentError as error:
-        if "resonance" not in str(error):
-            raise
-        chosen, trimmed = moved, False
+    beat, trimmed = beat_of(moved) / SECONDS_PER_DAY, can_trim(moved)
+    chosen = trim(moved, forces_of(motion), stop).constellation if trimmed else moved
     path = motion.trajectory(chosen, 0.0, stop, tolerance=COARSE)
     lasts = prove_span(path, fold, sphere_radius=sphere, mask=mask, stop=stop)
     found = drift_margin(path, fold, sphere, mask, lasts.proven_until)

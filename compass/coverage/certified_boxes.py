@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from compass.core.certified.cuts import CUT, EXPANSION, SCRATCH
 from compass.core.certified.shares import BOX, look, measure, split
 from compass.core.certified.sights import WIDTH
-from compass.coverage.certified_question import Asked, Question
+from compass.coverage.certified_question import Asked, Question, check_limit
 from compass.errors import ArgumentError
 from compass.orbits import Constellation
 
@@ -72,8 +72,7 @@ def boxes_at(
     ArgumentError
         A limit below 1, a smallest box that is none, or as `Question`.
     """
-    if not limit >= 1.0:
-        raise ArgumentError(f"limit = {limit:g}: a dilution of precision to ask for is 1 or more")
+    check_limit(limit)
     if not smallest > 0.0:
         raise ArgumentError(f"smallest = {smallest:g} rad: must be positive")
     question = Question(constellation, **asked)

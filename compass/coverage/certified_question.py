@@ -38,6 +38,18 @@ class Asked(TypedDict, total=False):
     symmetric: bool
 
 
+def check_limit(limit: float) -> None:
+    """Refuse a limit that no dilution of precision keeps.
+
+    Raises
+    ------
+    ArgumentError
+        Below 1.
+    """
+    if not limit >= 1.0:
+        raise ArgumentError(f"limit = {limit:g}: a dilution of precision to ask for is 1 or more")
+
+
 class Question:
     """A dilution of precision over a place and time, at any limit.
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.certified.shares import BOX, refine
-from compass.coverage.certified_question import Asked, Question
+from compass.coverage.certified_question import Asked, Question, check_limit
 from compass.errors import ArgumentError
 from compass.orbits import Constellation
 
@@ -105,8 +105,7 @@ def certified_share(
     ArgumentError
         A limit below 1, a width that is not positive, or as `Question`.
     """
-    if not limit >= 1.0:
-        raise ArgumentError(f"limit = {limit:g}: a dilution of precision to ask for is 1 or more")
+    check_limit(limit)
     return _Search(Question(constellation, **asked), workers).share(
         limit,
         width,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from compass.core.certified.worst import LEAF, pursue
 from compass.coverage.certificate import Outcome
-from compass.coverage.certified_question import DOPS, Asked, Question
+from compass.coverage.certified_question import DOPS, Asked, Question, check_limit
 from compass.errors import ArgumentError
 from compass.frames import mcmf_from_mci, planetocentric_latitude, prime_meridian_angle
 from compass.orbits import Constellation
@@ -215,8 +215,7 @@ def certified_always(
     ArgumentError
         A limit below 1, or as `Question`.
     """
-    if not limit >= 1.0:
-        raise ArgumentError(f"limit = {limit:g}: a dilution of precision to ask for is 1 or more")
+    check_limit(limit)
     search = _Pursuit(Question(constellation, **asked), workers, budget_s, budget_boxes)
     search.go_on(1.0, limit, limit)
     found = search.result()

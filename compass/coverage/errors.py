@@ -1,7 +1,6 @@
 """Error maps: how well a user anywhere is told where and when it is, in metres."""
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 from compass.core.error import SAMPLES, empty_error_histograms, error_map_row
 from compass.core.ranking import histogram_quantile
 from compass.coverage.grid import Grid
-from compass.coverage.maps import BLOCKS, CELL_PERCENTILES
+from compass.coverage.maps import CELL_PERCENTILES, by_blocks, nearest_ranks
 from compass.coverage.view import View
 from compass.errors import ArgumentError
 from compass.signal.ranges import RangeErrors
@@ -81,7 +80,7 @@ def error_map(
     percentiles = np.empty((len(ERRORS), len(CELL_PERCENTILES), *shape), np.float32)
     longitude, places, cell_share = grid.longitude, grid.places, grid.cell_share
     columns = np.cos(longitude), np.sin(longitude), float(longitude[0])
-    ranks = np.array([max(-(-q * epochs // 100), 1) - 1 for q in CELL_PERCENTILES])
+    ranks = nearest_ranks(epochs)
 
     def one_block(rows: NDArray[np.int64]) -> NDArray[np.float64]:
         histograms = empty_error_histograms()
@@ -112,11 +111,8 @@ def error_map(
         return histograms
 
     total = empty_error_histograms()
-    blocks = np.array_split(np.arange(grid.rows), min(BLOCKS, grid.rows))
-    with ThreadPoolExecutor(workers) as pool:
-        for block, histograms in zip(blocks, pool.map(one_block, blocks), strict=True):
-            total += histograms
-            progress(block.size)
+    for histograms in by_blocks(grid, one_block, workers, progress):
+        total += histograms
     weight = cell_share * grid.columns
     return _dataset(percentiles, share, total, weight / weight.sum(), limit)
 

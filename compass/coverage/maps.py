@@ -1,8 +1,8 @@
 """Coverage maps: counts, dilution of precision and gaps over the sphere and a period."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,8 @@ from compass.errors import ArgumentError
 
 if TYPE_CHECKING:
     import xarray as xr
+
+Found = TypeVar("Found")
 
 #: Order of the dilutions of precision in every array and table.
 DOPS = ("gdop", "pdop", "hdop", "vdop", "tdop")
@@ -90,8 +92,7 @@ def coverage_map(
     longitude, places, cell_share = grid.longitude, grid.places, grid.cell_share
     columns = np.cos(longitude), np.sin(longitude), float(longitude[0])
     epochs = view.times.size
-    # nearest rank: the smallest value that at least q percent of the epochs do not exceed
-    ranks = np.array([max(-(-q * epochs // 100), 1) - 1 for q in CELL_PERCENTILES])
+    ranks = nearest_ranks(epochs)
 
     def one_block(rows: NDArray[np.int64]) -> tuple[NDArray, NDArray, NDArray]:
         tallies = empty_histograms(view.r.shape[1], epochs)
@@ -119,17 +120,38 @@ def coverage_map(
         return tallies
 
     totals = empty_histograms(view.r.shape[1], epochs)
+    for tallies in by_blocks(grid, one_block, workers, progress):
+        totals[0][:] += tallies[0]
+        totals[1][:] += tallies[1]
+        np.minimum(totals[2][0], tallies[2][0], out=totals[2][0])
+        totals[2][1] += tallies[2][1] * epochs
+        np.maximum(totals[2][2], tallies[2][2], out=totals[2][2])
+    return cells.dataset(totals, pdop_threshold)
+
+
+def nearest_ranks(epochs: int) -> NDArray[np.int64]:
+    """Places of `CELL_PERCENTILES` among sorted values, one an epoch.
+
+    Nearest rank: the smallest value that at least q percent of the epochs do not exceed.
+    """
+    return np.array([max(-(-q * epochs // 100), 1) - 1 for q in CELL_PERCENTILES])
+
+
+def by_blocks(
+    grid: Grid,
+    one_block: Callable[[NDArray[np.int64]], Found],
+    workers: int | None,
+    progress: Callable[[int], None],
+) -> Iterator[Found]:
+    """What is found of each block of a grid's rows, in order.
+
+    Added up so, sums are the same for any number of threads.
+    """
     blocks = np.array_split(np.arange(grid.rows), min(BLOCKS, grid.rows))
     with ThreadPoolExecutor(workers) as pool:
-        # blocks are added in order, so the sums are the same for any number of threads
-        for block, tallies in zip(blocks, pool.map(one_block, blocks), strict=True):
-            totals[0][:] += tallies[0]
-            totals[1][:] += tallies[1]
-            np.minimum(totals[2][0], tallies[2][0], out=totals[2][0])
-            totals[2][1] += tallies[2][1] * epochs
-            np.maximum(totals[2][2], tallies[2][2], out=totals[2][2])
+        for block, found in zip(blocks, pool.map(one_block, blocks), strict=True):
+            yield found
             progress(block.size)
-    return cells.dataset(totals, pdop_threshold)
 
 
 class _Cells:

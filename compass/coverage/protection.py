@@ -1,7 +1,6 @@
 """Protection maps: how far a fix may be off unnoticed, anywhere, should a satellite fail."""
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +10,7 @@ from compass.core.integrity import FACTOR, RISK, empty_level_histograms, protect
 from compass.core.ranking import histogram_quantile
 from compass.coverage.errors import PERCENTILES
 from compass.coverage.grid import Grid
-from compass.coverage.maps import BLOCKS, CELL_PERCENTILES
+from compass.coverage.maps import CELL_PERCENTILES, by_blocks, nearest_ranks
 from compass.coverage.view import View
 from compass.errors import ArgumentError
 from compass.integrity import Integrity
@@ -92,7 +91,7 @@ def protection_map(
     shares = np.empty((2, *shape), np.float32)
     longitude, places, cell_share = grid.longitude, grid.places, grid.cell_share
     columns = np.cos(longitude), np.sin(longitude), float(longitude[0])
-    ranks = np.array([max(-(-q * epochs // 100), 1) - 1 for q in CELL_PERCENTILES])
+    ranks = nearest_ranks(epochs)
     promise = promise_numbers(integrity, count)
     unmonitored = np.array([integrity.unmonitored(n) for n in range(count + 1)]) / integrity.hazard
     alerts = np.array([integrity.alert_horizontal, integrity.alert_vertical])
@@ -128,12 +127,9 @@ def protection_map(
         return histograms, total
 
     histograms, total = empty_level_histograms(), np.zeros(len(SHARES))
-    blocks = np.array_split(np.arange(grid.rows), min(BLOCKS, grid.rows))
-    with ThreadPoolExecutor(workers) as pool:
-        for block, (histogram, part) in zip(blocks, pool.map(one_block, blocks), strict=True):
-            histograms += histogram
-            total += part
-            progress(block.size)
+    for histogram, part in by_blocks(grid, one_block, workers, progress):
+        histograms += histogram
+        total += part
     by_cell = ("lat", "lon")
     data: dict[str, tuple] = {
         name: (

@@ -98,7 +98,7 @@ def trim(
     """
     c = constellation
     beat = beat_of(c)
-    if beat * BEATS > LONGEST:
+    if not can_trim(c):
         raise ArgumentError(
             f"trim: the orbits keep pace with Mars to a beat of {beat / SECONDS_PER_DAY:.4g} days: "
             "they are in resonance, and no initial axis keeps them apart; choose a radius some "
@@ -134,6 +134,11 @@ def beat_of(constellation: Constellation) -> float:
     node, periapsis, anomaly = secular_rates(c.semi_major_axis, c.eccentricity, c.inclination, c.gm)
     slip = np.abs(node + periapsis + anomaly - MARS_ROTATION_RATE.value)
     return float(np.pi / max(float(slip.min(initial=np.inf)), 1e-12))
+
+
+def can_trim(constellation: Constellation) -> bool:
+    """Whether orbits are far enough from the resonance for their beats to be fitted."""
+    return beat_of(constellation) * BEATS <= LONGEST
 
 
 def turned(path: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from compass.core.resonance import push_on_patterns
 from compass.coverage.lasting import prove_span
-from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY, prime_meridian_angle
 from compass.inputs.study import Study
 from compass.orbits import Constellation
@@ -20,7 +19,7 @@ from compass.orbits.forces import ForceModel
 from compass.orbits.motion import Motion
 from compass.orbits.resonance import slow_pushes
 from compass.orbits.trajectory import COARSE
-from compass.orbits.trimming import trim
+from compass.orbits.trimming import can_trim, trim
 from compass.study.candidates import make_constellation, pattern_columns
 
 #: A year here, s.
@@ -81,11 +80,6 @@ def orbits_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]
 def proven_days(c: Constellation, fold: int, days: float, sphere: float, mask: float) -> float:
     """Days for which a fold is proven under the default forces, from the epoch, trimmed once."""
     forces, stop = _forces(), days * SECONDS_PER_DAY
-    try:
-        chosen = trim(c, forces, stop).constellation
-    except ArgumentError as error:
-        if "resonance" not in str(error):
-            raise
-        chosen = c
+    chosen = trim(c, forces, stop).constellation if can_trim(c) else c
     path = Motion("numerical", forces).trajectory(chosen, 0.0, stop, tolerance=COARSE)
     return prove_span(path, fold, sphere_radius=sphere, mask=mask, stop=stop).days_proven

@@ -9,7 +9,7 @@ from compass.orbits.constellation import keplerian
 from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import built_in_field
 from compass.orbits.motion import Motion
-from compass.orbits.trimming import beat_of, mean_rates, trim, turned
+from compass.orbits.trimming import beat_of, can_trim, mean_rates, trim, turned
 
 OBLATE = ForceModel(built_in_field().truncated(2, 0), False, False, 0.0, "none")
 
@@ -57,6 +57,8 @@ def test_a_beat_of_weeks_does_not_deceive_the_fit():
 
 
 def test_no_trim_helps_in_resonance():
+    assert not can_trim(ring(20430e3))
+    assert can_trim(ring(12000e3))
     with pytest.raises(ArgumentError, match="they are in resonance, and no initial axis"):
         trim(ring(20430e3), OBLATE, 30 * DAY)
 
