@@ -37,6 +37,11 @@ class Figure:
     title: str
 
     @property
+    def words(self) -> str:
+        """Its title without its radii."""
+        return self.title.split(",")[0]
+
+    @property
     def is_sphere(self) -> bool:
         """Whether both semi-axes are equal."""
         return self.equatorial_radius == self.polar_radius

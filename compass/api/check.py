@@ -74,7 +74,7 @@ def verdict_table(verdicts: tuple[Answer, ...]) -> Table:
         (
             verdict.requirement.name,
             verdict.word,
-            verdict.evidence,
+            verdict.sure,
             _share(verdict),
             Value(margin, None if verdict.margin is None else degrees(verdict.margin)),
             verdict.requirement.claim,

@@ -93,7 +93,7 @@ class FoldResult(Result):
         """For which motion and how long it was settled."""
         span = self.coverage.span
         when = "for all time" if span.for_all_time else f"over {span.stop / 3600:.6g} h"
-        return f"{when}, two-body motion, {self.design.figure.name}"
+        return f"{when}, two-body motion, {self.design.figure.words}"
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
@@ -223,14 +223,18 @@ class FoldResult(Result):
             evidence = proven if settled else Bracket(*bounds, self.scope)
             return Value(quantity(name), bounds[0], evidence)
 
+        def common(name: str, value: float | None) -> Value:
+            """Of caps that are alike; where they differ there is nothing to prove."""
+            return Value(quantity(name), value, None if value is None else proven)
+
         return facts(
             "Fold and margins",
             [
                 extreme("min_fold", found.least),
                 extreme("max_fold", found.greatest),
-                Value(quantity("cap_radius_min_deg"), self.cap_radius_min_deg, proven),
+                common("cap_radius_min_deg", self.cap_radius_min_deg),
                 Value(quantity("mask_margin_deg"), self.mask_margin_deg, proven),
-                Value(quantity("lowest_altitude_km"), self.lowest_altitude_km, proven),
+                common("lowest_altitude_km", self.lowest_altitude_km),
             ],
         )
 

@@ -108,9 +108,11 @@ class MapResult(Result):
         """What was certified, and how, in a sentence; nothing where nothing was."""
         if not self.certified:
             return ()
+        named = " and ".join(f"{percent}th" for percent in self.certified.gdop)
+        named += " percentiles" if len(self.certified.gdop) > 1 else " percentile"
         return (
-            "Availability and the 95th percentile of GDOP lie between the bounds shown, "
-            f"everywhere and not only at cells, {self.certified.scope}.",
+            f"Availability and the {named} of GDOP lie between the bounds shown, everywhere "
+            f"and not only at cells, {self.certified.scope}.",
             *self._worst(),
         )
 

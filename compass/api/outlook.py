@@ -5,7 +5,6 @@ bound on the work, and kept on disk.
 """
 
 import shlex
-import time
 from dataclasses import dataclass
 from math import ceil
 from typing import Any
@@ -61,8 +60,6 @@ class Outlook:
         What keeping costs, as `compass.keep` finds it.
     notes
         What was not looked at, and why.
-    seconds
-        Time it took.
     known
         Whether it was kept from an earlier run.
     """
@@ -80,7 +77,6 @@ class Outlook:
     radii: tuple[RadiusLasts, ...]
     keeping: dict[str, Any] | None
     notes: tuple[str, ...]
-    seconds: float
     known: bool
 
     @property
@@ -127,7 +123,6 @@ def commands(design: Design, found: Outlook) -> dict[str, str]:
 
 
 def _look(design: Design) -> dict[str, Any]:
-    began = time.perf_counter()
     c, mask = design.constellation, given_mask(None, design).highest
     motion, notes = real_motion(design), []
     horizon = min(HORIZON, SATELLITE_DAYS / max(c.size, 1))
@@ -168,7 +163,6 @@ def _look(design: Design) -> dict[str, Any]:
         "radii": [r.as_dict() for r in radii],
         "keeping": keeping,
         "notes": notes,
-        "seconds": time.perf_counter() - began,
     }
     result: dict[str, Any] = plain(found)
     return result

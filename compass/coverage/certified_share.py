@@ -184,7 +184,10 @@ def certified_percentile(
         else:
             stopped = found.stopped or "nearer than shares can tell"
             break
-        tried = 4.0 * low if high == np.inf else 0.25 * high if low == 0.0 else (low * high) ** 0.5
+        if high == np.inf:
+            tried = min(4.0 * low, GREATEST)
+        else:
+            tried = 0.25 * high if low == 0.0 else (low * high) ** 0.5
     return CertifiedPercentile(low, high, percent, search.scope, stopped)
 
 

@@ -82,6 +82,11 @@ class Verdict:
         """Met, missed or undecided."""
         return {True: "met", False: "missed", None: "undecided"}[self.met]
 
+    @property
+    def sure(self) -> str:
+        """How sure it is, in the words of other figures; nothing where nothing is known."""
+        return {"bracket": "between proven bounds", "none": ""}.get(self.evidence, self.evidence)
+
     def as_dict(self) -> dict[str, Any]:
         """Plain values with degrees."""
         return {

@@ -4,6 +4,7 @@ Further answers join `ANSWERS` in the order of the page: a function from `Found`
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from compass.api.check import CheckResult
 from compass.coverage.certificate import Outcome
 from compass.coverage.site import site_coverage
-from compass.document import Answer, Answers, Bracket, Sampled, Section, Sentence, Value
+from compass.document import Answer, Answers, Bracket, Proven, Sampled, Section, Sentence, Value
 from compass.document.blocks import Block
 from compass.document.numbers import significant
 from compass.pages.found import Found
@@ -33,7 +34,7 @@ def requirements(found: Found) -> list[Answer]:
             how = f"{value} % of it"
         elif margin is not None:
             how = f"{significant(float(np.degrees(margin)), 3)}° to spare"
-        sure = ", ".join(text for text in (verdict.evidence, verdict.reason, verdict.scope) if text)
+        sure = ", ".join(text for text in (verdict.sure, verdict.reason, verdict.scope) if text)
         rows.append(Answer(f"{asked.name}: {asked.wanted}", how or verdict.word, verdict.met, sure))
     return rows
 
@@ -80,24 +81,22 @@ def geometry(found: Found) -> list[Answer]:
     sampled = Sampled(None, f"{attrs['epochs']} epochs, {attrs['grid']}")
     scope = found.mapped.certified.scope.split(";")[0] if found.mapped.certified else ""
 
-    def bracketed(bounds: list[float] | None) -> Bracket | Sampled:
-        return Bracket(bounds[0], bounds[1], scope) if bounds else sampled
+    def known(name: str, of: dict[str, Any], key: str) -> Value:
+        if f"{key}_bracket" not in of:
+            return Value(quantity(name), of[key], sampled)
+        low, high = of[f"{key}_bracket"]
+        return Value(quantity(name), of[key], Bracket(low, high, scope))
 
-    gdop = quantity("gdop")
-    rows = [
-        Answer("GDOP, half of area and time below", Value(gdop, numbers["gdop"]["p50"], sampled)),
+    gdop, within = numbers["gdop"], attrs["pdop_threshold"]
+    return [
+        Answer("GDOP, half of area and time below", known("gdop", gdop, "p50")),
+        Answer("GDOP, 95 % below", known("gdop", gdop, "p95")),
         Answer(
-            "GDOP, 95 % below",
-            Value(gdop, numbers["gdop"]["p95"], bracketed(numbers["gdop"].get("p95_bracket"))),
+            f"Area and time with PDOP {within:g} or less",
+            known("availability", numbers, "availability"),
         ),
+        *_errors(numbers),
     ]
-    share = Value(
-        quantity("availability"),
-        numbers["availability"],
-        bracketed(numbers.get("availability_bracket")),
-    )
-    rows.append(Answer(f"Area and time with PDOP {attrs['pdop_threshold']:g} or less", share))
-    return rows + _errors(numbers)
 
 
 def _errors(numbers: dict[str, Any]) -> list[Answer]:
@@ -141,14 +140,19 @@ def losses(found: Found) -> list[Answer]:
     if not found.fold.coverage.losses:
         return []
     least = min(sets.least for sets in found.fold.coverage.losses[0])
-    evidence = Bracket(*least, found.fold.scope)
+    scope = found.fold.scope
+    evidence = Proven(scope) if least[0] == least[1] else Bracket(*least, scope)
     left = Value(quantity("min_fold"), least[0], evidence)
-    return [Answer("After any one loss, in view at least", left, None, found.fold.scope)]
+    return [Answer("After any one loss, in view at least", left)]
 
 
 def lasting(found: Found) -> list[Answer]:
     """How long it lasts left alone, what keeping costs, which radius does without."""
-    return lasting_answers(found.design, found.outlook) if found.outlook else []
+    if found.outlook is None:
+        return []
+    rows = lasting_answers(found.design, found.outlook)
+    # beside requirements the fold everywhere is not what was asked for
+    return [replace(row, holds=None) for row in rows] if found.checked else rows
 
 
 #: In the order of the page.
@@ -201,23 +205,22 @@ def what_to_do(found: Found, neighbours: Sequence[Neighbour]) -> list[str]:
     }.get(result.outcome, f"Decide after a finer look: {wanted} is neither proven nor refuted.")
     said = [words]
     margin = result.mask_margin_deg
-    if margin is not None and margin < result.mask_deg:
-        margin = None  # of a miss it is no room to speak of
+    here = -np.inf if margin is None else margin
+    room = here >= result.mask_deg  # of a miss there is none to speak of
     if neighbours:
         best = max(neighbours, key=lambda n: n.mask_deg)
-        here = -np.inf if margin is None else margin
         if best.mask_deg > here + 0.1:
             said.append(
                 f"Its rival of the same size: {best.notation}, with a mask up to "
                 f"{significant(best.mask_deg, 3)}°"
-                + ("." if margin is None else f" instead of {significant(margin, 3)}°.")
+                + (f" instead of {significant(here, 3)}°." if room else ".")
             )
         else:
             said.append("No other phasing or inclination of as many satellites has more margin.")
-    if margin is not None:
-        said.append(f"A mask above {significant(margin, 3)}° would change this.")
-    if found.fold.coverage.losses and c.size > 1:
-        least = min(sets.least[0] for sets in found.fold.coverage.losses[0])
+    if room:
+        said.append(f"A mask above {significant(here, 3)}° would change this.")
+    if room and result.coverage.losses and c.size > 1:
+        least = min(sets.least[0] for sets in result.coverage.losses[0])
         if least < result.fold <= c.size:
             said.append(
                 f"So would the loss of one satellite: then {least} in view is all that is sure."

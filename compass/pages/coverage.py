@@ -41,8 +41,8 @@ def dilution_pictures(mapped: MapResult) -> list[Picture]:
 
     A map of one colour is no map; its sentence is in `one_colour`.
     """
-    made = [_dilution(mapped, "gdop", 95, named=True)]
-    made += [_dilution(mapped, name, 95) for name in ("pdop", "hdop", "vdop", "tdop")]
+    made = [_dilution(mapped, "gdop", wide=True)]
+    made += [_dilution(mapped, name) for name in ("pdop", "hdop", "vdop", "tdop")]
     dataset = mapped.dataset
     threshold, share = dataset.attrs["pdop_threshold"], dataset.availability.values
     if share.max() > share.min():
@@ -75,28 +75,51 @@ def one_colour(mapped: MapResult) -> list[str]:
     return [f"PDOP is at most {threshold:g} for {share.min():.1%} of the time, at every cell."]
 
 
-def _dilution(mapped: MapResult, name: str, q: int, *, named: bool = False) -> Picture:
+def _dilution(mapped: MapResult, name: str, *, wide: bool = False) -> Picture:
     """One map of a dilution, in the colours that all of them share."""
-    values = mapped.dataset[name].sel(percentile=q).values
-    text = f"{quantity(name).title}, {q}th percentile over time"
-    finite = values[np.isfinite(values)]
+    return percentile_map(
+        mapped,
+        name,
+        "Below this value 95 % of the time; infinite where the geometry is singular or fewer than "
+        "four satellites are in view for longer than that.",
+        threshold=mapped.dataset.attrs["pdop_threshold"] if name == "pdop" else None,
+        wide=wide,
+    )
+
+
+def percentile_map(
+    mapped: MapResult,
+    name: str,
+    caption: str,
+    *,
+    wide: bool = False,
+    threshold: float | None = None,
+) -> Picture:
+    """Map of what a dilution, error or level does not exceed for 95 % of the time.
+
+    A wide one has names of places; `threshold` is marked on the colour bar.
+    """
+    values = mapped.dataset[name].sel(percentile=95).values
+    known, finite = quantity(name), values[np.isfinite(values)]
+    text = f"{known.title[0].upper()}{known.title[1:]}, 95th percentile over time"
     figure = map_figure(
         values,
         mapped.made.grid,
         text,
-        quantity(name).title,
+        known.heading,
         figure_name=mapped.design.figure.name,
-        threshold=mapped.dataset.attrs["pdop_threshold"] if name == "pdop" else None,
-        named=named,
+        threshold=threshold,
+        named=wide,
     )
-    range_of = f"from {finite.min():.3g} to {finite.max():.3g}" if finite.size else "none anywhere"
+    range_of = "none anywhere"
+    if finite.size:
+        range_of = f"from {finite.min():.3g} to {finite.max():.3g} {known.shown_unit}".rstrip()
     return picture(
         figure,
-        f"{name}-p{q}",
+        f"{name.removesuffix('_m').replace('_', '-')}-p95",
         text,
-        f"Below this value {q} % of the time; infinite where the geometry is singular or "
-        "fewer than four satellites are in view for longer than that.",
-        wide=named,
+        caption,
+        wide=wide,
         alt=f"Map of Mars: {text}, {range_of}.",
     )
 
@@ -127,7 +150,10 @@ def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
         )
         axes.grid(True)
         if drawn:  # none if no cell of the map ever sees a satellite
-            axes.legend(title="in view", loc="best", fontsize=8, frameon=False)
+            axes.legend(
+                title="in view", loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=4,
+                fontsize=8, frameon=False,
+            )  # fmt: skip
         by_latitude = picture(
             figure,
             "fold-latitude",

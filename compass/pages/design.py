@@ -96,9 +96,8 @@ def look_at(
 ) -> Found:
     """Ask the commands, each once."""
     progress("coverage map")
-    mapped = MapResult(
-        design, make_map(design, options, command), certified_figures(design, options)
-    )
+    certified = certified_figures(design, options, percents=(50, 95))
+    mapped = MapResult(design, make_map(design, options, command), certified)
     progress("continuous fold")
     lost = 1 if design.constellation.size > 1 else 0
     proven = fold(design, motion="two-body", losses=lost)

@@ -92,8 +92,9 @@ def _pinched(result: FoldResult, sphere: float, worst: CoveringRadius) -> Pictur
     else:
         radius = caps_of(c, sphere, mask, worst.time)[1]
         title = f"Caps above {np.degrees(mask):g} deg at t = {worst.time:.1f} s"
+    place_of = {1: "", 2: "second ", 3: "third "}.get(result.fold, f"{result.fold}th ")
     caption = (
-        f"At the star the {result.fold}-th nearest satellite is as far as it ever gets anywhere: "
+        f"At the star the {place_of}nearest satellite is as far as it ever gets anywhere: "
         f"with caps any smaller a hole of fold {result.fold - 1} opens there."
     )
     return _arrangement(result, worst.time, radius, place, title, caption)

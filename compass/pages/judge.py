@@ -17,7 +17,8 @@ from compass.document.numbers import significant
 from compass.entry.arrivals import draw_arrivals
 from compass.entry.campaign import Campaign
 from compass.entry.unknowns import Unknowns
-from compass.inputs.scenario import Scenario, provenance
+from compass.inputs.scenario import Scenario
+from compass.pages.landing import scenario_provenance
 from compass.pages.page import render
 from compass.pictures.judge import bound_distributions, bound_map
 from compass.study.judge import judge_entries
@@ -53,22 +54,10 @@ def judge_report(
         arranged(judged.title, judged.paragraphs, (world,), judged.tables),
         surface_section(ranking.record),
     ]
-    made = provenance(scenario, command)
-    page = render(
-        f"Constellations judged: {scenario.name}",
-        made["references"] or "No source given.",
-        sections,
-        [
-            ("command", command or "made from Python"),
-            ("made", made["history"].split(" ")[0]),
-            ("version", made["source"]),
-            ("scenario file", made["scenario_file"]),
-            ("SHA-256 of the scenario", made["scenario_sha256"]),
-            *((f"SHA-256 of {design.label}", design.digest) for design in designs),
-        ],
-        scenario.text,
-    )
-    return page, sections
+    source, rows = scenario_provenance(scenario, command)
+    rows += [(f"SHA-256 of {design.label}", design.digest) for design in designs]
+    title = f"Constellations judged: {scenario.name}"
+    return render(title, source, sections, rows, scenario.text), sections
 
 
 def answer_section(record: dict[str, Any], carrying: Picture) -> Section:

@@ -8,7 +8,7 @@ from compass.document import Answer, Answers, Section, Sentence
 from compass.document.blocks import Picture, arranged
 from compass.document.numbers import significant
 from compass.entry.assess import Assessment
-from compass.inputs.scenario import provenance
+from compass.inputs.scenario import Scenario, provenance
 from compass.pages.page import render
 from compass.pictures.ellipse import landing_ellipse
 from compass.pictures.entry import entry_pictures
@@ -20,16 +20,21 @@ def landing_report(found: LandResult) -> tuple[str, tuple[Section, ...]]:
     """Make the page (HTML text) and the sections of a flown scenario."""
     scenario = found.scenario
     sections = landing_sections(found)
-    made = provenance(scenario, found.command)
+    source, rows = scenario_provenance(scenario, found.command)
+    return render(scenario.name, source, sections, rows, scenario.text), sections
+
+
+def scenario_provenance(scenario: Scenario, command: str) -> tuple[str, list[tuple[str, str]]]:
+    """Where a scenario comes from, and what a page about it was made from."""
+    made = provenance(scenario, command)
     rows = [
-        ("command", found.command or "made from Python"),
+        ("command", command or "made from Python"),
         ("made", made["history"].split(" ")[0]),
         ("version", made["source"]),
         ("scenario file", made["scenario_file"]),
         ("SHA-256 of the scenario", made["scenario_sha256"]),
     ]
-    subtitle = made["references"] or "No source given."
-    return render(scenario.name, subtitle, sections, rows, scenario.text), sections
+    return made["references"] or "No source given.", rows
 
 
 def landing_sections(found: LandResult) -> tuple[Section, ...]:

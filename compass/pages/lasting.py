@@ -46,7 +46,7 @@ def lasting_answers(design: Design, found: Outlook) -> list[Answer]:
         rows = [Answer(left, f"{floor(found.days_proven)} days", False, proven)]
     if found.keeping is not None:
         mean = Value(quantity("delta_v_keeping_m_s_year"), found.keeping["delta_v_mean_m_s_year"])
-        years = f"simulated over {found.keeping['years']:.3g} year(s)"
+        years = f"simulated over {_years(found.keeping)}"
         cost = f"{mean} m/s a year a satellite"
         question = "To keep every satellite in its slot costs"
         rows.append(Answer(question, cost, None, f"{years}: {shown['keeping']}"))
@@ -126,7 +126,7 @@ def _keeping(design: Design, found: Outlook, kept: dict) -> Verdict:
     stays = "every satellite stays in its slot" if kept["holds"] else "some leave their slots"
     return Verdict(
         f"Keeping it costs {mean} m/s a year a satellite",
-        f"{low} to {high} by slot; {stays}, simulated over {kept['years']:.3g} year(s) "
+        f"{low} to {high} by slot; {stays}, simulated over {_years(kept)} "
         f"({commands(design, found)['keeping']})",
         bool(kept["holds"]),
     )
@@ -163,9 +163,12 @@ def _shift(found: Outlook, radius: RadiusLasts) -> str:
 
 
 def _how(found: Outlook) -> str:
-    paid = "kept from an earlier run that took" if found.known else "worked out in"
-    notes = "".join(f"; {note}" for note in found.notes)
-    return f"{found.motion}; {paid} {found.seconds:.0f} s{notes}."
+    return "; ".join((found.motion, *found.notes)) + "."
+
+
+def _years(kept: dict) -> str:
+    count = f"{kept['years']:.3g}"
+    return f"{count} year" if count == "1" else f"{count} years"
 
 
 def _margin_picture(found: Outlook) -> Picture:
@@ -240,25 +243,11 @@ def _radius_picture(found: Outlook) -> Picture:
         axes = figure.add_subplot()
         for r in found.radii:
             good = r.days_proven >= found.horizon_days
-            axes.plot(
-                [r.radius_km] * 2, [0, r.days_proven], color=CYCLE[2] if good else FAINT, lw=5
-            )
-            axes.annotate(
-                f"{r.days_proven:.4g} d" + (" or more" if good else ""),
-                (r.radius_km, r.days_proven),
-                (0, 3),
-                textcoords="offset points",
-                ha="center",
-            )
+            said = f"{r.days_proven:.4g} d" + (" or more" if good else "")
+            _bar(axes, r.radius_km, r.days_proven, CYCLE[2] if good else FAINT, said)
         assert found.radius_km is not None
-        axes.plot([found.radius_km] * 2, [0, found.days_proven], color=MARS, lw=5)
-        axes.annotate(
-            f"as designed {found.days_proven:.4g} d",
-            (found.radius_km, found.days_proven),
-            (0, 3),
-            textcoords="offset points",
-            ha="center",
-        )
+        said = f"as designed {found.days_proven:.4g} d"
+        _bar(axes, found.radius_km, found.days_proven, MARS, said)
         axes.axhline(found.horizon_days, color=INK, lw=0.8, ls=":")
         radii = [found.radius_km, *(r.radius_km for r in found.radii)]
         axes.set_xlim(min(radii) - 150, max(radii) + 150)
@@ -281,6 +270,11 @@ def _radius_picture(found: Outlook) -> Picture:
         "Days for which the fold is proven with no burn: the design as it is, and the same pattern "
         "at other radii after one trim; the dotted line is how far was looked.",
     )
+
+
+def _bar(axes: "Axes", radius_km: float, days: float, colour: str, said: str) -> None:
+    axes.plot([radius_km] * 2, [0, days], color=colour, lw=5)
+    axes.annotate(said, (radius_km, days), (0, 3), textcoords="offset points", ha="center")
 
 
 def _radius_table(found: Outlook) -> Table:
@@ -319,7 +313,7 @@ def _keeping_table(kept: dict) -> Table:
         "worst across, deg", mass.heading,
     )  # fmt: skip
     return Table(
-        f"Keeping budget over {kept['years']:.3g} year(s), box of {kept['box_deg']:.3g} deg along "
+        f"Keeping budget over {_years(kept)}, box of {kept['box_deg']:.3g} deg along "
         f"the track, {kept['dry_mass_kg']:g} kg dry, {kept['specific_impulse_s']:g} s",
         header,
         rows,

@@ -7,7 +7,7 @@ from compass.api.map import MapResult
 from compass.api.show_signal import signal_blocks, signal_facts
 from compass.design import Design
 from compass.document.blocks import Block, Picture, Section, Sentence, Verdict
-from compass.pictures.maps import map_figure
+from compass.pages.coverage import percentile_map
 from compass.pictures.style import CYCLE, look, new_figure, picture
 from compass.quantities import quantity
 from compass.signal.budget import TERMS
@@ -35,26 +35,8 @@ def metres_section(mapped: MapResult) -> Section | None:
 
 def error_picture(mapped: MapResult, name: str, *, wide: bool = False) -> Picture:
     """Map of an error or level that holds for 95 % of the time."""
-    values = mapped.dataset[name].sel(percentile=95).values
-    known, finite = quantity(name), values[np.isfinite(values)]
-    text = f"{known.title[0].upper()}{known.title[1:]}, 95th percentile over time"
-    figure = map_figure(
-        values,
-        mapped.made.grid,
-        text,
-        known.heading,
-        figure_name=mapped.design.figure.name,
-        named=wide,
-    )
-    between = f"from {finite.min():.3g} to {finite.max():.3g} m" if finite.size else "none anywhere"
-    return picture(
-        figure,
-        f"{name.removesuffix('_m').replace('_', '-')}-p95",
-        text,
-        f"At most this for 95 % of the time. {known.meaning}",
-        wide=wide,
-        alt=f"Map of Mars: {text}, {between}.",
-    )
+    caption = f"At most this for 95 % of the time. {quantity(name).meaning}"
+    return percentile_map(mapped, name, caption, wide=wide)
 
 
 def budget_picture(design: Design) -> Picture:

@@ -61,11 +61,12 @@ def orbit_picture(design: Design) -> Picture:
                           alpha=0.25 if hidden else 1.0, zorder=1 if hidden else 6)  # fmt: skip
         limit = reach * 0.78
         axes.set(xlim=(-limit, limit), ylim=(-limit, limit), zlim=(-limit, limit))
-        axes.set_box_aspect((1, 1, 1))
+        axes.set_box_aspect((1, 1, 1), zoom=0.88)  # room for the words beside it
         axes.set_xlabel("x, km", labelpad=8)
         axes.set_ylabel("y, km", labelpad=8)
         axes.set_zlabel("z (spin axis), km", labelpad=10)
         axes.tick_params(labelsize=8)
+        axes.locator_params(nbins=5)
         axes.set_title(f"{design.name}: orbits at the epoch")
     return picture(
         figure,

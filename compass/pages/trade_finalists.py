@@ -102,8 +102,7 @@ def recommendation(
         for o in study.objectives
     )
     paragraphs = [
-        f"Build {first.row['satellites']} satellites in {first.row['planes']} plane"
-        f"{'s' if first.row['planes'] > 1 else ''}: {first.notation} ({chosen[0].design.label}).",
+        _build(chosen[0]),
         f"By objective: {of_each}. It is the balanced choice of the Pareto front: the largest of "
         "its shortfalls from the front's best, each in ranges of the front, is the smallest.",
         f"Its {study.fold}-fold coverage above {first.mask_deg:g} deg is "
@@ -136,10 +135,7 @@ def answer_section(
     Parameters as of `recommendation`; `carrying` is the front with the finalists.
     """
     first = chosen[0].finalist
-    row = first.row
-    planes = f"{row['planes']} plane{'s' if row['planes'] > 1 else ''}"
-    file = chosen[0].design.label
-    lead = f"Build {row['satellites']} satellites in {planes}: {first.notation} ({file})."
+    lead = _build(chosen[0])
     if len(chosen) > 1:
         other = chosen[1].finalist
         lead += f" Its rival is {other.notation}: {against(study, first, other)}."
@@ -168,6 +164,13 @@ def answer_section(
     return Section(
         "The answer", (Sentence(lead), Answers("What it is worth", tuple(rows)), *carrying)
     )
+
+
+def _build(one: Entrant) -> str:
+    """Say what to build."""
+    row, notation = one.finalist.row, one.finalist.notation
+    planes = f"{row['planes']} plane{'s' if row['planes'] > 1 else ''}"
+    return f"Build {row['satellites']} satellites in {planes}: {notation} ({one.design.label})."
 
 
 def worth(name: str, value: float) -> str:

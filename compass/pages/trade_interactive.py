@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 #: At most so many candidates that are not of the first front are shown, evenly taken.
 OTHERS = 2000
 
+#: What the library measures letters with stands beside the page's landmarks: not to be read aloud.
+UNREAD = 'document.getElementById("js-plotly-tester")?.setAttribute("aria-hidden", "true");'
+
 #: At most so many whole numbers get a tick each.
 MOST_TICKS = 20
 
@@ -105,6 +108,7 @@ def interactive_front(
             full_html=False,
             include_plotlyjs=False,
             div_id="front-interactive",
+            post_script=UNREAD,
             config={
                 "displaylogo": False,
                 "responsive": True,

@@ -3,6 +3,7 @@
 import numpy as np
 
 from compass.document.blocks import Picture
+from compass.document.numbers import significant
 from compass.entry.accuracy import Accuracy, Ellipse
 from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture
 
@@ -30,14 +31,14 @@ def landing_ellipse(at: Accuracy) -> Picture:
         axes.grid(True, color=FAINT, alpha=0.4)
         figure.legend(loc="outside lower center", ncols=3, fontsize=8, frameon=False)
     sizes = f"{delivery.semi_major / KM:.3g} by {delivery.semi_minor / KM:.3g} km"
-    smaller = delivery.semi_major / max(knowledge.semi_major, 1e-9)
+    smaller = significant(delivery.semi_major / max(knowledge.semi_major, 1e-9), 3)
     return picture(
         figure,
         "landing-ellipse",
         "Landing ellipse",
         f"Unguided: half axes {sizes} for 95 %. What the lander knows of its place is an ellipse "
-        f"{smaller:.3g} times smaller, drawn to the same scale.",
-        alt=f"Ellipse of {sizes} about the nominal place; that of knowledge is {smaller:.3g} times "
+        f"{smaller} times smaller, drawn to the same scale.",
+        alt=f"Ellipse of {sizes} about the nominal place; that of knowledge is {smaller} times "
         "smaller.",
     )
 

@@ -9,10 +9,9 @@ from functools import cache
 from io import BytesIO
 from typing import Any
 
-from matplotlib import colormaps, font_manager, rc_context
+from matplotlib import font_manager, rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import Colormap
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.ticker import LogFormatterMathtext
@@ -123,11 +122,6 @@ def new_figure(width: float = 8.0, height: float = 4.5, **options: Any) -> Figur
 def look() -> Any:
     """Return a context manager: axes made and artists drawn inside take the project's look."""
     return rc_context(_RC | {"font.family": _families()})
-
-
-def steps_of(name: str, count: int) -> Colormap:
-    """Return a colour map cut into `count` steps, for whole numbers."""
-    return colormaps[name].resampled(count)
 
 
 def axes_or_new(axes: Axes | None, width: float = 8.0, height: float = 4.5) -> Axes:

@@ -289,6 +289,12 @@ def test_percentiles_stop_for_want_of_time_and_at_infinity():
     assert (late.low, late.high, late.stopped) == (0.0, np.inf, "time")
 
 
+@pytest.mark.slow
+def test_a_percentile_that_no_limit_reaches_is_infinite_from_the_last_limit_on():
+    rare = certified_percentile(walker(5, 5, 1), 95)
+    assert (rare.low, rare.high, rare.stopped) == (1e5, np.inf, "")
+
+
 @pytest.mark.parametrize(
     ("change", "match"),
     [

@@ -70,6 +70,9 @@ def test_what_is_met_is_said_with_its_margin_and_how_sure(met):
     assert "for all time" in coverage.sure
     assert rows["The mask may rise to"].written.startswith("11.")
     assert rows["After any one loss, in view at least"].written == "0"
+    assert rows["After any one loss, in view at least"].sure == (
+        "proven, for all time, two-body motion, IAU 2015 sphere"
+    )
     assert rows["Worst of 2 stations: A"].holds or rows["Worst of 2 stations: B"].holds
     assert "sampled" in rows["GDOP, half of area and time below"].sure
 
@@ -89,8 +92,16 @@ def test_what_is_missed_is_not_to_be_built():
     (words,) = section.paragraphs
     assert words.startswith("Do not build it for 4-fold coverage above 0°")
     assert "with a mask up to 2°." in words and "instead" not in words
+    (words,) = what_to_do(found, beside(found, -80.0, -70.0))  # no rival: its mask is lower still
+    assert "No other phasing or inclination" in words and "rival" not in words
     assert losses(found) == []
     assert "missed" in compass.document.text(compass.document.Page("x", section.blocks))
+
+
+@pytest.mark.slow
+def test_no_loss_changes_a_refusal():
+    found = look(4, lost=1)
+    assert found.fold.coverage.losses and "loss of one" not in what_to_do(found, [])[0]
 
 
 def test_latitudes_are_north_or_south():
@@ -117,6 +128,7 @@ def test_requirements_come_first_and_decide_the_advice(met):
     assert [row.holds for row in rows] == [v.met for v in checked.verdicts]
     assert rows[0].question == "ever: 1 satellites" and "proven" in rows[0].sure
     assert ANSWERS[1](found)[0].holds is None  # the coverage is not what was asked for
+    assert "bracket" not in "".join(row.sure for row in rows)
     (words,) = what_to_do(found, [])
     missed = [v.requirement.name for v in checked.verdicts if v.met is False]
     assert ("Do not build it" in words) is bool(missed)

@@ -57,7 +57,7 @@ def brief(monkeypatch):
     monkeypatch.setattr(f"{home}.access", lambda design, **_: None)
     monkeypatch.setattr(f"{home}.outlook", lambda design: None)
     monkeypatch.setattr(f"{home}._beside", lambda found: [])
-    monkeypatch.setattr(f"{home}.certified_figures", lambda design, options: None)
+    monkeypatch.setattr(f"{home}.certified_figures", lambda design, options, **_: None)
     monkeypatch.setattr(
         f"{home}.answer_section", lambda found, shown, _: Section("Answer", tuple(shown))
     )
@@ -94,6 +94,8 @@ def test_page_tells_everything(page, seed_design):
     assert said["4 in view above 0°, everywhere"].holds
     assert said["Left alone on real orbits it lasts"].written == "2 days and more"
     assert said["The mask may rise to"].written == "6.23 deg"  # 6.2385, never more than is proven
+    for known in ("GDOP, half of area and time below", "GDOP, 95 % below"):
+        assert said[known].sure == "between proven bounds, for all time, two-body motion"
     assert said["After any one loss, in view at least"].written == "3"
     advice = sections[0].paragraphs[0]
     assert "Build it as it is" in advice and "15/5/4" in advice and "8.5" in advice

@@ -156,6 +156,8 @@ def test_candidates_on_any_two_axes(tmp_path, coarse, opened):
         "return Plotly.update(plot, ...wanted.args)"
     )
     assert title("x") == "inclination, deg"
+    ruler = browser.find_element("id", "js-plotly-tester")  # outside the page's landmarks
+    assert ruler.get_attribute("aria-hidden") == "true"
     assert browser.get_log("browser") == []
 
 
