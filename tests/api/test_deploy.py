@@ -105,7 +105,7 @@ def test_the_page_has_a_section_where_there_are_planes(designs):
     section = deployment_section(read_design(designs / "compass-15-5-1.toml"))
     assert section.title == "Deployment"
     assert [p.stem for p in section.pictures] == ["deployment"]
-    assert section.paragraphs[-1].startswith("compass deploy ")
+    assert section.paragraphs[-1].startswith("The same by a command: compass deploy ")
     assert deployment_section(read_design(designs / "draim-four.toml")) is None
     assert deployment_section(read_design(designs / "areostationary-trio.toml")) is None
 
