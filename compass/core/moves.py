@@ -50,8 +50,9 @@ def _nearest_within(place, lead, order, moved, axis, tolerance):
 
 @kernel
 def verified_moves(place, order, axis, tried, sign, tolerance, image):
-    """How far each tried move misses, radians; infinite where it sets two satellites in one place
-    or one where none stands within the tolerance.
+    """How far each tried move misses, radians; infinite of one that is none.
+
+    It is none if it sets two satellites in one place, or one where none is within the tolerance.
 
     Parameters
     ----------
