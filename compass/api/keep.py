@@ -185,7 +185,7 @@ class KeepResult(Result):
             (f"{r.radius_km:g}", Value(quantity("days_proven"), r.days_proven), "0")
             for r in self.radii
         )
-        header = ("radius, km", quantity("days_proven").heading, "delta-v, m s-1 year-1")
+        header = ("radius, km", quantity("days_proven").heading, "delta-v, m/s/year")
         return [Table("Untouched instead, trimmed once", header, rows)] if rows else []
 
 
