@@ -198,10 +198,7 @@ def _anomaly(satellite: SatelliteTable, eccentricity: float) -> float:
 
 def mask_of(table: CoverageTable | StationTable) -> Mask:
     """Mask of a table: constant, or a horizon by azimuth."""
-    if table.horizon_deg is None:
-        return Mask.constant(float(np.radians(table.mask_deg)))
-    azimuths, elevations = np.radians(np.array(table.horizon_deg)).T
-    return Mask(tuple(azimuths.tolist()), tuple(elevations.tolist()))
+    return Mask.of(table.mask_deg if table.horizon_deg is None else table.horizon_deg)
 
 
 def site_of(table: StationTable, figure: Figure) -> Site:
