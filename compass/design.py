@@ -272,6 +272,14 @@ class Requirement:
 class Design:
     """A constellation and what it is for. Two are equal if all their values are.
 
+    Examples
+    --------
+    >>> import compass
+    >>> pattern = compass.walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
+    >>> design = compass.Design(pattern, figure="kelly2018-sphere", mask=compass.Mask.of(5))
+    >>> design.name, design.figure.name
+    ('45°: 15/5/1', 'kelly2018-sphere')
+
     Attributes
     ----------
     constellation

@@ -237,9 +237,9 @@ def keep(
     Examples
     --------
     >>> import compass
-    >>> compass.keep("designs/compass-15-5-1.toml", years=0)
-    Traceback (most recent call last):
-    compass.errors.ArgumentError: years = 0: allowed 0.1 to 100
+    >>> found = compass.keep("designs/compass-15-5-1.toml", years=0.1)
+    >>> found.holds, len(found.delta_v_m_s_year)
+    (True, 15)
     """
     read = given_design(design)
     upkeep = _upkeep(

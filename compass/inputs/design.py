@@ -58,6 +58,12 @@ def read_design(path: str | Path) -> Design:
     ------
     DesignError
         With every fault of the file: field, value, what is allowed and the remedy.
+
+    Examples
+    --------
+    >>> import compass
+    >>> compass.read_design("designs/compass-15-5-1.toml").constellation.size
+    15
     """
     return read_design_text(read_text(Path(path)), readable(path))
 
