@@ -53,7 +53,7 @@ def test_drifting_orbits_over_a_duration_have_brackets(seed_design, monkeypatch)
 
 @pytest.mark.slow
 def test_integrated_paths_have_brackets_over_their_span(seed_design):
-    effort = Effort(width=0.02, budget_s=20.0)
+    effort = Effort(width=0.05, budget_s=20.0)
     found = certified_figures(seed_design, MapOptions(motion="numerical", duration_h=6.0), effort)
     assert "over 6 h from the epoch, numerical motion" in found.scope
     sampled = compass.map(
@@ -61,7 +61,7 @@ def test_integrated_paths_have_brackets_over_their_span(seed_design):
     )
     share = float(sampled.dataset.global_availability)
     assert found.availability.low - 2e-3 < share < found.availability.high + 2e-3
-    assert found.availability.width <= 0.02
+    assert found.availability.width <= 0.05
 
 
 def test_a_limit_below_one_is_refused(seed_design):
