@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import LogNorm
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
+from numpy.typing import NDArray
 
 from compass.coverage.grid import equal_angle_grid
 from compass.coverage.maps import coverage_map
@@ -20,6 +21,7 @@ from compass.orbits import repeat_period
 from compass.pictures.mars_map import MarsMap
 from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture
 from compass.sites import Mask
+from compass.study.bounds import bounded_figures, ends
 from compass.study.choice import Finalist
 from compass.study.yardstick import Yardstick
 
@@ -63,6 +65,7 @@ def front_pictures(
             axes = figure.add_subplot()
             axes.plot(x[good], y[good], ".", ms=3, color=FAINT, alpha=0.5, label="feasible")
             axes.plot(x[front], y[front], "o", ms=4, color=CYCLE[0], label="first Pareto front")
+            _bars(axes, study, results, front, a, b)
             for k, one in enumerate(chosen):
                 axes.plot(
                     one.figures[a], one.figures[b], "D", ms=8, mfc=CYCLE[(k + 1) % len(CYCLE)],
@@ -100,6 +103,19 @@ def front_pictures(
             )
         )
     return tuple(made)
+
+
+def _bars(
+    axes: Any, study: Study, results: "xr.Dataset", front: NDArray[np.bool_], a: str, b: str
+) -> None:
+    """Draw proven bounds of the front's candidates, where they have any."""
+    known = bounded_figures(study)
+    for name, lines, other in ((a, axes.hlines, b), (b, axes.vlines, a)):
+        if name in known:
+            low, high = (results[end].values[front] for end in ends(name))
+            shown = np.isfinite(high - low)
+            across = results[other].values[front]
+            lines(across[shown], low[shown], high[shown], color=CYCLE[0], lw=1.5)
 
 
 def _classes(results: "xr.Dataset", name: str) -> tuple[np.ndarray, list[Any]]:
