@@ -15,6 +15,7 @@ from compass.api.land_flight import (
 )
 from compass.api.land_fusion import fusion_facts, fusion_section, too_sure
 from compass.api.results import Result
+from compass.conventions import dated
 from compass.document import Page, Picture, Section, Verdict
 from compass.document.plain import plain
 from compass.entry.assess import Assessment, assessment_dataset
@@ -69,7 +70,7 @@ class LandResult(Result):
     def dataset(self) -> "xr.Dataset":
         """The flight and everything over its times."""
         data = assessment_dataset(self.assessment)
-        return data.assign_attrs(provenance(self.scenario, self.command))
+        return dated(data.assign_attrs(provenance(self.scenario, self.command)))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
