@@ -13,7 +13,7 @@ from compass.api.land_flight import (
     entry_facts,
     entry_section,
 )
-from compass.api.land_fusion import fusion_facts, fusion_section
+from compass.api.land_fusion import fusion_facts, fusion_section, too_sure
 from compass.api.results import Result
 from compass.conventions import dated
 from compass.document import Page, Picture, Section, Verdict
@@ -50,7 +50,7 @@ class LandResult(Result):
     command
         For the provenance.
     strict
-        Whether an inconsistent filter makes the claim fail.
+        Whether an inconsistent filter, or a fused one that is too sure, makes the claim fail.
     """
 
     scenario: Scenario = field(repr=False)
@@ -61,8 +61,10 @@ class LandResult(Result):
 
     @property
     def holds(self) -> bool:
-        """Whether the filter is consistent, if that was asked for."""
-        return not self.strict or self.assessment.consistency.holds
+        """Whether the filters' claims hold, if that was asked for."""
+        if not self.strict:
+            return True
+        return self.assessment.consistency.holds and not (self.fused and too_sure(self.fused))
 
     @property
     def dataset(self) -> "xr.Dataset":
