@@ -164,8 +164,7 @@ def check(
     (True, 'proven')
     """
     read = given_design(design)
-    if budget_s is not None and not budget_s > 0:
-        raise ArgumentError(f"budget_s = {budget_s:g}: must be positive")
+    check_budget(budget_s)
     if motion is not None:
         read = replace(read, motion=read.motion.or_of(motion))
     wanted = read.requirements or (Requirement("coverage", fold=read.fold),)
@@ -174,3 +173,15 @@ def check(
         for each in bar(progress, "requirements", wanted)
     )
     return CheckResult(read, verdicts)
+
+
+def check_budget(budget_s: float | None) -> None:
+    """Refuse a budget that is not positive.
+
+    Raises
+    ------
+    ArgumentError
+        It is not.
+    """
+    if budget_s is not None and not budget_s > 0:
+        raise ArgumentError(f"budget_s = {budget_s:g}: must be positive")

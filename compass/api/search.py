@@ -7,6 +7,7 @@ from math import degrees, radians
 from pathlib import Path
 from typing import Any, Literal
 
+from compass.api.check import check_budget
 from compass.api.progress import bar
 from compass.api.requirement_search import RequirementSearchResult, needs_of
 from compass.api.results import Result
@@ -23,7 +24,8 @@ from compass.quantities import quantity
 from compass.saving import replacing
 from compass.sites import Mask
 from compass.study import search as engine
-from compass.study.requirement_search import Question, search_for
+from compass.study.requirement_question import Question
+from compass.study.requirement_search import search_for
 
 #: Orbits are of less than this, metres.
 MOST_RADIUS = 1e10
@@ -221,6 +223,7 @@ def search(
     pattern: str = "walker-delta",
     figure: str = "iau-sphere",
     finalists: int = 10,
+    budget_s: float | None = None,
     workers: int | None = None,
     progress: bool = False,
 ) -> SearchResult | RequirementSearchResult:
@@ -256,6 +259,9 @@ def search(
         Sphere that is to be covered: ``iau-sphere`` or ``kelly2018-sphere``; a file says its own.
     finalists
         How many of the best get a certificate, and GDOP and availability between proven bounds.
+    budget_s
+        Seconds that each share of geometry wanted may take; by default so many boxes, which is the
+        same on any machine.
     workers
         Threads; by default one a core. The result does not depend on it.
     progress
@@ -282,6 +288,7 @@ def search(
         )
     if not 0 <= mask_deg < 90:
         raise ArgumentError(f"mask_deg = {mask_deg:g}: allowed 0 up to below 90")
+    check_budget(budget_s)
     least, threads = radians(least_approach_deg), workers or os.cpu_count() or 1
     regions = (region,) if isinstance(region, str) else tuple(region)
     named = (("pdop", pdop_at_most), ("gdop", gdop_at_most))
@@ -320,6 +327,7 @@ def search(
         least,
         (pattern,),
         max_satellites,
+        budget_s,
     )
     outcome = search_for(
         question,
