@@ -7,10 +7,10 @@ from math import degrees, radians
 from pathlib import Path
 from typing import Any, Literal
 
-from compass.api.check import check_budget
 from compass.api.progress import bar
 from compass.api.requirement_search import RequirementSearchResult, needs_of
 from compass.api.results import Result
+from compass.coverage.certified_effort import Effort
 from compass.design import PDOP_MAX, Requirement
 from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
@@ -288,7 +288,7 @@ def search(
         )
     if not 0 <= mask_deg < 90:
         raise ArgumentError(f"mask_deg = {mask_deg:g}: allowed 0 up to below 90")
-    check_budget(budget_s)
+    Effort(budget_s=budget_s)  # refuses what is no budget before anything is looked for
     least, threads = radians(least_approach_deg), workers or os.cpu_count() or 1
     regions = (region,) if isinstance(region, str) else tuple(region)
     named = (("pdop", pdop_at_most), ("gdop", gdop_at_most))

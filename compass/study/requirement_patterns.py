@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from compass.coverage.fold_verdict import users_of
 from compass.orbits import Pattern
 from compass.orbits.constellation import from_pattern
-from compass.orbits.kinds import ROSETTE, WALKER_DELTA, WALKER_STAR, least_multiplier
+from compass.orbits.kinds import kind_of
 from compass.orbits.symmetry import shifts
 from compass.study.requirement_question import Found, Question
 from compass.study.requirement_samples import Moments, is_hopeless, moments_of
@@ -35,10 +35,10 @@ def grids(question: Question, size: int) -> Iterable[Grid]:
     seen = set()
     degrees = np.arange(0.0, 90.0 + 0.5 * STEP, STEP)
     for kind in question.kinds:
-        layout = WALKER_STAR.name if kind == WALKER_STAR.name else WALKER_DELTA.name
+        layout = kind_of(kind).layout
         for planes in (p for p in range(1, size + 1) if size % p == 0):
             for phasing in range(planes):
-                if kind == ROSETTE.name and least_multiplier(size, planes, phasing) is None:
+                if not kind_of(kind).writes(size, planes, phasing):
                     continue
                 if (layout, planes, phasing) in seen:
                     continue

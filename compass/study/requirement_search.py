@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from compass.coverage.certified_effort import Effort
 from compass.coverage.clearance import least_clearance
 from compass.coverage.fold_verdict import course_of, fold_always_met, users_of
 from compass.coverage.requirement_verdict import verdict_of
@@ -181,7 +182,8 @@ def _verdicts(question: Question, one: Found) -> tuple[tuple[Verdict, ...], Verd
     numbers = range(len(question.requirements))
     order = sorted(numbers, key=lambda k: not question.requirements[k].limits)
     for k in order:
-        known[k] = verdict_of(design, question.requirements[k], budget_s=question.budget_s)
+        effort = Effort(budget_s=question.budget_s)  # one each: it keeps what was left open
+        known[k] = verdict_of(design, question.requirements[k], effort=effort)
         if known[k].met is not True:
             return (), known[k]
     return tuple(known[k] for k in range(len(order))), None
