@@ -15,6 +15,7 @@ from compass.api.given import given_design, given_mask
 from compass.api.lasting import LastingResult
 from compass.api.progress import bar
 from compass.api.results import Result
+from compass.conventions import dated
 from compass.coverage.drift import Drift, drift_of
 from compass.coverage.lasting import prove_span
 from compass.coverage.room import has_slots
@@ -339,7 +340,7 @@ class DriftResult(Result):
     @property
     def dataset(self) -> "xr.Dataset":
         """Margin, room and places in the slots over time, as CF lays it out."""
-        return drift_dataset(self)
+        return dated(drift_dataset(self))
 
     def _other_radii(self) -> list[Block]:
         if not self.radii:
@@ -358,7 +359,7 @@ class DriftResult(Result):
         header = ("radius, km", proven.heading, "lost on day", margin.heading, "beat, days")
         return [Table("Left alone at other radii, trimmed where it can be", header, rows)]
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw margin and room over time.
 
         Parameters

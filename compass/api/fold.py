@@ -304,7 +304,7 @@ class FoldResult(Result):
         header = ("satellites lost", quantity("alike").title, least.title, cap.heading)
         return Table(f"After {number} loss(es), worst first", header, rows, LISTED)
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw the share of area and time by fold as bars.
 
         Parameters

@@ -11,6 +11,7 @@ import numpy as np
 from compass.api.given import given_design
 from compass.api.progress import bar, parts_bar
 from compass.api.results import Result
+from compass.conventions import dated
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_geometry import CertifiedGeometry
 from compass.coverage.errors import ERRORS, FACTOR_95
@@ -57,7 +58,7 @@ class MapResult(Result):
     @property
     def dataset(self) -> "xr.Dataset":
         """Everything by cell, zone and epoch, and over the whole sphere, with CF attributes."""
-        return self.made.dataset
+        return dated(self.made.dataset)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import degrees, radians
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from compass.api.progress import bar
 from compass.api.requirement_search import RequirementSearchResult, needs_of
@@ -26,6 +26,9 @@ from compass.sites import Mask
 from compass.study import search as engine
 from compass.study.requirement_question import Question
 from compass.study.requirement_search import search_for
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 #: Orbits are of less than this, metres.
 MOST_RADIUS = 1e10
@@ -161,6 +164,25 @@ class SearchResult(Result):
             )
         found = Verdict("found", self._claim(), True)
         return Page(title, (found, self._table(), Sentence(how), Sentence(self.sentence)))
+
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
+        """Draw the highest mask of every candidate, smallest first.
+
+        Parameters
+        ----------
+        axes
+            Where to; new ones without.
+        """
+        from compass.pictures.bars import draw_bars
+
+        shown = self.candidates[:LISTED]
+        return draw_bars(
+            axes,
+            [self._notation(candidate) for candidate in shown],
+            [degrees(candidate.mask_margin) for candidate in shown],
+            quantity("mask_margin_deg"),
+            f"{self.fold}-fold coverage at {self.radius_km:.6g} km",
+        )
 
     def _notation(self, candidate: engine.Candidate) -> str:
         """What to call a pattern, in the notation of the kind that was looked for."""

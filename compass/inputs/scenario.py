@@ -27,7 +27,7 @@ from compass.errors import ArgumentError, CompassError, DesignError
 from compass.frames import prime_meridian_angle
 from compass.inputs.design import read_design
 from compass.inputs.fusion_models import FusionTable
-from compass.inputs.instrument_models import features_of, instruments_of
+from compass.inputs.instrument_models import features_of, instruments_of, link_of
 from compass.inputs.reading import parse, read_text
 from compass.inputs.scenario_faults import EXPONENTIAL, scenario_faults
 from compass.inputs.scenario_models import (
@@ -258,6 +258,7 @@ def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenar
             seen.in_turn,
             instruments_of(seen.two_way, seen.altimeter, seen.velocimeter, seen.features),
             features_of(file.feature),
+            link_of(seen.link),
         ),
         settings=_filter(file.filter, state),
         runs=file.monte_carlo.runs,

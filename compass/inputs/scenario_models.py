@@ -9,6 +9,7 @@ from compass.inputs.instrument_models import (
     AltimeterTable,
     FeaturesTable,
     FeatureTable,
+    LinkTable,
     TwoWayTable,
     VelocimeterTable,
 )
@@ -185,6 +186,9 @@ class MeasurementsTable(Table):
     start_s: float = Field(0.0, ge=0, description="first measurement, s")
     stop_s: float | None = Field(None, ge=0, description="last measurement, s; the end if left out")
     in_turn: bool = Field(False, description="one beacon at a time rather than all at once")
+    link: LinkTable | None = Field(
+        None, description="noise of the ranges from the link budget, on top of range_sigma_m"
+    )
     two_way: TwoWayTable | None = Field(
         None, description="radio both ways, to the same beacons at the same times"
     )

@@ -269,6 +269,7 @@ two_way = { range_rate_sigma_m_s = 0.01 }
 altimeter = { sigma_m = 10, share = 0.02, below_km = 8 }
 velocimeter = { sigma_m_s = 0.2, interval_s = 2 }
 features = { sigma_deg = 0.1, interval_s = 5 }
+link = { frequency_mhz = 401, eirp_dbw = 10, g_over_t_db_k = -25, required_db_hz = 30, chip_m = 300 }
 [[feature]]
 name = "rim"
 latitude_deg = -27
@@ -290,6 +291,9 @@ def test_instruments_and_features_become_records():
     place = scenario.measurements.features.places(scenario.model.planet_radius)
     assert np.linalg.norm(place) == pytest.approx(scenario.model.planet_radius - 2e3)
     assert scenario.settings.method == "unscented"
+    link = scenario.measurements.link
+    assert (link.radio.frequency, link.receiver.chip, link.electrons) == (401e6, 300.0, None)
+    assert np.isinf(link.beamwidth) and read(GROUND).measurements.link is None
     [axes] = scenario.settings.parts
     assert (axes.name, axes.considered) == ("attitude", True)
     assert axes.sigma == pytest.approx([np.radians(0.05)] * 3)
