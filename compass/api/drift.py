@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from math import degrees
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,9 +16,6 @@ from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.approach import closest_approaches
 from compass.orbits.trimming import trim
-
-if TYPE_CHECKING:
-    pass
 
 
 def drift(

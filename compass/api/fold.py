@@ -2,7 +2,6 @@
 
 from math import degrees, inf
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from compass.api.fold_result import FoldResult
 from compass.api.given import given_design, given_mask
@@ -19,9 +18,6 @@ from compass.frames import SECONDS_PER_DAY
 from compass.orbits.motion import Motion, MotionModel
 from compass.orbits.symmetry import one_period
 from compass.sites import Mask, Site
-
-if TYPE_CHECKING:
-    pass
 
 
 def fold(

@@ -1,14 +1,11 @@
 """The tables of a ranking of designs for a lander."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from compass.document import Bracket, Proven, Table, Value
 from compass.document.numbers import significant
 from compass.quantities import Quantity, quantity
-
-if TYPE_CHECKING:
-    pass
 
 
 def unknown_air(record: dict[str, Any]) -> list[str]:

@@ -2,7 +2,7 @@
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from compass.api.given import given_design
 from compass.api.map_result import MapResult
@@ -14,9 +14,6 @@ from compass.orbits.motion import MotionModel
 from compass.signal.ranges import Weighting
 from compass.study.certified import certified_figures
 from compass.study.mapping import MapOptions, make_map
-
-if TYPE_CHECKING:
-    pass
 
 
 def map(

@@ -4,20 +4,19 @@ import os
 from collections.abc import Sequence
 from math import radians
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from compass.api.progress import bar
 from compass.api.requirement_search import RequirementSearchResult, needs_of
 from compass.api.search_result import SearchResult
+from compass.coverage.certified_effort import Effort
 from compass.design import Requirement
 from compass.errors import ArgumentError
 from compass.frames import FIGURES, Figure
 from compass.orbits.patterns import orbit_radius
 from compass.study import search as engine
-from compass.study.requirement_search import Question, search_for
-
-if TYPE_CHECKING:
-    pass
+from compass.study.requirement_question import Question
+from compass.study.requirement_search import search_for
 
 #: Orbits are of less than this, metres.
 MOST_RADIUS = 1e10
@@ -43,6 +42,7 @@ def search(
     pattern: str = "walker-delta",
     figure: str = "iau-sphere",
     finalists: int = 10,
+    budget_s: float | None = None,
     workers: int | None = None,
     progress: bool = False,
 ) -> SearchResult | RequirementSearchResult:
@@ -78,6 +78,9 @@ def search(
         Sphere that is to be covered: ``iau-sphere`` or ``kelly2018-sphere``; a file says its own.
     finalists
         How many of the best get a certificate, and GDOP and availability between proven bounds.
+    budget_s
+        Seconds that each share of geometry wanted may take; by default so many boxes, which is the
+        same on any machine.
     workers
         Threads; by default one a core. The result does not depend on it.
     progress
@@ -104,6 +107,7 @@ def search(
         )
     if not 0 <= mask_deg < 90:
         raise ArgumentError(f"mask_deg = {mask_deg:g}: allowed 0 up to below 90")
+    Effort(budget_s=budget_s)  # refuses what is no budget before anything is looked for
     least, threads = radians(least_approach_deg), workers or os.cpu_count() or 1
     regions = (region,) if isinstance(region, str) else tuple(region)
     named = (("pdop", pdop_at_most), ("gdop", gdop_at_most))
@@ -142,6 +146,7 @@ def search(
         least,
         (pattern,),
         max_satellites,
+        budget_s,
     )
     outcome = search_for(
         question,
