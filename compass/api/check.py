@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, replace
 from math import degrees
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from compass.api.given import given_design
 from compass.api.progress import bar
@@ -17,6 +17,9 @@ from compass.document.blocks import Block
 from compass.document.plain import plain
 from compass.orbits.motion import MotionModel
 from compass.quantities import quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, repr=False)
@@ -52,6 +55,25 @@ class CheckResult(Result):
     def document(self) -> Page:
         """The answer, the table of verdicts, and what is said of each."""
         return Page(self.design.name, self.blocks())
+
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
+        """Draw the margin of each requirement; of those without one only its name.
+
+        Parameters
+        ----------
+        axes
+            Where to; new ones without.
+        """
+        from compass.pictures.bars import draw_bars
+
+        return draw_bars(
+            axes,
+            [f"{v.requirement.name}: {v.word}" for v in self.verdicts],
+            [None if v.margin is None else degrees(v.margin) for v in self.verdicts],
+            quantity("requirement_margin_deg"),
+            f"{self.design.name}: margins of the requirements",
+            missed=[v.met is False for v in self.verdicts],
+        )
 
     def blocks(self) -> tuple[Block, ...]:
         """What other results show of it."""

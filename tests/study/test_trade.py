@@ -26,12 +26,6 @@ from compass.study.workers import Processes
 from tests.one_process import OneProcess
 
 
-@pytest.fixture(autouse=True)
-def without_bounds(monkeypatch):
-    """Proven bounds have tests of their own (`test_order`)."""
-    monkeypatch.setattr("compass.study.order.LEVELS", {})
-
-
 class Bars:
     """Counts what bars are told."""
 
