@@ -136,6 +136,7 @@ def _brackets(study: Study, one: "xr.Dataset") -> dict[str, tuple[float, float]]
     pairs = {
         figure: tuple(float(one[end].values[0]) for end in ends(figure))
         for figure in bounded_figures(study)
+        if ends(figure)[0] in one
     }
     return {name: (low, high) for name, (low, high) in pairs.items() if np.isfinite(high - low)}
 
