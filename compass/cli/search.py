@@ -72,6 +72,7 @@ from compass.orbits.kinds import KIND_NAMES
     help="Sphere that is to be covered.",
 )
 @click.option("--finalists", type=int, default=10, show_default=True, help="How many to certify.")
+@click.option("--budget-s", type=float, help="Seconds for each share of geometry wanted.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Write the best as a design.")
 @json_option
 def command(output: Path | None, as_json: bool, **options: Any) -> None:
