@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compass.api.drift import RadiusLasts, at_radii, forces_of, real_motion
 from compass.api.given import given_design, given_mask
 from compass.api.progress import bar
+from compass.api.radii import RadiusLasts, at_radii, forces_of, real_motion
 from compass.api.results import Result
 from compass.coverage.margin import covering_radius
 from compass.coverage.room import has_slots, slot_box

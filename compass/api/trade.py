@@ -105,6 +105,8 @@ class TradeResult(Result):
         )
         blocks: list[Block] = [Verdict("", claim, self.holds)]
         blocks += [Sentence(words) for words in self.notes()]
+        if self.study.entry is not None:
+            blocks.append(Sentence(self.study.entry.doubts.sentence([])))
         if front:
             rows = tuple(tuple(row.values()) for row in front)
             blocks.append(Table("Pareto front", tuple(front[0]), rows, LISTED))

@@ -5,14 +5,19 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.coverage.certified_effort import Effort
 from compass.coverage.requirement_verdict import verdict_of
 from compass.coverage.verdict import Verdict
-from compass.design import Design
+from compass.design import Design, Requirement
 from compass.inputs.merit import merits_of
 from compass.inputs.study import Study
 from compass.orbits import Constellation
 from compass.sites import Mask
 from compass.study.candidates import make_constellation
+
+
+#: How near bounds of shares of geometry come at first; most candidates are told apart by that.
+COARSE = 2e-3
 
 
 def requirement_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
@@ -33,7 +38,7 @@ def settled(study: Study, c: Constellation, mask: float) -> dict[str, float]:
     design = Design(c, figure=study.figure, mask=Mask.constant(mask))
     verdicts: list[Verdict] = []
     for wanted in study.requirements:
-        verdicts.append(verdict_of(design, wanted))
+        verdicts.append(_decided(design, wanted))
         if verdicts[-1].met is False:
             break
     outcomes = [verdict.met for verdict in verdicts]
@@ -46,3 +51,9 @@ def settled(study: Study, c: Constellation, mask: float) -> dict[str, float]:
         "requirement_share": min((low for low, _ in shares), default=np.nan),
         "requirement_share_most": min((high for _, high in shares), default=np.nan),
     }
+
+
+def _decided(design: Design, wanted: Requirement) -> Verdict:
+    """Verdict with coarse bounds where these tell, with fine ones where they do not."""
+    coarse = verdict_of(design, wanted, effort=Effort(width=COARSE))
+    return coarse if coarse.met is not None else verdict_of(design, wanted)
