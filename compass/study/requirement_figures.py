@@ -15,7 +15,6 @@ from compass.orbits import Constellation
 from compass.sites import Mask
 from compass.study.candidates import make_constellation
 
-
 #: How near bounds of shares of geometry come at first; most candidates are told apart by that.
 COARSE = 2e-3
 
