@@ -46,7 +46,7 @@ def command(design: Path, output: Path | None, as_json: bool, **options: Any) ->
     """
     announce_compilation()
     import compass
-    from compass.api.access import check_suffix
+    from compass.api.access_result import check_suffix
     from compass.saving import check_writable
 
     if output:
