@@ -29,7 +29,7 @@ def access(
     crosslinks: bool = False,
     eclipse: bool = False,
     duration_sols: float | None = None,
-    model: MotionModel | None = None,
+    motion: MotionModel | None = None,
     start_day: float = 0.0,
     moon_model: str = "precessing",
     pairs: bool = False,
@@ -53,7 +53,7 @@ def access(
         Find when satellites and moons are in shadow.
     duration_sols
         Span from the epoch, above 0 to 1000 sols; else the design's.
-    model, moon_model
+    motion, moon_model
         How satellites (``two-body``, ``j2``, ``numerical``; else as the design says) and moons
         (``precessing``, ``circular``) move.
     start_day
@@ -87,14 +87,14 @@ def access(
     if not 0 <= start_day < np.inf:
         raise ArgumentError(f"start_day = {start_day:g}: must be 0 or more days")
     check_duration(duration)
-    start, motion = start_day * SECONDS_PER_DAY, read.motion.or_of(model)
+    start, moved = start_day * SECONDS_PER_DAY, read.motion.or_of(motion)
     options: Any = {"moon_model": moon_model, "start": start}
-    if motion.is_closed_form and start == 0.0:
-        options["model"] = motion.model
+    if moved.is_closed_form and start == 0.0:
+        options["model"] = moved.model
     else:
-        options["path"] = motion.trajectory(read.constellation, start, start + duration)
+        options["path"] = moved.trajectory(read.constellation, start, start + duration)
     found = survey(read.constellation, sites, duration, wanted, figure=read.figure, **options)
-    record = {"motion": motion.title, "start_day": start_day} | survey_record(
+    record = {"motion": moved.title, "start_day": start_day} | survey_record(
         found,
         found.epoch,
         radios=read.radios,
