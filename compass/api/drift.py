@@ -10,13 +10,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compass.api.drift_files import drift_dataset, elements_text
+from compass.api.drift_files import drift_dataset
 from compass.api.given import given_design, given_mask
 from compass.api.lasting import LastingResult
 from compass.api.progress import bar
+from compass.api.promises import box_dict, followed, promise_blocks, promise_dict
 from compass.api.results import Result
+from compass.coverage.certificate import Outcome
 from compass.coverage.drift import Drift, drift_of
 from compass.coverage.lasting import prove_span
+from compass.coverage.promises import Promise, promises_of
+from compass.coverage.region import GLOBE, Region, read_region
 from compass.coverage.room import has_slots
 from compass.design import Design
 from compass.document import Page, Sampled, Sentence, Table, Value
@@ -89,6 +93,8 @@ class DriftResult(Result):
         The trimmed elements, if asked for.
     radii
         How long the pattern lasts at other radii, if asked for.
+    promises
+        What becomes of each requirement of the design.
     approaches
         The closest approach of any satellite to each moon.
     avoid_km
@@ -101,13 +107,18 @@ class DriftResult(Result):
     drift: Drift
     trim: Trim | None = None
     radii: tuple[RadiusLasts, ...] = ()
+    promises: tuple[Promise, ...] = ()
     approaches: tuple[Approach, ...] = ()
     avoid_km: float | None = None
 
     @property
     def holds(self) -> bool:
-        """Whether the fold is proven for the whole span, and the moons are kept away from."""
-        return self.lasting.holds and self.avoids
+        """Whether what is wanted is proven for the whole span, and the moons are kept away from.
+
+        Wanted is what the design requires, as far as it can be followed; without that the fold.
+        """
+        wanted = followed(self.promises) or [self.drift.lasting]
+        return all(one.outcome is Outcome.PROVEN for one in wanted) and self.avoids
 
     @property
     def avoids(self) -> bool:
@@ -143,7 +154,8 @@ class DriftResult(Result):
                 "margin_at_moment_deg": np.degrees(found.margin),
                 "room_deg": None if found.room is None else np.degrees(found.room.room),
                 "per_satellite": self._satellites(),
-                "slot_box": self._box(),
+                "slot_box": box_dict(self.drift.box),
+                "requirements": [promise_dict(each) for each in self.promises],
                 "trim": self._trim(),
                 "radii": [radius.as_dict() for radius in self.radii],
                 "moons": [
@@ -174,12 +186,6 @@ class DriftResult(Result):
             }
             for s, name in enumerate(self.design.constellation.satellite_names)
         ]
-
-    def _box(self) -> dict[str, float] | None:
-        box = self.drift.box
-        if box is None:
-            return None
-        return {"sideways_deg": degrees(box.sideways), "radial_km": box.radial / 1e3}
 
     def _trim(self) -> dict[str, Any] | None:
         t = self.trim
@@ -221,6 +227,7 @@ class DriftResult(Result):
     def document(self) -> Page:
         """How long it lasts, then margin and room over time, satellites, trim, other radii."""
         blocks: list[Block] = [
+            *promise_blocks(self.promises),
             *self.lasting.blocks(),
             self._advice(),
             *self._over_time(),
@@ -275,7 +282,7 @@ class DriftResult(Result):
         )
         header = ("satellite", *(quantity(name).heading for name in names))
         blocks: list[Block] = [Table("In its slot at the end of the span", header, table)]
-        if box := self._box():
+        if box := box_dict(self.drift.box):
             blocks.append(
                 facts(
                     "Slot box: how far one satellite may leave its slot",
@@ -389,6 +396,7 @@ def drift(
     step_days: float | None = None,
     fold: int | None = None,
     mask_deg: float | None = None,
+    region: str | None = None,
     trimmed: bool = False,
     radius_km: Sequence[float] = (),
     avoid_km: float | None = None,
@@ -409,6 +417,9 @@ def drift(
         Between the moments at which margin and room are given.
     fold, mask_deg
         Satellites in view at once and elevation mask, degrees; else the design's.
+    region
+        Where: ``lat:MIN:MAX`` or ``polygon:LAT,LON;LAT,LON;...``, degrees; else everywhere. The
+        design's requirements are followed besides.
     trimmed
         Whether to trim the initial axes first.
     radius_km
@@ -441,6 +452,7 @@ def drift(
     read = given_design(design)
     wanted = read.fold if fold is None else fold
     mask = given_mask(mask_deg, read).highest
+    where = GLOBE if region is None else read_region(region)
     motion = real_motion(read)
     stop = (start_day + days) * SECONDS_PER_DAY
     sphere = read.figure.equatorial_radius
@@ -459,14 +471,22 @@ def drift(
         start_day=start_day,
         sphere_radius=sphere,
         mask=mask,
+        region=where,
         step_days=step_days,
         progress=lambda x: bar(progress, "margins", x),
     )
     radii = at_radii(
-        read, radius_km, days=start_day + days, fold=wanted, mask=mask, progress=progress
+        read,
+        radius_km,
+        days=start_day + days,
+        fold=wanted,
+        mask=mask,
+        region=where,
+        progress=progress,
     )
+    kept = promises_of(read, path, found.times, lambda x: bar(progress, "requirements", x))
     near = closest_approaches(path, start_day * SECONDS_PER_DAY, stop)
-    return DriftResult(read, degrees(mask), motion.title, found, done, radii, near, avoid_km)
+    return DriftResult(read, degrees(mask), motion.title, found, done, radii, kept, near, avoid_km)
 
 
 def real_motion(design: Design) -> Motion:
@@ -496,6 +516,7 @@ def at_radii(
     days: float,
     fold: int,
     mask: float,
+    region: Region = GLOBE,
     progress: bool = False,
 ) -> tuple[RadiusLasts, ...]:
     """How long a design's pattern lasts at other radii, km, from the epoch on; `mask` in radians.
@@ -505,11 +526,16 @@ def at_radii(
     ArgumentError
         Orbits that form no slots, or a motion without forces.
     """
-    sphere, motion = design.figure.equatorial_radius, real_motion(design)
+    motion = real_motion(design)
+    place = {
+        "sphere_radius": design.figure.equatorial_radius,
+        "mask": mask,
+        "region": region,
+    }
 
     def look(radius: float) -> RadiusLasts:
         stop = days * SECONDS_PER_DAY
-        return _at_radius(design.constellation, radius, motion, fold, sphere, mask, stop)
+        return _at_radius(design.constellation, radius, motion, fold, stop, place)
 
     # kernels release the interpreter, so that two radii are followed at once on two cores
     with ThreadPoolExecutor(min(os.cpu_count() or 1, max(len(radius_km), 1))) as pool:
@@ -522,9 +548,8 @@ def _at_radius(
     radius_km: float,
     motion: Motion,
     fold: int,
-    sphere: float,
-    mask: float,
     stop: float,
+    place: dict[str, Any],
 ) -> RadiusLasts:
     """How long the same pattern lasts on another radius."""
     if not has_slots(c):
@@ -535,19 +560,19 @@ def _at_radius(
     beat, trimmed = beat_of(moved) / SECONDS_PER_DAY, can_trim(moved)
     chosen = trim(moved, forces_of(motion), stop).constellation if trimmed else moved
     path = motion.trajectory(chosen, 0.0, stop, tolerance=COARSE)
-    lasts = prove_span(path, fold, sphere_radius=sphere, mask=mask, stop=stop)
-    found = drift_margin(path, fold, sphere, mask, lasts.proven_until)
+    lasts = prove_span(path, fold, **place, stop=stop)
+    found = drift_margin(path, fold, lasts.proven_until, place)
     return RadiusLasts(
         radius_km, lasts.days_proven, lasts.first_loss_days, degrees(found), beat, trimmed
     )
 
 
-def drift_margin(path: Any, fold: int, sphere: float, mask: float, until: float) -> float:
+def drift_margin(path: Any, fold: int, until: float, place: dict[str, Any]) -> float:
     """Least margin at a hundred moments up to a time, radians."""
     from compass.coverage.lasting import margins_at
 
     times = np.linspace(0.0, max(until, 1.0), 100)
-    return float(margins_at(path, fold, times, sphere_radius=sphere, mask=mask).min())
+    return float(margins_at(path, fold, times, **place).min())
 
 
 def read_radii(text: str) -> list[float]:
@@ -573,24 +598,3 @@ def read_radii(text: str) -> list[float]:
             f"radius_km = {text!r}: write FIRST..LAST:STEP or A,B,C in km, at most 1000 radii"
         )
     return found
-
-
-def write_elements(found: DriftResult, path: Path, design_path: Path) -> None:
-    """Write the trimmed elements as a design file of pattern ``elements``, with its tolerances.
-
-    Of that file `compass.export` makes the orbits' OEM, integrated under the same forces.
-
-    Raises
-    ------
-    ArgumentError
-        There was no trim.
-    OutputError
-        The file cannot be written, or is the design.
-    """
-    from compass.saving import check_writable, replacing
-
-    if found.trim is None:
-        raise ArgumentError("elements: the elements to inject come from a trim; add --trim")
-    check_writable(path, [design_path])
-    with replacing(path) as temporary:
-        temporary.write_text(elements_text(found), encoding="utf-8")

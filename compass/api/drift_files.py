@@ -1,11 +1,14 @@
 """What `compass drift` hands over: a dataset over time, and the elements to inject."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from compass.conventions import epoch_text
+from compass.design import Design
+from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.motion import Motion
 from compass.quantities import quantity
@@ -63,14 +66,38 @@ def _attributes(name: str) -> dict[str, str]:
     return known | {"units": known["units"].replace("deg", "degree")}
 
 
+def check_trimmed(trimmed: bool) -> None:
+    """Refuse to write elements or orbits to inject without a trim.
+
+    Raises
+    ------
+    ArgumentError
+        There is none.
+    """
+    if not trimmed:
+        raise ArgumentError("elements, oem: the orbits to inject come from a trim; add --trim")
+
+
+def injected_design(result: "DriftResult") -> Design:
+    """The design of the trimmed elements, under the motion that they were trimmed for.
+
+    Raises
+    ------
+    ArgumentError
+        There was no trim.
+    """
+    check_trimmed(result.trim is not None)
+    assert result.trim is not None
+    motion = result.design.motion
+    flown = Motion("numerical") if motion.model == "two-body" else motion
+    return replace(result.design, constellation=result.trim.constellation, motion=flown)
+
+
 def elements_text(result: "DriftResult") -> str:
     """Design file of trimmed elements, its tolerances as comments before them."""
     from compass.handover.toml import design_toml
 
-    assert result.trim is not None
-    motion = result.design.motion
-    flown = Motion("numerical") if motion.model == "two-body" else motion
-    trimmed = replace(result.design, constellation=result.trim.constellation, motion=flown)
+    trimmed = injected_design(result)
     days = (result.drift.lasting.stop - result.drift.lasting.start) / SECONDS_PER_DAY
     lines = [f"# Osculating elements to inject, trimmed over {days:.6g} days."]
     if tolerance := result.tolerances():
@@ -79,3 +106,43 @@ def elements_text(result: "DriftResult") -> str:
     else:
         lines.append("# No room is left in the slots at the end: no tolerance can be promised.")
     return "\n".join([*lines, design_toml(trimmed)])
+
+
+def write_elements(found: "DriftResult", path: Path, design_path: Path) -> None:
+    """Write the trimmed elements as a design file of pattern ``elements``, with its tolerances.
+
+    Raises
+    ------
+    ArgumentError
+        There was no trim.
+    OutputError
+        The file cannot be written, or is the design.
+    """
+    from compass.saving import check_writable, replacing
+
+    written = elements_text(found)
+    check_writable(path, [design_path])
+    with replacing(path) as temporary:
+        temporary.write_text(written, encoding="utf-8")
+
+
+def write_orbits(found: "DriftResult", folder: Path) -> None:
+    """Write the trimmed orbits, integrated from the epoch to the end of the span, as OEM.
+
+    A file a satellite, with states as near as any export, or as near as it may have in all.
+
+    Raises
+    ------
+    ArgumentError
+        There was no trim.
+    OutputError
+        The folder is in use or cannot be made.
+    """
+    from compass.api.export import export
+    from compass.handover.instants import MOST_STATES, default_step
+
+    trimmed, stop = injected_design(found), found.drift.lasting.stop
+    c = trimmed.constellation
+    least = np.ceil(stop / (MOST_STATES // c.size - 1))
+    step = min(max(default_step(c), float(least)), stop)
+    export(trimmed, format="oem", output=folder, duration_h=stop / 3600.0, step_s=step)
