@@ -58,6 +58,12 @@ def read_design(path: str | Path) -> Design:
     ------
     DesignError
         With every fault of the file: field, value, what is allowed and the remedy.
+
+    Examples
+    --------
+    >>> import compass
+    >>> compass.read_design("designs/compass-15-5-1.toml").constellation.size
+    15
     """
     return read_design_text(read_text(Path(path)), readable(path))
 
@@ -198,10 +204,7 @@ def _anomaly(satellite: SatelliteTable, eccentricity: float) -> float:
 
 def mask_of(table: CoverageTable | StationTable) -> Mask:
     """Mask of a table: constant, or a horizon by azimuth."""
-    if table.horizon_deg is None:
-        return Mask.constant(float(np.radians(table.mask_deg)))
-    azimuths, elevations = np.radians(np.array(table.horizon_deg)).T
-    return Mask(tuple(azimuths.tolist()), tuple(elevations.tolist()))
+    return Mask.of(table.mask_deg if table.horizon_deg is None else table.horizon_deg)
 
 
 def site_of(table: StationTable, figure: Figure) -> Site:

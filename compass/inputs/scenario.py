@@ -182,6 +182,12 @@ def read_scenario(path: str | Path) -> Scenario:
     ------
     DesignError
         With every fault of the file: field, value, what is allowed and the remedy.
+
+    Examples
+    --------
+    >>> import compass
+    >>> compass.read_scenario("designs/landing.toml").name
+    'Landing anywhere, to parachute deployment'
     """
     place = Path(path)
     return read_scenario_text(read_text(place), readable(path), place.parent)

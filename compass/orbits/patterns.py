@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.bodies import MARS_GM
 from compass.errors import ArgumentError
-from compass.frames import DEFAULT_FIGURE, Figure
+from compass.frames import DEFAULT_FIGURE, Figure, figure_of
 from compass.orbits.anomaly import mean_of_true
 from compass.orbits.constellation import Constellation, from_pattern, keplerian
 from compass.orbits.kinds import (
@@ -37,7 +37,7 @@ def walker_delta(
     repeat: Sequence[int] | None = None,
     raan_deg: float = 0.0,
     phase_deg: float = 0.0,
-    figure: Figure = DEFAULT_FIGURE,
+    figure: Figure | str = DEFAULT_FIGURE,
     name: str = "",
     epoch: float = 0.0,
     gm: float = MARS_GM.value,
@@ -60,7 +60,7 @@ def walker_delta(
     raan_deg, phase_deg
         Node and argument of latitude of the first satellite, degrees.
     figure
-        The figure whose equator `altitude_km` counts from, and which orbits must clear.
+        The figure, or its name: `altitude_km` counts from its equator, and orbits must clear it.
     name, epoch, gm
         As in `Constellation`.
 
@@ -101,7 +101,7 @@ def walker_star(
     repeat: Sequence[int] | None = None,
     raan_deg: float = 0.0,
     phase_deg: float = 0.0,
-    figure: Figure = DEFAULT_FIGURE,
+    figure: Figure | str = DEFAULT_FIGURE,
     name: str = "",
     epoch: float = 0.0,
     gm: float = MARS_GM.value,
@@ -140,7 +140,7 @@ def rosette(
     repeat: Sequence[int] | None = None,
     raan_deg: float = 0.0,
     phase_deg: float = 0.0,
-    figure: Figure = DEFAULT_FIGURE,
+    figure: Figure | str = DEFAULT_FIGURE,
     name: str = "",
     epoch: float = 0.0,
     gm: float = MARS_GM.value,
@@ -204,7 +204,7 @@ def from_elements(
     argument_of_periapsis_deg: ArrayLike = 0.0,
     mean_anomaly_deg: ArrayLike | None = None,
     true_anomaly_deg: ArrayLike | None = None,
-    figure: Figure = DEFAULT_FIGURE,
+    figure: Figure | str = DEFAULT_FIGURE,
     name: str = "constellation",
     epoch: float = 0.0,
     satellite_names: Sequence[str] = (),
@@ -219,7 +219,7 @@ def from_elements(
     mean_anomaly_deg, true_anomaly_deg
         At most one of them; else satellites stand at their periapsis.
     figure
-        The figure that orbits must clear.
+        The figure that orbits must clear, or its name.
     name, epoch, satellite_names, gm
         As in `Constellation`; satellites without names are numbered.
 
@@ -254,11 +254,12 @@ def from_elements(
         satellite_names=satellite_names,
         gm=gm,
     )
-    for k in np.flatnonzero(made.periapsis_radius <= figure.equatorial_radius):
+    surface = figure_of(figure).equatorial_radius
+    for k in np.flatnonzero(made.periapsis_radius <= surface):
         raise ArgumentError(
             f"semi_major_axis_km = {made.semi_major_axis[k] / KM:g}: periapsis radius "
             f"{made.periapsis_radius[k] / KM:g} km is not above the surface "
-            f"({figure.equatorial_radius / KM:g} km); raise the axis or lower the eccentricity"
+            f"({surface / KM:g} km); raise the axis or lower the eccentricity"
         )
     return made
 
@@ -268,7 +269,7 @@ def orbit_radius(
     altitude_km: float | None,
     orbit: str | None,
     repeat: Sequence[int] | None = None,
-    figure: Figure = DEFAULT_FIGURE,
+    figure: Figure | str = DEFAULT_FIGURE,
 ) -> tuple[float, tuple[int, int] | None]:
     """Radius of circular orbits, metres, of the one of the four that is given.
 
@@ -289,7 +290,7 @@ def orbit_radius(
             "orbit: needs exactly one of radius_km, altitude_km, orbit and repeat; found "
             f"{' and '.join(given) or 'none'}"
         )
-    surface = figure.equatorial_radius
+    surface = figure_of(figure).equatorial_radius
     if orbit is not None:
         if orbit != "areosynchronous":
             raise ArgumentError(f"orbit = {orbit!r}: allowed areosynchronous")

@@ -46,6 +46,7 @@ def coarse_case(world, orbiter_beacons, table5):
     return run
 
 
+@pytest.mark.slow
 def test_small_runs_are_consistent_in_every_mode(coarse_case):
     """NEES averages over epochs within four sigma of 6 for ranges, rates, noise, iterations."""
     further = (Part("clock", (30.0, 0.1)), Part("bias", (10.0,), considered=True))
