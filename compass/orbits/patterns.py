@@ -11,14 +11,7 @@ from compass.errors import ArgumentError
 from compass.frames import DEFAULT_FIGURE, Figure, figure_of
 from compass.orbits.anomaly import mean_of_true
 from compass.orbits.constellation import Constellation, from_pattern, keplerian
-from compass.orbits.kinds import (
-    WALKER_DELTA,
-    WALKER_STAR,
-    PatternKind,
-    check_counts,
-    check_phasing,
-    walker_phasing,
-)
+from compass.orbits.kinds import ROSETTE, WALKER_DELTA, WALKER_STAR, PatternKind
 from compass.orbits.pattern import Pattern, rosette_notation
 from compass.orbits.period import areosynchronous_radius, repeat_radius
 
@@ -83,9 +76,8 @@ def walker_delta(
     ('45°: 15/5/1', 15)
     """
     radius, closed = orbit_radius(radius_km, altitude_km, orbit, repeat, figure)
-    pattern = _walker(
-        WALKER_DELTA, satellites, planes, phasing, inclination_deg, raan_deg, phase_deg
-    )
+    counts = satellites, planes, phasing
+    pattern = laid_out(WALKER_DELTA, *counts, inclination_deg, raan_deg, phase_deg)
     return from_pattern(pattern, radius, name=name, epoch=epoch, gm=gm, repeat=closed)
 
 
@@ -122,9 +114,8 @@ def walker_star(
     'walker-star'
     """
     radius, closed = orbit_radius(radius_km, altitude_km, orbit, repeat, figure)
-    pattern = _walker(
-        WALKER_STAR, satellites, planes, phasing, inclination_deg, raan_deg, phase_deg
-    )
+    counts = satellites, planes, phasing
+    pattern = laid_out(WALKER_STAR, *counts, inclination_deg, raan_deg, phase_deg)
     return from_pattern(pattern, radius, name=name, epoch=epoch, gm=gm, repeat=closed)
 
 
@@ -175,24 +166,12 @@ def rosette(
     >>> c.name, c.pattern.notation
     ('(12, 3, 1/4)', '50.73°: 12/3/1')
     """
-    phasing = walker_phasing(satellites, planes, multiplier)
+    radius, closed = orbit_radius(radius_km, altitude_km, orbit, repeat, figure)
+    counts = satellites, planes, multiplier
+    pattern = laid_out(ROSETTE, *counts, inclination_deg, raan_deg, phase_deg)
     exact = Fraction(multiplier).limit_denominator(10**6)
-    return walker_delta(
-        satellites,
-        planes,
-        phasing,
-        inclination_deg=inclination_deg,
-        radius_km=radius_km,
-        altitude_km=altitude_km,
-        orbit=orbit,
-        repeat=repeat,
-        raan_deg=raan_deg,
-        phase_deg=phase_deg,
-        figure=figure,
-        name=name or rosette_notation(satellites, planes, exact),
-        epoch=epoch,
-        gm=gm,
-    )
+    called = name or rosette_notation(satellites, planes, exact)
+    return from_pattern(pattern, radius, name=called, epoch=epoch, gm=gm, repeat=closed)
 
 
 def from_elements(
@@ -326,20 +305,26 @@ def _closed(repeat: Sequence[int]) -> tuple[int, int]:
     return whole.numerator, whole.denominator
 
 
-def _walker(
+def laid_out(
     kind: PatternKind,
     satellites: int,
     planes: int,
-    phasing: int,
+    third: Fraction | float | str,
     inclination_deg: float,
-    raan_deg: float,
-    phase_deg: float,
+    raan_deg: float = 0.0,
+    phase_deg: float = 0.0,
 ) -> Pattern:
-    check_counts(satellites, planes)
-    check_phasing(phasing, planes)
+    """Lay a pattern out from the numbers by which its kind writes it down.
+
+    Raises
+    ------
+    ArgumentError
+        As `walker_delta`, for what the kind does not allow.
+    """
+    phasing = kind.phasing(satellites, planes, third)
     _check_inclination(np.asarray(inclination_deg, dtype=float))
     return Pattern(
-        kind.name,
+        kind.layout,
         satellites,
         planes,
         phasing,
