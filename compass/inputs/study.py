@@ -9,12 +9,13 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.design import Design
+from compass.design import Design, Launching
 from compass.digest import digest_of
 from compass.errors import CompassError, DesignError
 from compass.frames import FIGURES, Figure
-from compass.inputs.design import read_design
+from compass.inputs.design import launching_of, read_design
 from compass.inputs.merit import MERITS, STAGES
+from compass.inputs.motion import motion_of_table
 from compass.inputs.reading import parse, read_text
 from compass.inputs.scenario import Scenario, read_scenario
 from compass.inputs.study_faults import study_faults
@@ -30,6 +31,7 @@ from compass.inputs.study_models import (
     StudyFile,
 )
 from compass.orbits import areosynchronous_radius
+from compass.orbits.motion import Motion
 from compass.saving import readable
 
 FileKind = TypeVar("FileKind", Scenario, Design)
@@ -142,6 +144,8 @@ class Study:
         What candidates must and should be.
     map, cost, orbits
         Sampling of geometry; assumptions of the cost proxies; how long real orbits are followed.
+    motion, launching
+        How candidates move on real orbits; how satellites come to their planes.
     entry
         How landing navigation is judged, or None.
     compare
@@ -163,6 +167,8 @@ class Study:
     map: MapTable
     cost: CostTable
     orbits: OrbitsTable
+    motion: Motion
+    launching: Launching
     entry: EntryStage | None
     compare: Design | None
     text: str
@@ -216,7 +222,8 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         compare = _named(read_design, folder / file.compare.design, "compare.design", faults)
     if faults:
         raise DesignError([f"{label}: {line}" for line in faults])
-    digest.update(digest_of((scenario, compare)).encode())
+    motion = motion_of_table(file.motion, folder, label)
+    digest.update(digest_of((scenario, compare, motion)).encode())
     entry = None
     if file.entry and scenario is not None:
         entry = EntryStage(
@@ -245,6 +252,8 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         map=file.map,
         cost=file.cost,
         orbits=file.orbits,
+        motion=motion,
+        launching=launching_of(file.deployment),
         entry=entry,
         compare=compare,
         text=text,

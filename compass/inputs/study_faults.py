@@ -7,6 +7,7 @@ from compass.errors import near
 from compass.frames import FIGURES
 from compass.inputs.faults import fault
 from compass.inputs.merit import MERITS
+from compass.inputs.motion import motion_faults
 
 #: Values that one list of a study may come to.
 MOST_VALUES = 100_000
@@ -16,7 +17,7 @@ _BOUNDS = ("at_least", "at_most", "above", "below")
 
 def study_faults(raw: dict[str, Any]) -> list[str]:
     """Faults that concern several fields at once."""
-    faults: list[str] = []
+    faults = motion_faults(raw)
     space = raw.get("study")
     method = _table(raw, "sampling").get("method", "grid")
     if isinstance(space, dict):

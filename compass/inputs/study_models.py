@@ -8,7 +8,7 @@ from pydantic_core import CoreSchema
 
 from compass.design import PDOP_MAX
 from compass.entry.arrivals import MOST_SAMPLES
-from compass.inputs.models import SatelliteCount
+from compass.inputs.models import DeploymentTable, MotionTable, SatelliteCount
 from compass.inputs.table import Table
 from compass.orbits.kinds import KIND_NAMES
 
@@ -206,5 +206,13 @@ class StudyFile(Table):
     orbits: OrbitsTable = Field(
         default_factory=lambda: OrbitsTable.model_validate({}),
         description="how long real orbits are followed",
+    )
+    motion: MotionTable = Field(
+        default_factory=lambda: MotionTable.model_validate({"model": "numerical"}),
+        description="how candidates move on real orbits; under all forces if left out",
+    )
+    deployment: DeploymentTable = Field(
+        default_factory=lambda: DeploymentTable.model_validate({}),
+        description="how satellites come to their planes",
     )
     compare: CompareTable | None = Field(None, description="a design to compare with")

@@ -161,7 +161,7 @@ def _by_itself(
     errors = {name: float(value) for name, value in doubtful(geometry, closer).items()}
     if "orbits" in study.stages:
         days = study.orbits.days
-        figures["days_proven"] = proven_days(c, study.fold, days, sphere, mask)
+        figures["days_proven"] = proven_days(c, study.fold, days, sphere, mask, study.motion)
     if study.entry is not None:
         entry = study.entry
         judged = judge(
