@@ -16,7 +16,7 @@ from compass.contacts.dataset import windows_dataset
 from compass.contacts.nodes import check_duration
 from compass.contacts.record import survey_record
 from compass.contacts.survey import Survey, survey
-from compass.conventions import epoch_text
+from compass.conventions import dated, epoch_text
 from compass.design import Design, Wanted
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
@@ -62,7 +62,7 @@ class AccessResult(Result):
     @property
     def dataset(self) -> "xr.Dataset":
         """All windows as a CF contiguous ragged array."""
-        return windows_dataset(
+        made = windows_dataset(
             self.found.windows,
             title=f"Access windows of {self.design.name}",
             design=self.design.text,
@@ -70,6 +70,7 @@ class AccessResult(Result):
             epoch_tdb=epoch_text(self.found.epoch),
             source=f"compass {compass.__version__}",
         )
+        return dated(made, "start", "end", "culmination")
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""

@@ -1,7 +1,6 @@
 """What `compass drift` hands over: a dataset over time, and the elements to inject."""
 
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from compass.quantities import quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-    from compass.api.drift import DriftResult
+    from compass.api.drift_result import DriftResult
 
 
 def drift_dataset(result: "DriftResult") -> "xr.Dataset":
@@ -106,43 +105,3 @@ def elements_text(result: "DriftResult") -> str:
     else:
         lines.append("# No room is left in the slots at the end: no tolerance can be promised.")
     return "\n".join([*lines, design_toml(trimmed)])
-
-
-def write_elements(found: "DriftResult", path: Path, design_path: Path) -> None:
-    """Write the trimmed elements as a design file of pattern ``elements``, with its tolerances.
-
-    Raises
-    ------
-    ArgumentError
-        There was no trim.
-    OutputError
-        The file cannot be written, or is the design.
-    """
-    from compass.saving import check_writable, replacing
-
-    written = elements_text(found)
-    check_writable(path, [design_path])
-    with replacing(path) as temporary:
-        temporary.write_text(written, encoding="utf-8")
-
-
-def write_orbits(found: "DriftResult", folder: Path) -> None:
-    """Write the trimmed orbits, integrated from the epoch to the end of the span, as OEM.
-
-    A file a satellite, with states as near as any export, or as near as it may have in all.
-
-    Raises
-    ------
-    ArgumentError
-        There was no trim.
-    OutputError
-        The folder is in use or cannot be made.
-    """
-    from compass.api.export import export
-    from compass.handover.instants import MOST_STATES, default_step
-
-    trimmed, stop = injected_design(found), found.drift.lasting.stop
-    c = trimmed.constellation
-    least = np.ceil(stop / (MOST_STATES // c.size - 1))
-    step = min(max(default_step(c), float(least)), stop)
-    export(trimmed, format="oem", output=folder, duration_h=stop / 3600.0, step_s=step)

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.design import Design, Launching
 from compass.digest import digest_of
-from compass.errors import CompassError, DesignError
+from compass.entry.doubts import NO_DOUBTS, Doubts
+from compass.errors import ArgumentError, CompassError, DesignError
 from compass.frames import FIGURES, Figure
 from compass.inputs.design import launching_of, read_design
 from compass.inputs.merit import MERITS, STAGES
@@ -23,6 +24,7 @@ from compass.inputs.study_models import (
     ConstraintTable,
     CostTable,
     Counts,
+    EntryStageTable,
     MapTable,
     Numbers,
     OrbitsTable,
@@ -113,7 +115,7 @@ class EntryStage:
 
     Those that the report singles out are judged again on `finalist_samples` entries and their
     filter is run `filter_runs` times. Density and L/D are unknown by relative sigmas; the position
-    sigma wanted at the end is `goal`, metres.
+    sigma wanted at the end is `goal`, metres; `doubts` is what is not known of clocks and orbits.
     """
 
     scenario: Scenario
@@ -124,6 +126,7 @@ class EntryStage:
     density_sigma: float = 0.0
     lift_sigma: float = 0.0
     goal: float = 10.0
+    doubts: Doubts = NO_DOUBTS
 
 
 @dataclass(frozen=True)
@@ -210,6 +213,19 @@ def read_study(path: str | Path) -> Study:
     return read_study_text(read_text(place), readable(path), place.parent)
 
 
+def _doubts(table: EntryStageTable, faults: list[str]) -> Doubts:
+    """What the lander does not know of clocks, orbits and biases; the usual where left out."""
+    names = ("clock_m", "clock_drift_m_s", "orbit_m", "satellite_clock_m", "range_bias_m")
+    given = {name: value for name in names if (value := getattr(table, name)) is not None}
+    if "orbit_m" in given:
+        given["orbit_m"] = tuple(given["orbit_m"])
+    try:
+        return Doubts(**given)
+    except ArgumentError as error:
+        faults.append(f"entry: {error}")
+        return NO_DOUBTS
+
+
 def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> Study:
     """Read a study from its TOML text; files it names are looked for from `folder`."""
     file = parse(text, label, StudyFile, study_faults)
@@ -220,10 +236,11 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         scenario = _named(read_scenario, folder / file.entry.scenario, "entry.scenario", faults)
     if file.compare:
         compare = _named(read_design, folder / file.compare.design, "compare.design", faults)
+    doubts = _doubts(file.entry, faults) if file.entry else NO_DOUBTS
     if faults:
         raise DesignError([f"{label}: {line}" for line in faults])
     motion = motion_of_table(file.motion, folder, label)
-    digest.update(digest_of((scenario, compare, motion)).encode())
+    digest.update(digest_of((scenario, compare, doubts, motion)).encode())
     entry = None
     if file.entry and scenario is not None:
         entry = EntryStage(
@@ -235,6 +252,7 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
             file.entry.density_sigma,
             file.entry.lift_sigma,
             file.entry.goal_m,
+            doubts,
         )
     return Study(
         name=file.name,

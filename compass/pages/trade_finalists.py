@@ -336,6 +336,7 @@ def rank_finalists(
         goal=study.entry.goal,
         density_sigma=study.entry.density_sigma,
         lift_sigma=study.entry.lift_sigma,
+        doubts=study.entry.doubts,
         finalists=len(designs) if runs else 0,
         runs=max(runs, 1),
         threads=os.cpu_count() or 1,

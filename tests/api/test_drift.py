@@ -10,9 +10,9 @@ import xarray as xr
 from click.testing import CliRunner
 
 import compass
-from compass.api.drift import read_radii
-from compass.api.drift_files import elements_text, write_orbits
+from compass.api.drift_files import elements_text
 from compass.api.lasting import LastingResult
+from compass.api.radii import read_radii
 from compass.cli.main import program
 from compass.coverage.certificate import Outcome
 from compass.document import text
@@ -225,7 +225,7 @@ def test_the_orbits_to_inject_are_written_as_oem_to_the_end_of_the_span(found, t
     c = found.design.constellation
     done = Trim(c, np.zeros(5), 1e6, 1e5, 1e-9, 1e-12, 0.1, 0.01)
     folder = tmp_path / "orbits"
-    write_orbits(replace(found, trim=done), folder)
+    replace(found, trim=done).write_orbits(folder)
     assert len(list(folder.glob("*.oem"))) == 5
     (tmp_path / "flown.toml").write_text(
         'name = "flown"\n[constellation]\npattern = "ephemeris"\nfiles = ["orbits/*.oem"]\n'
