@@ -209,4 +209,4 @@ def test_cells():
 @pytest.mark.browser
 def test_page_in_a_real_browser(page, tmp_path, opened):
     text, sections = page
-    opened(write_page(tmp_path, text, sections), sum(len(s.pictures) for s in sections) + 1)
+    opened(write_page(tmp_path, text, sections), sum(len(s.pictures) for s in sections))
