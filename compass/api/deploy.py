@@ -137,7 +137,7 @@ class DeployResult(Result):
             ),
         )
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw delta-v against the wait for the last plane, and what turning at once costs.
 
         Parameters

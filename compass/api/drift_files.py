@@ -13,7 +13,7 @@ from compass.quantities import quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-    from compass.api.drift import DriftResult
+    from compass.api.drift_result import DriftResult
 
 
 def drift_dataset(result: "DriftResult") -> "xr.Dataset":

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import degrees, exp, radians
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compass.api.drift import RadiusLasts, at_radii, forces_of, real_motion
 from compass.api.given import given_design, given_mask
 from compass.api.progress import bar
+from compass.api.radii import RadiusLasts, at_radii, forces_of, real_motion
 from compass.api.results import Result
 from compass.coverage.margin import covering_radius
 from compass.coverage.room import has_slots, slot_box
@@ -22,6 +22,9 @@ from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.keeping import Keeping, keep_slots
 from compass.quantities import quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 #: A year here, s, and standard gravity, m/s^2.
 YEAR, STANDARD_GRAVITY = 365.25 * SECONDS_PER_DAY, 9.80665
@@ -179,13 +182,27 @@ class KeepResult(Result):
             ),
         )
 
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
+        """Draw what keeping each satellite in its slot costs.
+
+        Parameters
+        ----------
+        axes
+            Where to; new ones without.
+        """
+        from compass.pictures.bars import draw_bars
+
+        names, title = self.design.constellation.satellite_names, "keeping every satellite's slot"
+        cost = quantity("delta_v_keeping_m_s_year")
+        return draw_bars(axes, names, self.delta_v_m_s_year, cost, f"{self.design.name}: {title}")
+
     def _untouched(self) -> list[Table]:
         """The same pattern at other radii, which nobody keeps."""
         rows = tuple(
             (f"{r.radius_km:g}", Value(quantity("days_proven"), r.days_proven), "0")
             for r in self.radii
         )
-        header = ("radius, km", quantity("days_proven").heading, "delta-v, m s-1 year-1")
+        header = ("radius, km", quantity("days_proven").heading, "delta-v, m/s/year")
         return [Table("Untouched instead, trimmed once", header, rows)] if rows else []
 
 
@@ -237,9 +254,9 @@ def keep(
     Examples
     --------
     >>> import compass
-    >>> compass.keep("designs/compass-15-5-1.toml", years=0)
-    Traceback (most recent call last):
-    compass.errors.ArgumentError: years = 0: allowed 0.1 to 100
+    >>> found = compass.keep("designs/compass-15-5-1.toml", years=0.1)
+    >>> found.holds, len(found.delta_v_m_s_year)
+    (True, 15)
     """
     read = given_design(design)
     upkeep = _upkeep(

@@ -56,19 +56,17 @@ def command(
     """
     announce_compilation()
     import compass
-    from compass.api.drift import read_radii, write_elements
-    from compass.saving import check_writable, save_netcdf
-    from compass.study.mapping import provenance
+    from compass.api.radii import read_radii
+    from compass.saving import check_writable
 
-    if output is not None:
-        check_writable(output, [design])
+    for written in (output, elements):
+        if written is not None:
+            check_writable(written, [design])
     radii = [] if radius_km is None else read_radii(radius_km)
     found = compass.drift(design, radius_km=radii, progress=watched(), **options)
     if elements is not None:
-        write_elements(found, elements, design)
+        found.write_elements(elements)
     if output is not None:
-        made = provenance(found.design, command_line())
-        known = {name: words for name, words in made.items() if words}
-        save_netcdf(output, found.dataset.assign_attrs(known))
+        found.write(output, command=command_line())
         say(f"wrote {output}")
     print_result(found, as_json)

@@ -40,7 +40,7 @@ def command(design: Path, radius_km: str | None, as_json: bool, **options: Any) 
     """
     announce_compilation()
     import compass
-    from compass.api.drift import read_radii
+    from compass.api.radii import read_radii
 
     radii = [] if radius_km is None else read_radii(radius_km)
     print_result(compass.keep(design, radius_km=radii, progress=watched(), **options), as_json)

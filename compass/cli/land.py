@@ -21,7 +21,7 @@ from compass.cli.shared import (
     "--figures", type=click.Path(path_type=Path), help="Folder to write the pictures (PNG) into."
 )
 @click.option("--runs", type=click.IntRange(1, 100_000), help="Monte Carlo runs, 1 to 100000.")
-@click.option("--strict", is_flag=True, help="Exit with 1 if the filter is inconsistent.")
+@click.option("--strict", is_flag=True, help="Exit with 1 if a filter is inconsistent.")
 @json_option
 def command(
     scenario: Path,

@@ -13,6 +13,7 @@ from compass.cli.shared import (
     say,
     watched,
 )
+from compass.orbits.kinds import KIND_NAMES
 
 
 @click.command()
@@ -58,8 +59,8 @@ from compass.cli.shared import (
 )
 @click.option(
     "--pattern",
-    type=click.Choice(["walker-delta", "walker-star", "rosette"]),
-    default="walker-delta",
+    type=click.Choice(KIND_NAMES),
+    default=KIND_NAMES[0],
     show_default=True,
     help="Kind of pattern.",
 )
@@ -71,6 +72,7 @@ from compass.cli.shared import (
     help="Sphere that is to be covered.",
 )
 @click.option("--finalists", type=int, default=10, show_default=True, help="How many to certify.")
+@click.option("--budget-s", type=float, help="Seconds for each share of geometry wanted.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Write the best as a design.")
 @json_option
 def command(output: Path | None, as_json: bool, **options: Any) -> None:

@@ -1,14 +1,18 @@
 """Shares of the sphere, and of area and time, by fold: exact at a moment, integrated over time."""
 
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.area import FULL, areas_by_fold
-from compass.coverage.fold import caps_of, fold_extremes
+from compass.core.area import FULL, areas_at_moments
+from compass.coverage.cap import cap_radius
+from compass.coverage.quadrature import integrate
 from compass.coverage.symmetry import Span, shortest_span
-from compass.orbits import Constellation
+from compass.orbits import Constellation, positions_mci
 
 
 @dataclass(frozen=True)
@@ -37,12 +41,8 @@ def fold_shares(directions: ArrayLike, radius: ArrayLike) -> NDArray[np.float64]
         As in `fold_extremes`.
     """
     u = np.asarray(directions, dtype=float).reshape(-1, 3)
-    u = u / np.linalg.norm(u, axis=1, keepdims=True)
     lam = np.broadcast_to(np.asarray(radius, dtype=float), u.shape[:1])
-    cosines = np.where(lam <= 0, 2.0, np.where(lam >= np.pi, -2.0, np.cos(lam)))
-    extremes = fold_extremes(u, lam)
-    at_least = areas_by_fold(u, cosines, extremes.least, extremes.greatest) / FULL
-    return -np.diff(at_least, append=0.0)
+    return _shares(u[np.newaxis], lam[np.newaxis])[0]
 
 
 def mean_fold_shares(
@@ -59,20 +59,26 @@ def mean_fold_shares(
     `tolerance`, whose own estimate of the error is passed on.
     """
     span = span or shortest_span(constellation)
-    if span.stop == span.start:
-        return FoldShares(
-            fold_shares(*caps_of(constellation, sphere_radius, mask, span.start)), 0.0
-        )
     length = span.stop - span.start
 
-    def at(part: float) -> NDArray[np.float64]:
-        return fold_shares(*caps_of(constellation, sphere_radius, mask, span.start + part * length))
+    def at(parts: NDArray[np.float64]) -> NDArray[np.float64]:
+        r = positions_mci(constellation, span.start + parts * length).swapaxes(0, 1)
+        return _shares(r, cap_radius(np.linalg.norm(r, axis=-1), sphere_radius, mask))
 
-    from scipy.integrate import quad_vec  # it takes a second to load, a proof does not need it
-
-    share, error = quad_vec(
-        at, 0.0, 1.0, epsabs=tolerance, epsrel=0.0, norm="max", limit=2000, quadrature="gk15"
-    )
+    if length == 0.0:
+        return FoldShares(at(np.zeros(1))[0], 0.0)
+    share, error = integrate(at, tolerance)
     # a rim moved by an angle moves less area than half of it, of the sphere
     moved = 0.5 * constellation.size * span.mismatch
-    return FoldShares(share, float(error) + moved)
+    return FoldShares(share, error + moved)
+
+
+def _shares(toward: NDArray[np.float64], radius: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Shares at moments, (moment, n + 1), of caps toward (moment, n, 3) of radii (moment, n)."""
+    u = np.ascontiguousarray(toward / np.linalg.norm(toward, axis=-1, keepdims=True))
+    cosines = np.where(radius <= 0, 2.0, np.where(radius >= np.pi, -2.0, np.cos(radius)))
+    edges = np.linspace(0, len(u), (os.cpu_count() or 1) + 1).astype(int)
+    with ThreadPoolExecutor() as pool:
+        parts = [slice(*ends) for ends in pairwise(edges)]
+        areas = np.concatenate(list(pool.map(lambda p: areas_at_moments(u[p], cosines[p]), parts)))
+    return -np.diff(areas / FULL, append=0.0)

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.design import Design
 from compass.digest import digest_of
-from compass.errors import CompassError, DesignError
+from compass.entry.doubts import NO_DOUBTS, Doubts
+from compass.errors import ArgumentError, CompassError, DesignError
 from compass.frames import FIGURES, Figure
 from compass.inputs.design import read_design
 from compass.inputs.merit import MERITS, STAGES
@@ -22,6 +23,7 @@ from compass.inputs.study_models import (
     ConstraintTable,
     CostTable,
     Counts,
+    EntryStageTable,
     MapTable,
     Numbers,
     OrbitsTable,
@@ -111,7 +113,7 @@ class EntryStage:
 
     Those that the report singles out are judged again on `finalist_samples` entries and their
     filter is run `filter_runs` times. Density and L/D are unknown by relative sigmas; the position
-    sigma wanted at the end is `goal`, metres.
+    sigma wanted at the end is `goal`, metres; `doubts` is what is not known of clocks and orbits.
     """
 
     scenario: Scenario
@@ -122,6 +124,7 @@ class EntryStage:
     density_sigma: float = 0.0
     lift_sigma: float = 0.0
     goal: float = 10.0
+    doubts: Doubts = NO_DOUBTS
 
 
 @dataclass(frozen=True)
@@ -193,9 +196,28 @@ def read_study(path: str | Path) -> Study:
     ------
     DesignError
         With every fault of the file: field, value, what is allowed and the remedy.
+
+    Examples
+    --------
+    >>> import compass
+    >>> [each.figure for each in compass.read_study("designs/study-small.toml").objectives]
+    ['satellites', 'gdop_p95']
     """
     place = Path(path)
     return read_study_text(read_text(place), readable(path), place.parent)
+
+
+def _doubts(table: EntryStageTable, faults: list[str]) -> Doubts:
+    """What the lander does not know of clocks, orbits and biases; the usual where left out."""
+    names = ("clock_m", "clock_drift_m_s", "orbit_m", "satellite_clock_m", "range_bias_m")
+    given = {name: value for name in names if (value := getattr(table, name)) is not None}
+    if "orbit_m" in given:
+        given["orbit_m"] = tuple(given["orbit_m"])
+    try:
+        return Doubts(**given)
+    except ArgumentError as error:
+        faults.append(f"entry: {error}")
+        return NO_DOUBTS
 
 
 def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> Study:
@@ -208,9 +230,10 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         scenario = _named(read_scenario, folder / file.entry.scenario, "entry.scenario", faults)
     if file.compare:
         compare = _named(read_design, folder / file.compare.design, "compare.design", faults)
+    doubts = _doubts(file.entry, faults) if file.entry else NO_DOUBTS
     if faults:
         raise DesignError([f"{label}: {line}" for line in faults])
-    digest.update(digest_of((scenario, compare)).encode())
+    digest.update(digest_of((scenario, compare, doubts)).encode())
     entry = None
     if file.entry and scenario is not None:
         entry = EntryStage(
@@ -222,6 +245,7 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
             file.entry.density_sigma,
             file.entry.lift_sigma,
             file.entry.goal_m,
+            doubts,
         )
     return Study(
         name=file.name,

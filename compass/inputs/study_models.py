@@ -1,6 +1,6 @@
 """What a study file may say: one model a table, each field with unit, range and meaning."""
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
@@ -9,7 +9,14 @@ from pydantic_core import CoreSchema
 from compass.design import PDOP_MAX
 from compass.entry.arrivals import MOST_SAMPLES
 from compass.inputs.models import SatelliteCount
+from compass.inputs.signal import Sigma
 from compass.inputs.table import Table
+from compass.orbits.kinds import KIND_NAMES
+
+if TYPE_CHECKING:
+    PatternName = str
+else:
+    PatternName = Literal[KIND_NAMES]
 
 
 class _Values(Table):
@@ -65,9 +72,7 @@ class Numbers(_Values):
 class SpaceTable(Table):
     """Which constellations to consider, and for which user."""
 
-    patterns: list[Literal["walker-delta", "walker-star", "rosette"]] = Field(
-        min_length=1, description="kinds of pattern"
-    )
+    patterns: list[PatternName] = Field(min_length=1, description="kinds of pattern")
     satellites: Counts = Field(description="total numbers t")
     planes: Counts | None = Field(
         None, description="numbers of planes p; all divisors of t if left out"
@@ -138,6 +143,19 @@ class EntryStageTable(Table):
     )
     lift_sigma: float = Field(
         0.0, ge=0, le=10, description="unknown part of L/D, relative; 0: it is known"
+    )
+    clock_m: Sigma | None = Field(
+        None,
+        description="one sigma of the lander's clock, estimated; 0, and so clock_drift_m_s, for "
+        "known; of these five, as compass judge takes them if left out",
+    )
+    clock_drift_m_s: Sigma | None = Field(None, description="one sigma of its drift, m/s")
+    orbit_m: Annotated[list[Sigma], Field(min_length=3, max_length=3)] | None = Field(
+        None, description="one sigma of broadcast orbits, radial, along, cross, m"
+    )
+    satellite_clock_m: Sigma | None = Field(None, description="one sigma of broadcast clocks, m")
+    range_bias_m: Sigma | None = Field(
+        None, description="one sigma of a bias of the ranges to each satellite, m"
     )
     goal_m: float = Field(10.0, gt=0, le=1e9, description="position sigma wanted at the end, m")
     finalists: int = Field(

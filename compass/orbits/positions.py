@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.conventions import dated, epoch_text
 from compass.frames import mcmf_from_mci, prime_meridian_angle
 from compass.orbits.constellation import Constellation
 from compass.orbits.motion import AnyMotion, as_motion
@@ -59,6 +60,13 @@ def ephemeris(
     """Positions and velocities as a dataset over (satellite, time, axis).
 
     Variables ``r_mci`` (m), ``v_mci`` (m/s) and ``r_mcmf`` (m); see `states_mci`.
+
+    Examples
+    --------
+    >>> import compass
+    >>> design = compass.read_design("designs/compass-15-5-1.toml")
+    >>> compass.ephemeris(design.constellation, [0, 3600]).r_mci.shape
+    (15, 2, 3)
     """
     import xarray as xr
 
@@ -66,7 +74,7 @@ def ephemeris(
     r, v = states_mci(constellation, seconds, model)
     fixed = mcmf_from_mci(r, prime_meridian_angle(constellation.epoch, seconds))
     dims = ("satellite", "time", "axis")
-    return xr.Dataset(
+    made = xr.Dataset(
         {
             "r_mci": (dims, r, {"units": "m", "long_name": "position, Mars-centred inertial"}),
             "v_mci": (dims, v, {"units": "m s-1", "long_name": "velocity, Mars-centred inertial"}),
@@ -77,5 +85,6 @@ def ephemeris(
             "time": ("time", seconds, {"units": "s", "long_name": "time after the epoch"}),
             "axis": ["x", "y", "z"],
         },
-        attrs={"constellation": constellation.name, "epoch_tdb_s_past_j2000": constellation.epoch},
+        attrs={"constellation": constellation.name, "epoch_tdb": epoch_text(constellation.epoch)},
     )
+    return dated(made)

@@ -21,6 +21,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.core.moves import verified_moves
 from compass.orbits.constellation import Constellation
 
 #: Moves that miss by more than this are none, radians: 2 mm at the areosynchronous radius.
@@ -129,29 +130,20 @@ def _verified(place: NDArray[np.float64], tried: NDArray[np.float64], sign: floa
     sign
         1 for shifts, -1 for mirrors.
     """
-    from scipy.spatial import cKDTree
-
-    n, flip = len(place), np.array([sign, sign, 1.0])
-    tree = cKDTree(_wrapped(place), boxsize=(2 * np.pi, 2 * np.pi, 0.0))
-
-    def met(moves: NDArray[np.float64], satellites: NDArray[np.int64]) -> tuple[NDArray, NDArray]:
-        moved = _wrapped(moves[:, np.newaxis] + flip * place[satellites])
-        miss, image = tree.query(moved, p=1)
-        return miss, image
-
-    # most moves fail at once on a few satellites
-    few = np.unique(np.array([0, n // 3, (2 * n) // 3, n - 1]))
-    likely = tried[(met(tried, few)[0] <= TOLERANCE).all(axis=1)]
-    kept, images, worst = [], [], 0.0
-    for move in likely:
-        miss, image = (found[0] for found in met(move[np.newaxis], np.arange(n)))
-        if miss.max() <= TOLERANCE and np.unique(image).size == n:
-            kept.append(move)
-            images.append(image)
-            worst = max(worst, float(miss.max()) + ROUNDING)
-    moves = np.mod(np.array(kept).reshape(-1, 3), 2 * np.pi)
-    image_table = np.array(images, dtype=np.int64).reshape(-1, n)
-    return Moves(moves[:, 0], moves[:, 1], image_table, worst)
+    n = len(place)
+    standing = _wrapped(place)
+    tried = _wrapped(tried)
+    # the first satellite's company in its place makes no move of its own
+    tried = tried[np.sort(np.unique(tried, axis=0, return_index=True)[1])]
+    # the angle that takes more values leaves fewer satellites to compare with
+    axis = int(np.argmax([np.unique(standing[:, k].round(9)).size for k in range(2)]))
+    images = np.empty((len(tried), n), dtype=np.int64)
+    order = np.argsort(standing[:, axis], kind="stable")
+    miss = verified_moves(standing, order, axis, tried, sign, TOLERANCE, images)
+    kept = np.isfinite(miss)
+    moves = tried[kept]
+    worst = float(miss[kept].max()) + ROUNDING if kept.any() else 0.0
+    return Moves(moves[:, 0], moves[:, 1], images[kept], worst)
 
 
 def _wrapped(place: NDArray[np.float64]) -> NDArray[np.float64]:

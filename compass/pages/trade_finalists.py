@@ -177,7 +177,7 @@ def _build(one: Entrant) -> str:
 def worth(name: str, value: float) -> str:
     """Value of a figure of merit with its unit, for a sentence."""
     unit = MERITS[name].unit
-    return significant(value, 4) + ("" if unit == "1" else f" {unit}")
+    return significant(value, 4) + (f" {unit}" if unit else "")
 
 
 def change(a: float, b: float) -> str:
@@ -337,6 +337,7 @@ def rank_finalists(
         goal=study.entry.goal,
         density_sigma=study.entry.density_sigma,
         lift_sigma=study.entry.lift_sigma,
+        doubts=study.entry.doubts,
         finalists=len(designs) if runs else 0,
         runs=max(runs, 1),
         threads=os.cpu_count() or 1,

@@ -10,9 +10,9 @@ import xarray as xr
 from click.testing import CliRunner
 
 import compass
-from compass.api.drift import read_radii
 from compass.api.drift_files import elements_text
 from compass.api.lasting import LastingResult
+from compass.api.radii import read_radii
 from compass.cli.main import program
 from compass.coverage.certificate import Outcome
 from compass.document import text

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compass.core.area import areas_by_fold, triangle
+from compass.core.area import areas_by_fold, corner
+from compass.coverage.quadrature import integrate
 from compass.coverage.share import fold_shares, mean_fold_shares
 from compass.coverage.symmetry import Span
 from compass.orbits import walker_delta
@@ -18,8 +19,8 @@ def random_caps(seed, n):
 
 
 def test_an_octant_is_an_eighth():
-    assert triangle(*np.eye(3)) == pytest.approx(np.pi / 2)
-    assert triangle(*np.eye(3)[::-1]) == pytest.approx(-np.pi / 2)
+    assert 2 * np.angle(corner(*np.eye(3))) == pytest.approx(np.pi / 2)
+    assert 2 * np.angle(corner(*np.eye(3)[::-1])) == pytest.approx(-np.pi / 2)
 
 
 @settings(deadline=None, max_examples=25)
@@ -65,10 +66,25 @@ def test_caps_that_coincide_count_each(apart):
     assert fold_shares(u, 0.7) == pytest.approx(expected, abs=1e-10)
 
 
-def test_a_sliver_that_rounds_below_zero_is_none():
-    # greatest fold claimed one too high: the area asked for is that of nothing
-    areas = areas_by_fold(np.array([[0, 0, 1.0], [0, 0, -1.0]]), np.cos([0.5, 0.5]), 0, 2)
-    assert areas == pytest.approx([4 * np.pi, 4 * np.pi * (1 - np.cos(0.5)), 0.0])
+@pytest.mark.parametrize("width", [1e-7, 1e-10, 0.0])
+def test_a_hole_that_rounds_to_nothing_leaves_the_rest_whole(width):
+    # three great circles cut the sphere in octants, a fourth cap covers all but a speck of it
+    u = np.array([*np.eye(3), [0.6, 0.48, 0.64]])
+    areas = areas_by_fold(u, np.array([0.0, 0.0, 0.0, -np.cos(width)]))
+    eighth = np.pi / 2
+    full = 4 * np.pi
+    assert areas == pytest.approx([full, full, 7 * eighth, 4 * eighth, eighth], abs=1e-11)
+
+
+def test_the_quadrature_is_exact_for_polynomials_and_finds_bends():
+    powers = np.arange(23)
+    share, error = integrate(lambda t: t[:, np.newaxis] ** powers, 1e-12)
+    assert share == pytest.approx(1 / (powers + 1), abs=1e-15)
+    assert error < 1e-12
+    bends = np.array([0.1, 0.37, 1 / 3])
+    share, error = integrate(lambda t: np.sqrt(np.abs(t[:, np.newaxis] - bends)), 1e-7)
+    exact = 2 / 3 * (bends**1.5 + (1 - bends) ** 1.5)
+    assert np.abs(share - exact).max() < error < 1e-7
 
 
 @pytest.mark.slow

@@ -259,6 +259,7 @@ def test_poles_are_places_like_others(place):
     np.testing.assert_allclose(spherical_of(back), state, rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_peak_loads_do_not_depend_on_the_times_asked_for(world, table2):
     """From coarse output as from fine; the peak itself against a fine grid of another flight."""
     fine = fly(world(), table2, np.arange(0.0, 240.01, 0.01))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import compass
-from compass.api.map import MapResult
+from compass.api.map_result import MapResult
 from compass.inputs import read_design_text
 from compass.pages.answers import (
     ANSWERS,
