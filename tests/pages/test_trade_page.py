@@ -147,6 +147,11 @@ def test_candidates_on_any_two_axes(tmp_path, coarse, opened, faults):
     values = [*read_results(study, tmp_path / "store").gdop_p50.values]
     values += [f["figures"]["gdop_p50"] for f in made.summary["finalists"]]
 
+    ticks = [
+        t.text for t in browser.find_elements("css selector", ".plot text[text-anchor=middle]")
+    ]
+    assert all(text.isdigit() for text in ticks if text != title("x") and text not in title("y"))
+
     def points():
         return len(browser.find_elements("css selector", ".front .plot .point"))
 
