@@ -5,25 +5,21 @@ from typing import Any
 
 import click
 
-from compass.cli.shared import (
-    announce_compilation,
+from compass.cli.options import (
     certified_options,
     design_argument,
     json_option,
-    print_result,
-    watched,
+    motion_option,
+    real,
 )
+from compass.cli.shared import announce_compilation, print_result, watched
 
 
 @click.command()
 @design_argument
-@click.option("--days", type=float, help="Days to settle it for, at the places; else for ever.")
-@click.option("--start-day", type=float, default=0.0, help="Day after the epoch to begin at.")
-@click.option(
-    "--motion",
-    type=click.Choice(["two-body", "j2", "numerical"]),
-    help="How the satellites move; else as the design says.",
-)
+@real("--days", help="Days to settle it for, at the places; else for ever.")
+@real("--start-day", default=0.0, help="Day after the epoch to begin at.")
+@motion_option
 @certified_options
 @json_option
 def command(design: Path, as_json: bool, **options: Any) -> None:

@@ -5,31 +5,22 @@ from typing import Any
 
 import click
 
-from compass.cli.shared import (
-    announce_compilation,
-    command_line,
-    design_argument,
-    json_option,
-    print_result,
-    say,
-    watched,
-)
+from compass.cli.options import design_argument, fold_option, json_option, mask_option, real
+from compass.cli.shared import announce_compilation, command_line, print_result, say, watched
 
 
 @click.command()
 @design_argument
-@click.option("--days", type=float, default=687.0, show_default=True, help="Length of the span.")
-@click.option(
-    "--start-day", type=float, default=0.0, show_default=True, help="Its begin after the epoch."
-)
-@click.option("--step-days", type=float, help="Between the moments that are listed.")
-@click.option("--fold", type=int, help="Satellites in view at once; else the design's.")
-@click.option("--mask-deg", type=float, help="Elevation mask, degrees; else the design's.")
+@real("--days", default=687.0, help="Length of the span.")
+@real("--start-day", default=0.0, help="Its begin after the epoch.")
+@real("--step-days", help="Between the moments that are listed.")
+@fold_option
+@mask_option
 @click.option("--trim", "trimmed", is_flag=True, help="Trim the initial axes first.")
 @click.option(
     "--radius-km", help="Also how long it lasts at other radii: FIRST..LAST:STEP, or A,B,C, km."
 )
-@click.option("--avoid-km", type=float, help="Distance to keep from the moons' centres.")
+@real("--avoid-km", help="Distance to keep from the moons' centres.")
 @click.option(
     "-o",
     "--output",

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from compass.quantities import Quantity, quantity
 
 #: In the order in which a candidate goes through them, cheapest first.
-STAGES = ("cost", "screen", "map", "orbits", "entry")
+STAGES = ("cost", "screen", "map", "requirements", "orbits", "entry")
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,9 @@ _FOUND_BY = {
         "delta_v_keeping_m_s_year",
     ),
     "map": ("gdop_p50", "gdop_p95", "gdop_p95_zone", "pdop_p95", "availability", "count_mean"),
+    "requirements": (
+        "requirements_met", "requirement_margin_deg", "requirement_share", "requirement_share_most",
+    ),
     "orbits": ("days_proven",),
     "entry": (
         "in_view.min", "in_view.median", "crlb_position_m.p50", "crlb_position_m.p95",

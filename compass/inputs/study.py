@@ -9,14 +9,15 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.design import Design
+from compass.design import Design, Requirement
 from compass.digest import digest_of
 from compass.entry.doubts import NO_DOUBTS, Doubts
 from compass.errors import ArgumentError, CompassError, DesignError
 from compass.frames import FIGURES, Figure
-from compass.inputs.design import read_design
+from compass.inputs.design import read_design, site_of
 from compass.inputs.merit import MERITS, STAGES
 from compass.inputs.reading import parse, read_text
+from compass.inputs.requirements import requirements_of
 from compass.inputs.scenario import Scenario, read_scenario
 from compass.inputs.study_faults import study_faults
 from compass.inputs.study_models import (
@@ -60,6 +61,8 @@ class Space:
         Numbers allowed, or None for all there are.
     inclination_deg, radius_km, mask_deg
         Values, or a free range.
+    revolutions
+        In a rotation of Mars, of orbits that are named: their tracks are closed, one a radius.
     """
 
     patterns: tuple[str, ...]
@@ -69,6 +72,19 @@ class Space:
     inclination_deg: tuple[float, ...] | Free
     radius_km: tuple[float, ...] | Free
     mask_deg: tuple[float, ...] | Free
+    revolutions: tuple[int, ...] = ()
+
+    def repeat(self, radius_km: float) -> tuple[int, int] | None:
+        """Revolutions and rotations of Mars after which tracks of a radius are declared closed."""
+        for number, radius in zip(self.revolutions, as_values(self.radius_km), strict=False):
+            if radius == radius_km:
+                return number, 1
+        return None
+
+
+def as_values(given: tuple[float, ...] | Free) -> tuple[float, ...]:
+    """Values of what is listed; none of a free range."""
+    return () if isinstance(given, Free) else given
 
 
 @dataclass(frozen=True)
@@ -152,6 +168,8 @@ class Study:
     text, digest, label
         The file's text, the SHA-256 of it and of all that was read from the files that it names,
         and that these name; its name as given.
+    requirements
+        What must be so of every candidate, at its mask.
     """
 
     name: str
@@ -171,12 +189,19 @@ class Study:
     text: str
     digest: str
     label: str
+    requirements: tuple[Requirement, ...] = ()
 
     @property
     def stages(self) -> tuple[str, ...]:
-        """What candidates are put through, in order: orbits and entries only where asked for."""
+        """What candidates are put through, in order: the last three only where asked for."""
         followed = "orbits" in {MERITS[name].stage for name in self.named}
-        asked = {"screen": True, "map": True, "orbits": followed, "entry": bool(self.entry)}
+        asked = {
+            "screen": True,
+            "map": True,
+            "requirements": bool(self.requirements),
+            "orbits": followed,
+            "entry": bool(self.entry),
+        }
         return tuple(stage for stage in STAGES if asked.get(stage))
 
     @property
@@ -255,7 +280,10 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         sampling=file.sampling,
         fold=file.study.fold,
         seed=file.study.seed,
-        constraints=tuple(_constraint(table) for table in file.constraint),
+        constraints=(
+            *(_constraint(table) for table in file.constraint),
+            *([Constraint("requirements_met", 1.0, np.inf, False)] if file.requirement else []),
+        ),
         objectives=tuple(
             Objective(o.figure, 1 if (o.goal or MERITS[o.figure].goal) == "minimise" else -1)
             for o in file.objective
@@ -268,6 +296,9 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         text=text,
         digest=digest.hexdigest(),
         label=label,
+        requirements=requirements_of(
+            file.requirement, [site_of(station, FIGURES[file.figure]) for station in file.station]
+        ),
     )
 
 
@@ -299,6 +330,7 @@ def _space(table: SpaceTable) -> Space:
         _numbers(table.inclination_deg),
         radii,
         _numbers(table.mask_deg),
+        tuple(REVOLUTIONS[orbit] for orbit in table.orbits or ()),
     )
 
 

@@ -8,7 +8,8 @@ from pydantic_core import CoreSchema
 
 from compass.design import PDOP_MAX
 from compass.entry.arrivals import MOST_SAMPLES
-from compass.inputs.models import SatelliteCount
+from compass.inputs.models import SatelliteCount, StationTable
+from compass.inputs.requirements import RequirementTable
 from compass.inputs.signal import Sigma
 from compass.inputs.table import Table
 from compass.orbits.kinds import KIND_NAMES
@@ -220,5 +221,13 @@ class StudyFile(Table):
     orbits: OrbitsTable = Field(
         default_factory=lambda: OrbitsTable.model_validate({}),
         description="how long real orbits are followed",
+    )
+    station: list[StationTable] = Field(
+        default_factory=list, max_length=1000, description="one [[station]] a place required"
+    )
+    requirement: list[RequirementTable] = Field(
+        default_factory=list,
+        max_length=100,
+        description="one [[requirement]] a thing wanted of every candidate",
     )
     compare: CompareTable | None = Field(None, description="a design to compare with")

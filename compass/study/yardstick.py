@@ -21,6 +21,7 @@ from compass.study.choice import notation
 from compass.study.lasting import proven_days
 from compass.study.pattern_judging import judged
 from compass.study.pattern_map import places
+from compass.study.requirement_figures import settled
 from compass.study.sampling import doubtful, finer, map_errors
 from compass.study.stages import evaluate
 
@@ -158,6 +159,8 @@ def _by_itself(
     ]
     figures |= {name: float(value) for name, value in geometry.items()}
     errors = {name: float(value) for name, value in doubtful(geometry, closer).items()}
+    if study.requirements:
+        figures |= settled(study, c, mask)
     if "orbits" in study.stages:
         days = study.orbits.days
         figures["days_proven"] = proven_days(c, study.fold, days, sphere, mask)
