@@ -15,7 +15,7 @@ ROOT = "designs/compass-15-5-1.toml"
 #: Those of other people that take long to load.
 HEAVY = {
     "numba", "erfa", "scipy.optimize", "scipy.integrate", "xarray", "pandas", "matplotlib",
-    "shapely", "pyproj", "h5netcdf", "dask", "plotly", "pymoo", "jinja2", "pydantic", "numpy",
+    "shapely", "pyproj", "h5netcdf", "dask", "pymoo", "jinja2", "pydantic", "numpy",
 }  # fmt: skip
 
 
@@ -80,7 +80,7 @@ done.append(compass.judge("designs/walker-15-15-6.toml", scenario=lander, sample
 for result in done:
     str(result), result.to_dict()
 """
-    assert not loaded(designs, code) & {"matplotlib", "plotly", "shapely", "pyproj", "pymoo"}
+    assert not loaded(designs, code) & {"matplotlib", "shapely", "pyproj", "pymoo"}
 
 
 def test_no_public_name_is_that_of_a_subpackage():
