@@ -10,6 +10,7 @@ import numpy as np
 
 import compass
 from compass.api.access import site_of_text
+from compass.api.access_result import check_suffix
 from compass.api.given import joined_designs
 from compass.api.results import Result
 from compass.contacts.gaps import GapStatistics, gap_statistics
@@ -21,7 +22,7 @@ from compass.coverage.site import site_coverage
 from compass.design import Design
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
-from compass.errors import ArgumentError, OutputError
+from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.motion import MotionModel
 from compass.quantities import quantity
@@ -147,7 +148,7 @@ class SeriesResult(Result):
         OutputError
             The name has another ending, or the file cannot be written.
         """
-        chosen = check_suffix(Path(path))
+        chosen = check_suffix(Path(path), SUFFIXES)
         if chosen.suffix == ".nc":
             save_netcdf(chosen, self.dataset.assign_attrs(history=command))
             return
@@ -296,19 +297,3 @@ def _percentile(values: np.ndarray) -> float | None:
     """The least value that 95 of 100 moments do not exceed; None where that is infinite."""
     found = float(np.sort(values)[nearest_rank(values.size, 95)])
     return found if isfinite(found) else None
-
-
-def check_suffix(path: Path) -> Path:
-    """Return a path whose ending says in which form to write series.
-
-    Raises
-    ------
-    OutputError
-        It says none of `SUFFIXES`.
-    """
-    if path.suffix not in SUFFIXES:
-        raise OutputError(
-            f"{path}: unknown kind {path.suffix or 'of file'!r}; the name must end in "
-            f"{', '.join(SUFFIXES)}"
-        )
-    return path

@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from compass.cli.options import choice, design_argument, json_option, path, real
+from compass.cli.options import choice, design_argument, json_option, motion_option, path, real
 from compass.cli.shared import announce_compilation, command_line, print_result, say
 
 
@@ -26,11 +26,7 @@ from compass.cli.shared import announce_compilation, command_line, print_result,
 @click.option("--earth", is_flag=True, help="Link with the Earth.")
 @click.option("--crosslinks", is_flag=True, help="Link satellites with each other.")
 @click.option("--eclipse", is_flag=True, help="Find when satellites and moons are in shadow.")
-@choice(
-    "--model",
-    among=["two-body", "j2", "numerical"],
-    help="How satellites move; else as the design says.",
-)
+@motion_option
 @real("--start-day", default=0.0, help="Day after the epoch to begin at.")
 @choice(
     "--moon-model", among=["precessing", "circular"], default="precessing", help="How moons move."
@@ -46,7 +42,7 @@ def command(design: Path, output: Path | None, as_json: bool, **options: Any) ->
     """
     announce_compilation()
     import compass
-    from compass.api.access import check_suffix
+    from compass.api.access_result import check_suffix
     from compass.saving import check_writable
 
     if output:

@@ -50,11 +50,12 @@ def command(
     """
     announce_compilation()
     import compass
-    from compass.api.series import check_suffix
+    from compass.api.access_result import check_suffix
+    from compass.api.series import SUFFIXES
     from compass.saving import check_writable
 
     if output:
-        check_writable(check_suffix(output), designs)
+        check_writable(check_suffix(output, SUFFIXES), designs)
     if picture:
         check_writable(picture, designs)
     found = compass.series(*designs, **options)
