@@ -23,6 +23,7 @@ from compass.api.results import Result
 from compass.design import Design
 from compass.document import Page, Sentence, Verdict
 from compass.document.plain import plain
+from compass.entry.doubts import Doubts
 from compass.errors import ArgumentError, DesignError
 from compass.frames import SECONDS_PER_DAY
 from compass.inputs import read_design
@@ -33,7 +34,6 @@ from compass.saving import check_writable, replacing
 from compass.study.judge import campaign_of
 from compass.study.ranking import Ranking, check_ranking, rank_designs
 from compass.study.rival import best_rival, rival_toml
-from compass.study.unknowns import Doubts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

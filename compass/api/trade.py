@@ -108,6 +108,8 @@ class TradeResult(Result):
         )
         blocks: list[Block] = [Verdict("", claim, self.holds)]
         blocks += [Sentence(words) for words in self.notes()]
+        if self.study.entry is not None:
+            blocks.append(Sentence(self.study.entry.doubts.sentence([])))
         if front:
             blocks.append(_front_table(front))
             blocks += [Sentence(words) for words in self._evidence()]

@@ -211,6 +211,14 @@ class BlockTable(Table):
 class DensityTable(BlockTable):
     """The air's density as a quantity that is not known."""
 
+    sigma: Positive | None = Field(  # type: ignore[assignment]
+        None, description="one sigma of ln density, the same at every height"
+    )
+    sigma_by_km: Literal["mars"] | Annotated[list[Pair], Field(min_length=2)] | None = Field(
+        None,
+        description="instead, of one that wanders: [altitude in km, sigma] rows, upwards, or "
+        '"mars" for the spread of Mars-GRAM',
+    )
     scale_km: Annotated[float, Field(gt=0, le=1000)] | None = Field(
         None,
         description="altitude over which its correlation falls to 1/e, km (8.2 on Mars); one "

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from compass.api.access import AccessResult
+from compass.api.access_result import AccessResult
 from compass.api.check import CheckResult
 from compass.api.fold_result import FoldResult
 from compass.api.map_result import MapResult

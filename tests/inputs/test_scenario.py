@@ -299,6 +299,21 @@ def test_instruments_and_features_become_records():
     assert axes.sigma == pytest.approx([np.radians(0.05)] * 3)
 
 
+def test_a_spread_of_the_air_by_height():
+    more = "[filter]\ndensity = {{ {}, scale_km = 8.2 }}\n"
+    [part] = read(changed("[filter]\n", more.format('sigma_by_km = "mars"'))).settings.parts
+    assert part.sigma == (0.4,) and len(part.profile) == 12  # 121 km and above
+    rows = "sigma_by_km = [[0, 0.02], [100, 0.2]]"
+    [own] = read(changed("[filter]\n", more.format(rows))).settings.parts
+    half = own.profile[0][0] + 50e3
+    assert own.sigma_at(np.array([half]))[0] == pytest.approx(np.sqrt(0.02 * 0.2))
+    both = more.format("sigma = 0.1, " + rows).replace(", scale_km = 8.2", "")
+    with pytest.raises(DesignError) as told:
+        read(changed("[filter]\n", both))
+    assert "filter.density: needs exactly one of sigma, sigma_by_km" in str(told.value)
+    assert "filter.density.scale_km: missing; needed beside sigma_by_km" in str(told.value)
+
+
 def test_faults_of_instruments_are_said_together():
     text = changed("[filter]\n", INSTRUMENTS).replace('kind = "ekf"', "")
     text = text.replace('kind = "unscented"', 'kind = "relinearised-ekf"\niterations = 3')
