@@ -47,14 +47,14 @@ def fold_verdict_over_days(
         what = "shares" if requirement.share < 1.0 else "losses"
         return undecided(requirement, scope, f"{what} along real paths are not bracketed")
     regions = requirement.regions or (() if requirement.sites else ("globe",))
-    if regions and not design.figure.is_sphere:
-        reason = "regions along real paths are proven on a sphere; name one as figure"
+    if regions and requirement.altitude and not design.figure.is_sphere:
+        reason = "users above an ellipsoid are not looked at along real paths; name a sphere"
         return undecided(requirement, scope, reason)
     start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY
     path = motion.trajectory(design.constellation, start, stop)
-    own, outcomes = _mask(design, requirement), []
+    own, outcomes, figure = _mask(design, requirement), [], design.figure
     claims = [
-        (region, design.figure.equatorial_radius + requirement.altitude, *own)
+        (region, figure.equatorial_radius + requirement.altitude, figure.stretch, *own)
         for text in regions
         for region in read_regions(text)
     ]
@@ -62,10 +62,11 @@ def fold_verdict_over_days(
     for site, each in zip(requirement.sites, users, strict=False):
         lean = abs(each.south - site.latitude) + 2 * SQUARE
         low, high = each.mask.lowest - lean, each.mask.highest + lean
-        claims.append((square(site), float(np.linalg.norm(site.r_mcmf)), low, high))
-    for region, radius, low, high in claims:
+        claims.append((square(site), float(np.linalg.norm(site.r_mcmf)), 1.0, low, high))
+    for region, radius, stretch, low, high in claims:
         asked: dict[str, Any] = {
             "sphere_radius": radius,
+            "stretch": stretch,
             "region": region,
             "start": start,
             "stop": stop,
