@@ -236,24 +236,24 @@ def test_bad_claims_are_refused(more, message):
 
 def test_on_an_ellipsoid_the_highest_mask_is_the_one_found_by_symmetry():
     """Two proofs that share no bound on how caps move."""
-    c = walker_delta(24, 1, 0, inclination_deg=0, radius_km=20427)
+    c = walker_delta(6, 1, 0, inclination_deg=0, radius_km=20427)
     figure = {"sphere_radius": SPHERE, "stretch": 3396.19 / 3376.2}
-    region = latitude_band(-np.pi / 4, np.pi / 4)
-    highest = highest_mask(c, 2, region=region, **figure)
-    path = path_of(c, 0.05)
+    region = latitude_band(-0.3, 0.4)
+    highest = highest_mask(c, 1, region=region, **figure)
+    path = path_of(c, 0.005)
 
     def found(mask):
-        return prove_span(path, 2, mask=mask, region=region, **figure)
+        return prove_span(path, 1, mask=mask, region=region, **figure)
 
     assert found(highest - VAGUE).outcome is Outcome.PROVEN
     lost = found(highest + VAGUE)
     assert lost.outcome is Outcome.REFUTED
     assert lost.stretch == figure["stretch"]
-    sphere = prove_span(path, 2, mask=highest + VAGUE, region=region, sphere_radius=SPHERE)
+    sphere = prove_span(path, 1, mask=highest + VAGUE, region=region, sphere_radius=SPHERE)
     assert sphere.outcome is Outcome.PROVEN  # whose users' verticals lean towards the ring
 
 
-#: In the narrowest bands (sine of latitude 0.02) kappa of 35 degrees spans some 1e-4.
+#: In the narrowest bands (sine of latitude 0.02) kappa at 45 degrees spans some 1e-4.
 VAGUE = 3e-4
 
 
