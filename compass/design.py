@@ -1,5 +1,6 @@
 """A design: a constellation, who uses it, and the stations and radios around it. No files."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from hashlib import sha256
 from typing import Literal
@@ -8,7 +9,7 @@ import numpy as np
 
 from compass.bodies import SOLAR_DAY
 from compass.errors import ArgumentError
-from compass.frames import DEFAULT_FIGURE, FIGURES, Figure
+from compass.frames import BY_NAME, FigureByName
 from compass.integrity import Integrity
 from compass.orbits.constellation import Constellation
 from compass.orbits.motion import Motion
@@ -130,6 +131,8 @@ LIMITS = ("pdop", "gdop", "hdop", "vdop", "tdop")
 class Requirement:
     """What must be so at places; whether it is so is another matter (`compass.check`).
 
+    `Requirement.of` makes it of degrees and kilometres.
+
     Attributes
     ----------
     name
@@ -165,6 +168,77 @@ class Requirement:
     altitude: float = 0.0
     losses: int = 0
 
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        *,
+        sites: Sequence[Site] = (),
+        regions: Sequence[str] = (),
+        fold: int | None = None,
+        mask_deg: float | None = None,
+        share: float = 1.0,
+        share_of: Literal["time", "area-time"] = "time",
+        altitude_km: float = 0.0,
+        losses: int = 0,
+        **at_most: float,
+    ) -> "Requirement":
+        """Make a requirement of degrees and kilometres, by the keys of design files.
+
+        Parameters
+        ----------
+        name, sites, regions, fold, share, share_of, losses
+            As of the class.
+        mask_deg
+            Elevation mask, above -90 to below 90; the design's if left out.
+        altitude_km
+            Height of the users of regions above the figure, from 0.
+        **at_most
+            ``pdop_at_most``, ``gdop_at_most``, ...: the largest dilutions allowed, from 1.
+
+        Raises
+        ------
+        ArgumentError
+            Nothing is asked for, or something is out of its range.
+
+        Examples
+        --------
+        >>> import compass
+        >>> compass.Requirement.of("survey", fold=4, pdop_at_most=6, share=0.9).claim
+        '4 satellites and PDOP at most 6, for 90 % of the time, globe'
+        """
+        known = {f"{limit}_at_most": limit for limit in LIMITS}
+        for key in at_most:
+            if key not in known:
+                raise ArgumentError(f"{key}: unknown; allowed {', '.join(known)}")
+        if fold is None and not at_most:
+            raise ArgumentError(
+                f"requirement {name}: asks for nothing; add fold or one of {', '.join(known)}"
+            )
+        ranges = (
+            ("fold", fold, fold is None or fold >= 1, "from 1"),
+            ("mask_deg", mask_deg, mask_deg is None or abs(mask_deg) < 90, "-90 to below 90"),
+            ("share", share, 0 < share <= 1, "above 0 to 1"),
+            ("altitude_km", altitude_km, 0 <= altitude_km <= 1e6, "0 to 1e6"),
+            ("losses", losses, losses >= 0, "from 0"),
+            *((key, limit, limit >= 1, "from 1") for key, limit in at_most.items()),
+        )
+        for key, value, allowed, words in ranges:
+            if not allowed:
+                raise ArgumentError(f"{key} = {value:g}: allowed {words}")
+        return cls(
+            name,
+            tuple(sites),
+            tuple(regions),
+            fold,
+            None if mask_deg is None else float(np.radians(mask_deg)),
+            tuple((known[key], limit) for key, limit in at_most.items()),
+            share,
+            share_of,
+            altitude_km * 1e3,
+            losses,
+        )
+
     @property
     def claim(self) -> str:
         """What must be so, when and where, in words."""
@@ -198,6 +272,14 @@ class Requirement:
 class Design:
     """A constellation and what it is for. Two are equal if all their values are.
 
+    Examples
+    --------
+    >>> import compass
+    >>> pattern = compass.walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
+    >>> design = compass.Design(pattern, figure="kelly2018-sphere", mask=compass.Mask.of(5))
+    >>> design.name, design.figure.name
+    ('45°: 15/5/1', 'kelly2018-sphere')
+
     Attributes
     ----------
     constellation
@@ -209,7 +291,7 @@ class Design:
     paper
         Key of the source paper whose printed values the design is compared with, or None.
     figure
-        Reference figure of Mars.
+        Reference figure of Mars; its name will do.
     mask
         Elevation mask of users on the surface.
     fold
@@ -248,7 +330,7 @@ class Design:
     name: str = ""
     source: str = ""
     paper: str | None = None
-    figure: Figure = DEFAULT_FIGURE
+    figure: FigureByName = BY_NAME
     mask: Mask = field(default_factory=Mask)
     fold: int = 4
     stations: tuple[Site, ...] = ()
@@ -267,15 +349,9 @@ class Design:
     label: str = "design"
 
     def __post_init__(self) -> None:
-        """Take a figure by its name too, as files do, and a name from the constellation."""
+        """Take a name from the constellation if there is no other."""
         if not self.name:
             object.__setattr__(self, "name", self.constellation.name)
-        if isinstance(self.figure, str):
-            if self.figure not in FIGURES:
-                raise ArgumentError(
-                    f"figure = {self.figure!r}: not known; allowed {', '.join(FIGURES)}"
-                )
-            object.__setattr__(self, "figure", FIGURES[self.figure])
 
     @property
     def digest(self) -> str:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.bodies import KELLY2018_RADIUS, MARS_EQUATORIAL_RADIUS, MARS_POLAR_RADIUS
+from compass.errors import ArgumentError
 
 if TYPE_CHECKING:
     from pyproj import CRS
@@ -81,6 +82,36 @@ FIGURES = {
 
 #: What a file, a site or a function means that names no figure.
 DEFAULT_FIGURE = FIGURES["iau-sphere"]
+
+
+def figure_of(figure: Figure | str) -> Figure:
+    """Return a figure, looked up in `FIGURES` if it is a name.
+
+    Raises
+    ------
+    ArgumentError
+        There is none of that name.
+    """
+    if isinstance(figure, Figure):
+        return figure
+    if figure not in FIGURES:
+        raise ArgumentError(f"figure = {figure!r}: not known; allowed {', '.join(FIGURES)}")
+    return FIGURES[figure]
+
+
+class FigureByName:
+    """A dataclass's field that holds a figure and takes its name too, as files do."""
+
+    def __get__(self, holder: object, kind: type | None = None) -> Figure:
+        return DEFAULT_FIGURE if holder is None else vars(holder)["figure"]
+
+    def __set__(self, holder: object, figure: Figure | str) -> None:
+        vars(holder)["figure"] = figure_of(figure)
+
+
+#: Stands as such a field's default.
+BY_NAME = FigureByName()
+
 
 # Rows: amplitude deg, phase deg, rate deg per Julian century (Archinal et al. 2018, Table 1).
 _POLE_RA = np.array(

@@ -112,7 +112,7 @@ def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]
         writer.writerows([cell(value) for value in row] for row in rows)
 
 
-class _Patient(io.RawIOBase):
+class _NeverFull(io.RawIOBase):
     """A file that HDF5 never finds full: what has no place is dropped, and the error kept.
 
     HDF5 itself crashes the program on a disk that is full.
@@ -167,13 +167,13 @@ def netcdf_file(path: Path) -> Iterator["h5netcdf.File"]:
     import h5netcdf
 
     with replacing(path) as temporary, temporary.open("r+b", buffering=0) as raw:
-        patient = _Patient(raw)
+        held = _NeverFull(raw)
         try:
-            with h5netcdf.File(patient, "w") as file:
+            with h5netcdf.File(held, "w") as file:
                 yield file
         finally:  # whatever HDF5 says of data that were dropped, this is why
-            if patient.error is not None:
-                raise patient.error
+            if held.error is not None:
+                raise held.error
 
 
 def put_dataset(

@@ -1,5 +1,6 @@
 """Places on Mars and the elevation mask of what stands around them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -7,7 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.errors import ArgumentError
-from compass.frames import DEFAULT_FIGURE, Figure, direction, east_north_up, planetographic_latitude
+from compass.frames import (
+    BY_NAME,
+    DEFAULT_FIGURE,
+    Figure,
+    FigureByName,
+    direction,
+    east_north_up,
+    planetographic_latitude,
+)
 
 
 @dataclass(frozen=True)
@@ -47,6 +56,27 @@ class Mask:
     def constant(cls, elevation: float) -> "Mask":
         """Return the same mask elevation (radians) all around."""
         return cls((0.0,), (float(elevation),))
+
+    @classmethod
+    def of(cls, mask_deg: float | Sequence[Sequence[float]]) -> "Mask":
+        """Make a mask of degrees: an elevation all around, or pairs of azimuth and elevation.
+
+        Raises
+        ------
+        ArgumentError
+            An azimuth or an elevation that is not allowed.
+
+        Examples
+        --------
+        >>> import compass
+        >>> compass.Mask.of(5).is_constant
+        True
+        >>> compass.Mask.of([(0, 5), (180, 12)]).is_constant
+        False
+        """
+        pairs = [(0.0, mask_deg)] if isinstance(mask_deg, int | float) else mask_deg
+        azimuth, elevation = np.radians(np.array(pairs, dtype=float)).reshape(-1, 2).T
+        return cls(tuple(azimuth.tolist()), tuple(elevation.tolist()))
 
     @property
     def is_constant(self) -> bool:
@@ -89,7 +119,7 @@ class Mask:
 
 @dataclass(frozen=True)
 class Site:
-    """A place on the surface.
+    """A place on the surface; `Site.of` makes it of degrees and kilometres.
 
     Attributes
     ----------
@@ -104,7 +134,7 @@ class Site:
     mask
         What the site's horizon hides.
     figure
-        The reference figure; its normal is the site's up.
+        The reference figure, or its name; its normal is the site's up.
     """
 
     name: str
@@ -112,7 +142,62 @@ class Site:
     longitude: float
     height: float = 0.0
     mask: Mask = field(default_factory=Mask)
-    figure: Figure = DEFAULT_FIGURE
+    figure: FigureByName = BY_NAME
+
+    def __post_init__(self) -> None:
+        if not abs(self.latitude) <= np.pi / 2:
+            raise ArgumentError(
+                f"latitude = {self.latitude:g} rad: allowed -pi/2 to pi/2; "
+                "Site.of takes degrees (latitude_deg)"
+            )
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        *,
+        latitude_deg: float,
+        longitude_deg: float,
+        height_km: float = 0.0,
+        mask_deg: float | Sequence[Sequence[float]] = 0.0,
+        figure: Figure | str = DEFAULT_FIGURE,
+    ) -> "Site":
+        """Make a site of degrees and kilometres, as design files have them.
+
+        Parameters
+        ----------
+        name
+            What to call it.
+        latitude_deg, longitude_deg
+            Planetocentric, -90 to 90; east, -180 to 360.
+        height_km
+            Over the figure, -10 to 30.
+        mask_deg
+            As `Mask.of`.
+        figure
+            The reference figure, or its name.
+
+        Raises
+        ------
+        ArgumentError
+            One of them is not allowed.
+
+        Examples
+        --------
+        >>> import compass
+        >>> gale = compass.Site.of("Gale", latitude_deg=-4.6, longitude_deg=137.4, mask_deg=10)
+        >>> round(float(abs(gale.r_mcmf @ gale.r_mcmf) ** 0.5))
+        3396190
+        """
+        for field_name, value, (low, high) in (
+            ("latitude_deg", latitude_deg, (-90, 90)),
+            ("longitude_deg", longitude_deg, (-180, 360)),
+            ("height_km", height_km, (-10, 30)),
+        ):
+            if not low <= value <= high:
+                raise ArgumentError(f"{field_name} = {value:g}: allowed {low} to {high}")
+        place = float(np.radians(latitude_deg)), float(np.radians(longitude_deg))
+        return cls(name, *place, height_km * 1e3, Mask.of(mask_deg), figure)
 
     @cached_property
     def r_mcmf(self) -> NDArray[np.float64]:

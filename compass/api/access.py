@@ -3,7 +3,6 @@
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,12 +20,12 @@ from compass.conventions import epoch_text
 from compass.design import Design, Wanted
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
-from compass.errors import ArgumentError, OutputError
+from compass.errors import ArgumentError, OutputError, said_of
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.motion import Motion, MotionModel
 from compass.quantities import quantity
 from compass.saving import replacing, save_netcdf, write_csv
-from compass.sites import Mask, Site
+from compass.sites import Site
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -289,15 +288,14 @@ def _site(station: Site | str, design: Design) -> Site:
             "write for example 'Gale=-4.6,137.4,10'"
         )
     latitude, longitude, mask = (*numbers, 0.0)[:3]
-    limits = {"latitude": (-90, 90), "longitude": (-180, 360), "mask": (0, 89.999)}
-    for (what, (low, high)), value in zip(limits.items(), (latitude, longitude, mask), strict=True):
-        if not low <= value <= high:
-            raise ArgumentError(
-                f"station {station!r}: {what} = {value:g}: allowed {low:g} to {high:g} degrees"
-            )
-    horizon = Mask.constant(radians(mask))
-    place = radians(latitude), radians(longitude)
-    return Site(name.strip(), *place, mask=horizon, figure=design.figure)
+    with said_of(f"station {station!r}"):
+        return Site.of(
+            name.strip(),
+            latitude_deg=latitude,
+            longitude_deg=longitude,
+            mask_deg=mask,
+            figure=design.figure,
+        )
 
 
 #: What is the name of a row rather than a quantity, and its heading; shares by hops are words.

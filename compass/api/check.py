@@ -8,13 +8,13 @@ from typing import Any
 from compass.api.given import given_design
 from compass.api.progress import bar
 from compass.api.results import Result
+from compass.coverage.certified_effort import Effort
 from compass.coverage.requirement_verdict import verdict_of
 from compass.coverage.verdict import Verdict as Answer
 from compass.design import Design, Requirement
 from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block
 from compass.document.plain import plain
-from compass.errors import ArgumentError
 from compass.orbits.motion import MotionModel
 from compass.quantities import quantity
 
@@ -132,7 +132,9 @@ def check(
     days: float | None = None,
     start_day: float = 0.0,
     motion: MotionModel | None = None,
+    width: float | None = None,
     budget_s: float | None = None,
+    leaves: str | Path | None = None,
     progress: bool = False,
 ) -> CheckResult:
     """Settle every requirement of a design; one without any has its ``[coverage]`` everywhere.
@@ -146,8 +148,12 @@ def check(
         ever. Needed where the motion is integrated or a table.
     motion
         ``two-body``, ``j2`` or ``numerical``; else the design's.
-    budget_s
-        Seconds that each share of geometry may take; by default a number of boxes.
+    width, budget_s
+        How near bounds of each share of geometry are to come, and seconds that it may take; by
+        default 1e-4, and a number of boxes.
+    leaves
+        File of open boxes: what it holds of the same question is gone on from, and what is left
+        open is kept there.
     progress
         Show bars on stderr.
 
@@ -164,13 +170,12 @@ def check(
     (True, 'proven')
     """
     read = given_design(design)
-    if budget_s is not None and not budget_s > 0:
-        raise ArgumentError(f"budget_s = {budget_s:g}: must be positive")
+    effort = Effort(width, budget_s, None if leaves is None else Path(leaves))
     if motion is not None:
         read = replace(read, motion=read.motion.or_of(motion))
     wanted = read.requirements or (Requirement("coverage", fold=read.fold),)
     verdicts = tuple(
-        verdict_of(read, each, days=days, start_day=start_day, budget_s=budget_s)
+        verdict_of(read, each, days=days, start_day=start_day, effort=effort)
         for each in bar(progress, "requirements", wanted)
     )
     return CheckResult(read, verdicts)

@@ -187,9 +187,11 @@ def judge(
     Examples
     --------
     >>> import compass
-    >>> compass.judge("designs/compass-15-5-1.toml", scenario="designs/landing.toml", samples=0)
-    Traceback (most recent call last):
-    compass.errors.ArgumentError: samples = 0: allowed 1 to 8192
+    >>> few = {"samples": 8, "finalists": 0}
+    >>> design, lander = "designs/compass-15-5-1.toml", "designs/landing.toml"
+    >>> found = compass.judge(design, scenario=lander, **few)
+    >>> found.to_dict()["designs"][0]["in_view"]["min"] >= 4
+    True
     """
     if not 0 <= start_day < np.inf:
         raise ArgumentError(f"start_day = {start_day:g}: must be 0 or more days")

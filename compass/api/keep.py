@@ -185,7 +185,7 @@ class KeepResult(Result):
             (f"{r.radius_km:g}", Value(quantity("days_proven"), r.days_proven), "0")
             for r in self.radii
         )
-        header = ("radius, km", quantity("days_proven").heading, "delta-v, m s-1 year-1")
+        header = ("radius, km", quantity("days_proven").heading, "delta-v, m/s/year")
         return [Table("Untouched instead, trimmed once", header, rows)] if rows else []
 
 
@@ -237,9 +237,9 @@ def keep(
     Examples
     --------
     >>> import compass
-    >>> compass.keep("designs/compass-15-5-1.toml", years=0)
-    Traceback (most recent call last):
-    compass.errors.ArgumentError: years = 0: allowed 0.1 to 100
+    >>> found = compass.keep("designs/compass-15-5-1.toml", years=0.1)
+    >>> found.holds, len(found.delta_v_m_s_year)
+    (True, 15)
     """
     read = given_design(design)
     upkeep = _upkeep(

@@ -228,6 +228,11 @@ def entry_tables(found: Assessment) -> tuple[Table, ...]:
         *events,
         Table("Largest loads", ("quantity", "largest", "unit", "at, s"), tuple(peaks)),
         Table("Beacons", ("beacon", "share of time in view", "epochs measured"), tuple(view)),
+        *(
+            [Table("Beside one-way radio", ("what", "numbers read"), found.readings)]
+            if found.readings
+            else []
+        ),
         Table(
             # of normal errors on three axes a mean square has a relative error of at most
             # sqrt(2 / n), its root half of that
@@ -280,6 +285,7 @@ def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
             "flight_path_deg": np.degrees(flight.states[-1, 4]),
         },
         "beacons": list(found.beacons.names),
+        "readings": dict(found.readings),
         "in_view_share": found.seen.mean(axis=0),
         "in_view": {
             "min": found.seen.sum(axis=1).min(),

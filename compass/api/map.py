@@ -1,6 +1,7 @@
 """Satellite counts and dilution of precision over the sphere and a period."""
 
 import math
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -8,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.api.given import given_design
-from compass.api.progress import bar
+from compass.api.progress import bar, parts_bar
 from compass.api.results import Result
+from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_geometry import CertifiedGeometry
 from compass.coverage.errors import ERRORS, FACTOR_95
 from compass.coverage.files import write_map
@@ -357,6 +359,9 @@ def map(
     duration_h: float | None = None,
     error_max_m: float = 30.0,
     weights: Weighting = "variance",
+    width: float | None = None,
+    budget_s: float | None = None,
+    leaves: str | Path | None = None,
     workers: int | None = None,
     command: str = "",
     progress: bool = False,
@@ -390,6 +395,12 @@ def map(
         Largest error of a fix that counts as within, metres, one sigma; of designs with a signal.
     weights
         How a fix weighs ranges: by their ``variance``, or all ``equal``.
+    width, budget_s
+        How near proven bounds of a share are to come (of a percentile 100 times that, relative),
+        and seconds that each figure may take; by default 2e-4, and a number of boxes.
+    leaves
+        File of open boxes: what it holds of the same question is gone on from, and what is left
+        open is kept there.
     workers
         Threads; by default one a core. The numbers do not depend on it.
     command
@@ -423,9 +434,12 @@ def map(
         weights=weights,
     )
     read = given_design(design)
+    file, threads = None if leaves is None else Path(leaves), workers or os.cpu_count() or 1
+    effort = Effort(width, budget_s, file, threads)
     with bar(progress, "map", unit="row", leave=False) as rows:
         made = make_map(read, options, command, workers=workers, progress=rows.update)
-    certified = certified_figures(read, options, workers)
+    with parts_bar(progress, "bounds") as effort.progress:
+        certified = certified_figures(read, options, effort)
     if certified:
         made.dataset.attrs |= _attributes(certified)
     return MapResult(read, made, certified)

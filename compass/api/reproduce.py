@@ -140,7 +140,7 @@ def reproduce(paper: str) -> ReproduceResult:
     Examples
     --------
     >>> import compass
-    >>> found = compass.reproduce("ballard1980")
+    >>> found = compass.reproduce("montenbruck2018")
     >>> found.holds
     True
     """

@@ -182,10 +182,12 @@ def trade(
 
     Examples
     --------
+    >>> import tempfile
     >>> import compass
-    >>> compass.trade("designs/study-small.toml", workers=0)
-    Traceback (most recent call last):
-    compass.errors.ArgumentError: workers = 0: allowed 1 to 1024
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     found = compass.trade("designs/study-small.toml", output=folder, workers=1)
+    >>> found.front[0]["satellites"], found.feasible
+    (15, 63)
     """
     tls = _tls(scheduler, tls_ca, tls_cert, tls_key)
     if scheduler is not None and workers is not None:

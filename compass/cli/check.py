@@ -7,6 +7,7 @@ import click
 
 from compass.cli.shared import (
     announce_compilation,
+    certified_options,
     design_argument,
     json_option,
     print_result,
@@ -23,7 +24,7 @@ from compass.cli.shared import (
     type=click.Choice(["two-body", "j2", "numerical"]),
     help="How the satellites move; else as the design says.",
 )
-@click.option("--budget-s", type=float, help="Seconds for each share of geometry.")
+@certified_options
 @json_option
 def command(design: Path, as_json: bool, **options: Any) -> None:
     """Settle every [[requirement]] of a design: met or missed, proven or with a bracket.

@@ -29,8 +29,16 @@ DONE, CLAIM_FAILS, BAD_INPUT, BROKEN, INTERRUPTED = 0, 1, 2, 3, 130
 #: Where a command's context keeps whether it is to be quiet.
 QUIET = "compass.quiet"
 
-#: Whole numbers that a kernel can take.
-INT64 = click.IntRange(-(2**63), 2**63 - 1)
+
+class WholeNumber(click.types.IntParamType):
+    """Whole numbers that a kernel can take: of 64 bits, which no help needs to recite."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number; refuse one that is too large."""
+        number = super().convert(value, param, ctx)
+        if not -(2**63) <= number < 2**63:
+            self.fail(f"{number} is not in the range -2**63 to 2**63 - 1.", param, ctx)
+        return number
 
 
 class Commands(click.Group):
@@ -66,7 +74,7 @@ def prepared(command: click.Command) -> click.Command:
     loaded.params = [*(copy(parameter) for parameter in loaded.params), _quiet()]
     for parameter in loaded.params:
         if parameter.type is click.INT:
-            parameter.type = INT64
+            parameter.type = WholeNumber()
     if loaded.callback is not None:
         loaded.callback = _in_words_of_the_user(loaded.callback)
     return loaded

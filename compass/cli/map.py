@@ -7,6 +7,7 @@ import click
 
 from compass.cli.shared import (
     announce_compilation,
+    certified_options,
     command_line,
     design_argument,
     json_option,
@@ -76,6 +77,7 @@ from compass.cli.shared import (
     type=click.Choice(["variance", "equal"]),
     help="How a fix weighs its ranges.",
 )
+@certified_options
 @click.option("--time-series", is_flag=True, help="Also write every epoch's counts and DOPs.")
 @json_option
 def command(
@@ -103,6 +105,8 @@ def command(
     for path in (output, picture):
         if path is not None:
             check_writable(path, [design])
+    if options["leaves"] is not None:
+        check_writable(options["leaves"], [design])
     if output and picture and output == picture:
         raise ArgumentError(f"--figure = {picture}: is the netCDF file too; give another name")
     made = compass.map(read, **options, command=command_line(), progress=watched())

@@ -13,6 +13,7 @@ from compass.cli.shared import (
     say,
     watched,
 )
+from compass.orbits.kinds import KIND_NAMES
 
 
 @click.command()
@@ -58,8 +59,8 @@ from compass.cli.shared import (
 )
 @click.option(
     "--pattern",
-    type=click.Choice(["walker-delta", "walker-star", "rosette"]),
-    default="walker-delta",
+    type=click.Choice(KIND_NAMES),
+    default=KIND_NAMES[0],
     show_default=True,
     help="Kind of pattern.",
 )

@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,21 @@ design_argument = click.argument("design", type=click.Path(path_type=Path))
 json_option = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object on stdout and nothing else."
 )
+
+
+def certified_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options of whatever is found between proven bounds."""
+    for option in (
+        click.option(
+            "--leaves",
+            type=click.Path(path_type=Path),
+            help="File of open boxes: what it holds of the same question is gone on from.",
+        ),
+        click.option("--budget-s", type=float, help="Seconds for each figure between bounds."),
+        click.option("--width", type=float, help="How near bounds of a share are to come: 1e-5."),
+    ):
+        command = option(command)
+    return command
 
 
 def emit_json(result: dict[str, Any]) -> None:

@@ -28,8 +28,8 @@ def _first_not_below(ascending, value):
 
 
 @kernel
-def _nearest_within(place, lead, order, moved, axis, tolerance):
-    """The satellite nearest to a place and how far off, radians; -1 where none is near enough.
+def _nearest_within(place, lead, order, moved, axis, tolerance, free):
+    """The free satellite nearest to a place and how far off, radians; -1 if none is near enough.
 
     Only satellites whose leading angle lies within the tolerance are looked at: in one stretch of
     the ascending ones, or where the circle closes in two.
@@ -42,7 +42,7 @@ def _nearest_within(place, lead, order, moved, axis, tolerance):
             s = order[at]
             miss = _apart(place[s, 0], moved[0]) + _apart(place[s, 1], moved[1])
             miss += abs(place[s, 2] - moved[2])
-            if miss < least or (miss == least and best < 0):
+            if free[s] and (miss < least or (miss == least and best < 0)):
                 best, least = s, miss
             at += 1
     return best, least
@@ -52,7 +52,8 @@ def _nearest_within(place, lead, order, moved, axis, tolerance):
 def verified_moves(place, order, axis, tried, sign, tolerance, image):
     """How far each tried move misses, radians; infinite of one that is none.
 
-    It is none if it sets two satellites in one place, or one where none is within the tolerance.
+    It is none if it sets a satellite where none is within the tolerance that no other took before:
+    of satellites that share a place each stands in for one.
 
     Parameters
     ----------
@@ -70,19 +71,20 @@ def verified_moves(place, order, axis, tried, sign, tolerance, image):
     lead = place[order, axis]
     worst = np.zeros(m)
     moved = np.empty(3)
-    taken_by = np.full(n, -1)
+    free = np.empty(n, dtype=np.bool_)
     for j in range(m):
+        free[:] = True
         for s in range(n):
             for k in range(2):
                 moved[k] = (tried[j, k] + sign * place[s, k]) % (2 * math.pi)
                 if moved[k] >= 2 * math.pi:  # the remainder of -1e-17 is 2 pi
                     moved[k] = 0.0
             moved[2] = tried[j, 2] + place[s, 2]
-            there, miss = _nearest_within(place, lead, order, moved, axis, tolerance)
-            if there < 0 or taken_by[there] == j:
+            there, miss = _nearest_within(place, lead, order, moved, axis, tolerance, free)
+            if there < 0:
                 worst[j] = math.inf
                 break
-            taken_by[there] = j
+            free[there] = False
             image[j, s] = there
             worst[j] = max(worst[j], miss)
     return worst

@@ -9,6 +9,9 @@ from compass.core.jit import kernel
 from compass.core.ranking import nearest_rank, select
 from compass.core.screen import circles, deciding_phases, lay_out
 
+#: What the columns of its figures are, in order.
+FIGURES = ("gdop_p50", "gdop_p95", "gdop_p95_zone", "pdop_p95", "availability", "count_mean")
+
 
 @kernel
 def map_patterns(
@@ -46,9 +49,10 @@ def map_patterns(
     pdop_max
         Largest PDOP that counts as available.
     figures
-        Takes, shape (m, 6): GDOP not exceeded at 50 and at 95 of 100 places and moments, and at
-        95 of 100 in the zone of latitude where that is worst; PDOP at 95; share with PDOP at
-        most `pdop_max`; mean number in view. Percentiles are values that occur; inf counts.
+        Takes `FIGURES`, shape (m, 6): GDOP not exceeded at 50 and at 95 of 100 places and
+        moments, and at 95 of 100 in the zone of latitude where that is worst; PDOP at 95; share
+        with PDOP at most `pdop_max`; mean number in view. Percentiles are values that occur; inf
+        counts.
     """
     fold = np.empty((epochs, area.shape[0]), np.int64)
     gdop, pdop = np.empty((epochs, area.shape[0])), np.empty((epochs, area.shape[0]))

@@ -8,13 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from compass.coverage.certified_share import (
-    CertifiedPercentile,
-    CertifiedShare,
-    certified_percentile,
-    certified_share,
-)
-from compass.coverage.certified_worst import CertifiedWorst, certified_worst
+from compass.coverage.certified_effort import Effort
+from compass.coverage.certified_share import CertifiedPercentile, CertifiedShare
+from compass.coverage.certified_worst import CertifiedWorst
 from compass.design import PDOP_MAX
 from compass.frames import Figure
 from compass.orbits import Constellation
@@ -82,10 +78,11 @@ def certified_geometry(
     mask: Mask,
     pdop_max: float = PDOP_MAX,
     percents: Sequence[int] = (95,),
+    since: float = 0.0,
     duration: float | None = None,
     motion: AnyMotion = "two-body",
     worst: bool = False,
-    workers: int = 1,
+    effort: Effort | None = None,
 ) -> CertifiedGeometry:
     """Bracket availability and percentiles of GDOP over the whole surface.
 
@@ -93,7 +90,7 @@ def certified_geometry(
 
     Parameters
     ----------
-    constellation, figure, mask, duration, motion
+    constellation, figure, mask, since, duration, motion
         As in `compass.coverage.certified_question.Question`.
     pdop_max
         Largest PDOP that is good, from 1.
@@ -101,23 +98,24 @@ def certified_geometry(
         Which percentiles.
     worst
         Whether to look for the largest PDOP too.
-    workers
-        Threads; the numbers do not depend on them.
+    effort
+        How far to go; by default `WIDTH`, `PRECISION` and a number of boxes.
     """
+    effort = effort or Effort()
     asked: dict[str, Any] = {
-        "workers": workers,
         "figure": figure,
         "mask": mask,
+        "since": since,
         "duration": duration,
         "motion": motion,
         "budget_boxes": min(BUDGET_BOXES, BUDGET_SIGHTS // max(constellation.size, 1)),
     }
-    availability = certified_share(constellation, pdop_max, dop="pdop", width=WIDTH, **asked)
+    availability = effort.share(constellation, pdop_max, dop="pdop", width=WIDTH, **asked)
     gdop = {
-        percent: certified_percentile(
+        percent: effort.percentile(
             constellation, float(percent), dop="gdop", precision=PRECISION, **asked
         )
         for percent in percents
     }
-    largest = certified_worst(constellation, dop="pdop", **asked) if worst else None
+    largest = effort.worst(constellation, dop="pdop", **asked) if worst else None
     return CertifiedGeometry(pdop_max, availability, gdop, largest)

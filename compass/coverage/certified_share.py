@@ -118,13 +118,18 @@ def certified_share(
 
 @dataclass(frozen=True)
 class CertifiedPercentile:
-    """A value that a share of area and time does not exceed, between proven bounds."""
+    """A value that a share of area and time does not exceed, between proven bounds.
+
+    `open` is the share at the limit tried last where that could not be told from the percentage:
+    with the bounds, where it can go on from.
+    """
 
     low: float
     high: float
     percent: float
     scope: str
     stopped: str = ""
+    open: CertifiedShare | None = None
 
     @property
     def value(self) -> float:
@@ -140,6 +145,7 @@ def certified_percentile(
     budget_s: float = np.inf,
     budget_boxes: float = np.inf,
     workers: int = 1,
+    start: CertifiedPercentile | None = None,
     **asked: Unpack[Asked],
 ) -> CertifiedPercentile:
     """Bracket the dilution of precision that `percent` of area and time do not exceed.
@@ -153,6 +159,8 @@ def certified_percentile(
         Above 0 and below 100.
     precision
         Stop at bounds that are so near, relative to the value.
+    start
+        A result of the same question to go on from.
     constellation, budget_s, budget_boxes, workers, asked
         As in `certified_share`, ``dop`` by default ``gdop``.
 
@@ -171,24 +179,40 @@ def certified_percentile(
     if question.satellites < 4:
         return CertifiedPercentile(np.inf, np.inf, percent, search.scope)
     end, level = monotonic() + budget_s, percent / 100
-    low, high, tried, stopped = 0.0, np.inf, 4.0, ""
+    low, high, stopped = 0.0, np.inf, ""
+    still: CertifiedShare | None = None
+    if start is not None:
+        low, high, still = start.low, start.high, start.open
     while low < GREATEST and not (high < np.inf and high - low <= precision * high):
+        tried = _between(low, high)
         found = search.share(
-            tried, 1e-6, budget_s=end - monotonic(), budget_boxes=budget_boxes, level=level
+            tried,
+            1e-6,
+            budget_s=end - monotonic(),
+            budget_boxes=budget_boxes,
+            level=level,
+            start=still,
         )
-        budget_boxes -= found.boxes
+        budget_boxes -= found.boxes - (still.boxes if still else 0)
+        still = None
         if found.low >= level:
             high = tried
         elif found.high < level:
             low = tried
         else:
-            stopped = found.stopped or "nearer than shares can tell"
+            still, stopped = found, found.stopped or "nearer than shares can tell"
             break
-        if high == np.inf:
-            tried = min(4.0 * low, GREATEST)
-        else:
-            tried = 0.25 * high if low == 0.0 else (low * high) ** 0.5
-    return CertifiedPercentile(low, high, percent, search.scope, stopped)
+        if found.stopped == "interrupted":
+            stopped = found.stopped
+            break
+    return CertifiedPercentile(low, high, percent, search.scope, stopped, still)
+
+
+def _between(low: float, high: float) -> float:
+    """The limit to try next, of which all depends on the bounds known so far."""
+    if high == np.inf:
+        return 4.0 if low == 0.0 else min(4.0 * low, GREATEST)
+    return 0.25 * high if low == 0.0 else float((low * high) ** 0.5)
 
 
 class _Search:
@@ -221,7 +245,7 @@ class _Search:
             leaves, settled, boxes = start.leaves, np.array(start.settled), start.boxes
         else:
             leaves = self.question.boxes()
-        end, stopped = monotonic() + budget_s, ""
+        end, stopped, most = monotonic() + budget_s, "", boxes + budget_boxes
         total = settled.sum() + leaves[:, 6:].sum()
         eps = 4.0 * min(1e-5 * total, float(leaves[:, 9].max(initial=0.0)))
         while not stopped:
@@ -231,7 +255,7 @@ class _Search:
             if found.width <= width or decided or not len(leaves):
                 break
             eps *= 0.25
-            leaves, sums, stopped = self._round(leaves, eps, limit, end, budget_boxes - boxes)
+            leaves, sums, stopped = self._round(leaves, eps, limit, end, most - boxes)
             settled, boxes = settled + sums[:3], boxes + int(sums[3])
         return self._result(leaves, settled, boxes, stopped)
 

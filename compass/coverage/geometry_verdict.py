@@ -4,9 +4,10 @@ from dataclasses import replace
 from typing import Any
 
 from compass.coverage.certificate import Outcome
+from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_places import Circle, Spot
-from compass.coverage.certified_share import CertifiedShare, certified_share
-from compass.coverage.certified_worst import CertifiedAlways, certified_always
+from compass.coverage.certified_share import CertifiedShare
+from compass.coverage.certified_worst import CertifiedAlways
 from compass.coverage.fold_verdict import Course, course_of, losses_of, users_of
 from compass.coverage.region import latitude_band
 from compass.coverage.users import Users, centric
@@ -25,13 +26,13 @@ def geometry_verdict(
     *,
     days: float | None = None,
     start_day: float = 0.0,
-    budget_s: float | None = None,
+    effort: Effort | None = None,
 ) -> Verdict:
     """Verdict on a dilution of precision of at most a limit, by certified shares.
 
     Parameters
     ----------
-    design, requirement, days, start_day, budget_s
+    design, requirement, days, start_day, effort
         As in `compass.coverage.requirement_verdict.verdict_of`.
     dop, limit
         One of `compass.design.LIMITS` and the largest value allowed.
@@ -41,9 +42,7 @@ def geometry_verdict(
     ArgumentError
         As `certified_share`.
     """
-    if not design.motion.is_closed_form:
-        reason = f"{dop.upper()} is certified in two-body motion and under mean J2 alone"
-        return undecided(requirement, f"under {design.motion.title}", reason)
+    effort = effort or Effort()
     course = course_of(design, days, start_day)
     if course is None:
         reason = f"{dop.upper()} is certified for ever for orbits of one period alone; give days"
@@ -61,17 +60,16 @@ def geometry_verdict(
                 "dop": dop,
                 "figure": users.figure,
                 "mask": users.mask,
-                "budget_s": float("inf") if budget_s is None else budget_s,
                 "budget_boxes": SHARE_BOXES,
                 "motion": design.motion,
                 **where,
             }
             if requirement.share == 1.0:
-                claim = certified_always(left, limit, **asked)
+                claim = effort.always(left, limit, **asked)
                 claims.append((claim, lost, alike))
                 if claim.outcome != Outcome.UNDECIDED:
                     continue
-            share = certified_share(left, limit, width=WIDTH, **asked)
+            share = effort.share(left, limit, width=WIDTH, **asked)
             found.append((share, users, lost, alike))
     settled = _always(requirement, course.words, claims)
     return settled or _verdict(requirement, dop, course.words, found)

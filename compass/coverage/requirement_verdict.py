@@ -2,6 +2,7 @@
 
 from math import isfinite
 
+from compass.coverage.certified_effort import Effort
 from compass.coverage.fold_verdict import fold_verdict
 from compass.coverage.fold_verdict_over_days import fold_verdict_over_days
 from compass.coverage.geometry_verdict import geometry_verdict
@@ -19,7 +20,7 @@ def verdict_of(
     *,
     days: float | None = None,
     start_day: float = 0.0,
-    budget_s: float | None = None,
+    effort: Effort | None = None,
 ) -> Verdict:
     """Settle a requirement on a design.
 
@@ -32,9 +33,9 @@ def verdict_of(
     days, start_day
         For so many days from a day after the epoch on; without days for ever, which only
         ellipses that keep their shape allow.
-    budget_s
-        Seconds that each share of geometry may take; by default so many boxes, which is the same
-        on any machine.
+    effort
+        How far to go with each share of geometry; by default so many boxes, which is the same on
+        any machine.
 
     Raises
     ------
@@ -50,7 +51,7 @@ def verdict_of(
     for name, limit in requirement.limits:
         verdicts.append(
             geometry_verdict(
-                design, requirement, name, limit, days=days, start_day=start_day, budget_s=budget_s
+                design, requirement, name, limit, days=days, start_day=start_day, effort=effort
             )
         )
     if not verdicts:

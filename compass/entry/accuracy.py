@@ -227,7 +227,8 @@ def _unmeasured(
         noise_roots(path, times, noise),
         *layout.steps(path),
         np.empty((times.size, 0, 6)),
-        np.empty((times.size, 0, 2)),
+        np.empty((times.size, 0, 0)),
+        np.empty(0, dtype=np.int64),
         layout.numbers(),
         out,
     )

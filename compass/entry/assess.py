@@ -51,6 +51,8 @@ class Assessment:
         Knowledge and delivery at deployment; without one, on the ground if that is reached.
     ground
         The same on the ground, of a flight that goes on past deployment to it.
+    readings
+        Of every kind that is measured, its title and how many numbers are read in all.
     """
 
     flight: Trajectory
@@ -67,6 +69,7 @@ class Assessment:
     whole: Consistency
     accuracy: Accuracy
     ground: Accuracy | None = None
+    readings: tuple[tuple[str, int], ...] = ()
 
     @property
     def claim_m(self) -> float | None:
@@ -118,7 +121,7 @@ def assess(
     check_apart(beacons, flight.states)
     seen = in_view(beacons, flight.states, flight.model.planet_radius)
     taken = measurements.taken(seen, flight.times)
-    ranges, rates = measurements.range_sigma is not None, measurements.rate_sigma is not None
+    ranges, rates = measurements.measures
     degrees = {
         scaling: observability(
             flight.model,
@@ -169,6 +172,7 @@ def assess(
         consistency(runs_made.nees, flight.times, 6, runs_made.diverged),
         consistency(runs_made.nees_all, flight.times, runs_made.estimated, runs_made.diverged),
         *_accuracies(flight, bound, layout, settings, deployment),
+        measurements.readings(beacons, taken, flight.path, model.planet_radius),
     )
 
 

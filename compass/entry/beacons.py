@@ -47,6 +47,11 @@ class Beacons:
         """Number of beacons."""
         return len(self.names)
 
+    @property
+    def states(self) -> NDArray[np.float64]:
+        """Positions and velocities together, as the kernels take them, (t, n, 6)."""
+        return np.concatenate([self.r, self.v], axis=2)
+
     def with_others(self, other: "Beacons") -> "Beacons":
         """Return these beacons and those of `other` over the same times."""
         if not np.array_equal(self.times, other.times):

@@ -26,6 +26,7 @@ def longest_step(measurements: Measurements) -> float:
     """Longest Runge-Kutta step of filters and covariances that hear these measurements, s."""
     pairs = ((measurements.range_sigma, FINE_RANGE), (measurements.rate_sigma, FINE_RATE))
     fine = any(sigma is not None and sigma < least for sigma, least in pairs)
+    fine |= any(one.is_fine for one in measurements.instruments)
     return LONGEST_STEP / 8.0 if fine else LONGEST_STEP
 
 
@@ -104,28 +105,23 @@ def linear_covariance(
         longest_step(measurements),
         noise_roots(flown, beacons.times, noise),
         *blocks.steps(flown),
-        beacon_states(beacons),
-        measurements.variances(np.asarray(taken, dtype=bool)),
+        *measurements.heard(beacons, taken, flown, model.planet_radius),
         blocks.numbers(),
         out,
     )
     return Bound(out)
 
 
-def beacon_states(beacons: Beacons) -> NDArray[np.float64]:
-    """Positions and velocities together, as the kernels take them, (t, n, 6)."""
-    return np.concatenate([beacons.r, beacons.v], axis=2)
-
-
 def noise_roots(path: NDArray[np.float64], times: ArrayLike, noise: ArrayLike) -> NDArray:
     """Roots of the process noise gathered from the epoch before to each, (t, 6, 6).
 
     ``G = J diag(sqrt(q dt))``, J the derivative of the Cartesian state in the spherical numbers,
-    per second of which `noise` gives the variances q (scalar or (6,)). Empty if all are zero.
+    per second of which `noise` gives the variances q (scalar or (6,)). If all are zero it has no
+    rows, (t, 0, 6).
     """
     q = np.broadcast_to(np.asarray(noise, dtype=float), (6,))
     if not q.any():
-        return np.empty((0, 6, 6))
+        return np.empty((len(path), 0, 6))
     steps = np.diff(np.asarray(times, dtype=float), prepend=np.asarray(times)[0])
     return spherical_jacobian(path) * np.sqrt(q * steps[:, None])[:, None, :]
 

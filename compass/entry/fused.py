@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from compass.core.entry.groups import Arrangement, Knowledge
 from compass.core.entry.weights import DETERMINANT, EQUAL, FAST, TRACE
-from compass.entry.covariance import LONGEST_STEP, beacon_states, noise_roots
+from compass.entry.covariance import LONGEST_STEP, noise_roots
 from compass.entry.fusion import Weighting
 from compass.entry.inertial import InertialCase
 from compass.entry.layout import Layout, Part
@@ -200,7 +200,7 @@ class FusedFilter:
             LONGEST_STEP,
             noise_roots(case.flight.path, case.times, self.noise[:6]),
             walk,
-            beacon_states(case.beacons),
+            case.beacons.states,
             self.layout.numbers(),
         )
 

@@ -37,6 +37,12 @@ def intersection_weights(
     ------
     ArgumentError
         A covariance that is not positive definite, or an unknown rule.
+
+    Examples
+    --------
+    >>> import compass
+    >>> compass.intersection_weights([[[1.0]], [[4.0]]]).round(6).tolist()
+    [1.0, 0.0]
     """
     if weighting not in get_args(Weighting):
         raise ArgumentError(f"weighting = {weighting!r}: allowed {', '.join(get_args(Weighting))}")
@@ -81,6 +87,13 @@ def covariance_intersection(
     ----------
     Julier and Uhlmann 1997, A Non-divergent Estimation Algorithm in the Presence of Unknown
     Correlations, Proc. American Control Conference.
+
+    Examples
+    --------
+    >>> import compass
+    >>> x, p = compass.covariance_intersection([[0.0], [2.0]], [[[1.0]], [[1.0]]], [0.5, 0.5])
+    >>> x.tolist(), p.tolist()
+    ([1.0], [[1.0]])
     """
     w, x = np.asarray(weights, dtype=float), np.asarray(states, dtype=float)
     information = _information(covariances)

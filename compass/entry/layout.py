@@ -28,6 +28,7 @@ BLOCKS = (
     Block("clock", 2, ("m", "m/s"), "the receiver's clock and its drift"),
     Block("bias", None, ("m",), "bias of the ranges of each beacon"),
     Block("imu", 3, ("m/s^2", "m/s^2", "m/s^2"), "biases of the accelerometers"),
+    Block("attitude", 3, ("rad", "rad", "rad"), "small turn of the axes in which the lander looks"),
 )
 
 #: In every state, at its head.
@@ -152,7 +153,7 @@ class Layout:
 
     def numbers(self) -> NDArray[np.int64]:
         """Places as the kernels take them, see `compass.core.entry.measure.PLACES`."""
-        names = ("air", "lift", "clock", "bias", "imu")
+        names = ("air", "lift", "clock", "bias", "imu", "attitude")
         return np.array([self.estimated, *(self.place(name) for name in names)], dtype=np.int64)
 
     def covariance(self, motion: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -3,21 +3,25 @@
 import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.entry.filter import filter_run
-from compass.core.entry.measure import ranges_and_rates
+from compass.core.entry.filter import PLAIN, RELINEARISED, UNSCENTED, filter_run
+from compass.core.entry.measure import ideal_values
 from compass.core.entry.runs import monte_carlo
 from compass.entry.beacons import Beacons
-from compass.entry.covariance import beacon_states, longest_step, noise_roots
+from compass.entry.covariance import longest_step, noise_roots
 from compass.entry.layout import Layout, Part
 from compass.entry.model import EntryModel
 from compass.entry.schedule import Measurements
 from compass.entry.trajectory import Trajectory, fly
 from compass.entry.views import spherical_of
 from compass.errors import ArgumentError
+
+Method = Literal["plain", "unscented", "relinearised"]
+_METHODS = {"plain": PLAIN, "unscented": UNSCENTED, "relinearised": RELINEARISED}
 
 #: Runs handed to a thread at once.
 BLOCK = 20
@@ -37,14 +41,27 @@ class Filter:
         Passes of each update: 1 is the plain filter, more the iterated one.
     parts
         Further blocks, estimated or considered.
+    method
+        ``plain``: extended; ``unscented``: moved on through spread points; ``relinearised``: looks
+        back when density or L/D is known twice as well; see `compass.core.entry.filter`.
     """
 
     covariance0: NDArray[np.float64]
     noise: NDArray[np.float64]
     iterations: int = 1
     parts: tuple[Part, ...] = ()
+    method: Method = "plain"
 
     def __post_init__(self) -> None:
+        if self.method not in _METHODS:
+            raise ArgumentError(f"method = {self.method!r}: allowed {', '.join(_METHODS)}")
+        if self.method == "relinearised" and (
+            np.any(self.noise) or any(part.scales for part in self.parts)
+        ):
+            raise ArgumentError(
+                "filter: with process noise or a density that wanders there is no one flight to "
+                'look back along; take kind = "unscented"'
+            )
         if self.iterations < 1:
             raise ArgumentError(f"iterations = {self.iterations}: must be at least 1")
         if np.any(~(np.asarray(self.noise) >= 0)):
@@ -74,7 +91,7 @@ def ideal_measurements(path: ArrayLike, beacons: Beacons) -> NDArray[np.float64]
     """Ranges (m) and range rates (m/s) without noise, (t, n, 2), from states (t, 6)."""
     out = np.empty((*beacons.r.shape[:2], 2))
     flown = np.ascontiguousarray(path, dtype=float)
-    ranges_and_rates(flown, beacon_states(beacons), out)
+    ideal_values(flown, beacons.states, np.arange(2), out)
     return out
 
 
@@ -100,12 +117,14 @@ def run_filter(
     settings
         The filter.
     z
-        Ranges and range rates, (t, n, 2); entries not taken are not looked at.
+        Ranges and range rates, (t, n, 2); entries not taken are not looked at. Of further kinds
+        as `compass.entry.schedule.Measurements.heard` orders sources and kinds.
     """
     count, layout = beacons.times.size, settings.layout(beacons.size)
     first = np.zeros(layout.size)
     first[:6] = np.asarray(estimate, dtype=float)
-    expected = _expected(model, first[:6], beacons, settings)
+    expected = _expected(model, first[:6], beacons, settings, measurements)
+    sources, variances, kinds = measurements.heard(beacons, taken, expected, model.planet_radius)
     states, covariances = (
         np.empty((count, layout.size)),
         np.empty((count, layout.size, layout.size)),
@@ -119,11 +138,13 @@ def run_filter(
         longest_step(measurements),
         noise_roots(expected, beacons.times, settings.noise),
         *layout.steps(expected),
-        beacon_states(beacons),
-        measurements.variances(np.asarray(taken, dtype=bool)),
+        sources,
+        variances,
         np.array(z, dtype=float),
+        kinds,
         layout.numbers(),
         settings.iterations,
+        _METHODS[settings.method],
         states,
         covariances,
     )
@@ -131,10 +152,15 @@ def run_filter(
 
 
 def _expected(
-    model: EntryModel, first: NDArray[np.float64], beacons: Beacons, settings: Filter
+    model: EntryModel,
+    first: NDArray[np.float64],
+    beacons: Beacons,
+    settings: Filter,
+    measurements: Measurements,
 ) -> NDArray[np.float64]:
-    """Flight from the first estimate, along which noise is turned and the density wanders."""
-    if not (np.any(settings.noise) or any(part.scales for part in settings.parts)):
+    """Flight from the first estimate, along which noise, density and instruments are taken."""
+    wanders = any(part.scales for part in settings.parts)
+    if not (np.any(settings.noise) or wanders or measurements.instruments):
         return np.tile(first, (beacons.times.size, 1))
     path = fly(model, spherical_of(first), beacons.times).path
     return path[np.minimum(np.arange(beacons.times.size), len(path) - 1)]
@@ -232,12 +258,13 @@ def run_monte_carlo(
     """
     if runs < 1:
         raise ArgumentError(f"runs = {runs}: must be at least 1")
-    count, n, layout = beacons.times.size, beacons.size, settings.layout(beacons.size)
+    count, layout = beacons.times.size, settings.layout(beacons.size)
     covariance0 = layout.covariance(np.asarray(settings.covariance0, dtype=float))
     errors, squares = np.empty((runs, count, 6)), np.empty((runs, count, 2))
     sigmas = np.empty((runs, count, 2))
     streams = np.random.SeedSequence(seed).spawn(runs)
     path = np.ascontiguousarray(flight.path)
+    sources, variances, kinds = measurements.heard(beacons, taken, path, model.planet_radius)
     common = (
         path,
         flight.model.flight_parameters(),
@@ -249,12 +276,14 @@ def run_monte_carlo(
         longest_step(measurements),
         noise_roots(path, beacons.times, settings.noise),
         *layout.steps(path),
-        beacon_states(beacons),
-        measurements.variances(np.asarray(taken, dtype=bool)),
+        sources,
+        variances,
+        kinds,
         layout.numbers(),
         settings.iterations,
+        _METHODS[settings.method],
     )
-    size, heard = layout.size, 2 * count * n
+    size, heard = layout.size, variances.size
 
     def work(first: int) -> None:
         part = slice(first, min(first + BLOCK, runs))
@@ -265,7 +294,7 @@ def run_monte_carlo(
             *common,
             # of several runs these are strided, of one they are not: two types to the compiler
             np.ascontiguousarray(first_state),
-            np.ascontiguousarray(heard_by).reshape(len(drawn), count, n, 2),
+            np.ascontiguousarray(heard_by).reshape(len(drawn), *variances.shape),
             np.ascontiguousarray(shaken_by).reshape(len(drawn), count, size),
             errors[part],
             squares[part],

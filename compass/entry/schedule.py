@@ -5,9 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.core.entry.measure import RANGE, RATE
 from compass.core.entry_geometry import cartesian_of
 from compass.entry.beacons import Beacons
+from compass.entry.instruments import Features, Instrument
 from compass.errors import ArgumentError
+
+#: Of a lander that knows nothing by sight.
+NO_FEATURES = Features()
 
 
 def in_view(beacons: Beacons, states: ArrayLike, planet_radius: float) -> NDArray[np.bool_]:
@@ -72,6 +77,10 @@ class Measurements:
         Seconds between which measurements are taken; the first at the first epoch from `start` on.
     in_turn
         Whether the lander hears one beacon at a time, in turn, rather than all at once.
+    instruments
+        What it measures beside ranges and range rates.
+    features
+        What it knows by sight, for an instrument of that kind.
     """
 
     range_sigma: float | None = 50.0
@@ -80,22 +89,96 @@ class Measurements:
     start: float = 0.0
     stop: float = float("inf")
     in_turn: bool = False
+    instruments: tuple[Instrument, ...] = ()
+    features: Features = NO_FEATURES
 
     def __post_init__(self) -> None:
         for name, unit in (("range_sigma", "m"), ("rate_sigma", "m/s")):
             sigma = getattr(self, name)
             if sigma is not None and not 0 < sigma < float("inf"):
                 raise ArgumentError(f"{name} = {sigma} {unit}: must be positive")
-        if self.range_sigma is None and self.rate_sigma is None:
+        radio = any(instrument.of_beacons for instrument in self.instruments)
+        if self.range_sigma is None and self.rate_sigma is None and not radio:
             raise ArgumentError("measurements: give range_sigma, rate_sigma or both")
         if not self.interval > 0:
             raise ArgumentError(f"interval = {self.interval} s: must be positive")
+
+    @property
+    def measures(self) -> tuple[bool, bool]:
+        """Whether ranges and range rates to beacons are measured, one way or both ways."""
+        kinds = [one.kind for one in self.instruments]
+        return (
+            self.range_sigma is not None or "two_way_range" in kinds,
+            self.rate_sigma is not None or "two_way_rate" in kinds,
+        )
+
+    def readings(
+        self, beacons: Beacons, taken: ArrayLike, path: NDArray[np.float64], planet_radius: float
+    ) -> tuple[tuple[str, int], ...]:
+        """Title of every instrument beside one-way radio, and how many numbers it reads."""
+        _, variances, _ = self.heard(beacons, taken, path, planet_radius)
+        counts = np.isfinite(variances).sum(axis=(0, 1))
+        firsts = 2 + np.cumsum([0, *(len(one.numbers) for one in self.instruments)])
+        return tuple(
+            (one.title, int(counts[first : first + len(one.numbers)].sum()))
+            for one, first in zip(self.instruments, firsts, strict=False)
+        )
 
     def variances(self, taken: NDArray[np.bool_]) -> NDArray[np.float64]:
         """Variances of ranges (m^2) and range rates (m^2/s^2), (t, n, 2); nan where not taken."""
         pair = (self.range_sigma, self.rate_sigma)
         squares = np.array([np.nan if sigma is None else sigma**2 for sigma in pair])
         return np.where(taken[..., None], squares, np.nan)
+
+    def heard(
+        self, beacons: Beacons, taken: ArrayLike, path: NDArray[np.float64], planet_radius: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
+        """Sources, variances and kinds of everything that is measured along a flight.
+
+        Parameters
+        ----------
+        beacons, taken
+            At the epochs of `path`, and which are measured, (t, n).
+        path
+            The flight, (t, 6).
+        planet_radius
+            Metres.
+
+        Returns
+        -------
+        sources
+            Positions and velocities (t, n + k, 6): beacons, features, and at the end the centre
+            of Mars, to which what the lander reads of itself belongs.
+        variances
+            Of every kind's reading of every source, (t, n + k, c); nan where there is none.
+        kinds
+            Numbers of `compass.core.entry.measure`, (c,): ranges, range rates, then the others.
+        """
+        chosen = np.asarray(taken, dtype=bool)
+        if not self.instruments:
+            return beacons.states, self.variances(chosen), np.array([RANGE, RATE])
+        epochs, n, k = len(path), beacons.size, len(self.features.names)
+        sources = np.zeros((epochs, n + k + 1, 6))
+        sources[:, :n] = beacons.states
+        sources[:, n : n + k, :3] = self.features.places(planet_radius)
+        kinds = [RANGE, RATE, *(number for one in self.instruments for number in one.numbers)]
+        variances = np.full((epochs, n + k + 1, len(kinds)), np.nan)
+        variances[:, :n, :2] = self.variances(chosen)
+        at = 2
+        for one in self.instruments:
+            mine = variances[:, :, at : at + len(one.numbers)]
+            at += len(one.numbers)
+            square = one.variances(path, planet_radius)
+            if one.of_beacons:
+                mine[:, :n] = np.where(chosen, square[:, None], np.nan)[..., None]
+                continue
+            square = np.where(every(beacons.times, one.interval), square, np.nan)
+            if one.kind == "features":
+                seen = self.features.seen(path, planet_radius)
+                mine[:, n : n + k] = np.where(seen, square[:, None], np.nan)[..., None]
+            else:
+                mine[:, -1] = square[:, None]
+        return sources, variances, np.array(kinds)
 
     def taken(self, seen: NDArray[np.bool_], times: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Which beacons in view are measured, shape (t, n), given `seen` of that shape.
@@ -104,7 +187,7 @@ class Measurements:
         """
         due = (times >= self.start - 1e-9) & (times <= self.stop + 1e-9)
         since = times - times[due].min() if due.any() else times
-        due &= np.abs(np.mod(since / self.interval + 0.5, 1.0) - 0.5) * self.interval < 1e-6
+        due &= every(since, self.interval)
         taken = seen & due[:, None]
         if self.in_turn and seen.shape[1]:
             heard = -1
@@ -116,6 +199,12 @@ class Measurements:
                     heard = int(ready[0])
                     row[heard] = True
         return taken
+
+
+def every(times: NDArray[np.float64], interval: float) -> NDArray[np.bool_]:
+    """Which of some times are a whole number of intervals, shape (t,)."""
+    off = np.abs(np.mod(times / interval + 0.5, 1.0) - 0.5) * interval
+    return np.asarray(off < 1e-6)
 
 
 def check_apart(beacons: Beacons, states: ArrayLike) -> None:

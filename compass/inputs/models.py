@@ -1,9 +1,9 @@
 """What a design file may say: one model a table, each field with unit, range and meaning."""
 
 from datetime import datetime
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
-from pydantic import Field
+from pydantic import Field, create_model
 
 from compass.design import LinkEnd
 from compass.inputs.integrity import IntegrityTable
@@ -11,6 +11,7 @@ from compass.inputs.requirements import RequirementTable
 from compass.inputs.signal import SignalTable
 from compass.inputs.table import Table
 from compass.inputs.tracking import TrackingTable
+from compass.orbits.kinds import KINDS, PatternKind
 
 SatelliteCount = Annotated[int, Field(ge=1, le=10_000)]
 Inclination = Annotated[float, Field(ge=0, le=180)]
@@ -34,35 +35,45 @@ class CircularOrbit(Table):
     )
 
 
-class Placement(CircularOrbit):
-    """Where a pattern of circular orbits stands: its first satellite at the epoch."""
+class PatternTable(CircularOrbit):
+    """What the tables of all kinds of pattern have in common; each has the kind's numbers."""
 
-    raan_deg: float = Field(0.0, ge=-360, le=360, description="node of the first plane, degrees")
-    phase_deg: float = Field(
-        0.0, ge=-360, le=360, description="argument of latitude of the first satellite, degrees"
-    )
-
-
-class WalkerTable(Placement):
-    """Walker's pattern i: t/p/f."""
-
-    pattern: Literal["walker-delta", "walker-star"] = Field(description="kind of pattern")
-    satellites: SatelliteCount = Field(description="total number t, a whole number from 1 to 10000")
-    planes: SatelliteCount = Field(description="number of planes p; must divide satellites")
-    phasing: int = Field(ge=0, description="Walker's F, a whole number from 0 to planes - 1")
-    inclination_deg: Inclination = Field(description="inclination, 0 to 180 degrees")
+    if TYPE_CHECKING:
+        pattern: str
+        satellites: int
+        planes: int
+        inclination_deg: float
+        raan_deg: float
+        phase_deg: float
 
 
-class RosetteTable(Placement):
-    """Ballard's rosette (N, P, m)."""
+#: How numbers of a form are written in a file.
+_FORMS: dict[str, Any] = {"whole": int, "real": float, "ratio": str | int | float}
 
-    pattern: Literal["rosette"] = Field(description="kind of pattern")
-    satellites: SatelliteCount = Field(description="total number N, a whole number from 1 to 10000")
-    planes: SatelliteCount = Field(description="number of planes P; must divide satellites")
-    multiplier: str | int | float = Field(
-        description='Ballard\'s m: a multiple of planes/satellites, as a number or text like "1/4"'
-    )
-    inclination_deg: Inclination = Field(description="inclination, 0 to 180 degrees")
+
+def _table_of(kind: PatternKind) -> type[PatternTable]:
+    """Return the table ``[constellation]`` of a kind, made from its record."""
+    fields: dict[str, Any] = {
+        "pattern": (Literal[kind.name], Field(description="kind of pattern")),
+        **{
+            one.name: (
+                _FORMS[one.form],
+                Field(
+                    ... if one.default is None else one.default,
+                    ge=one.least,
+                    le=one.most,
+                    description=one.meaning,
+                ),
+            )
+            for one in kind.parameters
+        },
+    }
+    name = "".join(word.capitalize() for word in kind.name.split("-"))
+    title = f"{kind.title}."
+    return create_model(f"{name}Table", __base__=PatternTable, __doc__=title, **fields)
+
+
+_PATTERN_TABLES = tuple(_table_of(kind) for kind in KINDS)
 
 
 class SatelliteTable(Table):
@@ -107,6 +118,15 @@ class EphemerisTable(Table):
         max_length=10_000,
         description='CCSDS OEM files, one a satellite, or patterns such as "*.oem"',
     )
+
+
+if TYPE_CHECKING:
+    AnyPatternTable = PatternTable | ElementsTable | EphemerisTable
+else:
+    AnyPatternTable = Annotated[
+        Union[(*_PATTERN_TABLES, ElementsTable, EphemerisTable)],
+        Field(discriminator="pattern"),
+    ]
 
 
 class MotionTable(Table):
@@ -255,9 +275,7 @@ class DesignFile(Table):
     epoch: datetime | None = Field(
         None, description="epoch of the elements, TDB; J2000 if left out"
     )
-    constellation: Annotated[
-        WalkerTable | RosetteTable | ElementsTable | EphemerisTable, Field(discriminator="pattern")
-    ] = Field(description="the orbits: a table [constellation]")
+    constellation: AnyPatternTable = Field(description="the orbits: a table [constellation]")
     motion: MotionTable = Field(
         default_factory=lambda: MotionTable.model_validate({}), description="how satellites move"
     )

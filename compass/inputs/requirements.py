@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from pydantic import Field
 
 from compass.coverage.region import read_regions
@@ -64,18 +63,18 @@ def requirements_of(
 
 
 def _requirement(table: RequirementTable, number: int, known: dict[str, Site]) -> Requirement:
-    limits = ((name, getattr(table, f"{name}_at_most")) for name in LIMITS)
-    return Requirement(
-        name=table.name or f"requirement {number}",
-        sites=tuple(known[name] for name in table.sites or ()),
+    limits = {f"{name}_at_most": getattr(table, f"{name}_at_most") for name in LIMITS}
+    return Requirement.of(
+        table.name or f"requirement {number}",
+        sites=[known[name] for name in table.sites or ()],
         regions=_texts(table.region),
         fold=table.fold,
-        mask=None if table.mask_deg is None else float(np.radians(table.mask_deg)),
-        limits=tuple((name, limit) for name, limit in limits if limit is not None),
+        mask_deg=table.mask_deg,
         share=table.share,
         share_of=table.share_of,
-        altitude=table.altitude_km * 1e3,
+        altitude_km=table.altitude_km,
         losses=table.losses,
+        **{key: limit for key, limit in limits.items() if limit is not None},
     )
 
 

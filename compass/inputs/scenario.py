@@ -17,7 +17,7 @@ from compass.entry.covariance import axes_covariance
 from compass.entry.layout import Part
 from compass.entry.mars_air import PROFILE
 from compass.entry.model import EntryModel
-from compass.entry.navigation import Filter
+from compass.entry.navigation import Filter, Method
 from compass.entry.schedule import Measurements
 from compass.entry.state import azimuth_from_heading, state_from_cartesian
 from compass.entry.trajectory import Trigger, check_start
@@ -27,6 +27,7 @@ from compass.errors import ArgumentError, CompassError, DesignError
 from compass.frames import prime_meridian_angle
 from compass.inputs.design import read_design
 from compass.inputs.fusion_models import FusionTable
+from compass.inputs.instrument_models import features_of, instruments_of
 from compass.inputs.reading import parse, read_text
 from compass.inputs.scenario_faults import EXPONENTIAL, scenario_faults
 from compass.inputs.scenario_models import (
@@ -43,6 +44,13 @@ from compass.orbits.touching import touching
 from compass.saving import readable
 
 KM = 1e3
+
+_METHODS: dict[str, Method] = {
+    "ekf": "plain",
+    "iterated-ekf": "plain",
+    "relinearised-ekf": "relinearised",
+    "unscented": "unscented",
+}
 
 #: Cosine of a latitude below which sigmas of longitude and heading say nothing.
 POLAR = 1e-9
@@ -182,6 +190,12 @@ def read_scenario(path: str | Path) -> Scenario:
     ------
     DesignError
         With every fault of the file: field, value, what is allowed and the remedy.
+
+    Examples
+    --------
+    >>> import compass
+    >>> compass.read_scenario("designs/landing.toml").name
+    'Landing anywhere, to parachute deployment'
     """
     place = Path(path)
     return read_scenario_text(read_text(place), readable(path), place.parent)
@@ -242,6 +256,8 @@ def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenar
             seen.start_s,
             np.inf if seen.stop_s is None else seen.stop_s,
             seen.in_turn,
+            instruments_of(seen.two_way, seen.altimeter, seen.velocimeter, seen.features),
+            features_of(file.feature),
         ),
         settings=_filter(file.filter, state),
         runs=file.monte_carlo.runs,
@@ -340,8 +356,9 @@ def _filter(table: FilterTable, state: NDArray[np.float64]) -> Filter:
     return Filter(
         covariance,
         np.array(table.process_noise_si or [0.0] * 6),
-        1 if table.kind == "ekf" else table.iterations,
+        table.iterations if table.kind == "iterated-ekf" else 1,
         _parts(table),
+        _METHODS[table.kind],
     )
 
 
@@ -356,6 +373,8 @@ def _parts(table: FilterTable) -> tuple[Part, ...]:
         parts.insert(0, Part("air", (air.sigma,), air.considered, own))
     if (clock := table.clock) is not None:
         parts.append(Part("clock", (clock.sigma_m, clock.drift_sigma_m_s), clock.considered))
+    if (axes := table.attitude) is not None:
+        parts.append(Part("attitude", (float(np.radians(axes.sigma_deg)),) * 3, axes.considered))
     return tuple(parts)
 
 

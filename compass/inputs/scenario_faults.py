@@ -1,10 +1,12 @@
 """Faults between fields of a scenario, found on the raw tables, whatever is in them."""
 
 import math
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
 from compass.inputs.faults import fault
+from compass.inputs.instrument_models import instrument_faults
 
 _SPHERICAL = (
     "longitude_deg",
@@ -47,20 +49,14 @@ def scenario_faults(raw: dict[str, Any]) -> list[str]:
     faults += _name_faults(raw)
     if isinstance(raw.get("filter"), dict):
         faults += _either(raw["filter"], _AXES, _STATES, "filter")
-        if raw["filter"].get("kind", "ekf") == "ekf" and "iterations" in raw["filter"]:
-            faults.append(
-                fault(
-                    "filter.iterations",
-                    raw["filter"]["iterations"],
-                    'only for kind = "iterated-ekf"; change the kind or leave it out',
-                )
-            )
+        faults += _filter_faults(raw["filter"])
     measured = raw.get("measurements")
     if isinstance(measured, dict):
         keys = ("range_sigma_m", "range_rate_sigma_m_s")
-        if not any(key in measured for key in keys):
-            faults.append(f"measurements: needs {keys[0]}, {keys[1]} or both")
+        if not any(key in measured for key in (*keys, "two_way")):
+            faults.append(f"measurements: needs {keys[0]}, {keys[1]} or both, or two_way")
         faults += _schedule_faults(measured, entry)
+        faults += instrument_faults(raw, partial(_interval_faults, entry=entry))
     optimize = raw.get("optimize")
     if (
         isinstance(optimize, dict)
@@ -68,6 +64,23 @@ def scenario_faults(raw: dict[str, Any]) -> list[str]:
         and "altitude_km" not in optimize
     ):
         faults.append("optimize.altitude_km: missing; needed to place orbiters")
+    return faults
+
+
+def _filter_faults(table: dict[str, Any]) -> list[str]:
+    """Options of one kind of filter beside another, and a flight that cannot be looked back on."""
+    kind, faults = table.get("kind", "ekf"), []
+    if kind != "iterated-ekf" and "iterations" in table:
+        problem = 'only for kind = "iterated-ekf"; change the kind or leave it out'
+        faults.append(fault("filter.iterations", table["iterations"], problem))
+    density = table.get("density")
+    wanders = isinstance(density, dict) and ("scale_km" in density or "along_km" in density)
+    if kind == "relinearised-ekf" and (wanders or table.get("process_noise_si")):
+        problem = (
+            "with process noise or a density that wanders there is no one flight to look back "
+            'along; take "unscented"'
+        )
+        faults.append(fault("filter.kind", kind, problem))
     return faults
 
 
@@ -137,10 +150,10 @@ def _schedule_faults(measured: dict[str, Any], entry: object) -> list[str]:
     if start > duration:
         problem = f"is after entry.duration_s = {duration}; nothing would be measured, begin sooner"
         faults.append(fault("measurements.start_s", start, problem))
-    return faults + _interval_faults(measured, entry)
+    return faults + _interval_faults(measured, "measurements.interval_s", entry)
 
 
-def _interval_faults(measured: dict[str, Any], entry: object) -> list[str]:
+def _interval_faults(measured: dict[str, Any], field: str, entry: object) -> list[str]:
     """A given interval that is no whole number of the steps at which anything can be measured."""
     step: Any = entry.get("step_s", 1.0) if isinstance(entry, dict) else 1.0
     interval: Any = measured.get("interval_s", step)
@@ -150,7 +163,7 @@ def _interval_faults(measured: dict[str, Any], entry: object) -> list[str]:
     if abs(interval - steps * step) <= 1e-6:
         return []
     problem = f"must be a whole number of entry.step_s = {step:g}; the nearest is {steps * step:g}"
-    return [fault("measurements.interval_s", interval, problem)]
+    return [fault(field, interval, problem)]
 
 
 def _bank_faults(bank: object) -> list[str]:
@@ -167,7 +180,7 @@ def _bank_faults(bank: object) -> list[str]:
 
 def _name_faults(raw: dict[str, Any]) -> list[str]:
     faults, names = [], set()
-    for kind in ("beacon", "orbiter"):
+    for kind in ("beacon", "orbiter", "feature"):
         for k, table in enumerate(_tables(raw, kind), start=1):
             name = table.get("name")
             if not isinstance(name, str):

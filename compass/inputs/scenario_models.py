@@ -5,6 +5,13 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from compass.inputs.fusion_models import FusionTable
+from compass.inputs.instrument_models import (
+    AltimeterTable,
+    FeaturesTable,
+    FeatureTable,
+    TwoWayTable,
+    VelocimeterTable,
+)
 from compass.inputs.models import Inclination, Kilometres, Pair
 from compass.inputs.table import Table
 
@@ -178,6 +185,14 @@ class MeasurementsTable(Table):
     start_s: float = Field(0.0, ge=0, description="first measurement, s")
     stop_s: float | None = Field(None, ge=0, description="last measurement, s; the end if left out")
     in_turn: bool = Field(False, description="one beacon at a time rather than all at once")
+    two_way: TwoWayTable | None = Field(
+        None, description="radio both ways, to the same beacons at the same times"
+    )
+    altimeter: AltimeterTable | None = Field(None, description="height over the sphere")
+    velocimeter: VelocimeterTable | None = Field(None, description="velocity over the ground")
+    features: FeaturesTable | None = Field(
+        None, description="directions to features of the surface, one [[feature]] each"
+    )
 
 
 class BlockTable(Table):
@@ -212,10 +227,25 @@ class ClockTable(Table):
     )
 
 
+class AttitudeTable(Table):
+    """The axes in which the lander sees features and its velocity, as a quantity not known."""
+
+    sigma_deg: Annotated[float, Field(gt=0, le=10)] = Field(
+        description="one sigma of a constant turn about each axis, degrees"
+    )
+    considered: bool = Field(
+        False, description="let it into the covariance, but do not correct it (Schmidt)"
+    )
+
+
 class FilterTable(Table):
     """The navigation filter: first uncertainty per Cartesian axis, or of each state."""
 
-    kind: Literal["ekf", "iterated-ekf"] = Field("ekf", description="which filter")
+    kind: Literal["ekf", "iterated-ekf", "relinearised-ekf", "unscented"] = Field(
+        "ekf",
+        description="which filter: extended; iterated at each update; extended, that hears all "
+        "again once density or L/D is known twice as well; through spread points",
+    )
     iterations: int = Field(5, ge=2, le=100, description="most passes of the iterated filter")
     position_sigma_m: Positive | None = Field(None, description="one sigma a Cartesian axis, m")
     velocity_sigma_m_s: Positive | None = Field(None, description="one sigma a Cartesian axis, m/s")
@@ -239,6 +269,9 @@ class FilterTable(Table):
     lift_to_drag: BlockTable | None = Field(None, description="the lift-to-drag ratio")
     range_bias: BlockTable | None = Field(
         None, description="a constant bias of the ranges of each beacon, as of its orbit and clock"
+    )
+    attitude: AttitudeTable | None = Field(
+        None, description="the axes in which features and velocities are seen"
     )
 
 
@@ -295,6 +328,11 @@ class ScenarioFile(Table):
     )
     orbiter: list[OrbiterTable] = Field(
         default_factory=list, max_length=1000, description="one [[orbiter]] an orbiting beacon"
+    )
+    feature: list[FeatureTable] = Field(
+        default_factory=list,
+        max_length=1000,
+        description="one [[feature]] a feature of the surface known by sight",
     )
     measurements: MeasurementsTable = Field(description="what is measured: a table [measurements]")
     filter: FilterTable = Field(description="the filter: a table [filter]")

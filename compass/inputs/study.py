@@ -193,6 +193,12 @@ def read_study(path: str | Path) -> Study:
     ------
     DesignError
         With every fault of the file: field, value, what is allowed and the remedy.
+
+    Examples
+    --------
+    >>> import compass
+    >>> [each.figure for each in compass.read_study("designs/study-small.toml").objectives]
+    ['satellites', 'gdop_p95']
     """
     place = Path(path)
     return read_study_text(read_text(place), readable(path), place.parent)

@@ -1,6 +1,6 @@
 """What a study file may say: one model a table, each field with unit, range and meaning."""
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
@@ -10,6 +10,12 @@ from compass.design import PDOP_MAX
 from compass.entry.arrivals import MOST_SAMPLES
 from compass.inputs.models import SatelliteCount
 from compass.inputs.table import Table
+from compass.orbits.kinds import KIND_NAMES
+
+if TYPE_CHECKING:
+    PatternName = str
+else:
+    PatternName = Literal[KIND_NAMES]
 
 
 class _Values(Table):
@@ -65,9 +71,7 @@ class Numbers(_Values):
 class SpaceTable(Table):
     """Which constellations to consider, and for which user."""
 
-    patterns: list[Literal["walker-delta", "walker-star", "rosette"]] = Field(
-        min_length=1, description="kinds of pattern"
-    )
+    patterns: list[PatternName] = Field(min_length=1, description="kinds of pattern")
     satellites: Counts = Field(description="total numbers t")
     planes: Counts | None = Field(
         None, description="numbers of planes p; all divisors of t if left out"

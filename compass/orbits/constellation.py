@@ -20,6 +20,16 @@ class Constellation:
     Constellations compare and hash by value: elements, epoch, names and GM. Two of them join
     by ``+``. The arrays are read-only copies.
 
+    Examples
+    --------
+    >>> import compass
+    >>> ring = compass.walker_delta(3, 1, 0, inclination_deg=0, orbit="areosynchronous")
+    >>> polar = compass.from_elements(
+    ...     semi_major_axis_km=9000, inclination_deg=90, satellite_names=["polar"]
+    ... )
+    >>> (ring + polar).size, ring.without([0]).size, (ring + polar).pattern is None
+    (4, 2, True)
+
     Attributes
     ----------
     name

@@ -2,13 +2,14 @@
 
 A kind is a way of writing: geometry decides what a constellation is. A rosette is a Walker delta
 pattern by another name, and `Constellation.pattern` finds the pattern in the elements themselves.
+Tables of files, their faults, choices of commands, studies and searches are made from the records.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from math import gcd
-
-import numpy as np
+from math import gcd, pi
+from typing import Any, Literal
 
 from compass.errors import ArgumentError
 
@@ -23,16 +24,23 @@ class Parameter:
         As in design files.
     unit
         ``1`` for counts.
-    whole
-        Whether it must be a whole number.
+    form
+        ``whole``, ``real``, or ``ratio``: a number, or a text such as "1/4".
     meaning
         In words, with the allowed range.
+    least, most
+        The range where it does not depend on others.
+    default
+        What it is where nobody says; None if someone must.
     """
 
     name: str
     unit: str
-    whole: bool
+    form: Literal["whole", "real", "ratio"]
     meaning: str
+    least: float | None = None
+    most: float | None = None
+    default: float | None = None
 
 
 @dataclass(frozen=True)
@@ -44,64 +52,35 @@ class PatternKind:
     name
         As in design files.
     title
-        For people.
-    third
-        Name of the number that stands beside satellites and planes.
+        For people, with the numbers that write it down.
+    layout
+        Name of the kind as which its satellites are laid out: of itself, or of another.
     node_spread
         Angle over which the ascending nodes are spread, radians.
     parameters
         What writes it down, orbit apart.
+    phasing
+        Walker's F of satellites, planes and the number that stands beside them.
+
+        It raises `ArgumentError` for what the kind does not allow.
     """
 
     name: str
     title: str
-    third: str
+    layout: str
     node_spread: float
     parameters: tuple[Parameter, ...]
+    phasing: Callable[[int, int, Any], int]
 
+    @property
+    def third(self) -> str:
+        """Name of the number that stands beside satellites and planes."""
+        return self.parameters[2].name
 
-_COUNTS = (
-    Parameter("satellites", "1", True, "total number t, a whole number from 1 to 10000"),
-    Parameter("planes", "1", True, "number of planes p; must divide satellites"),
-)
-_ANGLES = (
-    Parameter("inclination_deg", "deg", False, "inclination, 0 to 180 degrees"),
-    Parameter("raan_deg", "deg", False, "right ascension of the first plane's ascending node"),
-    Parameter("phase_deg", "deg", False, "argument of latitude of the first satellite"),
-)
-_PHASING = Parameter("phasing", "1", True, "Walker's F, a whole number from 0 to planes - 1")
-_MULTIPLIER = Parameter(
-    "multiplier", "1", False, 'Ballard\'s m: a multiple of planes/satellites, such as "1/4"'
-)
-
-WALKER_DELTA = PatternKind(
-    "walker-delta", "Walker delta", "phasing", 2.0 * np.pi, (*_COUNTS, _PHASING, *_ANGLES)
-)
-WALKER_STAR = PatternKind(
-    "walker-star", "Walker star", "phasing", np.pi, (*_COUNTS, _PHASING, *_ANGLES)
-)
-ROSETTE = PatternKind(
-    "rosette", "Ballard rosette", "multiplier", 2.0 * np.pi, (*_COUNTS, _MULTIPLIER, *_ANGLES)
-)
-
-#: Every kind, in the order in which studies number them.
-KINDS = (WALKER_DELTA, WALKER_STAR, ROSETTE)
-
-KIND_NAMES = tuple(kind.name for kind in KINDS)
-
-
-def kind_of(name: str) -> PatternKind:
-    """Return the kind of that name.
-
-    Raises
-    ------
-    ArgumentError
-        There is none, with the names that are.
-    """
-    for kind in KINDS:
-        if kind.name == name:
-            return kind
-    raise ArgumentError(f"pattern = {name!r}: allowed {', '.join(KIND_NAMES)}")
+    def writes(self, satellites: int, planes: int, phasing: int) -> bool:
+        """Whether Walker's t/p/f of its layout can be written as one of this kind."""
+        least = least_multiplier(satellites, planes, phasing)
+        return self.third != "multiplier" or least is not None
 
 
 def check_counts(satellites: int, planes: int) -> None:
@@ -118,13 +97,21 @@ def check_counts(satellites: int, planes: int) -> None:
         )
 
 
-def check_phasing(phasing: int, planes: int) -> None:
-    """Raise `ArgumentError` unless Walker's F is one of 0 to planes - 1, as files have it."""
+def checked_phasing(satellites: int, planes: int, phasing: int) -> int:
+    """Return Walker's F if it is one of 0 to planes - 1, as files have it.
+
+    Raises
+    ------
+    ArgumentError
+        It is not, or the satellites do not divide into the planes.
+    """
+    check_counts(satellites, planes)
     if not 0 <= phasing < planes:
         raise ArgumentError(
             f"phasing = {phasing}: allowed 0 to {planes - 1} for {planes} planes; phasing is meant "
             f"modulo planes, so write {phasing % planes}"
         )
+    return phasing
 
 
 def walker_phasing(satellites: int, planes: int, multiplier: Fraction | float | str) -> int:
@@ -164,3 +151,77 @@ def least_multiplier(satellites: int, planes: int, phasing: int) -> Fraction | N
         if gcd(c, per_plane) == 1:
             return Fraction(c * planes, satellites)
     return None
+
+
+_COUNTS = (
+    Parameter(
+        "satellites", "1", "whole", "total number t, a whole number from 1 to 10000", 1, 10_000
+    ),
+    Parameter("planes", "1", "whole", "number of planes p; must divide satellites", 1, 10_000),
+)
+_ANGLES = (
+    Parameter("inclination_deg", "deg", "real", "inclination, 0 to 180 degrees", 0, 180),
+    Parameter(
+        "raan_deg", "deg", "real", "node of the first plane, degrees", -360, 360, default=0.0
+    ),
+    Parameter(
+        "phase_deg",
+        "deg",
+        "real",
+        "argument of latitude of the first satellite, degrees",
+        -360,
+        360,
+        default=0.0,
+    ),
+)
+_PHASING = Parameter("phasing", "1", "whole", "Walker's F, a whole number from 0 to planes - 1", 0)
+_MULTIPLIER = Parameter(
+    "multiplier",
+    "1",
+    "ratio",
+    'Ballard\'s m: a multiple of planes/satellites, as a number or text like "1/4"',
+)
+
+WALKER_DELTA = PatternKind(
+    "walker-delta",
+    "Walker's pattern i: t/p/f",
+    "walker-delta",
+    2.0 * pi,
+    (*_COUNTS, _PHASING, *_ANGLES),
+    checked_phasing,
+)
+WALKER_STAR = PatternKind(
+    "walker-star",
+    "Walker's star pattern i: t/p/f",
+    "walker-star",
+    pi,
+    (*_COUNTS, _PHASING, *_ANGLES),
+    checked_phasing,
+)
+ROSETTE = PatternKind(
+    "rosette",
+    "Ballard's rosette (N, P, m)",
+    "walker-delta",
+    2.0 * pi,
+    (*_COUNTS, _MULTIPLIER, *_ANGLES),
+    walker_phasing,
+)
+
+#: Every kind, in the order in which studies number them.
+KINDS = (WALKER_DELTA, WALKER_STAR, ROSETTE)
+
+KIND_NAMES = tuple(kind.name for kind in KINDS)
+
+
+def kind_of(name: str) -> PatternKind:
+    """Return the kind of that name.
+
+    Raises
+    ------
+    ArgumentError
+        There is none, with the names that are.
+    """
+    for kind in KINDS:
+        if kind.name == name:
+            return kind
+    raise ArgumentError(f"pattern = {name!r}: allowed {', '.join(KIND_NAMES)}")

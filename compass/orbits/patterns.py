@@ -8,17 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.bodies import MARS_GM
 from compass.errors import ArgumentError
-from compass.frames import DEFAULT_FIGURE, Figure
+from compass.frames import DEFAULT_FIGURE, Figure, figure_of
 from compass.orbits.anomaly import mean_of_true
 from compass.orbits.constellation import Constellation, from_pattern, keplerian
-from compass.orbits.kinds import (
-    WALKER_DELTA,
-    WALKER_STAR,
-    PatternKind,
-    check_counts,
-    check_phasing,
-    walker_phasing,
-)
+from compass.orbits.kinds import ROSETTE, WALKER_DELTA, WALKER_STAR, PatternKind
 from compass.orbits.pattern import Pattern, rosette_notation
 from compass.orbits.period import areosynchronous_radius, repeat_radius
 
@@ -37,7 +30,7 @@ def walker_delta(
     repeat: Sequence[int] | None = None,
     raan_deg: float = 0.0,
     phase_deg: float = 0.0,
-    figure: Figure = DEFAULT_FIGURE,
+    figure: Figure | str = DEFAULT_FIGURE,
     name: str = "",
     epoch: float = 0.0,
     gm: float = MARS_GM.value,
@@ -60,7 +53,7 @@ def walker_delta(
     raan_deg, phase_deg
         Node and argument of latitude of the first satellite, degrees.
     figure
-        The figure whose equator `altitude_km` counts from, and which orbits must clear.
+        The figure, or its name: `altitude_km` counts from its equator, and orbits must clear it.
     name, epoch, gm
         As in `Constellation`.
 
@@ -83,9 +76,8 @@ def walker_delta(
     ('45°: 15/5/1', 15)
     """
     radius, closed = orbit_radius(radius_km, altitude_km, orbit, repeat, figure)
-    pattern = _walker(
-        WALKER_DELTA, satellites, planes, phasing, inclination_deg, raan_deg, phase_deg
-    )
+    counts = satellites, planes, phasing
+    pattern = laid_out(WALKER_DELTA, *counts, inclination_deg, raan_deg, phase_deg)
     return from_pattern(pattern, radius, name=name, epoch=epoch, gm=gm, repeat=closed)
 
 
@@ -101,7 +93,7 @@ def walker_star(
     repeat: Sequence[int] | None = None,
     raan_deg: float = 0.0,
     phase_deg: float = 0.0,
-    figure: Figure = DEFAULT_FIGURE,
+    figure: Figure | str = DEFAULT_FIGURE,
     name: str = "",
     epoch: float = 0.0,
     gm: float = MARS_GM.value,
@@ -122,9 +114,8 @@ def walker_star(
     'walker-star'
     """
     radius, closed = orbit_radius(radius_km, altitude_km, orbit, repeat, figure)
-    pattern = _walker(
-        WALKER_STAR, satellites, planes, phasing, inclination_deg, raan_deg, phase_deg
-    )
+    counts = satellites, planes, phasing
+    pattern = laid_out(WALKER_STAR, *counts, inclination_deg, raan_deg, phase_deg)
     return from_pattern(pattern, radius, name=name, epoch=epoch, gm=gm, repeat=closed)
 
 
@@ -140,7 +131,7 @@ def rosette(
     repeat: Sequence[int] | None = None,
     raan_deg: float = 0.0,
     phase_deg: float = 0.0,
-    figure: Figure = DEFAULT_FIGURE,
+    figure: Figure | str = DEFAULT_FIGURE,
     name: str = "",
     epoch: float = 0.0,
     gm: float = MARS_GM.value,
@@ -175,24 +166,12 @@ def rosette(
     >>> c.name, c.pattern.notation
     ('(12, 3, 1/4)', '50.73°: 12/3/1')
     """
-    phasing = walker_phasing(satellites, planes, multiplier)
+    radius, closed = orbit_radius(radius_km, altitude_km, orbit, repeat, figure)
+    counts = satellites, planes, multiplier
+    pattern = laid_out(ROSETTE, *counts, inclination_deg, raan_deg, phase_deg)
     exact = Fraction(multiplier).limit_denominator(10**6)
-    return walker_delta(
-        satellites,
-        planes,
-        phasing,
-        inclination_deg=inclination_deg,
-        radius_km=radius_km,
-        altitude_km=altitude_km,
-        orbit=orbit,
-        repeat=repeat,
-        raan_deg=raan_deg,
-        phase_deg=phase_deg,
-        figure=figure,
-        name=name or rosette_notation(satellites, planes, exact),
-        epoch=epoch,
-        gm=gm,
-    )
+    called = name or rosette_notation(satellites, planes, exact)
+    return from_pattern(pattern, radius, name=called, epoch=epoch, gm=gm, repeat=closed)
 
 
 def from_elements(
@@ -204,7 +183,7 @@ def from_elements(
     argument_of_periapsis_deg: ArrayLike = 0.0,
     mean_anomaly_deg: ArrayLike | None = None,
     true_anomaly_deg: ArrayLike | None = None,
-    figure: Figure = DEFAULT_FIGURE,
+    figure: Figure | str = DEFAULT_FIGURE,
     name: str = "constellation",
     epoch: float = 0.0,
     satellite_names: Sequence[str] = (),
@@ -219,7 +198,7 @@ def from_elements(
     mean_anomaly_deg, true_anomaly_deg
         At most one of them; else satellites stand at their periapsis.
     figure
-        The figure that orbits must clear.
+        The figure that orbits must clear, or its name.
     name, epoch, satellite_names, gm
         As in `Constellation`; satellites without names are numbered.
 
@@ -254,11 +233,12 @@ def from_elements(
         satellite_names=satellite_names,
         gm=gm,
     )
-    for k in np.flatnonzero(made.periapsis_radius <= figure.equatorial_radius):
+    surface = figure_of(figure).equatorial_radius
+    for k in np.flatnonzero(made.periapsis_radius <= surface):
         raise ArgumentError(
             f"semi_major_axis_km = {made.semi_major_axis[k] / KM:g}: periapsis radius "
             f"{made.periapsis_radius[k] / KM:g} km is not above the surface "
-            f"({figure.equatorial_radius / KM:g} km); raise the axis or lower the eccentricity"
+            f"({surface / KM:g} km); raise the axis or lower the eccentricity"
         )
     return made
 
@@ -268,7 +248,7 @@ def orbit_radius(
     altitude_km: float | None,
     orbit: str | None,
     repeat: Sequence[int] | None = None,
-    figure: Figure = DEFAULT_FIGURE,
+    figure: Figure | str = DEFAULT_FIGURE,
 ) -> tuple[float, tuple[int, int] | None]:
     """Radius of circular orbits, metres, of the one of the four that is given.
 
@@ -289,7 +269,7 @@ def orbit_radius(
             "orbit: needs exactly one of radius_km, altitude_km, orbit and repeat; found "
             f"{' and '.join(given) or 'none'}"
         )
-    surface = figure.equatorial_radius
+    surface = figure_of(figure).equatorial_radius
     if orbit is not None:
         if orbit != "areosynchronous":
             raise ArgumentError(f"orbit = {orbit!r}: allowed areosynchronous")
@@ -325,20 +305,26 @@ def _closed(repeat: Sequence[int]) -> tuple[int, int]:
     return whole.numerator, whole.denominator
 
 
-def _walker(
+def laid_out(
     kind: PatternKind,
     satellites: int,
     planes: int,
-    phasing: int,
+    third: Fraction | float | str,
     inclination_deg: float,
-    raan_deg: float,
-    phase_deg: float,
+    raan_deg: float = 0.0,
+    phase_deg: float = 0.0,
 ) -> Pattern:
-    check_counts(satellites, planes)
-    check_phasing(phasing, planes)
+    """Lay a pattern out from the numbers by which its kind writes it down.
+
+    Raises
+    ------
+    ArgumentError
+        As `walker_delta`, for what the kind does not allow.
+    """
+    phasing = kind.phasing(satellites, planes, third)
     _check_inclination(np.asarray(inclination_deg, dtype=float))
     return Pattern(
-        kind.name,
+        kind.layout,
         satellites,
         planes,
         phasing,

@@ -59,6 +59,13 @@ def ephemeris(
     """Positions and velocities as a dataset over (satellite, time, axis).
 
     Variables ``r_mci`` (m), ``v_mci`` (m/s) and ``r_mcmf`` (m); see `states_mci`.
+
+    Examples
+    --------
+    >>> import compass
+    >>> design = compass.read_design("designs/compass-15-5-1.toml")
+    >>> compass.ephemeris(design.constellation, [0, 3600]).r_mci.shape
+    (15, 2, 3)
     """
     import xarray as xr
 

@@ -132,13 +132,16 @@ def _verified(place: NDArray[np.float64], tried: NDArray[np.float64], sign: floa
     """
     n = len(place)
     standing = _wrapped(place)
+    tried = _wrapped(tried)
+    # the first satellite's company in its place makes no move of its own
+    tried = tried[np.sort(np.unique(tried, axis=0, return_index=True)[1])]
     # the angle that takes more values leaves fewer satellites to compare with
     axis = int(np.argmax([np.unique(standing[:, k].round(9)).size for k in range(2)]))
     images = np.empty((len(tried), n), dtype=np.int64)
     order = np.argsort(standing[:, axis], kind="stable")
-    miss = verified_moves(standing, order, axis, _wrapped(tried), sign, TOLERANCE, images)
+    miss = verified_moves(standing, order, axis, tried, sign, TOLERANCE, images)
     kept = np.isfinite(miss)
-    moves = _wrapped(tried)[kept]
+    moves = tried[kept]
     worst = float(miss[kept].max()) + ROUNDING if kept.any() else 0.0
     return Moves(moves[:, 0], moves[:, 1], images[kept], worst)
 

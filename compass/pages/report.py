@@ -90,10 +90,12 @@ def report(
 
     Examples
     --------
+    >>> import tempfile
     >>> import compass
-    >>> compass.report("designs/landing.toml", store="trades/x")
-    Traceback (most recent call last):
-    compass.errors.ArgumentError: store: designs/landing.toml is not a study; leave it out
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     found = compass.report("designs/entry-ground-beacons.toml", output=f"{folder}/page")
+    ...     found.page.name, "<h1>" in found.page.read_text()
+    ('index.html', True)
     """
     read: Any = thing
     if isinstance(thing, str | Path):

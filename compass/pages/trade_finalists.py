@@ -176,7 +176,7 @@ def _build(one: Entrant) -> str:
 def worth(name: str, value: float) -> str:
     """Value of a figure of merit with its unit, for a sentence."""
     unit = MERITS[name].unit
-    return significant(value, 4) + ("" if unit == "1" else f" {unit}")
+    return significant(value, 4) + (f" {unit}" if unit else "")
 
 
 def change(a: float, b: float) -> str:

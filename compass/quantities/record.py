@@ -47,8 +47,12 @@ class Quantity:
 
     @property
     def shown_unit(self) -> str:
-        """The unit as a reader sees it: per cent of a share, nothing of a pure number."""
-        return "%" if self.form == "share" else "" if self.unit == "1" else self.unit
+        """The unit as a reader sees it: per cent of a share, nothing of a pure number, m/s."""
+        if self.form == "share":
+            return "%"
+        first, *others = self.unit.split(" ")
+        rest = (f"/{unit[:-2]}" if unit.endswith("-1") else f" {unit}" for unit in others)
+        return "" if self.unit == "1" else first + "".join(rest)
 
     @property
     def heading(self) -> str:

@@ -17,12 +17,7 @@ from compass.errors import DesignError
 from compass.inputs.study import Free, Study
 from compass.orbits import Constellation, Pattern
 from compass.orbits.constellation import from_pattern
-from compass.orbits.kinds import (
-    KIND_NAMES,
-    ROSETTE,
-    WALKER_DELTA,
-    WALKER_STAR,
-)
+from compass.orbits.kinds import KIND_NAMES, ROSETTE, WALKER_STAR, kind_of
 
 PATTERNS = KIND_NAMES
 
@@ -146,14 +141,14 @@ def _is_said_already(kind: str, planes: int, kinds: Iterable[str]) -> bool:
     Every rosette is a delta pattern; a star of one plane is a delta pattern, and a rosette, of one.
     """
     others = set(kinds) - {kind}
-    if kind == ROSETTE.name:
-        return WALKER_DELTA.name in others
+    if _written(kind) != kind:
+        return _written(kind) in others
     return kind == WALKER_STAR.name and planes == 1 and bool(others)
 
 
 def _written(kind: str) -> str:
     """Name of the kind under which candidates of a kind are written down: a rosette is a delta."""
-    return kind if kind == WALKER_STAR.name else WALKER_DELTA.name
+    return kind_of(kind).layout
 
 
 def _divisors(number: int) -> list[int]:

@@ -3,44 +3,52 @@
 import os
 from collections.abc import Sequence
 
+from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_geometry import CertifiedGeometry, certified_geometry
 from compass.design import Design
+from compass.frames import SECONDS_PER_DAY
+from compass.orbits import repeat_period
 from compass.study.mapping import MapOptions, option_mask
 
 
 def certified_figures(
     design: Design,
     options: MapOptions,
-    workers: int | None = None,
+    effort: Effort | None = None,
     *,
     percents: Sequence[int] = (95,),
 ) -> CertifiedGeometry | None:
-    """Bracket a map's figures over the whole surface; None for motions that have no bounds yet.
+    """Bracket a map's figures over the whole surface; None where there is nothing to bracket.
 
-    For all time where the motion repeats up to a turn of the figure, else over the map's period
-    from the epoch on.
+    For all time where the motion repeats up to a turn of the figure, else over the map's period.
 
     Parameters
     ----------
-    design, options, workers
+    design, options
         As of `compass.study.mapping.make_map`.
+    effort
+        How far to go; by default some seconds on all cores.
     percents
         Which percentiles of GDOP.
     """
     motion = design.motion.or_of(options.motion)
-    if not motion.is_closed_form or not design.constellation.size:
+    if not design.constellation.size:
         return None
-    if options.start_day or options.pdop_max < 1.0:
-        return None
+    since = options.start_day * SECONDS_PER_DAY
     hours = options.duration_h
+    if hours is None and (since or not motion.is_closed_form):
+        hours = repeat_period(design.constellation).duration / 3600.0
+    if motion.table is not None and hours is not None:  # no table is asked beyond its end
+        hours = min(hours, (motion.table.stop - since) / 3600.0)
     return certified_geometry(
         design.constellation,
         figure=design.figure,
         mask=design.mask if options.mask_deg is None else option_mask(options.mask_deg),
         pdop_max=options.pdop_max,
         percents=percents,
+        since=since,
         duration=None if hours is None else hours * 3600.0,
         motion=motion,
         worst=True,
-        workers=workers or os.cpu_count() or 1,
+        effort=effort or Effort(workers=os.cpu_count() or 1),
     )

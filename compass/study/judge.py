@@ -172,7 +172,8 @@ def judge_entries(
     Raises
     ------
     ArgumentError
-        Measurements in turn, process noise, or a satellite that comes down to the surface.
+        Measurements in turn or beside one-way radio, process noise, or
+        a satellite that comes down to the surface.
     """
     check_measurements(scenario)
     _check_height(constellation, figure)
@@ -258,12 +259,19 @@ def check_measurements(scenario: Scenario) -> None:
     Raises
     ------
     ArgumentError
-        Measurements in turn, process noise, or further quantities that are not known.
+        Measurements in turn or beside one-way radio, process noise, or
+        further quantities that are not known.
     """
     if scenario.measurements.in_turn:
         raise ArgumentError(
             f"{scenario.label}: measurements.in_turn = true: judged is what all satellites in "
             "view tell at once; set it to false"
+        )
+    if scenario.measurements.instruments:
+        named = ", ".join(one.kind for one in scenario.measurements.instruments)
+        raise ArgumentError(
+            f"{scenario.label}: measurements: {named}: judged are ranges and range rates one way; "
+            "leave these tables out"
         )
     if np.any(scenario.settings.noise):
         raise ArgumentError(

@@ -124,8 +124,10 @@ def make_map(
         raise ArgumentError(
             f"duration_h = {chosen.duration_h}: must be above 0, at most {MAX_DURATION_H:g} hours"
         )
-    if not chosen.pdop_max > 0:
-        raise ArgumentError(f"pdop_max = {chosen.pdop_max:g}: must be positive")
+    if not chosen.pdop_max >= 1:
+        raise ArgumentError(
+            f"pdop_max = {chosen.pdop_max:g}: a dilution of precision to ask for is 1 or more"
+        )
     if chosen.weights not in ("variance", "equal"):
         raise ArgumentError(f"weights = {chosen.weights!r}: allowed variance, equal")
     if not chosen.error_max_m > 0:

@@ -5,10 +5,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.pattern_map import map_patterns
+from compass.core.pattern_map import FIGURES, map_patterns
 from compass.coverage.grid import make_grid
 from compass.frames import direction
-from compass.inputs.merit import merits_of
 from compass.inputs.study import Study
 from compass.study.candidates import pattern_columns
 
@@ -21,7 +20,7 @@ def map_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
     taken from rows of equal width: these reach nearer to the poles, where little area is.
     """
     step = study.map.step_deg
-    figures = np.empty((rows.size, len(merits_of("map"))))
+    figures = np.empty((rows.size, len(FIGURES)))
     map_patterns(
         *pattern_columns(rows),
         rows["radius_km"] * 1e3 / study.figure.equatorial_radius,
@@ -33,7 +32,7 @@ def map_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
         study.map.pdop_max,
         figures,
     )
-    return dict(zip(merits_of("map"), figures.T, strict=True))
+    return dict(zip(FIGURES, figures.T, strict=True))
 
 
 @lru_cache(maxsize=8)

@@ -22,7 +22,7 @@ from compass.errors import ArgumentError
 from compass.frames import Figure
 from compass.orbits import Constellation, Pattern
 from compass.orbits.constellation import from_pattern
-from compass.orbits.kinds import ROSETTE, WALKER_DELTA, WALKER_STAR, kind_of, least_multiplier
+from compass.orbits.kinds import kind_of
 from compass.orbits.symmetry import shifts
 from compass.sites import Mask
 from compass.study.requirement_samples import is_hopeless, sampled_geometry
@@ -233,10 +233,10 @@ def _candidates(question: Question, size: int) -> Iterable[Constellation]:
     """Every pattern of a size at every inclination, and at every turn where that counts."""
     seen = set()
     for kind in question.kinds:
-        layout = WALKER_STAR.name if kind == WALKER_STAR.name else WALKER_DELTA.name
+        layout = kind_of(kind).layout
         for planes in (p for p in range(1, size + 1) if size % p == 0):
             for phasing in range(planes):
-                if kind == ROSETTE.name and least_multiplier(size, planes, phasing) is None:
+                if not kind_of(kind).writes(size, planes, phasing):
                     continue
                 if (layout, planes, phasing) in seen:
                     continue

@@ -10,6 +10,7 @@ import compass
 from compass.errors import ArgumentError
 from compass.inputs.merit import MERITS, STAGES
 from compass.inputs.study import Study
+from compass.quantities import quantity
 from compass.study.candidates import PATTERNS, ROW, identities
 from compass.study.pareto import fronts
 from compass.study.record import Batch
@@ -18,8 +19,6 @@ from compass.study.store import FILE, read_lines
 
 if TYPE_CHECKING:
     import xarray as xr
-
-_UNITS = {"inclination_deg": "degree", "radius_km": "km", "mask_deg": "degree"}
 
 
 def read_results(study: Study, folder: Path) -> "xr.Dataset":
@@ -79,10 +78,11 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
         values = rows[column]
         if column == "pattern":
             values = np.array([PATTERNS[code] for code in values], dtype=object)
-        data[column] = ("candidate", values, {"units": _UNITS[column]} if column in _UNITS else {})
+        known = quantity(column)
+        data[column] = ("candidate", values, {} if known.form == "text" else known.attributes())
     for figure, merit in MERITS.items():
         if figure not in data:
-            attrs = {"units": merit.unit, "long_name": merit.title}
+            attrs = merit.quantity.attributes()
             if how := sampling_of(study, figure):
                 attrs["sampled_over"] = how
             data[figure] = ("candidate", figures[figure], attrs)

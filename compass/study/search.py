@@ -18,7 +18,7 @@ from compass.errors import ArgumentError
 from compass.frames import Figure
 from compass.orbits import Constellation, Pattern
 from compass.orbits.constellation import from_pattern
-from compass.orbits.kinds import ROSETTE, WALKER_DELTA, WALKER_STAR, kind_of, least_multiplier
+from compass.orbits.kinds import kind_of
 from compass.sites import Mask
 
 #: Sizes that a search can take on in reasonable time.
@@ -86,12 +86,12 @@ def patterns(
     for t in range(smallest, largest + 1):
         for p in (p for p in range(1, t + 1) if t % p == 0):
             for f in range(p):
-                if kind != ROSETTE.name or least_multiplier(t, p, f) is not None:
+                if kind_of(kind).writes(t, p, f):
                     yield _maker(kind, t, p, f, radius)
 
 
 def _maker(kind: str, t: int, p: int, f: int, radius: float) -> Callable:
-    layout = WALKER_STAR.name if kind == WALKER_STAR.name else WALKER_DELTA.name
+    layout = kind_of(kind).layout
     return lambda inclination: from_pattern(Pattern(layout, t, p, f, inclination), radius)
 
 

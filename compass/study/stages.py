@@ -83,9 +83,9 @@ def evaluate(stage: str, study: Study, rows: NDArray) -> Found:
     return Found(figures, errors, time.perf_counter() - began, tuple(left))
 
 
-def figures_of(stage: str) -> list[str]:
+def figures_of(stage: str) -> tuple[str, ...]:
     """Names of the figures that a stage stores."""
-    return merits_of("cost") + merits_of("screen") if stage == "screen" else merits_of(stage)
+    return (*merits_of("cost"), *merits_of("screen")) if stage == "screen" else merits_of(stage)
 
 
 def passing(study: Study, stage: str, figures: dict[str, NDArray[np.float64]]) -> NDArray[np.bool_]:

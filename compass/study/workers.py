@@ -1,4 +1,4 @@
-"""Who does the work: this process or processes of its own; for a Dask cluster see `cluster`.
+"""Who does the work: processes of this machine; for a Dask cluster see `cluster`.
 
 Every kind has ``run(stage, batches)``, which yields each batch with what was found, in the order
 in which they finish, and keeps only a few batches a worker on their way: a queue of millions
@@ -9,12 +9,14 @@ through, its candidates are tried one by one. Only one that kills again comes ba
 
 import os
 import signal
+import sys
 import threading
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from multiprocessing import connection, get_context, parent_process, resource_tracker
+from types import ModuleType
 from typing import Any, Protocol
 
 from numpy.typing import NDArray
@@ -47,23 +49,6 @@ class Workers(Protocol):
 
     def close(self) -> None:
         """Let the workers go."""
-
-
-class Here:
-    """The process itself."""
-
-    count = 1
-
-    def __init__(self, study: Study) -> None:
-        self._study = study
-
-    def run(self, stage: str, batches: Iterable[NDArray]) -> Iterator[Result]:
-        """As `Workers.run`."""
-        for rows in batches:
-            yield rows, evaluate(stage, self._study, rows)
-
-    def close(self) -> None:
-        """Nothing to let go."""
 
 
 def _serve(end: connection.Connection, study: Study, beat: float) -> None:
@@ -103,6 +88,17 @@ def _interrupts_held_back() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
+@contextmanager
+def _callers_script_hidden() -> Iterator[None]:
+    """Let a process begin without running the caller's script again, which would start it over."""
+    script = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = script
+
+
 class _Process:
     """A worker process, and the batches that it has, with the deaths that each has caused."""
 
@@ -113,7 +109,7 @@ class _Process:
         try:
             self.end, its = context.Pipe()
             self._process = context.Process(target=_serve, args=(its, study, BEAT), daemon=True)
-            with _interrupts_held_back():
+            with _interrupts_held_back(), _callers_script_hidden():
                 self._process.start()
         except OSError as error:  # too many open files or processes
             raise CompassError(
@@ -203,7 +199,7 @@ class Processes:
                 except OSError:
                     rows, deaths = worker.held.popleft()
                 again += worker.held  # which are not to blame
-                self._bury(worker)
+                self._count_death(worker)
                 if deaths + 1 < ATTEMPTS:
                     again.append((rows, deaths + 1))
                 elif rows.size > 1:
@@ -235,7 +231,7 @@ class Processes:
         self._team.remove(worker)
         return worker.stop()
 
-    def _bury(self, worker: _Process) -> None:
+    def _count_death(self, worker: _Process) -> None:
         how = self._dismiss(worker)
         self._deaths += 1
         if not self._proven and self._deaths >= ATTEMPTS * (self.count + 1):

@@ -29,7 +29,7 @@ def results(seed):
         "show": compass.show(seed),
         "map": compass.map(seed, **SMALL),
         "search": compass.search(fold=1, max_satellites=2, altitude_km=3e5),
-        "reproduce": compass.reproduce("ballard1980"),
+        "reproduce": compass.reproduce("montenbruck2018"),
     }
 
 
@@ -54,7 +54,7 @@ def test_text_html_and_json_come_from_one_result(results, name):
         ("show", ["{seed}"]),
         ("map", ["{seed}", "--step-deg", 15, "--epochs", 6]),
         ("search", ["--fold", 1, "--max-satellites", 2, "--altitude-km", 3e5]),
-        ("reproduce", ["ballard1980"]),
+        ("reproduce", ["montenbruck2018"]),
     ],
 )
 def test_the_command_prints_it(run, results, seed, name, arguments):

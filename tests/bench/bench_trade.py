@@ -21,7 +21,8 @@ from compass.study.cluster import AHEAD, Cluster
 from compass.study.stages import evaluate
 from compass.study.store import FILE, Store
 from compass.study.trade import run_trade
-from compass.study.workers import Here, Processes
+from compass.study.workers import Processes
+from tests.one_process import OneProcess
 
 ROOT = Path(__file__).parents[2]
 
@@ -119,7 +120,7 @@ def test_share_of_time_outside_kernels(tmp_path, monkeypatch):
     summaries = []
 
     def whole(run):
-        summaries.append(timed(study, tmp_path / str(run), Here(study))[0])
+        summaries.append(timed(study, tmp_path / str(run), OneProcess(study))[0])
 
     inside, outside = split(monkeypatch, whole)
     share = outside / (inside + outside)
@@ -171,7 +172,7 @@ def test_throughput_on_one_core_and_on_two():
         "screened": [("screen", rows)],
         "fully judged": [("screen", kept), ("map", kept), ("entry", kept)],
     }
-    teams = {"one core": Here(study), "two cores": Processes(study, 2)}
+    teams = {"one core": OneProcess(study), "two cores": Processes(study, 2)}
     for stage in ("screen", "map", "entry"):  # start up
         list(teams["two cores"].run(stage, [rows[k : k + 1] for k in range(8)]))
     try:
@@ -202,11 +203,11 @@ def through(team, steps):
 def test_growth(tmp_path, inclinations, patterns):
     study = growth(inclinations, patterns)
     warm(study)
-    summary, seconds = timed(study, tmp_path, Here(study))
+    summary, seconds = timed(study, tmp_path, OneProcess(study))
     work = sum(summary.seconds.values())
     size = (tmp_path / FILE).stat().st_size
     began = time.perf_counter()
-    timed(study, tmp_path, Here(study))
+    timed(study, tmp_path, OneProcess(study))
     again = time.perf_counter() - began
     n = summary.candidates
     print(
@@ -221,7 +222,7 @@ def test_one_process_two_processes_two_cluster_workers(tmp_path):
     study = growth(60)
     warm(study)
     wall = {}
-    _, wall["1 process"] = timed(study, tmp_path / "1", Here(study))
+    _, wall["1 process"] = timed(study, tmp_path / "1", OneProcess(study))
     team = Processes(study, 2)
     list(team.run("screen", [candidates(study).rows(k, k + 1) for k in range(8)]))  # start up
     _, wall["2 processes"] = timed(study, tmp_path / "2", team)

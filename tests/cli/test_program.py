@@ -56,6 +56,12 @@ def test_a_whole_number_that_no_kernel_takes_is_refused_by_its_option(
     assert f"Invalid value for '{option}': {value} is not in the range" in err
 
 
+def test_no_help_recites_how_large_a_whole_number_may_be(run):
+    for command in {command for command, _, _ in options(click.types.IntParamType)}:
+        code, out, _ = run(command, "--help")
+        assert (code, str(2**63 - 1) in out) == (0, False), command
+
+
 @pytest.mark.parametrize(
     ("message", "arguments", "said"),
     [

@@ -7,7 +7,8 @@ import pytest
 
 from compass.pages import trade_pictures
 from compass.study import stages
-from compass.study.workers import Here, Processes
+from compass.study.workers import Processes
+from tests.one_process import OneProcess
 
 STUDY = """
 name = "Tiny <study>"
@@ -111,7 +112,7 @@ def test_candidates_that_raise_say_why(study, run, monkeypatch):
         raise ZeroDivisionError("by nothing")
 
     monkeypatch.setitem(stages.FINDERS, "map", broken)  # which a process of its own would not see
-    monkeypatch.setattr("compass.api.trade.Processes", lambda study, _: Here(study))
+    monkeypatch.setattr("compass.api.trade.Processes", lambda study, _: OneProcess(study))
     status, out, err = run("trade", study(), "--json")
     assert status == 1 and json.loads(out)["feasible"] == 0
     count = json.loads(out)["failed"]["map"]

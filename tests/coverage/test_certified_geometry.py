@@ -5,6 +5,7 @@ import pytest
 
 import compass
 from compass.coverage.certified_geometry import certified_geometry
+from compass.coverage.certified_share import CertifiedShare
 from compass.frames import FIGURES
 from compass.orbits import positions_mci
 from compass.sites import Mask
@@ -37,6 +38,9 @@ def samples(c, figure, mask, count, seed):
     variance = np.diagonal(np.linalg.pinv(normal, hermitian=True), axis1=1, axis2=2)
     dops[:, enough] = np.sqrt(variance.sum(axis=1)), np.sqrt(variance[:, :3].sum(axis=1))
     return dops
+
+
+NOTHING = CertifiedShare(0.0, 1.0, 0, "")
 
 
 @pytest.mark.slow
@@ -79,8 +83,8 @@ def test_the_budget_is_of_boxes_times_satellites(monkeypatch):
     """Many satellites cost as much as few: without that a map of thousands would not end."""
     asked = []
     monkeypatch.setattr(
-        "compass.coverage.certified_geometry.certified_share",
-        lambda c, *_, budget_boxes, **__: asked.append(budget_boxes * c.size),
+        "compass.coverage.certified_effort.certified_share",
+        lambda c, *_, budget_boxes, **__: asked.append(budget_boxes * c.size) or NOTHING,
     )
     monkeypatch.setattr("compass.coverage.certified_geometry.BUDGET_BOXES", 600_000)
     for size in (15, 1000):

@@ -103,7 +103,7 @@ def test_any_workers_give_the_same_bytes_and_finer_goes_on_from_coarser():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(5))
 def test_random_designs_meet_random_points(seed):
     generator = np.random.default_rng(seed)
     planes = int(generator.integers(2, 7))
@@ -119,8 +119,8 @@ def test_random_designs_meet_random_points(seed):
     place = GLOBE if seed % 2 else latitude_band(-0.3, 0.9)
     found = certified_share(pattern, limit, dop=dop, mask=mask, place=place, width=8e-3)
     low, high = (-np.pi / 2, np.pi / 2) if seed % 2 else (-0.3, 0.9)
-    where = on_the_globe(generator, 4000, low, high)
-    times = generator.uniform(0, 2 * np.pi / pattern.mean_motion[0], 4000)
+    where = on_the_globe(generator, 1500, low, high)
+    times = generator.uniform(0, 2 * np.pi / pattern.mean_motion[0], 1500)
     sphere = FIGURES["iau-sphere"]
     agrees(found, *sampled(pattern, limit, dop, sphere, mask, where, times, fixed=False))
 
@@ -149,8 +149,8 @@ def test_other_motions_meet_random_points(seed):
         motion="j2" if drifting else "two-body",
     )
     last = 2 * np.pi / orbits.mean_motion[0] if hours is None else hours * 3600
-    times = generator.uniform(0, last, 4000)
-    where = on_the_globe(generator, 4000)
+    times = generator.uniform(0, last, 1500)
+    where = on_the_globe(generator, 1500)
     motion = "j2" if drifting else "two-body"
     share = sampled(orbits, 7.0, "pdop", ELLIPSOID, Mask(), where, times, motion, fixed=False)
     agrees(found, *share)
@@ -175,8 +175,8 @@ def test_a_place_behind_hills_meets_random_moments(dop):
         duration=hours * 3600,
         width=1e-4,
     )
-    times = generator.uniform(0, hours * 3600, 4000)
-    where = np.full((4000, 2), (spot.latitude, spot.longitude))
+    times = generator.uniform(0, hours * 3600, 2000)
+    where = np.full((2000, 2), (spot.latitude, spot.longitude))
     agrees(found, *sampled(pattern, 3.5, dop, ELLIPSOID, HILLS, where, times))
 
 

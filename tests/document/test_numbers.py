@@ -67,13 +67,26 @@ def test_every_quantity_says_what_it_is():
         assert record.name == name
         assert record.title and record.meaning.endswith("."), name
         assert record.digits >= 1
-        assert record.shown_unit == (
-            "%" if record.form == "share" else "" if record.unit == "1" else record.unit
-        )
+        if record.form == "share" or record.unit == "1":
+            assert record.shown_unit == ("%" if record.form == "share" else "")
+        assert "-1" not in record.shown_unit
         assert record.attributes()["long_name"] == record.title
         # the name carries the unit
         if record.form == "real" and record.unit in ("deg", "km", "m", "s", "h", "km2", "rad"):
-            assert name.endswith(f"_{record.unit}"), name
+            assert any(part.endswith(f"_{record.unit}") for part in name.split(".")), name
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [
+        ("delta_v_keeping_m_s_year", "m/s/year"),
+        ("access.least_cn0_dbhz", "dB Hz"),
+        ("access.largest_range_rate_km_s", "km/s"),
+        ("room_deg", "deg"),
+    ],
+)
+def test_a_unit_is_shown_as_people_write_it(name, shown):
+    assert quantity(name).shown_unit == shown
 
 
 def test_bounds_are_rounded_to_their_own_sides():

@@ -262,3 +262,62 @@ def test_a_missing_design_is_named():
 def test_iterations_of_the_iterated_filter():
     text = changed('kind = "ekf"', 'kind = "iterated-ekf"\niterations = 7')
     assert read(text).settings.iterations == 7
+
+
+INSTRUMENTS = """
+two_way = { range_rate_sigma_m_s = 0.01 }
+altimeter = { sigma_m = 10, share = 0.02, below_km = 8 }
+velocimeter = { sigma_m_s = 0.2, interval_s = 2 }
+features = { sigma_deg = 0.1, interval_s = 5 }
+[[feature]]
+name = "rim"
+latitude_deg = -27
+longitude_deg = 275
+height_km = -2
+[filter]
+kind = "unscented"
+attitude = { sigma_deg = 0.05, considered = true }
+"""
+
+
+def test_instruments_and_features_become_records():
+    scenario = read(changed("[filter]\n", INSTRUMENTS).replace('kind = "ekf"', ""))
+    two_way, altimeter, velocimeter, camera = scenario.measurements.instruments
+    assert (two_way.kind, two_way.sigma) == ("two_way_rate", 0.01)
+    assert (altimeter.sigma, altimeter.share, altimeter.below) == (10.0, 0.02, 8e3)
+    assert (velocimeter.sigma, velocimeter.interval) == (0.2, 2.0)
+    assert camera.sigma == pytest.approx(np.radians(0.1))
+    place = scenario.measurements.features.places(scenario.model.planet_radius)
+    assert np.linalg.norm(place) == pytest.approx(scenario.model.planet_radius - 2e3)
+    assert scenario.settings.method == "unscented"
+    [axes] = scenario.settings.parts
+    assert (axes.name, axes.considered) == ("attitude", True)
+    assert axes.sigma == pytest.approx([np.radians(0.05)] * 3)
+
+
+def test_faults_of_instruments_are_said_together():
+    text = changed("[filter]\n", INSTRUMENTS).replace('kind = "ekf"', "")
+    text = text.replace('kind = "unscented"', 'kind = "relinearised-ekf"\niterations = 3')
+    text = text.replace("range_rate_sigma_m_s = 0.01", "").replace(
+        "interval_s = 5", "interval_s = 1.5"
+    )
+    text = text.replace("[[feature]]", "[[beacon]]").replace("height_km = -2\n", "")
+    text += "[filter.density]\nsigma = 0.2\nscale_km = 8\n"
+    with pytest.raises(DesignError) as told:
+        read(text)
+    for words in (
+        "measurements.two_way: needs range_sigma_m",
+        "measurements.features.interval_s = 1.5: must be a whole number",
+        "feature: missing; measurements.features needs",
+        "filter.iterations = 3: only for kind",
+        "filter.kind = 'relinearised-ekf': with process noise or a density that wanders",
+    ):
+        assert words in str(told.value)
+    alone = changed(
+        "[filter]\n", '[[feature]]\nname = "a"\nlatitude_deg = 0\nlongitude_deg = 0\n[filter]\n'
+    )
+    with pytest.raises(DesignError, match=r"measurements\.features: missing; needed beside"):
+        read(alone)
+    published = (DESIGNS / "lou2019-recommended.toml").read_text()
+    with pytest.raises(DesignError, match=r"measurements\.altimeter: not beside \[fusion\]"):
+        read(published + "\n[measurements.altimeter]\nsigma_m = 10\n", folder=DESIGNS)

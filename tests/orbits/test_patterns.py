@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compass import from_elements, rosette, walker_delta, walker_star
+from compass import from_elements, rosette, schema, walker_delta, walker_star
 from compass.errors import ArgumentError, DesignError
 from compass.frames import FIGURES
 from compass.inputs.design import read_design_text
@@ -229,11 +229,20 @@ def test_altitudes_count_from_the_figure():
 def test_every_kind_is_written_and_read_and_says_what_it_takes(kind):
     assert kind_of(kind.name) is kind and kind.title and kind.node_spread > 0
     text = 'name = "x"\n[constellation]\n' + f'pattern = "{kind.name}"\norbit = "areosynchronous"\n'
+    tables = schema("design").to_dict()["$defs"].values()
+    (table,) = [
+        t for t in tables if t.get("properties", {}).get("pattern", {}).get("const") == kind.name
+    ]
+    assert table["description"] == f"{kind.title}."
     given_values = {"satellites": 6, "planes": 3, "phasing": 1, "multiplier": '"1/2"'}
     for parameter in kind.parameters:
         assert parameter.meaning and parameter.unit in ("1", "deg")
         value = given_values.get(parameter.name, 10.5)
-        assert isinstance(value, int) or not parameter.whole
+        assert isinstance(value, int) or parameter.form != "whole"
+        told = table["properties"][parameter.name]
+        assert told["description"] == parameter.meaning
+        assert told.get("minimum") == parameter.least and told.get("maximum") == parameter.most
+        assert (parameter.name in table["required"]) == (parameter.default is None)
         text += f"{parameter.name} = {value}\n"
     assert kind.third in [parameter.name for parameter in kind.parameters]
     c = read_design_text(text).constellation

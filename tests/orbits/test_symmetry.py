@@ -108,6 +108,25 @@ def test_what_is_missed_by_little_is_told():
     assert moves.mismatch == pytest.approx(6e-11, rel=0.01)
 
 
+def test_satellites_that_share_a_place_stand_in_for_one_another():
+    c = walker_delta(6, 3, 1, inclination_deg=50, radius_km=RADIUS / 1e3)
+    twice = keplerian(
+        RADIUS,
+        0.0,
+        c.inclination[0],
+        np.tile(c.raan, 2),
+        0.0,
+        np.tile(c.argument_of_periapsis + c.mean_anomaly, 2),
+    )
+    assert len(shifts(twice)) == len(mirrors(twice)) == 6
+    for image in shifts(twice).image:
+        assert sorted(image) == list(range(12))
+    one_place = keplerian(RADIUS, 0.0, 0.5, np.zeros(6), 0.0, np.zeros(6))
+    assert len(shifts(one_place)) == 1
+    # one out of three in a place counts: no turn takes two satellites to three
+    assert len(shifts(twice.without([0]))) == 1
+
+
 def test_other_orbits_have_none():
     c = rosette(5, 5, 1, inclination_deg=50, radius_km=RADIUS / 1e3)
     oval = replace(c, eccentricity=np.full(5, 1e-6))

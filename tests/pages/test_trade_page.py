@@ -21,7 +21,7 @@ from compass.study.choice import Finalist
 from compass.study.results import read_results
 from compass.study.store import Store
 from compass.study.trade import run_trade
-from compass.study.workers import Here
+from tests.one_process import OneProcess
 
 TEXT = """
 name = "sampled"
@@ -119,7 +119,7 @@ class Bars:
 
 def traded(study, folder):
     with Store(folder, study) as store:
-        run_trade(study, store, Here(study), Bars())
+        run_trade(study, store, OneProcess(study), Bars())
     return trade_report(study, folder)
 
 

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import compass
+from compass.coverage.certified_effort import Effort
+from compass.errors import ArgumentError
 from compass.study.certified import certified_figures
 from compass.study.mapping import MapOptions
 
@@ -39,16 +41,29 @@ def test_brackets_hold_what_an_independent_program_found(seed_design):
     assert found.gdop[95].low == pytest.approx(p95, rel=0.03)
 
 
-@pytest.mark.parametrize(
-    "options", [{"start_day": 2.0}, {"motion": "numerical"}, {"pdop_max": 0.5}]
-)
-def test_motions_without_bounds_have_no_certified_figures(seed_design, options):
-    assert certified_figures(seed_design, MapOptions(**options)) is None
-
-
 def test_drifting_orbits_over_a_duration_have_brackets(seed_design, monkeypatch):
     monkeypatch.setattr("compass.coverage.certified_geometry.BUDGET_BOXES", 0)
     found = certified_figures(seed_design, MapOptions(motion="j2", duration_h=2.0))
     assert "over 2 h from the epoch, mean motion under J2" in found.scope
     assert "stopped early: boxes" in found.scope
     assert (found.gdop[95].low, found.gdop[95].high) == (0.0, np.inf)
+    later = certified_figures(seed_design, MapOptions(start_day=2.0))
+    assert "over 24.623 h from 48 h after the epoch, two-body" in later.scope
+
+
+@pytest.mark.slow
+def test_integrated_paths_have_brackets_over_their_span(seed_design):
+    effort = Effort(width=0.05, budget_s=20.0)
+    found = certified_figures(seed_design, MapOptions(motion="numerical", duration_h=6.0), effort)
+    assert "over 6 h from the epoch, numerical motion" in found.scope
+    sampled = compass.map(
+        seed_design, step_deg=4, epochs=37, motion="numerical", duration_h=6.0, budget_s=0.01
+    )
+    share = float(sampled.dataset.global_availability)
+    assert found.availability.low - 2e-3 < share < found.availability.high + 2e-3
+    assert found.availability.width <= 0.05
+
+
+def test_a_limit_below_one_is_refused(seed_design):
+    with pytest.raises(ArgumentError, match=r"pdop_max = 0\.5: a dilution of precision to ask for"):
+        compass.map(seed_design, pdop_max=0.5)

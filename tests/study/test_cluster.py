@@ -22,7 +22,7 @@ from compass.study.cluster import Cluster, Tls
 from compass.study.results import read_results
 from compass.study.store import Store
 from compass.study.trade import run_trade
-from compass.study.workers import Here
+from tests.one_process import OneProcess
 
 distributed = pytest.importorskip("distributed")
 
@@ -65,7 +65,7 @@ def local():
 def test_a_cluster_finds_the_same(tiny, tmp_path, monkeypatch, local):
     monkeypatch.setitem(trade.BATCH, "screen", 5)
     study = tiny()
-    run(study, tmp_path / "one", Here(study))
+    run(study, tmp_path / "one", OneProcess(study))
     team = Cluster(study, local(2).scheduler_address)
     try:
         assert team.count == 2

@@ -66,7 +66,7 @@ def test_what_is_sampled_says_over_what(study):
     assert sampling_of(study, "gdop_p95") == "15 deg cells, 4 epochs"
     assert sampling_of(study, "satellites") == sampling_of(study, "fold_proven") == ""
     assert sampled_over(study, ["identity", "planes", "availability", "gdop_p95"]) == (
-        "share of area and time with a good PDOP; GDOP, 95th percentile over area and time: over "
+        "share of area and time with a good PDOP; GDOP, 95th percentile: over "
         "15 deg cells, 4 epochs"
     )
     assert all(

@@ -4,6 +4,7 @@ import contextlib
 import os
 import resource
 import signal
+import sys
 import time
 from dataclasses import replace
 
@@ -21,7 +22,8 @@ from compass.study.evolve import Known, assess
 from compass.study.results import read_results
 from compass.study.store import Store
 from compass.study.trade import finalists, gather, passed, run_trade
-from compass.study.workers import Here, Processes
+from compass.study.workers import Processes
+from tests.one_process import OneProcess
 
 
 class Bars:
@@ -40,7 +42,7 @@ class Bars:
 
 def run(study, folder, team=None, bars=None):
     with Store(folder, study) as store:
-        return run_trade(study, store, team or Here(study), bars or Bars())
+        return run_trade(study, store, team or OneProcess(study), bars or Bars())
 
 
 def test_every_stage_over_what_gets_so_far(tiny, tmp_path, monkeypatch):
@@ -99,6 +101,10 @@ def test_two_processes_find_the_same(tiny, tmp_path, monkeypatch):
     monkeypatch.setitem(trade.BATCH, "screen", 5)
     study = tiny()
     run(study, tmp_path / "one")
+    script = tmp_path / "student.py"  # of the caller, which no worker is to run again
+    script.write_text("raise SystemExit(9)")
+    monkeypatch.setattr(sys.modules["__main__"], "__spec__", None)
+    monkeypatch.setattr(sys.modules["__main__"], "__file__", str(script), raising=False)
     team = Processes(study, 2)
     try:
         run(study, tmp_path / "two", team)
@@ -273,7 +279,7 @@ def test_what_raises_is_recorded_and_the_rest_goes_on(tiny, tmp_path, monkeypatc
 def test_lost_batches_are_counted_and_tried_again(tiny, tmp_path):
     study = tiny()
 
-    class Loses(Here):
+    class Loses(OneProcess):
         def run(self, stage, batches):
             for k, (rows, found) in enumerate(super().run(stage, batches)):
                 yield rows, None if stage == "map" and k == 0 else found
@@ -313,7 +319,7 @@ def test_violations_count_stages_then_constraints(tiny, tmp_path):
         summary = trade.Summary()
 
         def stage(name, some):
-            trade._stage(name, some, store, Here(study), None, summary)
+            trade._stage(name, some, store, OneProcess(study), None, summary)
 
         values, violation = assess(study, Known(store, study), stage, rows)
         proven = np.isin(identities(rows), identities(passed(study, store, "screen")))

@@ -1,28 +1,30 @@
-"""Extended Kalman filter on Cartesian states and further blocks: predict, update, one run.
+"""Kalman filters on Cartesian states and further blocks: predict, update, one run.
 
 States: position and velocity (6), then the blocks that `places` names. Those behind the estimated
 ones are considered (Schmidt): the filter knows how uncertain they are and lets that uncertainty
 into its covariance, but does not correct them.
+
+How a filter moves on (see `PLAIN`) matters where density or L/D are badly known. An extended filter
+linearises about what it believes, and what it has learnt so far keeps the slope of that moment:
+with density known to 20 % a few dozen ranges in the first air leave it sure of a wrong value.
+`RELINEARISED` goes back: whenever it knows one of the two twice as well as when it last did, it
+flies backwards from what it believes, and hears all measurements again about that flight. Where
+states are shaken or the density wanders there is no such flight; there `UNSCENTED` takes mean and
+covariance through points spread as its belief is.
 """
 
 import math
 
 import numpy as np
 
-from compass.core.entry.flow import advance_transition
-from compass.core.entry.measure import (
-    AIR,
-    BIAS,
-    CLOCK,
-    ESTIMATED,
-    KINDS,
-    LIFT,
-    RANGE,
-    measurement_rows,
-)
+from compass.core.entry.flow import advance_spread, advance_transition, retreat
+from compass.core.entry.measure import AIR, CLOCK, ESTIMATED, LIFT, measured
 from compass.core.entry.rates import COLUMNS, OF_AIR, OF_LIFT
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.jit import fast_kernel, kernel
+
+#: Ways of filtering: extended; through spread points; looking back.
+PLAIN, UNSCENTED, RELINEARISED = range(3)
 
 
 @fast_kernel
@@ -36,7 +38,7 @@ def moved_covariance(phi, dt, noise, walk, fade, places, half, covariance):
     dt
         Seconds.
     noise
-        G (6, 6): root of the process noise of the step; shape (0, 0) for none.
+        G (6, k): root of the process noise of the step.
     walk, fade
         Variance that all states but the first six gather over the step, (s,), and what is left
         of the logarithm of the density at its end.
@@ -74,7 +76,7 @@ def moved_covariance(phi, dt, noise, walk, fade, places, half, covariance):
             if lift >= 0:
                 total += half[i, lift] * phi[j, OF_LIFT]
             if i < 6:
-                for k in range(noise.shape[0]):
+                for k in range(noise.shape[1]):
                     total += noise[i, k] * noise[j, k]
             covariance[i, j] = total
             covariance[j, i] = total
@@ -118,37 +120,32 @@ def absorb(row, residual, variance, estimated, gain, covariance, shift):
 
 
 @kernel
-def update(x, covariance, beacons, variances, z, places, iterations):
-    """Update with all measurements of an epoch; iterated about the new mean.
+def update(x, covariance, base, sources, variances, z, kinds, places, iterations):
+    """Update with all measurements of an epoch, linearised at `base` and iterated from there.
 
     Gauss-Newton on the posterior: each pass linearises at the latest estimate and starts again
-    from the prior; one pass is the plain extended Kalman filter.
+    from the prior; one pass from ``base = x`` is the plain extended Kalman filter.
     """
     size = x.size
-    prior, shift, before = covariance.copy(), np.zeros(size), np.empty(size)
-    rows, gain, point = np.zeros((KINDS, size)), np.empty(size), x.copy()
+    prior, shift, before = covariance.copy(), np.empty(size), np.empty(size)
+    rows, gain, point = np.zeros((kinds.size, size)), np.empty(size), np.empty(size)
+    for i in range(size):
+        shift[i] = base[i] - x[i]
     for _ in range(iterations):
         for i in range(size):
             before[i] = shift[i]
             point[i] = x[i] + shift[i]
             shift[i] = 0.0
         covariance[:, :] = prior
-        for b in range(beacons.shape[0]):
-            if math.isnan(variances[b, 0]) and math.isnan(variances[b, 1]):
-                continue
-            if places[BIAS] >= 0:
-                rows[RANGE, places[BIAS] :] = 0.0
-            predicted = measurement_rows(point, beacons[b], b, places, rows[0], rows[1])
-            for kind in range(KINDS):
-                if math.isnan(variances[b, kind]):
+        for b in range(sources.shape[0]):
+            for c in range(kinds.size):
+                if math.isnan(variances[b, c]):
                     continue
-                residual = z[b, kind] - predicted[kind]
+                row = rows[c]
+                residual = z[b, c] - measured(kinds[c], point, sources[b], b, places, row)
                 for i in range(size):
-                    residual += rows[kind, i] * before[i]
-                absorb(
-                    rows[kind], residual, variances[b, kind], places[ESTIMATED], gain, covariance,
-                    shift,
-                )  # fmt: skip
+                    residual += row[i] * before[i]
+                absorb(row, residual, variances[b, c], places[ESTIMATED], gain, covariance, shift)
         change = 0.0
         for i in range(places[ESTIMATED]):
             change = max(change, abs(shift[i] - before[i]) / math.sqrt(prior[i, i]))
@@ -165,9 +162,85 @@ def added(x, place):
 
 
 @kernel
+def spread_factor(covariance, places, factor):
+    """Cholesky factor of what moves: position, velocity, density, L/D; a known one's is zero."""
+    for i in range(COLUMNS):
+        at = i if i < 6 else places[AIR] if i == OF_AIR else places[LIFT]
+        for j in range(i + 1):
+            other = j if j < 6 else places[AIR] if j == OF_AIR else places[LIFT]
+            factor[j, i] = 0.0
+            total = covariance[at, other] if at >= 0 and other >= 0 else 0.0
+            for k in range(j):
+                total -= factor[i, k] * factor[j, k]
+            if i == j:
+                factor[i, i] = math.sqrt(total)
+            else:
+                factor[i, j] = total / factor[j, j] if factor[j, j] > 0.0 else 0.0
+
+
+@kernel
+def move(
+    x, covariance, base, p, bank, start, stop, longest, noise, walk, fade, places, method, half
+):  # fmt: skip
+    """Move an estimate from one epoch to the next, linearised at `base` (which may be `x`)."""
+    after, phi = np.empty(6), np.empty((6, COLUMNS))
+    roots, shaken = np.zeros((6, 6 + COLUMNS)), noise.shape[0]
+    for i in range(shaken):
+        for j in range(6):
+            roots[i, j] = noise[i, j]
+    air, lift, count = places[AIR], places[LIFT], shaken
+    thicker, ratio = added(base, air), p[RATIO] + added(base, lift)
+    if method == UNSCENTED:
+        factor, bend = np.empty((COLUMNS, COLUMNS)), np.empty((6, COLUMNS))
+        spread_factor(covariance, places, factor)
+        advance_spread(
+            base, factor, thicker, ratio, p, bank, start, stop, longest, after, phi, bend
+        )
+        roots[:, 6:] = bend
+        count = 6 + COLUMNS
+    else:
+        advance_transition(base, thicker, ratio, p, bank, start, stop, longest, after, phi)
+    moved_covariance(phi, stop - start, roots[:, :count], walk, fade, places, half, covariance)
+    for i in range(6):
+        for k in range(6):
+            after[i] += phi[i, k] * (x[k] - base[k])
+        if air >= 0:
+            after[i] += phi[i, OF_AIR] * (x[air] - base[air])
+        if lift >= 0:
+            after[i] += phi[i, OF_LIFT] * (x[lift] - base[lift])
+    for i in range(6):
+        x[i] = after[i]
+    if places[CLOCK] >= 0:
+        x[places[CLOCK]] += (stop - start) * x[places[CLOCK] + 1]
+    if air >= 0:
+        x[air] *= fade
+
+
+@kernel
+def halved(covariance, places, marks):
+    """Whether density or L/D is known twice as well as at the marks (2), which then move."""
+    found = False
+    for k in range(2):
+        at = places[AIR] if k == 0 else places[LIFT]
+        if 0 <= at < places[ESTIMATED] and math.sqrt(covariance[at, at]) < 0.5 * marks[k]:
+            found = True
+    if found:
+        mark(covariance, places, marks)
+    return found
+
+
+@kernel
+def mark(covariance, places, marks):
+    """Write how well density and L/D are known, (2,)."""
+    for k in range(2):
+        at = places[AIR] if k == 0 else places[LIFT]
+        marks[k] = math.sqrt(covariance[at, at]) if at >= 0 else 0.0
+
+
+@kernel
 def filter_run(
-    x0, covariance0, p, bank, times, longest, noise, walk, fade, beacons, variances, z, places,
-    iterations, xs, ps,
+    x0, covariance0, p, bank, times, longest, noise, walk, fade, sources, variances, z, kinds,
+    places, iterations, method, xs, ps,
 ):  # fmt: skip
     """One filter run.
 
@@ -180,45 +253,53 @@ def filter_run(
     times, longest
         Epochs (t,) and the longest Runge-Kutta step, s.
     noise, walk, fade
-        From the epoch before to each: roots of the process noise, (t, 6, 6) or (0, 6, 6) for
+        From the epoch before to each: roots of the process noise, (t, 6, 6) or (t, 0, 6) for
         none, variances of the further states, (t, s), and what is left of the logarithm of the
         density, (t,).
-    beacons, variances, z
-        Positions and velocities (t, n, 6); variances (t, n, 2), nan for what is not measured;
-        measurements (t, n, 2).
-    places, iterations
-        Where the blocks are, and the passes of the update.
+    sources, variances, z, kinds
+        Positions and velocities (t, n, 6); variances (t, n, c), nan for what is not measured;
+        measurements (t, n, c), of the kinds (c,) of `compass.core.entry.measure`.
+    places, iterations, method
+        Where the blocks are, the passes of the update, and the way of filtering.
     xs, ps
         Outputs after each update, (t, s) and (t, s, s).
     """
-    x, covariance = x0.copy(), covariance0.copy()
-    after, phi, half = np.empty(6), np.empty((6, COLUMNS)), np.empty(covariance.shape)
-    none, noisy = np.empty((0, 6)), noise.shape[0] > 0
-    clock = places[CLOCK]
+    x, covariance, half = x0.copy(), covariance0.copy(), np.empty(covariance0.shape)
+    back = times.size if method == RELINEARISED else 0
+    path, marks = np.empty((back, x.size)), np.empty(2)
+    mark(covariance, places, marks)
     for t in range(times.size):
         if t > 0:
-            dt = times[t] - times[t - 1]
-            thicker, lift = added(x, places[AIR]), p[RATIO] + added(x, places[LIFT])
-            advance_transition(
-                x, thicker, lift, p, bank, times[t - 1], times[t], longest, after, phi
-            )
-            moved_covariance(
-                phi, dt, noise[t] if noisy else none, walk[t], fade[t], places, half, covariance
-            )
-            for i in range(6):
-                x[i] = after[i]
-            if clock >= 0:
-                x[clock] += dt * x[clock + 1]
-            if places[AIR] >= 0:
-                x[places[AIR]] *= fade[t]
-        update(x, covariance, beacons[t], variances[t], z[t], places, iterations)
+            move(
+                x, covariance, x, p, bank, times[t - 1], times[t], longest, noise[t], walk[t],
+                fade[t], places, method, half,
+            )  # fmt: skip
+        update(x, covariance, x, sources[t], variances[t], z[t], kinds, places, iterations)
+        if method == RELINEARISED and halved(covariance, places, marks):
+            path[t] = x
+            for k in range(t, 0, -1):
+                path[k - 1] = x
+                retreat(
+                    path[k], added(x, places[AIR]), p[RATIO] + added(x, places[LIFT]), p, bank,
+                    times[k], times[k - 1], longest, path[k - 1],
+                )  # fmt: skip
+            x[:] = x0
+            covariance[:, :] = covariance0
+            for k in range(t + 1):
+                if k > 0:
+                    move(
+                        x, covariance, path[k - 1], p, bank, times[k - 1], times[k], longest,
+                        noise[k], walk[k], fade[k], places, method, half,
+                    )  # fmt: skip
+                update(x, covariance, path[k], sources[k], variances[k], z[k], kinds, places, 1)
         xs[t] = x
         ps[t] = covariance
 
 
 @kernel
 def covariance_run(
-    path, covariance0, p, bank, times, longest, noise, walk, fade, beacons, variances, places, ps
+    path, covariance0, p, bank, times, longest, noise, walk, fade, sources, variances, kinds,
+    places, ps,
 ):  # fmt: skip
     """Linear covariance along a flight: what `filter_run` would claim at the true states.
 
@@ -227,31 +308,22 @@ def covariance_run(
     `filter_run`; `path` is the flight at the epochs, (t, 6).
     """
     size = covariance0.shape[0]
-    covariance = covariance0.copy()
-    after, phi, half = np.empty(6), np.empty((6, COLUMNS)), np.empty((size, size))
-    none, noisy = np.empty((0, 6)), noise.shape[0] > 0
-    rows, gain, x, shift = np.zeros((KINDS, size)), np.empty(size), np.zeros(size), np.zeros(size)
+    covariance, half = covariance0.copy(), np.empty((size, size))
+    rows, gain = np.zeros((kinds.size, size)), np.empty(size)
+    x, shift = np.zeros(size), np.zeros(size)
     for t in range(times.size):
         if t > 0:
-            advance_transition(
-                path[t - 1], 0.0, p[RATIO], p, bank, times[t - 1], times[t], longest, after, phi
-            )
-            moved_covariance(
-                phi, times[t] - times[t - 1], noise[t] if noisy else none, walk[t], fade[t], places,
-                half, covariance,
+            move(
+                x, covariance, x, p, bank, times[t - 1], times[t], longest, noise[t], walk[t],
+                fade[t], places, PLAIN, half,
             )  # fmt: skip
         for i in range(6):
             x[i] = path[t, i]
-        for b in range(beacons.shape[1]):
-            if math.isnan(variances[t, b, 0]) and math.isnan(variances[t, b, 1]):
-                continue
-            if places[BIAS] >= 0:
-                rows[RANGE, places[BIAS] :] = 0.0
-            measurement_rows(x, beacons[t, b], b, places, rows[0], rows[1])
-            for kind in range(KINDS):
-                if not math.isnan(variances[t, b, kind]):
+        for b in range(sources.shape[1]):
+            for c in range(kinds.size):
+                if not math.isnan(variances[t, b, c]):
+                    measured(kinds[c], x, sources[t, b], b, places, rows[c])
                     absorb(
-                        rows[kind], 0.0, variances[t, b, kind], places[ESTIMATED], gain, covariance,
-                        shift,
-                    )  # fmt: skip
+                        rows[c], 0.0, variances[t, b, c], places[ESTIMATED], gain, covariance, shift
+                    )
         ps[t] = covariance

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from compass.core.entry.rates import COLUMNS, OF_AIR, acceleration, acceleration_partials
+from compass.core.entry.rates import COLUMNS, OF_AIR, OF_LIFT, acceleration, acceleration_partials
 from compass.core.jit import fast_kernel, kernel
 
 
@@ -149,3 +149,80 @@ def advance_transition(x, thicker, lift, p, bank, start, stop, longest, out, phi
                     phi[i, j] = total
         time = end
         row += 1
+
+
+@kernel
+def retreat(x, thicker, lift, p, bank, start, stop, longest, out):
+    """As `advance`, backwards from `start` to an earlier `stop`."""
+    for i in range(6):
+        out[i] = x[i]
+    time, row = start, bank_at(start, bank)
+    while time > stop:
+        end = stop
+        if row > 0:
+            end = max(stop, bank[row, 0])
+        steps = max(1, math.ceil((time - end) / longest - 1e-9))
+        cos_bank, sin_bank = math.cos(bank[row, 1]), math.sin(bank[row, 1])
+        for _ in range(steps):
+            rk4_step(out, thicker, lift, p, cos_bank, sin_bank, (end - time) / steps, out)
+        time = end
+        row -= 1
+
+
+@kernel
+def advance_spread(x, factor, thicker, lift, p, bank, start, stop, longest, out, phi, bend):
+    """Advance the mean of states that are spread, and the line that fits what becomes of them.
+
+    From d pairs of points ``x +- sqrt(d) L_j`` come the mean of their ends, the regression Phi of
+    the ends on the points, and what is left: with ``o_j, e_j`` half the difference and half the
+    sum less the mean of a pair's ends, ``Phi L = O / sqrt(d)`` and the covariance of the ends is
+    ``Phi P Phi^T + E E^T / d`` (cubature; Arasaratnam and Haykin 2009, IEEE Trans. Autom. Control
+    54:1254; statistical linear regression).
+
+    Parameters
+    ----------
+    x, thicker, lift, p, bank, start, stop, longest
+        As in `advance`; at the mean.
+    factor
+        Lower Cholesky factor L (8, 8) of the covariance of position, velocity, logarithm of the
+        density and lift-to-drag ratio; a column of what is known is zero.
+    out, phi
+        Mean (6) and Phi (6, 8).
+    bend
+        ``E / sqrt(d)``, (6, 8).
+    """
+    d = 0
+    for j in range(COLUMNS):
+        d += 1 if factor[j, j] > 0.0 else 0
+    wide = math.sqrt(d)
+    point, up, down = np.empty(6), np.empty(6), np.empty(6)
+    out[:] = 0.0
+    bend[:, :] = 0.0
+    phi[:, :] = 0.0
+    for j in range(COLUMNS):
+        if not factor[j, j] > 0.0:
+            continue
+        for i in range(6):
+            point[i] = x[i] + wide * factor[i, j]
+        advance(
+            point, thicker + wide * factor[OF_AIR, j], lift + wide * factor[OF_LIFT, j], p, bank,
+            start, stop, longest, up,
+        )  # fmt: skip
+        for i in range(6):
+            point[i] = x[i] - wide * factor[i, j]
+        advance(
+            point, thicker - wide * factor[OF_AIR, j], lift - wide * factor[OF_LIFT, j], p, bank,
+            start, stop, longest, down,
+        )  # fmt: skip
+        for i in range(6):
+            phi[i, j] = 0.5 * (up[i] - down[i]) / wide
+            bend[i, j] = 0.5 * (up[i] + down[i])
+            out[i] += bend[i, j] / d
+    for j in range(COLUMNS - 1, -1, -1):  # Phi = (O / sqrt d) L^-1, from the last column
+        if not factor[j, j] > 0.0:
+            continue
+        for i in range(6):
+            bend[i, j] = (bend[i, j] - out[i]) / wide
+            for k in range(j + 1, COLUMNS):
+                phi[i, j] -= phi[i, k] * factor[k, j]
+            phi[i, j] /= factor[j, j]

@@ -18,8 +18,10 @@ from compass.core.entry.measure import (
     CLOCK,
     KINDS,
     LIFT,
+    RANGE,
+    RATE,
     acceleration_rows,
-    measurement_rows,
+    measured,
 )
 from compass.core.entry.node import fuse, sound, weigh
 from compass.core.entry.rates import LIFT as RATIO
@@ -45,9 +47,9 @@ def flow_of(known, t, x, thicker, lift, room):
 def move(known, t, x, cov, factor, room):
     """Move an estimate along the flow in `room`, its process noise multiplied by `factor`."""
     dt = known.times[t] - known.times[max(t - 1, 0)]
-    noise = room.noise[: 6 if known.noise.shape[0] > 0 else 0]
-    for i in range(noise.shape[0]):
-        for j in range(6):
+    noise = room.noise[:, : known.noise.shape[1]]
+    for i in range(6):
+        for j in range(noise.shape[1]):
             noise[i, j] = math.sqrt(factor) * known.noise[t, i, j]
     for i in range(x.size):
         room.walk[i] = factor * dt * known.walk[i]
@@ -69,9 +71,10 @@ def linearise(known, t, x, thicker, lift, first, last, room):
     )  # fmt: skip
     for k in range(first, last):
         r = AXES + KINDS * k
-        room.h[r], room.h[r + 1] = measurement_rows(
-            x, known.beacons[t, k], k, known.places, room.rows[r], room.rows[r + 1]
-        )
+        for kind in (RANGE, RATE):
+            room.h[r + kind] = measured(
+                kind, x, known.beacons[t, k], k, known.places, room.rows[r + kind]
+            )
 
 
 @fast_kernel

@@ -17,7 +17,7 @@ from compass.core.entry.measure import (
     LIFT,
     PLACES,
     acceleration_rows,
-    ranges_and_rates,
+    ideal_values,
 )
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.entry.runs import normalised_square
@@ -28,7 +28,7 @@ class Truth(NamedTuple):
     """What is true in every run.
 
     The flight `path` (t, 6) in the world `p`, by the angles `bank` (k, 2); process noise as roots
-    `noise` (t, 6, 6), or (0, 6, 6) for none, and the variance per second `walk` (s,) of the states
+    `noise` (t, 6, 6), or (t, 0, 6) for none, and the variance per second `walk` (s,) of the states
     behind the first six;
     `offset` (t, s): what the true value of each state is more than the filters' count of it;
     `sigma` (t, 3 + 2 m): of every measurement, nan for what is not due, hidden or out, and its
@@ -76,7 +76,7 @@ def true_flight(truth, known, normals, path, further):
         dt = known.times[t] - known.times[t - 1]
         for i in range(6, size):
             further[t, i] = further[t - 1, i] + math.sqrt(truth.walk[i] * dt) * normals[t, i]
-        if truth.noise.shape[0] == 0:
+        if truth.noise.shape[1] == 0:
             continue
         before = further[t - 1]
         advance(
@@ -98,7 +98,7 @@ def measure(truth, known, path, further, normals, uniforms, trusts, z, variances
     epochs, m = uniforms.shape
     ideal, rows = np.empty((epochs, m, KINDS)), np.zeros((AXES, 6))
     places = np.full(PLACES, -1)  # the truth is no filter's state
-    ranges_and_rates(path, known.beacons, ideal)
+    ideal_values(path, known.beacons, np.arange(KINDS), ideal)
     for t in range(epochs):
         angle = truth.bank[bank_at(known.times[t], truth.bank), 1]
         acceleration_rows(

@@ -1,4 +1,4 @@
-"""What a measurement would be, and its row: radio to a beacon and accelerometers, all kinds.
+"""What a measurement would be, and its row: every kind of one number, and accelerometers.
 
 Rows stand against the states of a filter, whose first six are position and velocity; where the
 others are is told by `places` (see `compass.core.entry.filter`).
@@ -6,73 +6,123 @@ others are is told by `places` (see `compass.core.entry.filter`).
 
 import math
 
+import numpy as np
+
 from compass.core.entry.rates import DRAG, log_density
 from compass.core.jit import fast_kernel
 
-#: Kinds of measurement, as columns of variances and of measured values.
-RANGE, RATE, KINDS = 0, 1, 2
+#: Kinds of measurement, a number each: range and its rate by radio one way; both ways, where no
+#: clock of the lander enters; distance from the centre; direction to a source (three components)
+#: and velocity relative to it (three).
+RANGE, RATE, ECHO, ECHO_RATE, HEIGHT, BEARING, VELOCITY = 0, 1, 2, 3, 4, 5, 8
+
+#: Kinds that fused filters hear of each beacon: range and range rate.
+KINDS = 2
 
 #: Columns of `places`: how many states are estimated (the rest is considered), then the first
 #: state of each further block, -1 where it is left out.
-ESTIMATED, AIR, LIFT, CLOCK, BIAS, IMU, PLACES = range(7)
+ESTIMATED, AIR, LIFT, CLOCK, BIAS, IMU, ATTITUDE, PLACES = range(8)
 
 #: Accelerometers: along the velocity, to the side and across it.
 AXES = 3
 
 
 @fast_kernel
-def ranges_and_rates(path, beacons, out):
-    """Distances (m) and their rates (m/s), (t, n, 2), of states (t, 6) and beacons (t, n, 6)."""
+def ideal_values(path, sources, kinds, out):
+    """Values without noise, (t, n, c), along states (t, 6), of sources (t, n, 6) and kinds (c,)."""
+    places, row = np.full(PLACES, -1), np.empty(6)
     for t in range(path.shape[0]):
-        for b in range(beacons.shape[1]):
-            square, product = 0.0, 0.0
-            for i in range(3):
-                d = path[t, i] - beacons[t, b, i]
-                square += d * d
-                product += d * (path[t, 3 + i] - beacons[t, b, 3 + i])
-            distance = math.sqrt(square)
-            out[t, b, RANGE] = distance
-            out[t, b, RATE] = product / distance
+        for b in range(sources.shape[1]):
+            for c in range(kinds.size):
+                out[t, b, c] = measured(kinds[c], path[t], sources[t, b], b, places, row)
 
 
 @fast_kernel
-def measurement_rows(x, beacon, number, places, range_row, rate_row):
-    """Predict range and range rate to a beacon, and write their rows.
+def measured(kind, x, source, number, places, row):
+    """Predict one measurement of a source, and write its row.
 
     ``R = |r - b| + c + o``, ``R' = n.(v - b') + c'``, with the receiver's clock c (m) and its
-    drift c' (m/s) and the bias o of this beacon's ranges, where they are states;
-    ``dR/dr = n``, ``dR'/dr = (I - n n^T)(v - b')/R``, ``dR'/dv = n``.
+    drift c' (m/s), of one-way kinds alone, and the bias o of this beacon's ranges, where they are
+    states; ``dR/dr = n``, ``dR'/dr = (I - n n^T)(v - b')/R``, ``dR'/dv = n``. Height: ``|r|``.
+
+    Directions ``n = (b - r)/|b - r|`` and velocities ``v - b'`` are read in axes off by the small
+    angles f, where they are states: ``n - f x n``. Of a direction all three components are given,
+    each with the noise of an angle: the one along n tells nothing, for its row is zero there.
 
     Parameters
     ----------
+    kind
+        See `RANGE`; of directions and velocities the first component's number and up.
     x
         State, shape (s,).
-    beacon, number
-        Position and velocity, (6,), and which beacon it is.
+    source, number
+        Position and velocity, (6,), and which source it is.
     places
         See `PLACES`.
-    range_row, rate_row
-        Outputs, (s,); only the entries named here are written, the others must be zero.
+    row
+        Output, (s,); only the entries named here are written, the others must be zero.
     """
-    dx, dy, dz = x[0] - beacon[0], x[1] - beacon[1], x[2] - beacon[2]
-    wx, wy, wz = x[3] - beacon[3], x[4] - beacon[4], x[5] - beacon[5]
+    if kind >= BEARING:
+        return _component(kind, x, source, places, row)
+    if kind == HEIGHT:
+        distance = math.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
+        row[0], row[1], row[2] = x[0] / distance, x[1] / distance, x[2] / distance
+        return distance
+    dx, dy, dz = x[0] - source[0], x[1] - source[1], x[2] - source[2]
     distance = math.sqrt(dx * dx + dy * dy + dz * dz)
     nx, ny, nz = dx / distance, dy / distance, dz / distance
+    if kind in (RANGE, ECHO):
+        if places[BIAS] >= 0:
+            row[places[BIAS] :] = 0.0  # another beacon's
+        row[0], row[1], row[2] = nx, ny, nz
+        if kind == RANGE and places[CLOCK] >= 0:
+            distance += x[places[CLOCK]]
+            row[places[CLOCK]] = 1.0
+        if places[BIAS] >= 0:
+            distance += x[places[BIAS] + number]
+            row[places[BIAS] + number] = 1.0
+        return distance
+    wx, wy, wz = x[3] - source[3], x[4] - source[4], x[5] - source[5]
     rate = nx * wx + ny * wy + nz * wz
-    range_row[0], range_row[1], range_row[2] = nx, ny, nz
-    rate_row[3], rate_row[4], rate_row[5] = nx, ny, nz
-    rate_row[0] = (wx - rate * nx) / distance
-    rate_row[1] = (wy - rate * ny) / distance
-    rate_row[2] = (wz - rate * nz) / distance
-    if places[CLOCK] >= 0:
-        distance += x[places[CLOCK]]
+    row[3], row[4], row[5] = nx, ny, nz
+    row[0] = (wx - rate * nx) / distance
+    row[1] = (wy - rate * ny) / distance
+    row[2] = (wz - rate * nz) / distance
+    if kind == RATE and places[CLOCK] >= 0:
         rate += x[places[CLOCK] + 1]
-        range_row[places[CLOCK]] = 1.0
-        rate_row[places[CLOCK] + 1] = 1.0
-    if places[BIAS] >= 0:
-        distance += x[places[BIAS] + number]
-        range_row[places[BIAS] + number] = 1.0
-    return distance, rate
+        row[places[CLOCK] + 1] = 1.0
+    return rate
+
+
+@fast_kernel
+def _component(kind, x, source, places, row):
+    """One component of a direction or of a velocity, and its row, as in `measured`."""
+    first = 0 if kind < VELOCITY else 3
+    i = kind - (BEARING if kind < VELOCITY else VELOCITY)
+    j, k = (i + 1) % 3, (i + 2) % 3
+    w, size = np.empty(3), 0.0
+    for c in range(3):
+        w[c] = x[first + c] - source[first + c]
+        size += w[c] * w[c]
+    scale = 1.0
+    if first == 0:
+        scale = -1.0 / math.sqrt(size)  # towards the source
+        for c in range(3):
+            w[c] *= scale
+    for c in range(3):
+        turn = w[i] * w[c] if first == 0 else 0.0
+        row[first + c] = scale * ((1.0 if c == i else 0.0) - turn)
+    value = w[i]
+    if places[ATTITUDE] >= 0:
+        at = places[ATTITUDE]
+        value -= x[at + j] * w[k] - x[at + k] * w[j]
+        row[at + j], row[at + k] = -w[k], w[j]
+        for c in range(3):
+            along = w[c] if first == 0 else 0.0
+            dk = scale * ((1.0 if c == k else 0.0) - w[k] * along)
+            dj = scale * ((1.0 if c == j else 0.0) - w[j] * along)
+            row[first + c] -= x[at + j] * dk - x[at + k] * dj
+    return value
 
 
 @fast_kernel

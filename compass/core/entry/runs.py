@@ -6,17 +6,7 @@ import numpy as np
 
 from compass.core.entry.filter import added, filter_run
 from compass.core.entry.flow import advance
-from compass.core.entry.measure import (
-    AIR,
-    BIAS,
-    CLOCK,
-    ESTIMATED,
-    KINDS,
-    LIFT,
-    RANGE,
-    RATE,
-    ranges_and_rates,
-)
+from compass.core.entry.measure import AIR, ESTIMATED, LIFT, ideal_values
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.jit import kernel
 
@@ -49,16 +39,16 @@ def normalised_square(covariance, error):
 
 @kernel
 def monte_carlo(
-    path, p_true, root0, covariance0, p, bank, times, longest, noise, walk, fade, beacons,
-    variances, places, iterations, draws0, draws, draws_noise, errors, squares, sigmas,
+    path, p_true, root0, covariance0, p, bank, times, longest, noise, walk, fade, sources,
+    variances, kinds, places, iterations, method, draws0, draws, draws_noise, errors, squares,
+    sigmas,
 ):  # fmt: skip
     """Run the filter many times against the true flight.
 
     Without process noise the truth is `path` itself, however far apart the epochs are; with it,
     the truth is moved from its own last state, by the same steps as the filter's, and shaken, and
-    so it is where the density wanders. All other blocks are zero in truth but for their walk; the
-    first estimate is drawn about the truth with `root0`, and where the density wanders, the truth
-    about the estimate.
+    so it is where the density wanders. All other blocks are zero in truth; the first estimate is
+    drawn about the truth with `root0`, and where the density wanders, the truth about the estimate.
 
     Parameters
     ----------
@@ -67,7 +57,7 @@ def monte_carlo(
     root0, covariance0, p, ...
         As in `filter_run`, `root0` a root of `covariance0`.
     draws0, draws, draws_noise
-        Standard normal draws, (m, s), (m, t, n, 2), (m, t, s).
+        Standard normal draws, (m, s), (m, t, n, c), (m, t, s).
     errors
         Output, (m, t, 6), estimate minus truth.
     squares
@@ -76,15 +66,14 @@ def monte_carlo(
     sigmas
         Output, (m, t, 2): roots of the traces of the covariance of position and of velocity.
     """
-    runs, epochs, n, size = errors.shape[0], times.size, beacons.shape[1], root0.shape[0]
+    runs, epochs, size = errors.shape[0], times.size, root0.shape[0]
     truth, further = path.copy(), np.zeros((epochs, size))
     xs, ps = np.empty((epochs, size)), np.empty((epochs, size, size))
-    ideal, z = np.empty((epochs, n, KINDS)), np.empty((epochs, n, KINDS))
+    ideal, z = np.empty(variances.shape), np.empty(variances.shape)
     start, difference = np.empty(size), np.empty(size)
-    estimated, shaken = places[ESTIMATED], noise.shape[0] > 0
-    clock, bias = places[CLOCK], places[BIAS]
+    estimated, shaken = places[ESTIMATED], noise.shape[1] > 0
     air, wanders = places[AIR], fade.min() < 1.0
-    ranges_and_rates(path, beacons, ideal)
+    ideal_values(path, sources, kinds, ideal)
     for m in range(runs):
         for i in range(size):
             start[i] = 0.0
@@ -93,12 +82,9 @@ def monte_carlo(
         if wanders:
             further[0, air] = -start[air]
             start[air] = 0.0
-        for t in range(1, epochs):
-            for i in range(6, size):
-                step = math.sqrt(walk[t, i]) * draws_noise[m, t, i]
-                further[t, i] = (fade[t] if i == air else 1.0) * further[t - 1, i] + step
-            if clock >= 0:
-                further[t, clock] += (times[t] - times[t - 1]) * further[t - 1, clock + 1]
+            for t in range(1, epochs):
+                step = math.sqrt(walk[t, air]) * draws_noise[m, t, air]
+                further[t, air] = fade[t] * further[t - 1, air] + step
         if shaken or wanders:
             for t in range(1, epochs):
                 advance(
@@ -106,25 +92,20 @@ def monte_carlo(
                     p_true[RATIO] + added(further[t - 1], places[LIFT]), p_true, bank,
                     times[t - 1], times[t], longest, truth[t],
                 )  # fmt: skip
-                for i in range(noise.shape[1] if shaken else 0):
+                for i in range(noise.shape[1]):
                     for j in range(6):
                         truth[t, i] += noise[t, i, j] * draws_noise[m, t, j]
-            ranges_and_rates(truth, beacons, ideal)
+            ideal_values(truth, sources, kinds, ideal)
         for i in range(6):
             start[i] += truth[0, i]
         for t in range(epochs):
-            for b in range(n):
-                for kind in range(KINDS):
-                    sigma = math.sqrt(variances[t, b, kind])
-                    z[t, b, kind] = ideal[t, b, kind] + sigma * draws[m, t, b, kind]
-                if clock >= 0:
-                    z[t, b, RANGE] += further[t, clock]
-                    z[t, b, RATE] += further[t, clock + 1]
-                if bias >= 0:
-                    z[t, b, RANGE] += further[t, bias + b]
+            for b in range(z.shape[1]):
+                for c in range(z.shape[2]):
+                    sigma = math.sqrt(variances[t, b, c])
+                    z[t, b, c] = ideal[t, b, c] + sigma * draws[m, t, b, c]
         filter_run(
-            start, covariance0, p, bank, times, longest, noise, walk, fade, beacons, variances, z,
-            places, iterations, xs, ps,
+            start, covariance0, p, bank, times, longest, noise, walk, fade, sources, variances, z,
+            kinds, places, iterations, method, xs, ps,
         )  # fmt: skip
         for t in range(epochs):
             for i in range(size):

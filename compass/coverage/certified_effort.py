@@ -1,0 +1,261 @@
+"""How far certified figures are taken, and the file from which finer ones go on from coarser."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Unpack
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.coverage.certified_question import Asked
+from compass.coverage.certified_share import (
+    CertifiedPercentile,
+    CertifiedShare,
+    certified_percentile,
+    certified_share,
+)
+from compass.coverage.certified_worst import (
+    CertifiedAlways,
+    CertifiedWorst,
+    certified_always,
+    certified_worst,
+)
+from compass.digest import digest_of
+from compass.errors import ArgumentError
+from compass.kept import version
+from compass.orbits import Constellation
+from compass.saving import check_writable, replacing
+
+#: How near bounds of a percentile come, relative to it, for a width of those of a share; at most.
+PERCENTILE_PER_SHARE, COARSEST = 100.0, 0.1
+
+
+@dataclass
+class Effort:
+    """How near bounds are to come and how long that may take; all figures of a command share it.
+
+    Without `width` and `budget_s` callers' own widths and numbers of boxes count, which are the
+    same on any machine. Once interrupted, what is asked next answers at once what is known of it.
+
+    Attributes
+    ----------
+    width
+        How near bounds of shares are to come; those of percentiles `PERCENTILE_PER_SHARE` times
+        that, relative to the value, but at most `COARSEST` apart.
+    budget_s
+        Seconds that each figure may take.
+    file
+        Where open boxes are kept: what it holds of the same question is gone on from. What
+        another version of the program left is not.
+    workers
+        Threads; the numbers do not depend on them.
+    progress
+        Called with what is looked for and which part of the way to the width is gone, 0 to 1, on
+        a logarithmic scale of what is open.
+    """
+
+    width: float | None = None
+    budget_s: float | None = None
+    file: Path | None = None
+    workers: int = 1
+    progress: Callable[[str, float], None] = lambda title, part: None
+    interrupted: bool = False
+    _arrays: dict[str, NDArray[Any]] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        """Check what is asked and read the file.
+
+        Raises
+        ------
+        ArgumentError
+            A width or budget out of range, or a file that is none of open boxes.
+        OutputError
+            A file that cannot be written.
+        """
+        if self.width is not None and not 0 < self.width < 1:
+            raise ArgumentError(f"width = {self.width:g}: allowed above 0 and below 1")
+        if self.budget_s is not None and not self.budget_s > 0:
+            raise ArgumentError(f"budget_s = {self.budget_s:g}: must be positive")
+        if self.file is not None:
+            check_writable(self.file)
+            if self.file.exists():
+                self._arrays = _read(self.file)
+
+    def share(
+        self,
+        constellation: Constellation,
+        limit: float,
+        *,
+        width: float,
+        budget_boxes: float,
+        **asked: Unpack[Asked],
+    ) -> CertifiedShare:
+        """As `certified_share`; `width` and `budget_boxes` where nothing else was asked."""
+        wide, key = self.width or width, _key("share", constellation, limit, asked)
+
+        def told(still: float) -> None:
+            self.progress("share", _part(still, wide))
+
+        found = certified_share(
+            constellation,
+            limit,
+            width=wide,
+            start=self._share(key),
+            workers=self.workers,
+            progress=told,
+            **self._budget(budget_boxes),
+            **asked,
+        )
+        self._put_share(key, found)
+        self._close(found.stopped)
+        return found
+
+    def percentile(
+        self,
+        constellation: Constellation,
+        percent: float,
+        *,
+        precision: float,
+        budget_boxes: float,
+        **asked: Unpack[Asked],
+    ) -> CertifiedPercentile:
+        """As `certified_percentile`; `precision` and `budget_boxes` where nothing else was."""
+        key, start = _key("percentile", constellation, percent, asked), None
+        if self.width is not None:
+            precision = min(PERCENTILE_PER_SHARE * self.width, COARSEST)
+        if (known := self._arrays.get(f"{key}/ends")) is not None:
+            low, high = known.tolist()
+            start = CertifiedPercentile(low, high, percent, "", open=self._share(key))
+        found = certified_percentile(
+            constellation,
+            percent,
+            precision=precision,
+            start=start,
+            workers=self.workers,
+            **self._budget(budget_boxes),
+            **asked,
+        )
+        if not math.isinf(found.low):
+            self._arrays[f"{key}/ends"] = np.array([found.low, found.high])
+        self._put_share(key, found.open)
+        self.progress("percentile", 1.0)
+        self._close(found.stopped)
+        return found
+
+    def worst(
+        self,
+        constellation: Constellation,
+        *,
+        precision: float = 1e-3,
+        budget_boxes: float,
+        **asked: Unpack[Asked],
+    ) -> CertifiedWorst:
+        """As `certified_worst`; only seconds, no width, move the number of boxes."""
+        key, start = _key("worst", constellation, 0.0, asked), None
+        if (best := self._arrays.get(f"{key}/best")) is not None:
+            leaves, boxes = self._arrays[f"{key}/leaves"], int(self._arrays[f"{key}/boxes"])
+            start = CertifiedWorst(
+                0.0, np.inf, None, boxes, "", leaves=leaves, best=tuple(best.tolist())
+            )
+        timed = self.interrupted or self.budget_s is not None
+        budget = self._budget(budget_boxes) if timed else {"budget_boxes": budget_boxes}
+        found = certified_worst(
+            constellation,
+            precision=precision,
+            start=start,
+            workers=self.workers,
+            budget_s=budget.get("budget_s", math.inf),
+            budget_boxes=budget["budget_boxes"],
+            **asked,
+        )
+        if found.leaves is not None:
+            self._arrays |= {
+                f"{key}/best": np.array(found.best),
+                f"{key}/leaves": found.leaves,
+                f"{key}/boxes": np.array(found.boxes),
+            }
+        self.progress("largest", 1.0)
+        self._close(found.stopped)
+        return found
+
+    def always(
+        self,
+        constellation: Constellation,
+        limit: float,
+        *,
+        budget_boxes: float,
+        **asked: Unpack[Asked],
+    ) -> CertifiedAlways:
+        """As `certified_always`, begun anew each time."""
+        budget = self._budget(budget_boxes)
+        found = certified_always(constellation, limit, workers=self.workers, **budget, **asked)
+        self.interrupted = self.interrupted or found.stopped == "interrupted"
+        return found
+
+    def _budget(self, boxes: float) -> dict[str, float]:
+        """Seconds and boxes that a figure may take."""
+        seconds = math.inf if self.budget_s is None else self.budget_s
+        free = self.width is not None or self.budget_s is not None
+        return {
+            "budget_s": 0.0 if self.interrupted else seconds,
+            "budget_boxes": math.inf if free else boxes,
+        }
+
+    def _share(self, key: str) -> CertifiedShare | None:
+        """Where a share stopped; None where it has not begun."""
+        if (leaves := self._arrays.get(f"{key}/leaves")) is None:
+            return None
+        settled = tuple(self._arrays[f"{key}/settled"].tolist())
+        boxes = int(self._arrays[f"{key}/boxes"])
+        return CertifiedShare(0.0, 1.0, boxes, "", leaves=leaves, settled=settled)
+
+    def _put_share(self, key: str, found: CertifiedShare | None) -> None:
+        """Keep where a share stopped, or that none is open."""
+        for name in ("leaves", "settled", "boxes"):
+            self._arrays.pop(f"{key}/{name}", None)
+        if found is not None and found.leaves is not None:
+            self._arrays |= {
+                f"{key}/leaves": found.leaves,
+                f"{key}/settled": np.array(found.settled),
+                f"{key}/boxes": np.array(found.boxes),
+            }
+
+    def _close(self, stopped: str) -> None:
+        """Note why a figure stopped, and write the file."""
+        self.interrupted = self.interrupted or stopped == "interrupted"
+        if self.file is not None:
+            with replacing(self.file) as temporary, temporary.open("wb") as stream:
+                np.savez(stream, version=np.array(version()), **self._arrays)  # type: ignore[arg-type]
+
+
+def _key(kind: str, constellation: Constellation, at: float, asked: Asked) -> str:
+    """Name of all that a figure depends on."""
+    return digest_of((kind, constellation, float(at), dict(asked)))
+
+
+def _part(still: float, wide: float) -> float:
+    """Part of the way from all open to a width."""
+    return min(max(math.log(max(still, 1e-300)) / math.log(wide), 0.0), 1.0)
+
+
+def _read(path: Path) -> dict[str, NDArray[Any]]:
+    """Arrays of a file of open boxes; none of another version.
+
+    Raises
+    ------
+    ArgumentError
+        It is something else.
+    """
+    try:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as held:
+            found = {name: held[name] for name in held.files}
+        known = str(found.pop("version"))
+    except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
+        raise ArgumentError(
+            f"leaves = {path}: not a file of open boxes; name one that a run has written, or a "
+            "new one"
+        ) from error
+    return found if known == version() else {}

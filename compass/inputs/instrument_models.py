@@ -1,0 +1,139 @@
+"""What a scenario file may say of measurements beside one-way radio, and how it is read."""
+
+from math import inf, radians
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from compass.entry.instruments import Features, Instrument
+from compass.inputs.table import Table
+
+Positive = Annotated[float, Field(gt=0, le=1e15)]
+Share = Annotated[float, Field(ge=0, le=1)]
+Height = Annotated[float, Field(gt=0, le=1e4)]
+
+
+class TwoWayTable(Table):
+    """Radio to the beacons and back: no clock of the lander enters."""
+
+    range_sigma_m: Positive | None = Field(None, description="one sigma of ranges, m")
+    range_rate_sigma_m_s: Positive | None = Field(None, description="one sigma of range rates, m/s")
+
+
+class AltimeterTable(Table):
+    """The lander's altimeter, whose noise counts what terrain is not known."""
+
+    sigma_m: Positive = Field(description="one sigma, m")
+    share: Share = Field(0.0, description="one sigma more, as a share of the height")
+    below_km: Height | None = Field(
+        None, description="altitude from which on it works, km; always if left out"
+    )
+    interval_s: Positive = Field(1.0, description="time between readings, s")
+
+
+class VelocimeterTable(Table):
+    """The lander's velocimeter: three axes of its velocity over the ground."""
+
+    sigma_m_s: Positive = Field(description="one sigma of each axis, m/s")
+    share: Share = Field(0.0, description="one sigma more, as a share of the speed")
+    below_km: Height | None = Field(
+        None, description="altitude from which on it works, km; always if left out"
+    )
+    interval_s: Positive = Field(1.0, description="time between readings, s")
+
+
+class FeaturesTable(Table):
+    """The lander's camera, which knows features of the surface, one [[feature]] each."""
+
+    sigma_deg: Annotated[float, Field(gt=0, le=10)] = Field(
+        description="one sigma of a direction to each side, degrees"
+    )
+    below_km: Height | None = Field(
+        None, description="altitude from which on it works, km; always if left out"
+    )
+    interval_s: Positive = Field(1.0, description="time between pictures, s")
+
+
+class FeatureTable(Table):
+    """A feature of the surface that the lander knows by sight."""
+
+    name: str = Field(min_length=1, description="what to call the feature")
+    latitude_deg: Annotated[float, Field(ge=-90, le=90)] = Field(
+        description="planetocentric latitude, degrees"
+    )
+    longitude_deg: Annotated[float, Field(ge=-180, le=360)] = Field(
+        description="east longitude, degrees"
+    )
+    height_km: Annotated[float, Field(ge=-20, le=100)] = Field(
+        0.0, description="height over the planet's sphere, km"
+    )
+
+
+def features_of(tables: list[FeatureTable]) -> Features:
+    """Features of the surface, as given."""
+    return Features(
+        tuple(table.name for table in tables),
+        tuple(radians(table.latitude_deg) for table in tables),
+        tuple(radians(table.longitude_deg) for table in tables),
+        tuple(1e3 * table.height_km for table in tables),
+    )
+
+
+def instruments_of(
+    two_way: TwoWayTable | None,
+    altimeter: AltimeterTable | None,
+    velocimeter: VelocimeterTable | None,
+    features: FeaturesTable | None,
+) -> tuple[Instrument, ...]:
+    """Instruments, as given."""
+    found = []
+    if two_way is not None and two_way.range_sigma_m is not None:
+        found.append(Instrument("two_way_range", two_way.range_sigma_m))
+    if two_way is not None and two_way.range_rate_sigma_m_s is not None:
+        found.append(Instrument("two_way_rate", two_way.range_rate_sigma_m_s))
+    for kind, table in (
+        ("altimeter", altimeter),
+        ("velocimeter", velocimeter),
+        ("features", features),
+    ):
+        if table is not None:
+            below = inf if table.below_km is None else 1e3 * table.below_km
+            found.append(Instrument(kind, *_sigmas(table), below, table.interval_s))
+    return tuple(found)
+
+
+def _sigmas(table: AltimeterTable | VelocimeterTable | FeaturesTable) -> tuple[float, float]:
+    """Sigma of a reading, and what it grows by with height or speed."""
+    if isinstance(table, FeaturesTable):
+        return radians(table.sigma_deg), 0.0
+    if isinstance(table, VelocimeterTable):
+        return table.sigma_m_s, table.share
+    return table.sigma_m, table.share
+
+
+def instrument_faults(raw: dict[str, Any], interval_faults: Any) -> list[str]:
+    """Faults between fields of the tables above; `interval_faults` knows the time step."""
+    measured, faults = raw.get("measurements"), []
+    if not isinstance(measured, dict):
+        return []
+    two_way = measured.get("two_way")
+    if isinstance(two_way, dict) and not two_way:
+        faults.append("measurements.two_way: needs range_sigma_m, range_rate_sigma_m_s or both")
+    for name in ("altimeter", "velocimeter", "features"):
+        if isinstance(table := measured.get(name), dict):
+            faults += interval_faults(table, f"measurements.{name}.interval_s")
+    if "features" in measured and not raw.get("feature"):
+        faults.append("feature: missing; measurements.features needs at least one [[feature]]")
+    if raw.get("feature") and "features" not in measured:
+        faults.append(
+            "measurements.features: missing; needed beside [[feature]], to say how well they are "
+            "seen"
+        )
+    if raw.get("fusion") is not None:
+        faults += [
+            f"measurements.{name}: not beside [fusion], whose filters hear one-way radio and "
+            "accelerometers; leave one of them out"
+            for name in ("two_way", "altimeter", "velocimeter", "features")
+            if name in measured
+        ]
+    return faults

@@ -1,0 +1,197 @@
+"""Every kind of measurement: rows against differences, turned about, and what it is worth."""
+
+import numpy as np
+import pytest
+
+from compass.core.entry.measure import (
+    BEARING,
+    BIAS,
+    CLOCK,
+    ECHO,
+    HEIGHT,
+    PLACES,
+    RANGE,
+    VELOCITY,
+    ideal_values,
+    measured,
+)
+from compass.entry.beacons import Beacons
+from compass.entry.consistency import consistency
+from compass.entry.covariance import axes_covariance, linear_covariance
+from compass.entry.instruments import KINDS, Features, Instrument
+from compass.entry.layout import Layout, Part
+from compass.entry.navigation import Filter, run_filter, run_monte_carlo
+from compass.entry.schedule import Measurements
+from compass.entry.trajectory import fly
+from compass.entry.views import cartesian_of, spherical_of
+from compass.errors import ArgumentError
+
+PRIOR = axes_covariance(1000.0, 0.5)
+PARTS = (Part("clock", (30.0, 0.1)), Part("bias", (10.0,)), Part("attitude", (1e-3,) * 3))
+LAYOUT = Layout(PARTS, 2)
+NUMBERS = range(VELOCITY + 3)
+
+
+@pytest.mark.parametrize("kind", NUMBERS)
+def test_rows_are_the_derivatives_of_what_is_predicted(kind):
+    """Against central differences at a state with clocks, biases and turned axes."""
+    rng = np.random.default_rng(kind)
+    x = np.concatenate(
+        [rng.normal(size=3) * 3.4e6, rng.normal(size=3) * 3e3, rng.normal(size=LAYOUT.size - 6)]
+    )
+    x[-3:] *= 1e-3
+    source = np.concatenate([rng.normal(size=3) * 2e7, rng.normal(size=3) * 1e3])
+    places, row = LAYOUT.numbers(), np.zeros(LAYOUT.size)
+
+    def value(state):
+        return measured(kind, state, source, 1, places, np.zeros(state.size))
+
+    assert measured(kind, x, source, 1, places, row) == value(x)
+    for j in range(x.size):
+        step = [1.0, 0.01, 1e-3][0 if j < 3 else 1 if j < 6 else 2]
+        up, down = x.copy(), x.copy()
+        up[j] += step
+        down[j] -= step
+        found = (value(up) - value(down)) / (2 * step)
+        # a value of size V is rounded by 1e-16 V, its slope by that over the step
+        rounding = 1e-15 * abs(value(x)) / step
+        assert found == pytest.approx(row[j], rel=1e-6, abs=1e-9 * abs(row).max() + rounding)
+
+
+def test_what_enters_a_kind_and_what_does_not():
+    """No clock both ways; biases of ranges alone; height over the centre."""
+    places = LAYOUT.numbers()
+    x, source = np.arange(1.0, LAYOUT.size + 1), np.zeros(6)
+    rows = {kind: np.zeros(LAYOUT.size) for kind in NUMBERS}
+    values = {kind: measured(kind, x, source, 0, places, rows[kind]) for kind in NUMBERS}
+    assert rows[RANGE][places[CLOCK]] == 1.0 and rows[ECHO][places[CLOCK]] == 0.0
+    assert rows[RANGE][places[BIAS]] == rows[ECHO][places[BIAS]] == 1.0
+    assert values[RANGE] - values[ECHO] == pytest.approx(x[places[CLOCK]])
+    assert values[HEIGHT] == pytest.approx(np.sqrt(14.0))
+    assert len(places) == PLACES
+
+
+@pytest.fixture(scope="module")
+def case(world, table5, orbiter_beacons):
+    """Epochs 24 s apart on a planet at rest, and features under the flight."""
+    fine, model = orbiter_beacons(0.0), world("none")
+    beacons = Beacons(fine.names, fine.times[::24], fine.r[::24], fine.v[::24], fine.moving)
+    flight = fly(model, table5, beacons.times)
+    lon, lat = flight.states[::3, 1], flight.states[::3, 2] + 0.01
+    features = Features(tuple("abcd"), tuple(lat), tuple(lon), (0.0, 1e3, -2e3, 0.0))
+    return model, flight, beacons, features
+
+
+def everything(features, **changes):
+    kinds = (
+        Instrument("two_way_range", 5.0),
+        Instrument("two_way_rate", 0.01),
+        Instrument("altimeter", 10.0, share=0.01, below=40e3),
+        Instrument("velocimeter", 0.2, share=0.001, interval=48.0),
+        Instrument("features", 1e-3),
+    )
+    return Measurements(50.0, 0.1, instruments=kinds, features=features, **changes)
+
+
+def test_all_kinds_turn_with_the_problem(case):
+    """On a sphere at rest any rotation of flight, beacons and features changes no sigma."""
+    model, flight, beacons, features = case
+    rotation, _ = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))
+    rotation *= np.sign(np.linalg.det(rotation))
+    turned = Beacons(
+        beacons.names, beacons.times, beacons.r @ rotation.T, beacons.v @ rotation.T, beacons.moving
+    )
+    places = features.places(model.planet_radius) @ rotation.T
+    size = np.linalg.norm(places, axis=1)
+    moved = Features(
+        features.names,
+        tuple(np.arcsin(places[:, 2] / size)),
+        tuple(np.arctan2(places[:, 1], places[:, 0])),
+        features.height,
+    )
+    both = np.kron(np.eye(2), rotation)
+    start = spherical_of(both @ cartesian_of(flight.states[0, :6]))
+    other = fly(model, start, beacons.times)
+    layout = Layout((Part("attitude", (1e-3,) * 3),), beacons.size)
+    taken = np.ones((beacons.times.size, beacons.size), bool)
+    sigmas = []
+    for flown, heard, seen in ((flight, beacons, features), (other, turned, moved)):
+        measurements = everything(seen)
+        found = linear_covariance(
+            model, flown.path, heard, taken, measurements, PRIOR, layout=layout
+        )
+        sigmas.append([found.position_sigma, found.velocity_sigma])
+        count = dict(measurements.readings(heard, taken, flown.path, model.planet_radius))
+        assert (
+            count["velocity over the ground"] == 3 * 6 and 0 < count["height over the sphere"] < 11
+        )
+        assert 0 < count["directions to surface features"] < 3 * 4 * 11
+    np.testing.assert_allclose(sigmas[0], sigmas[1], rtol=1e-7)
+
+
+def test_every_instrument_is_worth_something(case):
+    """Each makes the bound smaller; ranges both ways need no clock."""
+    model, flight, beacons, features = case
+    whole = everything(features)
+    taken = np.ones((beacons.times.size, beacons.size), bool)
+
+    def end(measurements, parts=()):
+        layout = Layout(parts, beacons.size)
+        run = linear_covariance(
+            model, flight.path, beacons, taken, measurements, PRIOR, layout=layout
+        )
+        return run.position_sigma[-1], run.velocity_sigma[-1]
+
+    plain = end(Measurements(50.0, 0.1))
+    for one in whole.instruments:
+        alone = end(Measurements(50.0, 0.1, instruments=(one,), features=features))
+        assert alone[0] < plain[0] or alone[1] < plain[1]
+    # ranges both ways are those of a lander whose clock is known
+    clock = (Part("clock", (3e4, 0.3)),)
+    two_way = Measurements(None, None, instruments=(Instrument("two_way_range", 50.0),))
+    np.testing.assert_allclose(end(two_way, clock), end(Measurements(50.0)), rtol=1e-9)
+    assert end(Measurements(50.0), clock)[0] > end(two_way, clock)[0]
+
+
+@pytest.mark.slow
+def test_a_filter_that_hears_all_kinds_is_consistent(case):
+    model, flight, beacons, features = case
+    whole, taken = everything(features), np.ones((beacons.times.size, beacons.size), bool)
+    clock = (Part("clock", (3e4, 0.3)),)
+    parts = (*clock, Part("bias", (10.0,), considered=True), Part("attitude", (1e-3,) * 3))
+    settings = Filter(PRIOR, np.zeros(6), 3, parts)
+    mc = run_monte_carlo(model, flight, beacons, taken, whole, settings, runs=40)
+    assert consistency(mc.nees, flight.times, 6, mc.diverged).holds
+    assert consistency(mc.nees_all, flight.times, mc.estimated, mc.diverged).holds
+
+
+def test_a_filter_fed_from_outside_hears_all_kinds(case):
+    """Exact readings of every kind along the flight leave the filter on it."""
+    model, flight, beacons, features = case
+    measurements = everything(features)
+    taken = np.ones((beacons.times.size, beacons.size), bool)
+    sources, variances, kinds = measurements.heard(beacons, taken, flight.path, model.planet_radius)
+    z = np.empty(variances.shape)
+    ideal_values(flight.path, sources, kinds, z)
+    settings = Filter(PRIOR, np.zeros(6))
+    states, _ = run_filter(model, flight.path[0], beacons, taken, measurements, settings, z)
+    assert np.abs(states - flight.path)[:, :3].max() < 0.02  # Runge-Kutta steps of a filter
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"kind": "sextant"}, "kind = 'sextant': allowed two_way_range"),
+        ({"sigma": 0.0}, "altimeter: sigma = 0.0: must be positive"),
+        ({"interval": np.inf}, "altimeter: interval = inf: must be positive"),
+        ({"share": -0.1}, "altimeter: share = -0.1: must be 0 or more"),
+    ],
+)
+def test_impossible_instruments_are_refused(change, message):
+    with pytest.raises(ArgumentError, match=message):
+        Instrument(**{"kind": "altimeter", "sigma": 1.0} | change)
+
+
+def test_records_name_the_kernels_numbers_once():
+    numbers = [number for kind in KINDS for number in kind.numbers]
+    assert sorted(numbers) == list(range(2, VELOCITY + 3)) and BEARING in numbers
