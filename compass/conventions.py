@@ -49,8 +49,7 @@ def in_conventions(dataset: "xr.Dataset") -> "xr.Dataset":
             attrs.update({k: v for k, v in _AXES.get(name, {}).items() if k not in attrs})
             variable.encoding["_FillValue"] = None
             if name == "time" and epoch and attrs.get("units") == "s":
-                attrs |= {"units": f"seconds since {epoch}", "calendar": "standard"}
-                attrs["units_metadata"] = "leap_seconds: none"  # TDB has none
+                attrs |= _since(epoch)
         elif name in _PLACES:
             attrs.setdefault("standard_name", _PLACES[name])
         if variable.dtype.kind in "OUS":
@@ -61,6 +60,31 @@ def in_conventions(dataset: "xr.Dataset") -> "xr.Dataset":
             attrs["long_name"] = name.replace("_", " ")
     made.attrs.setdefault("Conventions", CONVENTIONS)
     return made
+
+
+def dated(dataset: "xr.Dataset", *names: str) -> "xr.Dataset":
+    """Return a dataset whose times say from which epoch they count, so that xarray can date them.
+
+    Parameters
+    ----------
+    dataset
+        With the epoch as its attribute ``epoch_tdb`` (ISO 8601).
+    *names
+        Its variables in seconds after the epoch; ``time`` if none is named.
+    """
+    since, made = _since(dataset.attrs["epoch_tdb"]), dataset.copy()
+    for name in names or ("time",):
+        made[name].attrs = {**dataset[name].attrs, **since}
+    return made
+
+
+def _since(epoch: str) -> dict[str, str]:
+    """Attributes of times in seconds after an epoch; TDB has no leap seconds."""
+    return {
+        "units": f"seconds since {epoch}",
+        "calendar": "standard",
+        "units_metadata": "leap_seconds: none",
+    }
 
 
 def epoch_text(seconds_past_j2000: float) -> str:

@@ -349,7 +349,9 @@ class Design:
     label: str = "design"
 
     def __post_init__(self) -> None:
-        """Take a name from the constellation if there is no other."""
+        """Take a name from the constellation if there is no other, and lists as tuples."""
+        for several in ("stations", "radios", "requirements"):
+            object.__setattr__(self, several, tuple(getattr(self, several)))
         if not self.name:
             object.__setattr__(self, "name", self.constellation.name)
 

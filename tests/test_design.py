@@ -119,5 +119,6 @@ share = 0.9
         "Gale", latitude_deg=-4.6, longitude_deg=137.4, height_km=-4, mask_deg=horizon
     )
     work = compass.Requirement.of("work", sites=[gale], mask_deg=10, pdop_at_most=6, share=0.9)
-    made = compass.Design(three(), mask=compass.Mask.of(5), stations=(gale,), requirements=(work,))
+    made = compass.Design(three(), mask=compass.Mask.of(5), stations=[gale], requirements=[work])
+    assert hash(made) == hash(replace(made, stations=(gale,)))  # lists will do
     assert replace(read_design_text(TEXT + table), text="") == made

@@ -3,9 +3,9 @@
 from dataclasses import dataclass, field, replace
 from math import degrees
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from compass.api.given import given_design
+from compass.api.given import joined_designs
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.coverage.certified_effort import Effort
@@ -17,6 +17,9 @@ from compass.document.blocks import Block
 from compass.document.plain import plain
 from compass.orbits.motion import MotionModel
 from compass.quantities import quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, repr=False)
@@ -52,6 +55,25 @@ class CheckResult(Result):
     def document(self) -> Page:
         """The answer, the table of verdicts, and what is said of each."""
         return Page(self.design.name, self.blocks())
+
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
+        """Draw the margin of each requirement; of those without one only its name.
+
+        Parameters
+        ----------
+        axes
+            Where to; new ones without.
+        """
+        from compass.pictures.bars import draw_bars
+
+        return draw_bars(
+            axes,
+            [f"{v.requirement.name}: {v.word}" for v in self.verdicts],
+            [None if v.margin is None else degrees(v.margin) for v in self.verdicts],
+            quantity("requirement_margin_deg"),
+            f"{self.design.name}: margins of the requirements",
+            missed=[v.met is False for v in self.verdicts],
+        )
 
     def blocks(self) -> tuple[Block, ...]:
         """What other results show of it."""
@@ -128,7 +150,7 @@ def _value(verdict: Answer) -> str:
 
 def check(
     design: Design | str | Path,
-    *,
+    *others: Design | str | Path,
     days: float | None = None,
     start_day: float = 0.0,
     motion: MotionModel | None = None,
@@ -141,8 +163,9 @@ def check(
 
     Parameters
     ----------
-    design
-        A design, or the path of its file.
+    design, *others
+        A design, or the path of its file; with several their satellites together are asked for
+        the requirements of all.
     days, start_day
         For so many days from a day after the epoch on, at the places themselves; without days for
         ever. Needed where the motion is integrated or a table.
@@ -169,7 +192,7 @@ def check(
     >>> found.holds, found.verdicts[0].evidence
     (True, 'proven')
     """
-    read = given_design(design)
+    read = joined_designs((design, *others))
     effort = Effort(width, budget_s, None if leaves is None else Path(leaves))
     if motion is not None:
         read = replace(read, motion=read.motion.or_of(motion))

@@ -4,8 +4,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from compass.api.given import given_design
 from compass.api.results import Result
+from compass.conventions import dated, epoch_text
 from compass.design import Design
 from compass.digest import digest_of
 from compass.document import Page, Sentence, Table, Value, Verdict
@@ -22,6 +25,7 @@ from compass.signal.determination import Determination, determine_orbits, implie
 from compass.tracking import Tracking
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
 HOUR = 3600.0
@@ -195,11 +199,36 @@ class DetermineResult(Result):
         with replacing(Path(path)) as temporary:
             temporary.write_text(text, encoding="utf-8")
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw the position's sigma over time, with all tracking and without each kind."""
         from compass.pictures.determine import draw_sigmas
 
         return draw_sigmas(axes, self.design.name, self.found, self.by_tracking)
+
+    @property
+    def dataset(self) -> "xr.Dataset":
+        """One sigma of every satellite's orbit and clock over time, as CF lays it out."""
+        import xarray as xr
+
+        dims, sigma = ("satellite", "time"), np.moveaxis(self.found.sigma, 0, -1)
+        known = COMPONENTS if self.clock_known else COMPONENTS[:3]
+        made = xr.Dataset(
+            {
+                (name := f"{component}_sigma_m"): (
+                    dims,
+                    sigma[:, k],
+                    quantity(name).attributes(),
+                )
+                for k, component in enumerate(known)
+            },
+            {
+                "satellite": list(self.design.constellation.satellite_names),
+                "time": ("time", self.found.times, {"units": "s", "long_name": "time"}),
+            },
+            {"title": self.design.name, "motion": self.motion}
+            | {"epoch_tdb": epoch_text(self.design.constellation.epoch)},
+        )
+        return dated(made)
 
     def save_plot(self, path: str | Path) -> None:
         """Write `plot` as a PNG file; a killed run leaves no partial one."""

@@ -1,9 +1,10 @@
 """Horizons that terrain draws around a design's stations, to be written into its file."""
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import degrees
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +23,10 @@ from compass.saving import replacing
 from compass.sites import Site
 from compass.terrain import horizon as horizon_of
 from compass.terrain import on_ground
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, repr=False)
@@ -74,7 +79,7 @@ class HorizonResult(Result):
         header = (
             "",
             quantity("station.height_km").heading,
-            f"highest horizon, {mask.unit}",
+            f"highest horizon, {mask.shown_unit}",
             "towards",
         )
         how = (
@@ -83,6 +88,58 @@ class HorizonResult(Result):
         )
         blocks: tuple[Block, ...] = (Table("Horizons", header, rows), Sentence(how))
         return Page(self.design.name, blocks)
+
+    @cached_property
+    def dataset(self) -> "xr.Dataset":
+        """Elevation of every station's horizon by azimuth, as CF lays it out."""
+        import xarray as xr
+
+        azimuths = np.unique([a for site in self.design.stations for a in site.mask.azimuth])
+        elevation = [np.degrees(site.mask.at(azimuths)) for site in self.design.stations]
+        return xr.Dataset(
+            {
+                "horizon": (
+                    ("station", "azimuth"),
+                    np.reshape(elevation, (len(elevation), azimuths.size)),
+                    {"units": "deg", "long_name": "elevation of the horizon"},
+                )
+            },
+            {
+                "station": [site.name for site in self.design.stations],
+                "azimuth": (
+                    "azimuth",
+                    np.degrees(azimuths),
+                    {"units": "deg", "long_name": "azimuth, clockwise from north"},
+                ),
+            },
+            {"title": self.design.name, "source": self.terrain},
+        )
+
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
+        """Draw the horizon of every station by azimuth.
+
+        Parameters
+        ----------
+        axes
+            Where to; new ones without.
+        """
+        from compass.pictures.style import CYCLE, axes_or_new, look
+
+        drawn, known = axes_or_new(axes), self.dataset
+        with look():
+            for k, site in enumerate(self.design.stations):
+                line = known.horizon[k]
+                drawn.plot(known.azimuth, line, color=CYCLE[k % len(CYCLE)], label=site.name)
+            drawn.set(
+                xlabel="azimuth from north, deg",
+                ylabel="elevation of the horizon, deg",
+                title=f"{self.design.name}: horizons of the terrain",
+                xlim=(0.0, 360.0),
+            )
+            drawn.grid(alpha=0.3)
+            if self.design.stations:
+                drawn.legend(fontsize="small")
+        return drawn
 
     def write(self, path: str | Path) -> None:
         """Write the design with these horizons; comments of its file are lost.

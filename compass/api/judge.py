@@ -1,7 +1,7 @@
 """Candidate constellations ranked by landing-navigation quality."""
 
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,24 +9,31 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.api.given import given_design, given_scenario
+from compass.api.judge_tables import (
+    budget_table,
+    filter_table,
+    not_told_apart,
+    ranking_table,
+    surface_table,
+    unknown_air,
+    with_bounds,
+)
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.design import Design
-from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
-from compass.document.numbers import significant
+from compass.document import Page, Sentence, Verdict
 from compass.document.plain import plain
+from compass.entry.doubts import Doubts
 from compass.errors import ArgumentError, DesignError
 from compass.frames import SECONDS_PER_DAY
 from compass.inputs import read_design
 from compass.inputs.scenario import Scenario
 from compass.orbits.motion import Motion
 from compass.orbits.touching import touching
-from compass.quantities import Quantity, quantity
 from compass.saving import check_writable, replacing
 from compass.study.judge import campaign_of
 from compass.study.ranking import Ranking, check_ranking, rank_designs
 from compass.study.rival import best_rival, rival_toml
-from compass.study.unknowns import Doubts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -64,8 +71,8 @@ class JudgeResult(Result):
         best, unknown = rows[0], unknown_air(record)
         claim = (
             f"{best['design']} is best of {len(rows)}: position bound at {record['deployment']} "
-            f"{_drawn(best['crlb_position_m'], 'p95')} m in 95 % of {record['samples']} entries"
-            + "".join(f", {text}" for text in unknown)
+            f"{with_bounds(best['crlb_position_m'], 'p95')} m in 95 % of {record['samples']} "
+            "entries" + "".join(f", {text}" for text in unknown)
         )
         run = [row for row in rows if row["nees"] is not None]
         return Page(
@@ -292,140 +299,3 @@ def _rival_radius(
             f"rival_radius_km = {radius_km:g}: allowed above the surface ({surface:g} km) to 1e7 km"
         )
     return radius_km * 1e3
-
-
-def unknown_air(record: dict[str, Any]) -> list[str]:
-    """What of the air is not known beforehand, and by how much."""
-    known = (("density", record["density_sigma"]), ("L/D", record["lift_sigma"]))
-    return [f"{name} unknown by {100 * sigma:g} %" for name, sigma in known if sigma]
-
-
-def surface_table(rows: Sequence[dict[str, Any]]) -> Table:
-    """Coverage and geometry of every design for users on the surface."""
-    margin = quantity("mask_margin_deg")
-    good = quantity("availability")
-    header = ("design", "continuous coverage", margin.heading, "GDOP p50", "p95", good.heading)
-    return Table("Users on the surface", header, tuple(_surface(row, margin) for row in rows))
-
-
-def _surface(row: dict[str, Any], margin: Quantity) -> tuple[object, ...]:
-    known = row["surface"]
-    highest = known["mask_margin_deg"]
-    return (
-        row["design"],
-        f"{known['fold']['wanted']}-fold {known['fold']['outcome']}",
-        Value(margin, "no mask has it" if highest is None else highest, Proven()),
-        *(_bracketed("gdop", known["gdop"], key) for key in ("p50", "p95")),
-        _bracketed("availability", known, "availability"),
-    )
-
-
-def _bracketed(name: str, known: Mapping[str, Any], key: str) -> Value:
-    """One of the figures that stand between proven bounds."""
-    return Value(quantity(name), known[key], Bracket(*known[f"{key}_bracket"]))
-
-
-def ranking_table(rows: Sequence[dict[str, Any]]) -> Table:
-    """Bounds of every design, the best first."""
-    return Table(
-        "Designs ranked by the 95th percentile of the position bound",
-        (
-            "rank", "design", "satellites", "in view, fewest", "position p50, m", "p95, m",
-            "worst found, m", "velocity p95, m/s", "p95 after worst loss, m", "worst found, m",
-            "blind, %",
-        ),
-        tuple(
-            (
-                row["rank"],
-                row["design"],
-                row["satellites"],
-                row["in_view"]["min"],
-                _drawn(row["crlb_position_m"], "p50"),
-                _drawn(row["crlb_position_m"], "p95"),
-                _digits(row["worst_found"]["value"]),
-                _drawn(row["crlb_velocity_m_s"], "p95"),
-                *_loss_columns(row),
-                _digits(100 * row["unobservable_share"]),
-            )
-            for row in rows
-        ),
-    )  # fmt: skip
-
-
-def _loss_columns(row: dict[str, Any]) -> tuple[object, object]:
-    """95th percentile and worst found after the worst loss; nothing where there is nobody."""
-    if "after_loss" not in row:
-        return "", ""
-    lost = row["after_loss"]
-    return _drawn(lost["crlb_position_m"], "p95"), _digits(lost["worst_found"]["value"])
-
-
-def budget_table(rows: Sequence[dict[str, Any]]) -> Table:
-    """What the position error of every design comes from, m."""
-    names = list(rows[0]["budget_m"])
-    return Table(
-        "Where the position error comes from, root mean square, m",
-        ("design", *names),
-        tuple((row["design"], *(_digits(row["budget_m"][name]) for name in names)) for row in rows),
-    )
-
-
-def filter_table(rows: Sequence[dict[str, Any]]) -> Table:
-    """Errors of the filter, and whether they are as large as it says."""
-    return Table(
-        "The filter itself: its errors at deployment, and whether they are as large as it says",
-        (
-            "design", "runs", "diverged", "error p50, m", "p95, m", "rms over the bound's", "NEES",
-            "95 % of consistent filters between", "consistent",
-        ),
-        tuple(
-            (
-                row["design"],
-                row["runs"],
-                row["diverged"],
-                _drawn(row["ekf_position_m"], "p50"),
-                _drawn(row["ekf_position_m"], "p95"),
-                _digits(row["rms_over_bound"]),
-                _digits(row["nees"]),
-                "{low:.2f} and {high:.2f}".format(**row["nees_interval"]),
-                _consistent(row),
-            )
-            for row in rows
-        ),
-    )  # fmt: skip
-
-
-def _consistent(row: dict[str, Any]) -> str:
-    if not row["believed"]:
-        return f"no: errors {row['errors_over_claim']:.3g} times its claim"
-    return "yes" if row["consistent"] else "no"
-
-
-def not_told_apart(rows: Sequence[dict[str, Any]]) -> list[str]:
-    """Say which designs so few entries cannot put behind the best; nothing if there is none."""
-    best, *others = rows
-    bounds = best["crlb_position_m"].get("p95_interval")
-    if bounds is None:
-        return []
-    names = [
-        row["design"] for row in others if row["crlb_position_m"]["p95_interval"][0] <= bounds[1]
-    ]
-    if not names:
-        return []
-    return [
-        f"not told apart from {best['design']} by so few entries: {', '.join(names)}; their bounds "
-        "of the 95th percentile overlap"
-    ]
-
-
-def _drawn(known: Mapping[str, Any], key: str) -> str | float:
-    """A percentile of what was drawn, and between what bounds that of endless draws lies."""
-    bounds = known.get(f"{key}_interval")
-    if bounds is None:
-        return _digits(known[key])
-    return f"{known[key]:.4g} ({significant(bounds[0], 3)} to {significant(bounds[1], 3)})"
-
-
-def _digits(value: float) -> float:
-    """Four digits: more would be noise of the entries drawn."""
-    return float(f"{value:.4g}")

@@ -13,8 +13,9 @@ from compass.api.land_flight import (
     entry_facts,
     entry_section,
 )
-from compass.api.land_fusion import fusion_facts, fusion_section
+from compass.api.land_fusion import fusion_facts, fusion_section, too_sure
 from compass.api.results import Result
+from compass.conventions import dated
 from compass.document import Page, Picture, Section, Verdict
 from compass.document.plain import plain
 from compass.entry.assess import Assessment, assessment_dataset
@@ -49,7 +50,7 @@ class LandResult(Result):
     command
         For the provenance.
     strict
-        Whether an inconsistent filter makes the claim fail.
+        Whether an inconsistent filter, or a fused one that is too sure, makes the claim fail.
     """
 
     scenario: Scenario = field(repr=False)
@@ -60,14 +61,16 @@ class LandResult(Result):
 
     @property
     def holds(self) -> bool:
-        """Whether the filter is consistent, if that was asked for."""
-        return not self.strict or self.assessment.consistency.holds
+        """Whether the filters' claims hold, if that was asked for."""
+        if not self.strict:
+            return True
+        return self.assessment.consistency.holds and not (self.fused and too_sure(self.fused))
 
     @property
     def dataset(self) -> "xr.Dataset":
         """The flight and everything over its times."""
         data = assessment_dataset(self.assessment)
-        return data.assign_attrs(provenance(self.scenario, self.command))
+        return dated(data.assign_attrs(provenance(self.scenario, self.command)))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.document.blocks import Picture, Section, Table, arranged
 from compass.document.numbers import significant
@@ -203,7 +204,12 @@ def entry_tables(found: Assessment) -> tuple[Table, ...]:
         )
     ]
     view = [
-        (name, float(found.seen[:, k].mean()), int(found.taken[:, k].sum()))
+        (
+            name,
+            float(found.seen[:, k].mean()),
+            int(found.taken[:, k].sum()),
+            _noise(found.range_noise, k),
+        )
         for k, name in enumerate(found.beacons.names)
     ]
     mc, bound = found.monte_carlo, found.bound
@@ -227,7 +233,11 @@ def entry_tables(found: Assessment) -> tuple[Table, ...]:
     return (
         *events,
         Table("Largest loads", ("quantity", "largest", "unit", "at, s"), tuple(peaks)),
-        Table("Beacons", ("beacon", "share of time in view", "epochs measured"), tuple(view)),
+        Table(
+            "Beacons",
+            ("beacon", "share of time in view", "epochs measured", "range noise, m"),
+            tuple(view),
+        ),
         *(
             [Table("Beside one-way radio", ("what", "numbers read"), found.readings)]
             if found.readings
@@ -255,6 +265,14 @@ def entry_tables(found: Assessment) -> tuple[Table, ...]:
             tuple(rows),
         ),
     )
+
+
+def _noise(sigmas: NDArray[np.float64] | None, beacon: int) -> str:
+    """Noise of the ranges of one beacon, least to most."""
+    if sigmas is None or not np.isfinite(sigmas[:, beacon]).any():
+        return "none"
+    low, high = (significant(float(f(sigmas[:, beacon])), 3) for f in (np.nanmin, np.nanmax))
+    return low if low == high else f"{low} to {high}"
 
 
 def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:

@@ -31,7 +31,7 @@ def fusion_words(found: FusionRuns) -> tuple[str, ...]:
     if words and found.plan.see_through:
         words.append("as in the source, ranges are let through the planet all the same")
     said = [". ".join(word[0].upper() + word[1:] for word in words) + "."] if words else []
-    vain = [f"{name}, {how}" for name, data in found.clear.items() if (how := _vain(data))]
+    vain = too_sure(found)
     if vain:
         said.insert(0, f"Not to be believed: {'; '.join(vain)}.")
     if case.arrival is not None:
@@ -54,6 +54,11 @@ def fusion_words(found: FusionRuns) -> tuple[str, ...]:
                     f"{data.attrs['divergences'][0]}."
                 )
     return tuple(said)
+
+
+def too_sure(found: FusionRuns) -> list[str]:
+    """Filters that claim too much where nothing is at fault; a cautious one claims what holds."""
+    return [f"{name}, {how}" for name, data in found.clear.items() if (how := _vain(data))]
 
 
 def _vain(data: "xr.Dataset") -> str:

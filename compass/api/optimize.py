@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from compass.entry.search import Optimum
 from compass.entry.trajectory import Trajectory, fly
 from compass.errors import ArgumentError
 from compass.inputs.scenario import Scenario, provenance
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 KM = 1e3
 
@@ -70,6 +73,18 @@ class OptimizeResult(Result):
             exact = best_determinant(np.ones(task.count))
             words.append(f"Closed form (N/3)^3: {exact:.7g}.")
         return tuple(words)
+
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
+        """Draw how the objective fell from every start of the search.
+
+        Parameters
+        ----------
+        axes
+            Where to; new ones without.
+        """
+        from compass.pictures.beacons import draw_convergence
+
+        return draw_convergence(axes, self.found)
 
     def pictures(self) -> tuple[Picture, ...]:
         """Where ground beacons are best, and how the search converged."""

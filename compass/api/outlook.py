@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from compass.api.drift import RadiusLasts, at_radii, drift, real_motion
+from compass.api.drift import drift
 from compass.api.given import given_mask
 from compass.api.keep import keep
+from compass.api.radii import RadiusLasts, at_radii, real_motion
 from compass.coverage.certificate import Outcome
 from compass.coverage.lasting import Lasting, prove_span
 from compass.coverage.room import has_slots

@@ -19,7 +19,8 @@ from compass.orbits.constellation import Constellation
 from compass.quantities import quantity
 from compass.saving import replacing
 from compass.sites import Mask
-from compass.study.requirement_search import MOST_CERTIFIED, Found, Outcome, Question
+from compass.study.requirement_question import Found, Outcome, Question
+from compass.study.requirement_search import MOST_CERTIFIED
 
 
 @dataclass(frozen=True, repr=False)
@@ -73,6 +74,8 @@ class RequirementSearchResult(Result):
         if c.size > 1:
             apart = 2.0 * q.radius * sin(angle / 2.0) / 1e3
             parts.append(f"closest approach {apart:.0f} km ({degrees(angle):.1f} deg)")
+        if not q.geometry:
+            parts.append("geometry was not asked for")
         other = met[1] if len(met) > 1 else self.found.next_best
         following = f"{_name(other.constellation)}" if other is not None else "none looked at"
         parts.append(f"next best {following}")

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from datetime import timedelta
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from compass.frames import J2000
 from compass.orbits import Constellation, orbital_period, repeat_period
 from compass.papers.verdict import Row
 from compass.quantities import quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 KM, KM2 = 1e3, 1e6
 
@@ -76,6 +79,28 @@ class ShowResult(Result):
             f"{pattern.kind} {pattern.notation}, {c.size} satellites in {planes} at "
             f"{c.semi_major_axis[0] / KM:.6g} km; each sees {share} % of Mars"
         )
+
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
+        """Draw where the satellites stand: node against mean argument of latitude.
+
+        Parameters
+        ----------
+        axes
+            Where to; new ones without.
+        """
+        from compass.pictures.style import CYCLE, axes_or_new, look
+
+        c, drawn = self.design.constellation, axes_or_new(axes, 6.0, 5.0)
+        along = np.mod(np.degrees(c.argument_of_periapsis + c.mean_anomaly), 360.0)
+        with look():
+            drawn.plot(np.mod(np.degrees(c.raan), 360.0), along, "o", color=CYCLE[0])
+            drawn.set(
+                xlabel="node, deg", ylabel="mean argument of latitude, deg",
+                title=self.design.name, xlim=(-10.0, 370.0), ylim=(-10.0, 370.0),
+                xticks=range(0, 361, 60), yticks=range(0, 361, 60),
+            )  # fmt: skip
+            drawn.grid(alpha=0.3)
+        return drawn
 
     def constellation_table(self) -> Table:
         """What the design is."""

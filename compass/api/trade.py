@@ -29,6 +29,7 @@ from compass.study.workers import Processes, Workers
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
 
 #: Rows of the front that the text lists.
 LISTED = 25
@@ -104,6 +105,8 @@ class TradeResult(Result):
         )
         blocks: list[Block] = [Verdict("", claim, self.holds)]
         blocks += [Sentence(words) for words in self.notes()]
+        if self.study.entry is not None:
+            blocks.append(Sentence(self.study.entry.doubts.sentence([])))
         if front:
             rows = tuple(tuple(row.values()) for row in front)
             blocks.append(Table("Pareto front", tuple(front[0]), rows, LISTED))
@@ -115,6 +118,26 @@ class TradeResult(Result):
         )
         header = ("stage", "candidates", "computed now", "raised", "work s")
         return Page(self.study.name, (*blocks, Table("Stages", header, stages)))
+
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
+        """Draw the front in the first two objectives; of one objective against the satellites.
+
+        Parameters
+        ----------
+        axes
+            Where to; new ones without.
+        """
+        from compass.pictures.front import draw_front
+        from compass.pictures.style import axes_or_new, look
+
+        named = dict.fromkeys([*(o.figure for o in self.study.objectives), "satellites", "planes"])
+        first, second = list(named)[:2]
+        drawn = axes_or_new(axes, 5.6, 5.2)
+        with look():
+            draw_front(drawn, self.dataset, first, second)
+            drawn.set_title(self.study.name)
+            drawn.legend(frameon=False, fontsize=8)
+        return drawn
 
     def notes(self) -> tuple[str, ...]:
         """What went wrong, and what to do about it."""

@@ -5,21 +5,14 @@ from typing import Any
 
 import click
 
-from compass.cli.shared import (
-    announce_compilation,
-    command_line,
-    design_argument,
-    json_option,
-    print_result,
-    say,
-)
+from compass.cli.options import choice, design_argument, json_option, motion_option, path, real
+from compass.cli.shared import announce_compilation, command_line, print_result, say
 
 
 @click.command("access")
 @design_argument
-@click.option(
+@real(
     "--duration-sols",
-    type=float,
     help="Span from the design's epoch, above 0 to 1000 sols.  [default: the design's, else 10]",
 )
 @click.option(
@@ -29,36 +22,17 @@ from compass.cli.shared import (
     metavar="NAME=LAT,LON[,MASK]",
     help="A station beside the design's: planetocentric latitude, east longitude, mask; degrees.",
 )
-@click.option(
-    "--moon",
-    "moons",
-    multiple=True,
-    type=click.Choice(["phobos", "deimos"]),
-    help="Link with a moon.",
-)
+@choice("--moon", "moons", among=["phobos", "deimos"], multiple=True, help="Link with a moon.")
 @click.option("--earth", is_flag=True, help="Link with the Earth.")
 @click.option("--crosslinks", is_flag=True, help="Link satellites with each other.")
 @click.option("--eclipse", is_flag=True, help="Find when satellites and moons are in shadow.")
-@click.option(
-    "--model",
-    type=click.Choice(["two-body", "j2", "numerical"]),
-    help="How satellites move; else as the design says.",
-)
-@click.option("--start-day", type=float, default=0.0, help="Day after the epoch to begin at.")
-@click.option(
-    "--moon-model",
-    type=click.Choice(["precessing", "circular"]),
-    default="precessing",
-    show_default=True,
-    help="How moons move.",
+@motion_option
+@real("--start-day", default=0.0, help="Day after the epoch to begin at.")
+@choice(
+    "--moon-model", among=["precessing", "circular"], default="precessing", help="How moons move."
 )
 @click.option("--pairs", is_flag=True, help="Print a line for every pair.")
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    help="Write all windows to a file: .nc, .csv or .json.",
-)
+@path("-o", "--output", help="Write all windows to a file: .nc, .csv or .json.")
 @json_option
 def command(design: Path, output: Path | None, as_json: bool, **options: Any) -> None:
     """Find access windows: stations, Mars's moons, the Earth, and links between satellites.
@@ -68,7 +42,7 @@ def command(design: Path, output: Path | None, as_json: bool, **options: Any) ->
     """
     announce_compilation()
     import compass
-    from compass.api.access import check_suffix
+    from compass.api.access_result import check_suffix
     from compass.saving import check_writable
 
     if output:

@@ -5,33 +5,30 @@ from typing import Any
 
 import click
 
-from compass.cli.shared import (
-    announce_compilation,
+from compass.cli.options import (
     certified_options,
-    design_argument,
     json_option,
-    print_result,
-    watched,
+    motion_option,
+    real,
 )
+from compass.cli.shared import announce_compilation, print_result, watched
 
 
 @click.command()
-@design_argument
-@click.option("--days", type=float, help="Days to settle it for, at the places; else for ever.")
-@click.option("--start-day", type=float, default=0.0, help="Day after the epoch to begin at.")
-@click.option(
-    "--motion",
-    type=click.Choice(["two-body", "j2", "numerical"]),
-    help="How the satellites move; else as the design says.",
-)
+@click.argument("designs", nargs=-1, required=True, type=click.Path(path_type=Path))
+@real("--days", help="Days to settle it for, at the places; else for ever.")
+@real("--start-day", default=0.0, help="Day after the epoch to begin at.")
+@motion_option
 @certified_options
 @json_option
-def command(design: Path, as_json: bool, **options: Any) -> None:
-    """Settle every [[requirement]] of a design: met or missed, proven or with a bracket.
+def command(designs: tuple[Path, ...], as_json: bool, **options: Any) -> None:
+    """Settle every [[requirement]] of DESIGNS: met or missed, proven or with a bracket.
+
+    Several DESIGNS are one network: their satellites together, asked for the requirements of all.
 
     Exit status 0 all met, 1 one missed or undecided, 2 bad input.
     """
     announce_compilation()
     import compass
 
-    print_result(compass.check(design, progress=watched(), **options), as_json)
+    print_result(compass.check(*designs, progress=watched(), **options), as_json)

@@ -5,14 +5,15 @@ from typing import Any
 
 import click
 
-from compass.cli.shared import design_argument, json_option, print_result
+from compass.cli.options import design_argument, json_option, real, whole
+from compass.cli.shared import print_result
 
 
 @click.command()
 @design_argument
-@click.option("--launch-altitude-km", type=float, help="Orbit launched into; else the design's.")
-@click.option("--longest-wait-days", type=float, help="For the last plane; else the design's.")
-@click.option("--satellites-a-launch", type=int, help="At most; else the design's, or all.")
+@real("--launch-altitude-km", help="Orbit launched into; else the design's.")
+@real("--longest-wait-days", help="For the last plane; else the design's.")
+@whole("--satellites-a-launch", help="At most; else the design's, or all.")
 @json_option
 def command(design: Path, as_json: bool, **options: Any) -> None:
     """Weigh waiting for planes, whose nodes Mars's flattening turns apart, against delta-v.

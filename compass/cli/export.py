@@ -5,37 +5,32 @@ from typing import Any
 
 import click
 
-from compass.cli.shared import design_argument, emit_json, json_option, say
+from compass.cli.options import choice, design_argument, json_option, path, real
+from compass.cli.shared import emit_json, say
 
 
 @click.command("export")
 @design_argument
-@click.option(
+@choice(
     "--format",
-    type=click.Choice(["oem", "czml", "geojson", "toml"]),
+    among=["oem", "czml", "geojson", "toml"],
     required=True,
     help="CCSDS OEM 2.0, CZML, GeoJSON on the Mars sphere, or a design file.",
 )
-@click.option(
+@path(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
     required=True,
     help="File to write; for OEM, which takes one satellite a message, a new folder of files.",
 )
-@click.option(
-    "--duration-h",
-    type=float,
-    help="Time span, hours; by default until the ground tracks repeat.",
-)
-@click.option(
+@real("--duration-h", help="Time span, hours; by default until the ground tracks repeat.")
+@real(
     "--step-s",
-    type=float,
     help="Seconds between states; by default close enough for interpolation to a millimetre.",
 )
-@click.option(
+@choice(
     "--motion",
-    type=click.Choice(["two-body", "j2", "numerical"]),
+    among=["two-body", "j2", "numerical"],
     help="How they move; else as the design says.",
 )
 @json_option

@@ -5,31 +5,30 @@ from typing import Any
 
 import click
 
-from compass.cli.shared import (
-    announce_compilation,
+from compass.cli.options import (
     design_argument,
+    fold_option,
     json_option,
-    print_result,
-    watched,
+    mask_option,
+    motion_option,
+    real,
+    whole,
 )
+from compass.cli.shared import announce_compilation, print_result, watched
 
 
 @click.command()
 @design_argument
-@click.option("--fold", type=int, help="Satellites in view at once; else the design's.")
-@click.option("--mask-deg", type=float, help="Elevation mask, degrees; else the design's.")
-@click.option("--losses", type=int, default=0, help="Also what is left after so many failures.")
+@fold_option
+@mask_option
+@whole("--losses", default=0, help="Also what is left after so many failures.")
 @click.option(
     "--region", help="lat:MIN:MAX or polygon:LAT,LON;LAT,LON;..., degrees; else everywhere."
 )
-@click.option("--duration-h", type=float, help="Hours from the epoch to look at, not all time.")
-@click.option("--days", type=float, help="Days to prove it for, along the satellites' paths.")
-@click.option("--start-day", type=float, default=0.0, help="Day after the epoch to begin at.")
-@click.option(
-    "--motion",
-    type=click.Choice(["two-body", "j2", "numerical"]),
-    help="How the satellites move; else as the design says.",
-)
+@real("--duration-h", help="Hours from the epoch to look at, not all time.")
+@real("--days", help="Days to prove it for, along the satellites' paths.")
+@real("--start-day", default=0.0, help="Day after the epoch to begin at.")
+@motion_option
 @json_option
 def command(design: Path, as_json: bool, **options: Any) -> None:
     """Prove continuous k-fold coverage, or refute it with a witness; no grid, no time steps.

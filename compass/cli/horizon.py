@@ -5,37 +5,23 @@ from typing import Any
 
 import click
 
-from compass.cli.shared import (
-    announce_compilation,
-    design_argument,
-    json_option,
-    print_result,
-    say,
-    watched,
-)
+from compass.cli.options import choice, design_argument, json_option, path, real, whole
+from compass.cli.shared import announce_compilation, print_result, say, watched
 
 
 @click.command()
 @design_argument
-@click.option(
-    "--terrain",
-    type=click.Path(path_type=Path),
-    required=True,
-    help="GeoTIFF or netCDF grid of heights.",
-)
+@path("--terrain", required=True, help="GeoTIFF or netCDF grid of heights.")
 @click.option("--variable", help="Name of the heights in a netCDF file that has several.")
-@click.option(
+@choice(
     "--latitude-kind",
-    type=click.Choice(["planetocentric", "planetographic"]),
+    among=["planetocentric", "planetographic"],
     default="planetocentric",
-    show_default=True,
     help="Kind of latitude of a netCDF grid.",
 )
-@click.option("--above-m", type=float, default=0.0, help="Height of stations over the ground, m.")
-@click.option("--azimuths", type=int, default=360, show_default=True, help="Steps all around.")
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), help="Write the design with the horizons."
-)
+@real("--above-m", default=0.0, help="Height of stations over the ground, m.")
+@whole("--azimuths", default=360, help="Steps all around.")
+@path("-o", "--output", help="Write the design with the horizons.")
 @json_option
 def command(output: Path | None, design: Path, as_json: bool, **options: Any) -> None:
     """Draw the horizon of every station from terrain, and write it into a design file."""

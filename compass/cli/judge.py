@@ -5,14 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from compass.cli.shared import (
-    announce_compilation,
-    command_line,
-    json_option,
-    print_result,
-    say,
-    watched,
-)
+from compass.cli.options import json_option, path, real, whole
+from compass.cli.shared import announce_compilation, command_line, print_result, say, watched
 
 if TYPE_CHECKING:
     from compass.api.judge import JudgeResult
@@ -20,60 +14,28 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("designs", type=click.Path(path_type=Path), nargs=-1, required=True)
-@click.option(
-    "-s",
-    "--scenario",
-    type=click.Path(path_type=Path),
-    required=True,
-    help="Scenario file of the lander.",
+@path("-s", "--scenario", required=True, help="Scenario file of the lander.")
+@whole("--samples", default=1024, help="Entries to judge on.")
+@whole("--seed", default=0, help="Of sites, times and noise.")
+@real("--goal-m", default=10.0, help="Position wanted, m.")
+@real("--density-sigma", default=0.0, help="Unknown density, relative; known if left out.")
+@real("--lift-sigma", default=0.0, help="Unknown L/D, relative; known if left out.")
+@real("--clock-m", default=3e4, help="Lander's clock at first, m.")
+@real("--clock-drift-m-s", default=0.3, help="Its drift, m/s.")
+@real(
+    "--orbit-m", nargs=3, default=(2.0, 8.0, 5.0), help="Broadcast orbits: radial, along, cross, m."
 )
-@click.option("--samples", type=int, default=1024, show_default=True, help="Entries to judge on.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Of sites, times and noise.")
-@click.option("--goal-m", type=float, default=10.0, show_default=True, help="Position wanted, m.")
-@click.option(
-    "--density-sigma", type=float, default=0.0, help="Unknown density, relative; known if left out."
-)
-@click.option(
-    "--lift-sigma", type=float, default=0.0, help="Unknown L/D, relative; known if left out."
-)
-@click.option(
-    "--clock-m", type=float, default=3e4, show_default=True, help="Lander's clock at first, m."
-)
-@click.option(
-    "--clock-drift-m-s", type=float, default=0.3, show_default=True, help="Its drift, m/s."
-)
-@click.option(
-    "--orbit-m",
-    type=float,
-    nargs=3,
-    default=(2.0, 8.0, 5.0),
-    show_default=True,
-    help="Broadcast orbits: radial, along, cross, m.",
-)
-@click.option(
-    "--satellite-clock-m", type=float, default=3.0, show_default=True, help="Their clocks, m."
-)
-@click.option(
-    "--range-bias-m", type=float, default=1.0, show_default=True, help="Of each range, m."
-)
-@click.option("--finalists", type=int, default=3, show_default=True, help="Run the filter on them.")
-@click.option("--runs", type=int, default=512, show_default=True, help="Filter runs of each.")
-@click.option(
-    "--rival",
-    type=click.Path(path_type=Path),
-    help="Find the best Walker delta of the first design's size, and write it there.",
-)
-@click.option(
-    "--rival-radius-km", type=float, help="Its orbits' radius; the first design's if left out."
-)
-@click.option(
-    "--start-day", type=float, default=0.0, help="Day after the epochs on whose orbits to judge."
-)
-@click.option(
+@real("--satellite-clock-m", default=3.0, help="Their clocks, m.")
+@real("--range-bias-m", default=1.0, help="Of each range, m.")
+@whole("--finalists", default=3, help="Run the filter on them.")
+@whole("--runs", default=512, help="Filter runs of each.")
+@path("--rival", help="Find the best Walker delta of the first design's size, and write it there.")
+@real("--rival-radius-km", help="Its orbits' radius; the first design's if left out.")
+@real("--start-day", default=0.0, help="Day after the epochs on whose orbits to judge.")
+@path(
     "-o",
     "--report",
     "folder",
-    type=click.Path(path_type=Path),
     help="Folder for an HTML page with maps and distributions; none is made if left out.",
 )
 @json_option

@@ -4,24 +4,16 @@ from pathlib import Path
 
 import click
 
-from compass.cli.shared import (
-    announce_compilation,
-    command_line,
-    json_option,
-    print_result,
-    say,
-    watched,
-)
+from compass.cli.options import json_option, path
+from compass.cli.shared import announce_compilation, command_line, print_result, say, watched
 
 
 @click.command("land")
 @click.argument("scenario", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="netCDF file to write.")
-@click.option(
-    "--figures", type=click.Path(path_type=Path), help="Folder to write the pictures (PNG) into."
-)
+@path("-o", "--output", help="netCDF file to write.")
+@path("--figures", help="Folder to write the pictures (PNG) into.")
 @click.option("--runs", type=click.IntRange(1, 100_000), help="Monte Carlo runs, 1 to 100000.")
-@click.option("--strict", is_flag=True, help="Exit with 1 if the filter is inconsistent.")
+@click.option("--strict", is_flag=True, help="Exit with 1 if a filter is inconsistent.")
 @json_option
 def command(
     scenario: Path,

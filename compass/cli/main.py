@@ -45,10 +45,10 @@ class Commands(click.Group):
     """A group whose subcommands are the modules of ``compass.cli``, imported when named."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Names of the command files, without this one and the shared ones."""
+        """Names of the command files, without this one and what they share."""
         package = import_module("compass.cli")
         names = (module.name for module in iter_modules(package.__path__))
-        return sorted(name for name in names if name not in ("main", "shared"))
+        return sorted(name for name in names if name not in ("main", "options", "shared"))
 
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         """Import the file of a command."""

@@ -5,22 +5,23 @@ from typing import Any
 
 import click
 
-from compass.cli.shared import (
-    announce_compilation,
+from compass.cli.options import (
     certified_options,
-    command_line,
+    choice,
     design_argument,
     json_option,
-    print_result,
-    say,
-    watched,
+    motion_option,
+    path,
+    real,
+    whole,
 )
+from compass.cli.shared import announce_compilation, command_line, print_result, say, watched
 
 
 @click.command("map")
 @design_argument
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="netCDF file to write.")
-@click.option("--figure", "picture", type=click.Path(path_type=Path), help="PNG map to draw.")
+@path("-o", "--output", help="netCDF file to write.")
+@path("--figure", "picture", help="PNG map to draw.")
 @click.option(
     "--of",
     "drawn",
@@ -28,53 +29,28 @@ from compass.cli.shared import (
     show_default=True,
     help="What the PNG map shows: gdop, error_horizontal_m, count_min, ...",
 )
-@click.option("--step-deg", default=1.0, show_default=True, help="Cell size, 0.05 to 90 degrees.")
-@click.option(
-    "--grid",
-    default="equal-angle",
-    show_default=True,
-    type=click.Choice(["equal-angle", "equal-area"]),
-    help="Kind of cells.",
-)
-@click.option(
+@real("--step-deg", default=1.0, help="Cell size, 0.05 to 90 degrees.")
+@choice("--grid", among=["equal-angle", "equal-area"], default="equal-angle", help="Kind of cells.")
+@whole(
     "--epochs",
     default=109,
-    show_default=True,
     help="Epochs in the period, from 1; a prime number meets moments of symmetry least.",
 )
-@click.option("--mask-deg", type=float, help="Elevation mask instead of the design's, degrees.")
-@click.option("--fold", type=int, help="Satellites wanted instead of the design's.")
-@click.option(
-    "--pdop-max", default=6.0, show_default=True, help="Largest PDOP that counts as available."
-)
-@click.option(
-    "--motion",
-    type=click.Choice(["two-body", "j2", "numerical"]),
-    help="How the satellites move; else as the design says.",
-)
-@click.option(
-    "--start-day",
-    type=float,
-    default=0.0,
-    show_default=True,
-    help="Days after the epoch at which the period begins.",
-)
-@click.option(
-    "--duration-h",
-    type=float,
-    help="Period to map, hours; by default until the ground tracks repeat.",
-)
-@click.option(
+@real("--mask-deg", help="Elevation mask instead of the design's, degrees.")
+@whole("--fold", help="Satellites wanted instead of the design's.")
+@real("--pdop-max", default=6.0, help="Largest PDOP that counts as available.")
+@motion_option
+@real("--start-day", default=0.0, help="Days after the epoch at which the period begins.")
+@real("--duration-h", help="Period to map, hours; by default until the ground tracks repeat.")
+@real(
     "--error-max-m",
     default=30.0,
-    show_default=True,
     help="Largest error of a fix that counts as within, m; of designs with a [signal].",
 )
-@click.option(
+@choice(
     "--weights",
+    among=["variance", "equal"],
     default="variance",
-    show_default=True,
-    type=click.Choice(["variance", "equal"]),
     help="How a fix weighs its ranges.",
 )
 @certified_options
@@ -102,9 +78,9 @@ def command(
     read = compass.read_design(design)
     if time_series and output is None:
         raise ArgumentError("--time-series: needs a file to write to; add -o FILE.nc")
-    for path in (output, picture):
-        if path is not None:
-            check_writable(path, [design])
+    for written in (output, picture):
+        if written is not None:
+            check_writable(written, [design])
     if options["leaves"] is not None:
         check_writable(options["leaves"], [design])
     if output and picture and output == picture:
@@ -115,6 +91,6 @@ def command(
     if picture:
         made.save_plot(picture, drawn)
     print_result(made, as_json)
-    for path in (output, picture):
-        if path:
-            say(f"wrote {path}")
+    for written in (output, picture):
+        if written:
+            say(f"wrote {written}")

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import click
 
-from compass.cli.shared import json_option, print_result, say
+from compass.cli.options import json_option, path
+from compass.cli.shared import print_result, say
 
 KINDS = click.Choice(["design", "scenario", "study"])
 
@@ -17,7 +18,7 @@ KINDS = click.Choice(["design", "scenario", "study"])
     metavar="NAME",
     help="A design, scenario or study that comes with compass, by name, or any file.",
 )
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="File to write, else stdout.")
+@path("-o", "--output", help="File to write, else stdout.")
 @json_option
 def command(kind: str, like: str | None, output: Path | None, as_json: bool) -> None:
     """Write a commented file to start from: every key, its unit, range and default.

@@ -4,21 +4,13 @@ from pathlib import Path
 
 import click
 
-from compass.cli.shared import (
-    announce_compilation,
-    command_line,
-    json_option,
-    print_result,
-    say,
-    watched,
-)
+from compass.cli.options import json_option, path
+from compass.cli.shared import announce_compilation, command_line, print_result, say, watched
 
 
 @click.command("optimize")
 @click.argument("scenario", type=click.Path(path_type=Path))
-@click.option(
-    "--figures", type=click.Path(path_type=Path), help="Folder to write the pictures (PNG) into."
-)
+@path("--figures", help="Folder to write the pictures (PNG) into.")
 @json_option
 def command(scenario: Path, figures: Path | None, as_json: bool) -> None:
     """Search for the best beacons or orbits, as the SCENARIO's [optimize] table asks."""

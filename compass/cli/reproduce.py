@@ -4,17 +4,17 @@ from pathlib import Path
 
 import click
 
-from compass.cli.shared import announce_compilation, json_option, print_result, say
+from compass.cli.options import json_option, path
+from compass.cli.shared import announce_compilation, print_result, say
 from compass.papers import PAPERS
 from compass.saving import readable
 
 
 @click.command("reproduce")
 @click.argument("paper", type=click.Choice(PAPERS))
-@click.option(
+@path(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
     help="Folder for the rows (CSV) and the paper's figures, each as picture and data.",
 )
 @json_option

@@ -3,7 +3,8 @@
 import click
 
 from compass.cli.new import KINDS
-from compass.cli.shared import emit_json, json_option
+from compass.cli.options import json_option
+from compass.cli.shared import emit_json
 
 
 @click.command()

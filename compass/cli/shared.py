@@ -2,8 +2,6 @@
 
 import json
 import sys
-from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -13,27 +11,6 @@ from compass.saving import readable
 
 if TYPE_CHECKING:
     from compass.api.results import Result
-
-design_argument = click.argument("design", type=click.Path(path_type=Path))
-
-json_option = click.option(
-    "--json", "as_json", is_flag=True, help="Print one JSON object on stdout and nothing else."
-)
-
-
-def certified_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options of whatever is found between proven bounds."""
-    for option in (
-        click.option(
-            "--leaves",
-            type=click.Path(path_type=Path),
-            help="File of open boxes: what it holds of the same question is gone on from.",
-        ),
-        click.option("--budget-s", type=float, help="Seconds for each figure between bounds."),
-        click.option("--width", type=float, help="How near bounds of a share are to come: 1e-5."),
-    ):
-        command = option(command)
-    return command
 
 
 def emit_json(result: dict[str, Any]) -> None:
@@ -63,24 +40,6 @@ def say(message: str) -> None:
     """Tell the user something that is not a result (stderr), unless they asked for quiet."""
     if watched():
         click.echo(message, err=True)
-
-
-def print_table(title: str, rows: Sequence[Sequence[object]], header: Sequence[str] = ()) -> None:
-    """Print aligned columns under a title; numbers to seven digits or to the unit."""
-    cells = [[_cell(value) for value in row] for row in ([header] if header else []) + list(rows)]
-    if not cells:
-        return
-    widths = [max(len(row[k]) for row in cells) for k in range(len(cells[0]))]
-    click.echo(f"\n{title}\n{'-' * len(title)}")
-    for row in cells:
-        padded = (text.ljust(width) for text, width in zip(row, widths, strict=True))
-        click.echo("  ".join(padded).rstrip())
-
-
-def _cell(value: object) -> str:
-    if isinstance(value, float):
-        return f"{value:,.0f}" if 1e6 <= abs(value) < 1e15 else f"{value:.7g}"
-    return str(value)
 
 
 def command_line() -> str:

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import click
 
-from compass.cli.shared import design_argument, json_option, print_result
+from compass.cli.options import design_argument, json_option
+from compass.cli.shared import print_result
 
 
 @click.command("show")

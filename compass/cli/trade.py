@@ -5,24 +5,20 @@ from typing import Any
 
 import click
 
-from compass.cli.shared import announce_compilation, json_option, print_result, say, watched
+from compass.cli.options import json_option, path, whole
+from compass.cli.shared import announce_compilation, print_result, say, watched
 
 _FILE = click.Path(path_type=Path)
 
 
 @click.command()
 @click.argument("study", type=_FILE)
-@click.option(
-    "-o",
-    "--output",
-    type=_FILE,
-    help="Folder of the store; by default trades/NAME-OF-THE-FILE.",
-)
-@click.option("--workers", type=int, help="Processes on this machine; by default one a core.")
+@path("-o", "--output", help="Folder of the store; by default trades/NAME-OF-THE-FILE.")
+@whole("--workers", help="Processes on this machine; by default one a core.")
 @click.option("--scheduler", help="Address of a Dask scheduler, such as tcp://host:8786.")
-@click.option("--tls-ca", type=_FILE, help="Certificate of the cluster's authority (PEM).")
-@click.option("--tls-cert", type=_FILE, help="Own certificate (PEM).")
-@click.option("--tls-key", type=_FILE, help="Own key (PEM).")
+@path("--tls-ca", help="Certificate of the cluster's authority (PEM).")
+@path("--tls-cert", help="Own certificate (PEM).")
+@path("--tls-key", help="Own key (PEM).")
 @json_option
 def command(study: Path, as_json: bool, **options: Any) -> None:
     """Judge every candidate of a STUDY: an exact screen first, then maps, then entries.

@@ -2,7 +2,8 @@
 
 import click
 
-from compass.cli.shared import json_option, print_result
+from compass.cli.options import json_option
+from compass.cli.shared import print_result
 
 
 @click.command()

@@ -5,24 +5,13 @@ from pathlib import Path
 
 import click
 
-from compass.cli.shared import (
-    announce_compilation,
-    command_line,
-    design_argument,
-    emit_json,
-    json_option,
-    say,
-)
+from compass.cli.options import design_argument, json_option, path
+from compass.cli.shared import announce_compilation, command_line, emit_json, say
 
 
 @click.command()
 @design_argument
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    help="Page to write; by default views/NAME-OF-THE-FILE.html.",
-)
+@path("-o", "--output", help="Page to write; by default views/NAME-OF-THE-FILE.html.")
 @click.option(
     "--open/--no-open",
     "opened",

@@ -2,7 +2,8 @@
 
 import click
 
-from compass.cli.shared import json_option, print_result, watched
+from compass.cli.options import json_option
+from compass.cli.shared import print_result, watched
 
 
 @click.command()

@@ -33,7 +33,7 @@ def windows_dataset(found: Sequence[Windows], **attributes: object) -> "xr.Datas
             "count": (
                 "pair",
                 [w.count for w in found],
-                {"long_name": "windows of the pair", "sample_dimension": "window"},
+                {"long_name": "windows of the pair", "units": "1", "sample_dimension": "window"},
             ),
         },
         coords={

@@ -53,6 +53,8 @@ class Assessment:
         The same on the ground, of a flight that goes on past deployment to it.
     readings
         Of every kind that is measured, its title and how many numbers are read in all.
+    range_noise
+        One sigma of each range one way, m, (t, n); nan where none is measured.
     """
 
     flight: Trajectory
@@ -70,6 +72,7 @@ class Assessment:
     accuracy: Accuracy
     ground: Accuracy | None = None
     readings: tuple[tuple[str, int], ...] = ()
+    range_noise: NDArray[np.float64] | None = None
 
     @property
     def claim_m(self) -> float | None:
@@ -121,6 +124,8 @@ def assess(
     check_apart(beacons, flight.states)
     seen = in_view(beacons, flight.states, flight.model.planet_radius)
     taken = measurements.taken(seen, flight.times)
+    _, variances, _ = measurements.heard(beacons, taken, flight.path, flight.model)
+    taken &= np.isfinite(variances[:, : beacons.size]).any(axis=2)
     ranges, rates = measurements.measures
     degrees = {
         scaling: observability(
@@ -172,7 +177,8 @@ def assess(
         consistency(runs_made.nees, flight.times, 6, runs_made.diverged),
         consistency(runs_made.nees_all, flight.times, runs_made.estimated, runs_made.diverged),
         *_accuracies(flight, bound, layout, settings, deployment),
-        measurements.readings(beacons, taken, flight.path, model.planet_radius),
+        measurements.readings(beacons, taken, flight.path, flight.model),
+        np.sqrt(variances[:, : beacons.size, 0]),
     )
 
 

@@ -105,7 +105,7 @@ def linear_covariance(
         longest_step(measurements),
         noise_roots(flown, beacons.times, noise),
         *blocks.steps(flown),
-        *measurements.heard(beacons, taken, flown, model.planet_radius),
+        *measurements.heard(beacons, taken, flown, model),
         blocks.numbers(),
         out,
     )

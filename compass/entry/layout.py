@@ -65,12 +65,17 @@ class Part:
     scales
         Of the density: metres of altitude, and along the ground, over which its correlation
         falls to 1/e (infinite: never); empty for one factor all the way.
+    profile
+        Of a density that wanders: distance from the centre (m, increasing) and sigma there, log-
+        linear between, constant beyond; `sigma` is that where the flight begins. Empty for the
+        same everywhere.
     """
 
     name: str
     sigma: tuple[float, ...]
     considered: bool = False
     scales: tuple[float, ...] = ()
+    profile: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         units = block(self.name).units
@@ -86,9 +91,25 @@ class Part:
             raise ArgumentError(
                 f"{self.name}: scales = {list(self.scales)} m: two of density alone, both positive"
             )
+        heights = [radius for radius, _ in self.profile]
+        spread = [sigma for _, sigma in self.profile]
+        if self.profile and (
+            not self.scales or np.any(np.diff(heights) <= 0) or not min(spread) > 0
+        ):
+            raise ArgumentError(
+                f"{self.name}: a profile of sigmas is of density with scales, its heights "
+                "increasing and all sigmas above 0"
+            )
         for sigma, unit in zip(self.sigma, units, strict=True):
             if not 0 < sigma < float("inf"):
                 raise ArgumentError(f"{self.name}: sigma = {sigma} {unit}: must be positive")
+
+    def sigma_at(self, radius: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Sigma of the first state at distances from the centre, m."""
+        if not self.profile:
+            return np.full(radius.shape, self.sigma[0])
+        at, sigma = np.array(self.profile).T
+        return np.exp(np.interp(radius, at, np.log(sigma)))
 
 
 @dataclass(frozen=True)
@@ -169,7 +190,8 @@ class Layout:
 
         The density wanders by a Gauss-Markov chain: over a climb dh and a way ds along the
         ground, ``exp(-sqrt((dh/H)^2 + (ds/S)^2))`` of its logarithm is left, and as much variance
-        comes back as keeps it at its sigma.
+        comes back as keeps it at its sigma; where that changes with height, the logarithm grows
+        or shrinks with it.
 
         Parameters
         ----------
@@ -187,6 +209,8 @@ class Layout:
                 r = np.linalg.norm(path[:, :3], axis=1)
                 turn = np.linalg.norm(np.diff(path[:, :3] / r[:, None], axis=0), axis=1)
                 ways = np.diff(r) / part.scales[0], r[1:] * turn / part.scales[1]
-                fade[1:] = np.exp(-np.hypot(*ways))
-                walk[:, self.place("air")] = part.sigma[0] ** 2 * (1 - fade**2)
+                kept, sigma = np.ones(len(path)), part.sigma_at(r)
+                kept[1:] = np.exp(-np.hypot(*ways))
+                fade[1:] = kept[1:] * sigma[1:] / sigma[:-1]
+                walk[:, self.place("air")] = sigma**2 * (1 - kept**2)
         return walk, fade

@@ -9,3 +9,11 @@ PROFILE = (
     (60.0, 1.754e-5), (70.0, 7.254e-6), (80.0, 2.022e-6), (90.0, 4.192e-7), (100.0, 7.749e-8),
     (110.0, 1.488e-8), (120.0, 3.205e-9), (125.0, 1.632e-9),
 )  # fmt: skip
+
+#: Altitude (km) and one sigma of the density, relative: of 200 perturbed profiles of Mars-GRAM, as
+#: tabulated with AMAT; alike at the equator, 40 and 80 north. They tend to be rather large (Justh
+#: and Justus 2007, NASA NTRS 20090028811).
+SPREAD = (
+    (5.0, 0.02), (10.0, 0.023), (20.0, 0.031), (30.0, 0.041), (40.0, 0.054), (50.0, 0.072),
+    (60.0, 0.095), (70.0, 0.127), (80.0, 0.17), (90.0, 0.226), (100.0, 0.3), (120.0, 0.4),
+)  # fmt: skip

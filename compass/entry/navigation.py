@@ -124,7 +124,7 @@ def run_filter(
     first = np.zeros(layout.size)
     first[:6] = np.asarray(estimate, dtype=float)
     expected = _expected(model, first[:6], beacons, settings, measurements)
-    sources, variances, kinds = measurements.heard(beacons, taken, expected, model.planet_radius)
+    sources, variances, kinds = measurements.heard(beacons, taken, expected, model)
     states, covariances = (
         np.empty((count, layout.size)),
         np.empty((count, layout.size, layout.size)),
@@ -160,7 +160,7 @@ def _expected(
 ) -> NDArray[np.float64]:
     """Flight from the first estimate, along which noise, density and instruments are taken."""
     wanders = any(part.scales for part in settings.parts)
-    if not (np.any(settings.noise) or wanders or measurements.instruments):
+    if not (np.any(settings.noise) or wanders or measurements.instruments or measurements.link):
         return np.tile(first, (beacons.times.size, 1))
     path = fly(model, spherical_of(first), beacons.times).path
     return path[np.minimum(np.arange(beacons.times.size), len(path) - 1)]
@@ -264,7 +264,7 @@ def run_monte_carlo(
     sigmas = np.empty((runs, count, 2))
     streams = np.random.SeedSequence(seed).spawn(runs)
     path = np.ascontiguousarray(flight.path)
-    sources, variances, kinds = measurements.heard(beacons, taken, path, model.planet_radius)
+    sources, variances, kinds = measurements.heard(beacons, taken, path, flight.model)
     common = (
         path,
         flight.model.flight_parameters(),

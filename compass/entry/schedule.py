@@ -9,6 +9,8 @@ from compass.core.entry.measure import RANGE, RATE
 from compass.core.entry_geometry import cartesian_of
 from compass.entry.beacons import Beacons
 from compass.entry.instruments import Features, Instrument
+from compass.entry.link import Link
+from compass.entry.model import EntryModel
 from compass.errors import ArgumentError
 
 #: Of a lander that knows nothing by sight.
@@ -81,6 +83,8 @@ class Measurements:
         What it measures beside ranges and range rates.
     features
         What it knows by sight, for an instrument of that kind.
+    link
+        What adds to the noise of the ranges, and decides what is heard at all.
     """
 
     range_sigma: float | None = 50.0
@@ -91,6 +95,7 @@ class Measurements:
     in_turn: bool = False
     instruments: tuple[Instrument, ...] = ()
     features: Features = NO_FEATURES
+    link: Link | None = None
 
     def __post_init__(self) -> None:
         for name, unit in (("range_sigma", "m"), ("rate_sigma", "m/s")):
@@ -113,10 +118,10 @@ class Measurements:
         )
 
     def readings(
-        self, beacons: Beacons, taken: ArrayLike, path: NDArray[np.float64], planet_radius: float
+        self, beacons: Beacons, taken: ArrayLike, path: NDArray[np.float64], model: EntryModel
     ) -> tuple[tuple[str, int], ...]:
         """Title of every instrument beside one-way radio, and how many numbers it reads."""
-        _, variances, _ = self.heard(beacons, taken, path, planet_radius)
+        _, variances, _ = self.heard(beacons, taken, path, model)
         counts = np.isfinite(variances).sum(axis=(0, 1))
         firsts = 2 + np.cumsum([0, *(len(one.numbers) for one in self.instruments)])
         return tuple(
@@ -131,7 +136,7 @@ class Measurements:
         return np.where(taken[..., None], squares, np.nan)
 
     def heard(
-        self, beacons: Beacons, taken: ArrayLike, path: NDArray[np.float64], planet_radius: float
+        self, beacons: Beacons, taken: ArrayLike, path: NDArray[np.float64], model: EntryModel
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
         """Sources, variances and kinds of everything that is measured along a flight.
 
@@ -141,8 +146,8 @@ class Measurements:
             At the epochs of `path`, and which are measured, (t, n).
         path
             The flight, (t, 6).
-        planet_radius
-            Metres.
+        model
+            The world in which it is flown.
 
         Returns
         -------
@@ -154,23 +159,30 @@ class Measurements:
         kinds
             Numbers of `compass.core.entry.measure`, (c,): ranges, range rates, then the others.
         """
-        chosen = np.asarray(taken, dtype=bool)
+        chosen, planet_radius = np.asarray(taken, dtype=bool), model.planet_radius
+        loop = np.zeros(chosen.shape)
+        if self.link is not None:
+            loop = self.link.range_variance(beacons, path, model.atmosphere, planet_radius)
+            chosen = chosen & np.isfinite(loop)
+        own = self.variances(chosen)
+        own[..., 0] += np.where(chosen, loop, np.nan)
         if not self.instruments:
-            return beacons.states, self.variances(chosen), np.array([RANGE, RATE])
+            return beacons.states, own, np.array([RANGE, RATE])
         epochs, n, k = len(path), beacons.size, len(self.features.names)
         sources = np.zeros((epochs, n + k + 1, 6))
         sources[:, :n] = beacons.states
         sources[:, n : n + k, :3] = self.features.places(planet_radius)
         kinds = [RANGE, RATE, *(number for one in self.instruments for number in one.numbers)]
         variances = np.full((epochs, n + k + 1, len(kinds)), np.nan)
-        variances[:, :n, :2] = self.variances(chosen)
+        variances[:, :n, :2] = own
         at = 2
         for one in self.instruments:
             mine = variances[:, :, at : at + len(one.numbers)]
             at += len(one.numbers)
             square = one.variances(path, planet_radius)
             if one.of_beacons:
-                mine[:, :n] = np.where(chosen, square[:, None], np.nan)[..., None]
+                noise = square[:, None] + (loop if one.kind == "two_way_range" else 0.0)
+                mine[:, :n] = np.where(chosen, noise, np.nan)[..., None]
                 continue
             square = np.where(every(beacons.times, one.interval), square, np.nan)
             if one.kind == "features":

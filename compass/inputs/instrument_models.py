@@ -1,12 +1,16 @@
 """What a scenario file may say of measurements beside one-way radio, and how it is read."""
 
 from math import inf, radians
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from compass.design import Radio
 from compass.entry.instruments import Features, Instrument
+from compass.entry.link import Link
+from compass.entry.radio import STAGNATION, WAKE
 from compass.inputs.table import Table
+from compass.ranging import Receiver
 
 Positive = Annotated[float, Field(gt=0, le=1e15)]
 Share = Annotated[float, Field(ge=0, le=1)]
@@ -18,6 +22,39 @@ class TwoWayTable(Table):
 
     range_sigma_m: Positive | None = Field(None, description="one sigma of ranges, m")
     range_rate_sigma_m_s: Positive | None = Field(None, description="one sigma of range rates, m/s")
+
+
+class LinkTable(Table):
+    """Radio from the beacons, whose C/N0 makes the noise of the ranges beside range_sigma_m."""
+
+    frequency_mhz: Annotated[float, Field(ge=1, le=1e6)] = Field(description="carrier, MHz")
+    eirp_dbw: Annotated[float, Field(ge=-100, le=100)] = Field(
+        description="radiated power of a beacon towards the lander, dBW"
+    )
+    g_over_t_db_k: Annotated[float, Field(ge=-100, le=100)] = Field(
+        description="the lander's figure of merit along its antenna's axis, dB/K"
+    )
+    required_db_hz: Annotated[float, Field(ge=-50, le=150)] = Field(
+        description="C/N0 below which nothing is measured, dB Hz"
+    )
+    chip_m: Positive = Field(description="chip length of the code, m")
+    loop_hz: Positive = Field(1.0, description="bandwidth of the code loop, Hz")
+    spacing: Annotated[float, Field(gt=0, lt=2)] = Field(
+        1.0, description="early to late, chips, 0 to 2"
+    )
+    integration_s: Positive = Field(0.02, description="before the detector, s")
+    beamwidth_deg: Annotated[float, Field(gt=0, lt=180)] | None = Field(
+        None,
+        description="full width at half power of the lander's antenna, degrees; alike in all "
+        "directions if left out",
+    )
+    antenna: Literal["aft", "zenith"] = Field(
+        "aft", description="where its axis points: against the velocity, or up"
+    )
+    electrons: Literal["none", "wake", "stagnation"] = Field(
+        "none", description="plasma that signals cross, fitted to one trajectory"
+    )
+    plasma_m: Annotated[float, Field(ge=0, le=100)] = Field(1.0, description="how thick it is, m")
 
 
 class AltimeterTable(Table):
@@ -79,6 +116,32 @@ def features_of(tables: list[FeatureTable]) -> Features:
     )
 
 
+def link_of(table: LinkTable | None) -> Link | None:
+    """Radio link, as given."""
+    if table is None:
+        return None
+    plasma = {"none": None, "wake": WAKE, "stagnation": STAGNATION}[table.electrons]
+    return Link(
+        Radio(
+            ("satellite", "station"),
+            1e6 * table.frequency_mhz,
+            table.eirp_dbw,
+            table.g_over_t_db_k,
+            table.required_db_hz,
+        ),
+        Receiver(
+            chip=table.chip_m,
+            bandwidth=table.loop_hz,
+            spacing=table.spacing,
+            integration=table.integration_s,
+        ),
+        inf if table.beamwidth_deg is None else radians(table.beamwidth_deg),
+        table.antenna,
+        plasma,
+        table.plasma_m,
+    )
+
+
 def instruments_of(
     two_way: TwoWayTable | None,
     altimeter: AltimeterTable | None,
@@ -133,7 +196,7 @@ def instrument_faults(raw: dict[str, Any], interval_faults: Any) -> list[str]:
         faults += [
             f"measurements.{name}: not beside [fusion], whose filters hear one-way radio and "
             "accelerometers; leave one of them out"
-            for name in ("two_way", "altimeter", "velocimeter", "features")
+            for name in ("two_way", "altimeter", "velocimeter", "features", "link")
             if name in measured
         ]
     return faults

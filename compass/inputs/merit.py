@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from compass.quantities import Quantity, quantity
 
 #: In the order in which a candidate goes through them, cheapest first.
-STAGES = ("cost", "screen", "map", "orbits", "entry")
+STAGES = ("cost", "screen", "map", "requirements", "orbits", "entry")
 
 
 @dataclass(frozen=True)
@@ -40,13 +40,16 @@ class Merit:
 _FOUND_BY = {
     "cost": (
         "satellites", "planes", "delta_v_transfer_m_s", "delta_v_planes_m_s", "delta_v_total_m_s",
-        "node_drift_deg_year",
+        "delta_v_deploy_m_s", "wait_days", "node_drift_deg_year",
     ),
     "screen": (
         "fold_proven", "cap_radius_min_deg", "mask_margin_deg", "closest_approach_deg",
         "delta_v_keeping_m_s_year",
     ),
     "map": ("gdop_p50", "gdop_p95", "gdop_p95_zone", "pdop_p95", "availability", "count_mean"),
+    "requirements": (
+        "requirements_met", "requirement_margin_deg", "requirement_share", "requirement_share_most",
+    ),
     "orbits": ("days_proven",),
     "entry": (
         "in_view.min", "in_view.median", "crlb_position_m.p50", "crlb_position_m.p95",

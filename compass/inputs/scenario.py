@@ -1,7 +1,7 @@
 """Scenario files: read, check across fields, and turn into an entry and its beacons."""
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from compass.entry.atmosphere import Atmosphere, read_atmosphere_table
 from compass.entry.beacons import Beacons, orbiting_beacons, surface_beacons
 from compass.entry.covariance import axes_covariance
 from compass.entry.layout import Part
-from compass.entry.mars_air import PROFILE
+from compass.entry.mars_air import PROFILE, SPREAD
 from compass.entry.model import EntryModel
 from compass.entry.navigation import Filter, Method
 from compass.entry.schedule import Measurements
@@ -27,7 +27,7 @@ from compass.errors import ArgumentError, CompassError, DesignError
 from compass.frames import prime_meridian_angle
 from compass.inputs.design import read_design
 from compass.inputs.fusion_models import FusionTable
-from compass.inputs.instrument_models import features_of, instruments_of
+from compass.inputs.instrument_models import features_of, instruments_of, link_of
 from compass.inputs.reading import parse, read_text
 from compass.inputs.scenario_faults import EXPONENTIAL, scenario_faults
 from compass.inputs.scenario_models import (
@@ -258,8 +258,9 @@ def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenar
             seen.in_turn,
             instruments_of(seen.two_way, seen.altimeter, seen.velocimeter, seen.features),
             features_of(file.feature),
+            link_of(seen.link),
         ),
-        settings=_filter(file.filter, state),
+        settings=_filter(file.filter, state, model.planet_radius),
         runs=file.monte_carlo.runs,
         seed=file.monte_carlo.seed,
         optimize=file.optimize,
@@ -331,7 +332,7 @@ def _state(table: EntryTable, model: EntryModel) -> NDArray[np.float64]:
     return np.array([radius, lon, lat, table.speed_m_s or 0.0, gamma, azimuth])
 
 
-def _filter(table: FilterTable, state: NDArray[np.float64]) -> Filter:
+def _filter(table: FilterTable, state: NDArray[np.float64], planet_radius: float) -> Filter:
     if table.position_sigma_m is not None and table.velocity_sigma_m_s is not None:
         covariance = axes_covariance(table.position_sigma_m, table.velocity_sigma_m_s)
     else:
@@ -357,12 +358,14 @@ def _filter(table: FilterTable, state: NDArray[np.float64]) -> Filter:
         covariance,
         np.array(table.process_noise_si or [0.0] * 6),
         table.iterations if table.kind == "iterated-ekf" else 1,
-        _parts(table),
+        _parts(table, state, planet_radius),
         _METHODS[table.kind],
     )
 
 
-def _parts(table: FilterTable) -> tuple[Part, ...]:
+def _parts(
+    table: FilterTable, state: NDArray[np.float64], planet_radius: float
+) -> tuple[Part, ...]:
     """Quantities that are not known, beside position and velocity."""
     blocks = (("lift", table.lift_to_drag), ("bias", table.range_bias))
     parts = [Part(name, (b.sigma,), b.considered) for name, b in blocks if b is not None]
@@ -370,7 +373,11 @@ def _parts(table: FilterTable) -> tuple[Part, ...]:
         scales = (air.scale_km or np.inf, air.along_km or np.inf)
         wanders = np.isfinite(scales).any()
         own = tuple(KM * scale for scale in scales) if wanders else ()
-        parts.insert(0, Part("air", (air.sigma,), air.considered, own))
+        rows = SPREAD if air.sigma_by_km == "mars" else air.sigma_by_km or ()
+        profile = tuple((planet_radius + KM * float(km), float(sigma)) for km, sigma in rows)
+        part = Part("air", (air.sigma or 1.0,), air.considered, own, profile)
+        first = float(part.sigma_at(state[:1])[0])
+        parts.insert(0, replace(part, sigma=(first,)))
     if (clock := table.clock) is not None:
         parts.append(Part("clock", (clock.sigma_m, clock.drift_sigma_m_s), clock.considered))
     if (axes := table.attitude) is not None:

@@ -81,6 +81,10 @@ def _filter_faults(table: dict[str, Any]) -> list[str]:
             'along; take "unscented"'
         )
         faults.append(fault("filter.kind", kind, problem))
+    if isinstance(density, dict):
+        faults += _exactly_one(density, ("sigma", "sigma_by_km"), "filter.density")
+        if "sigma_by_km" in density and not wanders:
+            faults.append("filter.density.scale_km: missing; needed beside sigma_by_km")
     return faults
 
 

@@ -9,6 +9,7 @@ from compass.inputs.instrument_models import (
     AltimeterTable,
     FeaturesTable,
     FeatureTable,
+    LinkTable,
     TwoWayTable,
     VelocimeterTable,
 )
@@ -185,6 +186,9 @@ class MeasurementsTable(Table):
     start_s: float = Field(0.0, ge=0, description="first measurement, s")
     stop_s: float | None = Field(None, ge=0, description="last measurement, s; the end if left out")
     in_turn: bool = Field(False, description="one beacon at a time rather than all at once")
+    link: LinkTable | None = Field(
+        None, description="noise of the ranges from the link budget, on top of range_sigma_m"
+    )
     two_way: TwoWayTable | None = Field(
         None, description="radio both ways, to the same beacons at the same times"
     )
@@ -207,6 +211,14 @@ class BlockTable(Table):
 class DensityTable(BlockTable):
     """The air's density as a quantity that is not known."""
 
+    sigma: Positive | None = Field(  # type: ignore[assignment]
+        None, description="one sigma of ln density, the same at every height"
+    )
+    sigma_by_km: Literal["mars"] | Annotated[list[Pair], Field(min_length=2)] | None = Field(
+        None,
+        description="instead, of one that wanders: [altitude in km, sigma] rows, upwards, or "
+        '"mars" for the spread of Mars-GRAM',
+    )
     scale_km: Annotated[float, Field(gt=0, le=1000)] | None = Field(
         None,
         description="altitude over which its correlation falls to 1/e, km (8.2 on Mars); one "

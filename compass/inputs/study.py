@@ -9,19 +9,23 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.design import Design
+from compass.design import Design, Launching, Requirement
 from compass.digest import digest_of
-from compass.errors import CompassError, DesignError
+from compass.entry.doubts import NO_DOUBTS, Doubts
+from compass.errors import ArgumentError, CompassError, DesignError
 from compass.frames import FIGURES, Figure
-from compass.inputs.design import read_design
+from compass.inputs.design import launching_of, read_design, site_of
 from compass.inputs.merit import MERITS, STAGES
+from compass.inputs.motion import motion_of_table
 from compass.inputs.reading import parse, read_text
+from compass.inputs.requirements import requirements_of
 from compass.inputs.scenario import Scenario, read_scenario
 from compass.inputs.study_faults import study_faults
 from compass.inputs.study_models import (
     ConstraintTable,
     CostTable,
     Counts,
+    EntryStageTable,
     MapTable,
     Numbers,
     OrbitsTable,
@@ -30,6 +34,7 @@ from compass.inputs.study_models import (
     StudyFile,
 )
 from compass.orbits import areosynchronous_radius
+from compass.orbits.motion import Motion
 from compass.saving import readable
 
 FileKind = TypeVar("FileKind", Scenario, Design)
@@ -58,6 +63,8 @@ class Space:
         Numbers allowed, or None for all there are.
     inclination_deg, radius_km, mask_deg
         Values, or a free range.
+    revolutions
+        In a rotation of Mars, of orbits that are named: their tracks are closed, one a radius.
     """
 
     patterns: tuple[str, ...]
@@ -67,6 +74,19 @@ class Space:
     inclination_deg: tuple[float, ...] | Free
     radius_km: tuple[float, ...] | Free
     mask_deg: tuple[float, ...] | Free
+    revolutions: tuple[int, ...] = ()
+
+    def repeat(self, radius_km: float) -> tuple[int, int] | None:
+        """Revolutions and rotations of Mars after which tracks of a radius are declared closed."""
+        for number, radius in zip(self.revolutions, as_values(self.radius_km), strict=False):
+            if radius == radius_km:
+                return number, 1
+        return None
+
+
+def as_values(given: tuple[float, ...] | Free) -> tuple[float, ...]:
+    """Values of what is listed; none of a free range."""
+    return () if isinstance(given, Free) else given
 
 
 @dataclass(frozen=True)
@@ -111,7 +131,7 @@ class EntryStage:
 
     Those that the report singles out are judged again on `finalist_samples` entries and their
     filter is run `filter_runs` times. Density and L/D are unknown by relative sigmas; the position
-    sigma wanted at the end is `goal`, metres.
+    sigma wanted at the end is `goal`, metres; `doubts` is what is not known of clocks and orbits.
     """
 
     scenario: Scenario
@@ -122,6 +142,7 @@ class EntryStage:
     density_sigma: float = 0.0
     lift_sigma: float = 0.0
     goal: float = 10.0
+    doubts: Doubts = NO_DOUBTS
 
 
 @dataclass(frozen=True)
@@ -142,6 +163,8 @@ class Study:
         What candidates must and should be.
     map, cost, orbits
         Sampling of geometry; assumptions of the cost proxies; how long real orbits are followed.
+    motion, launching
+        How candidates move on real orbits; how satellites come to their planes.
     entry
         How landing navigation is judged, or None.
     compare
@@ -149,6 +172,8 @@ class Study:
     text, digest, label
         The file's text, the SHA-256 of it and of all that was read from the files that it names,
         and that these name; its name as given.
+    requirements
+        What must be so of every candidate, at its mask.
     """
 
     name: str
@@ -163,17 +188,26 @@ class Study:
     map: MapTable
     cost: CostTable
     orbits: OrbitsTable
+    motion: Motion
+    launching: Launching
     entry: EntryStage | None
     compare: Design | None
     text: str
     digest: str
     label: str
+    requirements: tuple[Requirement, ...] = ()
 
     @property
     def stages(self) -> tuple[str, ...]:
-        """What candidates are put through, in order: orbits and entries only where asked for."""
+        """What candidates are put through, in order: the last three only where asked for."""
         followed = "orbits" in {MERITS[name].stage for name in self.named}
-        asked = {"screen": True, "map": True, "orbits": followed, "entry": bool(self.entry)}
+        asked = {
+            "screen": True,
+            "map": True,
+            "requirements": bool(self.requirements),
+            "orbits": followed,
+            "entry": bool(self.entry),
+        }
         return tuple(stage for stage in STAGES if asked.get(stage))
 
     @property
@@ -204,6 +238,19 @@ def read_study(path: str | Path) -> Study:
     return read_study_text(read_text(place), readable(path), place.parent)
 
 
+def _doubts(table: EntryStageTable, faults: list[str]) -> Doubts:
+    """What the lander does not know of clocks, orbits and biases; the usual where left out."""
+    names = ("clock_m", "clock_drift_m_s", "orbit_m", "satellite_clock_m", "range_bias_m")
+    given = {name: value for name in names if (value := getattr(table, name)) is not None}
+    if "orbit_m" in given:
+        given["orbit_m"] = tuple(given["orbit_m"])
+    try:
+        return Doubts(**given)
+    except ArgumentError as error:
+        faults.append(f"entry: {error}")
+        return NO_DOUBTS
+
+
 def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> Study:
     """Read a study from its TOML text; files it names are looked for from `folder`."""
     file = parse(text, label, StudyFile, study_faults)
@@ -214,9 +261,11 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         scenario = _named(read_scenario, folder / file.entry.scenario, "entry.scenario", faults)
     if file.compare:
         compare = _named(read_design, folder / file.compare.design, "compare.design", faults)
+    doubts = _doubts(file.entry, faults) if file.entry else NO_DOUBTS
     if faults:
         raise DesignError([f"{label}: {line}" for line in faults])
-    digest.update(digest_of((scenario, compare)).encode())
+    motion = motion_of_table(file.motion, folder, label)
+    digest.update(digest_of((scenario, compare, doubts, motion)).encode())
     entry = None
     if file.entry and scenario is not None:
         entry = EntryStage(
@@ -228,6 +277,7 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
             file.entry.density_sigma,
             file.entry.lift_sigma,
             file.entry.goal_m,
+            doubts,
         )
     return Study(
         name=file.name,
@@ -237,7 +287,10 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         sampling=file.sampling,
         fold=file.study.fold,
         seed=file.study.seed,
-        constraints=tuple(_constraint(table) for table in file.constraint),
+        constraints=(
+            *(_constraint(table) for table in file.constraint),
+            *([Constraint("requirements_met", 1.0, np.inf, False)] if file.requirement else []),
+        ),
         objectives=tuple(
             Objective(o.figure, 1 if (o.goal or MERITS[o.figure].goal) == "minimise" else -1)
             for o in file.objective
@@ -245,11 +298,16 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         map=file.map,
         cost=file.cost,
         orbits=file.orbits,
+        motion=motion,
+        launching=launching_of(file.deployment),
         entry=entry,
         compare=compare,
         text=text,
         digest=digest.hexdigest(),
         label=label,
+        requirements=requirements_of(
+            file.requirement, [site_of(station, FIGURES[file.figure]) for station in file.station]
+        ),
     )
 
 
@@ -281,6 +339,7 @@ def _space(table: SpaceTable) -> Space:
         _numbers(table.inclination_deg),
         radii,
         _numbers(table.mask_deg),
+        tuple(REVOLUTIONS[orbit] for orbit in table.orbits or ()),
     )
 
 

@@ -5,8 +5,11 @@ from typing import Any
 
 from compass.errors import near
 from compass.frames import FIGURES
+from compass.inputs.design import place_faults
 from compass.inputs.faults import fault
 from compass.inputs.merit import MERITS
+from compass.inputs.motion import motion_faults
+from compass.inputs.requirements import requirement_faults
 
 #: Values that one list of a study may come to.
 MOST_VALUES = 100_000
@@ -16,7 +19,7 @@ _BOUNDS = ("at_least", "at_most", "above", "below")
 
 def study_faults(raw: dict[str, Any]) -> list[str]:
     """Faults that concern several fields at once."""
-    faults: list[str] = []
+    faults = motion_faults(raw)
     space = raw.get("study")
     method = _table(raw, "sampling").get("method", "grid")
     if isinstance(space, dict):
@@ -43,7 +46,7 @@ def study_faults(raw: dict[str, Any]) -> list[str]:
             ]
     faults += _sampling_faults(_table(raw, "sampling"), method)
     for k, table in enumerate(_tables(raw, "constraint"), start=1):
-        faults += _figure_faults(table, f"constraint[{k}]", "entry" in raw)
+        faults += _figure_faults(table, f"constraint[{k}]", raw)
         given = [key for key in _BOUNDS if key in table]
         if len(given) != 1:
             found = " and ".join(given) or "none"
@@ -52,13 +55,13 @@ def study_faults(raw: dict[str, Any]) -> list[str]:
             )
     seen: set[str] = set()
     for k, table in enumerate(_tables(raw, "objective"), start=1):
-        faults += _figure_faults(table, f"objective[{k}]", "entry" in raw)
+        faults += _figure_faults(table, f"objective[{k}]", raw)
         name = table.get("figure")
         if isinstance(name, str):
             if name in seen:
                 faults.append(fault(f"objective[{k}].figure", name, "is an objective already"))
             seen.add(name)
-    return faults
+    return faults + place_faults(raw) + requirement_faults(raw)
 
 
 def _table(raw: dict[str, Any], key: str) -> dict[str, Any]:
@@ -153,7 +156,14 @@ def _sampling_faults(table: dict[str, Any], method: object) -> list[str]:
     return faults
 
 
-def _figure_faults(table: dict[str, Any], path: str, judged: bool) -> list[str]:
+#: What a study must have for the figures of a stage that not every study has.
+_TABLES = {
+    "entry": ("entry", "without judging entries; add a table [entry]"),
+    "requirements": ("requirement", "without requirements; add a [[requirement]]"),
+}
+
+
+def _figure_faults(table: dict[str, Any], path: str, raw: dict[str, Any]) -> list[str]:
     name = table.get("figure")
     if not isinstance(name, str):
         return []
@@ -161,7 +171,8 @@ def _figure_faults(table: dict[str, Any], path: str, judged: bool) -> list[str]:
         guess = "".join(f"did you mean {other}? " for other in near(name, MERITS))
         problem = f"no candidate has this figure; {guess}allowed: {', '.join(MERITS)}"
         return [fault(f"{path}.figure", name, problem)]
-    if MERITS[name].stage == "entry" and not judged:
-        problem = "no candidate has this figure without judging entries; add a table [entry]"
+    key, remedy = _TABLES.get(MERITS[name].stage, ("", ""))
+    if key and key not in raw:
+        problem = f"no candidate has this figure {remedy}"
         return [fault(f"{path}.figure", name, problem)]
     return []

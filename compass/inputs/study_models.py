@@ -8,7 +8,9 @@ from pydantic_core import CoreSchema
 
 from compass.design import PDOP_MAX
 from compass.entry.arrivals import MOST_SAMPLES
-from compass.inputs.models import SatelliteCount
+from compass.inputs.models import DeploymentTable, MotionTable, SatelliteCount, StationTable
+from compass.inputs.requirements import RequirementTable
+from compass.inputs.signal import Sigma
 from compass.inputs.table import Table
 from compass.orbits.kinds import KIND_NAMES
 
@@ -143,6 +145,19 @@ class EntryStageTable(Table):
     lift_sigma: float = Field(
         0.0, ge=0, le=10, description="unknown part of L/D, relative; 0: it is known"
     )
+    clock_m: Sigma | None = Field(
+        None,
+        description="one sigma of the lander's clock, estimated; 0, and so clock_drift_m_s, for "
+        "known; of these five, as compass judge takes them if left out",
+    )
+    clock_drift_m_s: Sigma | None = Field(None, description="one sigma of its drift, m/s")
+    orbit_m: Annotated[list[Sigma], Field(min_length=3, max_length=3)] | None = Field(
+        None, description="one sigma of broadcast orbits, radial, along, cross, m"
+    )
+    satellite_clock_m: Sigma | None = Field(None, description="one sigma of broadcast clocks, m")
+    range_bias_m: Sigma | None = Field(
+        None, description="one sigma of a bias of the ranges to each satellite, m"
+    )
     goal_m: float = Field(10.0, gt=0, le=1e9, description="position sigma wanted at the end, m")
     finalists: int = Field(
         100, ge=1, le=1_000_000, description="how many candidates are judged, best fronts first"
@@ -206,5 +221,21 @@ class StudyFile(Table):
     orbits: OrbitsTable = Field(
         default_factory=lambda: OrbitsTable.model_validate({}),
         description="how long real orbits are followed",
+    )
+    motion: MotionTable = Field(
+        default_factory=lambda: MotionTable.model_validate({"model": "numerical"}),
+        description="how candidates move on real orbits; under all forces if left out",
+    )
+    deployment: DeploymentTable = Field(
+        default_factory=lambda: DeploymentTable.model_validate({}),
+        description="how satellites come to their planes",
+    )
+    station: list[StationTable] = Field(
+        default_factory=list, max_length=1000, description="one [[station]] a place required"
+    )
+    requirement: list[RequirementTable] = Field(
+        default_factory=list,
+        max_length=100,
+        description="one [[requirement]] a thing wanted of every candidate",
     )
     compare: CompareTable | None = Field(None, description="a design to compare with")

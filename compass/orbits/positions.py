@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.conventions import dated, epoch_text
 from compass.frames import mcmf_from_mci, prime_meridian_angle
 from compass.orbits.constellation import Constellation
 from compass.orbits.motion import AnyMotion, as_motion
@@ -73,7 +74,7 @@ def ephemeris(
     r, v = states_mci(constellation, seconds, model)
     fixed = mcmf_from_mci(r, prime_meridian_angle(constellation.epoch, seconds))
     dims = ("satellite", "time", "axis")
-    return xr.Dataset(
+    made = xr.Dataset(
         {
             "r_mci": (dims, r, {"units": "m", "long_name": "position, Mars-centred inertial"}),
             "v_mci": (dims, v, {"units": "m s-1", "long_name": "velocity, Mars-centred inertial"}),
@@ -84,5 +85,6 @@ def ephemeris(
             "time": ("time", seconds, {"units": "s", "long_name": "time after the epoch"}),
             "axis": ["x", "y", "z"],
         },
-        attrs={"constellation": constellation.name, "epoch_tdb_s_past_j2000": constellation.epoch},
+        attrs={"constellation": constellation.name, "epoch_tdb": epoch_text(constellation.epoch)},
     )
+    return dated(made)

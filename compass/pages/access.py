@@ -1,6 +1,6 @@
 """The access section of a page: timelines of sight, and what they come to."""
 
-from compass.api.access import AccessResult
+from compass.api.access_result import AccessResult
 from compass.document.blocks import Section, arranged
 from compass.pictures.access import link_budget, served, timeline
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from compass.api.map import MapResult
+from compass.api.map_result import MapResult
 from compass.document.blocks import Picture
 from compass.pictures.maps import map_figure
 from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, look, new_figure, picture

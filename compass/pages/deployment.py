@@ -16,7 +16,7 @@ def deployment_section(design: Design) -> Section | None:
         return None
     with look():
         figure = new_figure(7.2, 4.2)
-        found.plot(figure.add_subplot())
+        found.plot(axes=figure.add_subplot())
     drawn = picture(
         figure,
         "deployment",

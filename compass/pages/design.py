@@ -12,8 +12,9 @@ import numpy as np
 
 from compass.api.access import access
 from compass.api.check import check
-from compass.api.fold import FoldResult, fold
-from compass.api.map import MapResult
+from compass.api.fold import fold
+from compass.api.fold_result import FoldResult
+from compass.api.map_result import MapResult
 from compass.api.outlook import outlook
 from compass.api.reproduce import comparison_table
 from compass.api.show import show
@@ -127,7 +128,6 @@ def provenance_rows(found: Found, command: str) -> list[tuple[str, str]]:
     attrs = provenance(design, command)
     return [
         ("command", attrs["command_line"] or "made from Python"),
-        ("made", attrs["history"].split(" ")[0]),
         ("version", attrs["source"]),
         ("design file", attrs["design_file"]),
         ("SHA-256 of the design", attrs["design_sha256"]),

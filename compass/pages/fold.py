@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.api.fold import FoldResult
+from compass.api.fold_result import FoldResult
 from compass.coverage.fold import caps_of, fold_extremes
 from compass.coverage.grid import equal_angle_grid
 from compass.coverage.margin import CoveringRadius, covering_radius

@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-from compass.api.access import AccessResult
+from compass.api.access_result import AccessResult
 from compass.api.check import CheckResult
-from compass.api.fold import FoldResult
-from compass.api.map import MapResult
+from compass.api.fold_result import FoldResult
+from compass.api.map_result import MapResult
 from compass.api.outlook import Outlook
 from compass.api.show import ShowResult
 from compass.design import Design

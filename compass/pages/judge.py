@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from compass.api.judge import (
+from compass.api.judge_tables import (
     budget_table,
     filter_table,
     ranking_table,

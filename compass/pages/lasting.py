@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from compass.api.drift import RadiusLasts
 from compass.api.outlook import Outlook, commands
+from compass.api.radii import RadiusLasts
 from compass.design import Design
 from compass.document import Answer, Picture, Sampled, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block, Section

@@ -3,7 +3,7 @@
 import numpy as np
 
 from compass.api.determine import determine
-from compass.api.map import MapResult
+from compass.api.map_result import MapResult
 from compass.api.show_signal import signal_blocks, signal_facts
 from compass.design import Design
 from compass.document.blocks import Block, Picture, Section, Sentence, Verdict

@@ -2,13 +2,12 @@
 
 from collections.abc import Sequence
 from itertools import combinations
-from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import LogNorm
-from matplotlib.ticker import MaxNLocator, ScalarFormatter
+from matplotlib.ticker import MaxNLocator
 
 from compass.coverage.grid import equal_angle_grid
 from compass.coverage.maps import coverage_map
@@ -17,8 +16,9 @@ from compass.document.blocks import Picture
 from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.orbits import repeat_period
+from compass.pictures.front import draw_front, label
 from compass.pictures.mars_map import MarsMap
-from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture
+from compass.pictures.style import CYCLE, INK, MARS, look, new_figure, picture
 from compass.sites import Mask
 from compass.study.choice import Finalist
 from compass.study.yardstick import Yardstick
@@ -44,25 +44,16 @@ EPOCHS, CELL_DEG = 127, 5.0
 CLASSES = 12
 
 
-def _label(name: str, width: int = 44) -> str:
-    """Title of a figure of merit with its unit, in lines of `width` letters."""
-    return fill(MERITS[name].heading, width)
-
-
 def front_pictures(
     study: Study, results: "xr.Dataset", chosen: Sequence[Finalist], measure: Yardstick | None
 ) -> tuple[Picture, ...]:
     """One picture a pair of objectives: all with values, the first front, the finalists."""
-    good = results.front.values >= 0
-    front = results.front.values == 0
     made = []
     for a, b in combinations([o.figure for o in study.objectives], 2):
-        x, y = results[a].values, results[b].values
         figure = new_figure(5.6, 5.2)
         with look():
             axes = figure.add_subplot()
-            axes.plot(x[good], y[good], ".", ms=3, color=FAINT, alpha=0.5, label="feasible")
-            axes.plot(x[front], y[front], "o", ms=4, color=CYCLE[0], label="first Pareto front")
+            draw_front(axes, results, a, b)
             for k, one in enumerate(chosen):
                 axes.plot(
                     one.figures[a], one.figures[b], "D", ms=8, mfc=CYCLE[(k + 1) % len(CYCLE)],
@@ -70,9 +61,6 @@ def front_pictures(
                 )  # fmt: skip
             first = chosen[0].figures if chosen else {a: np.nan, b: np.nan}
             axes.plot(first[a], first[b], "o", ms=17, mfc="none", mec=MARS, mew=2)
-            for axis, name in ((axes.xaxis, a), (axes.yaxis, b)):
-                if name in ("satellites", "planes"):
-                    axis.set_major_locator(MaxNLocator(integer=True))
             if measure is not None:
                 axes.plot(
                     measure.figures[a],
@@ -83,13 +71,6 @@ def front_pictures(
                     mec=INK,
                     label=measure.role,
                 )
-            ratio = np.nanmax(y[good]) / np.nanmin(y[good]) if np.nanmin(y[good]) > 0 else 1.0
-            if ratio > 5:
-                axes.set_yscale("log")
-                axes.yaxis.set_major_formatter(ScalarFormatter())
-                axes.yaxis.set_minor_formatter(ScalarFormatter() if ratio < 20 else "")
-            axes.set(xlabel=_label(a, 60), ylabel=_label(b))
-            axes.grid(True)
             figure.legend(frameon=False, fontsize=8, loc="outside lower center", ncols=2)
         made.append(
             picture(
@@ -198,7 +179,7 @@ def sensitivity_pictures(study: Study, results: "xr.Dataset") -> list[Picture]:
                     color=CYCLE[0],
                     label="median",
                 )
-                axes.set_ylabel(_label(objective.figure, 30), fontsize=8)
+                axes.set_ylabel(label(objective.figure, 30), fontsize=8)
             panels[0].legend(frameon=False, fontsize=8)
             title = MERITS[objective.figure].title
             figure.suptitle(f"{title[0].upper()}{title[1:]}, by variable", weight="bold")

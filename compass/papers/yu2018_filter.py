@@ -67,7 +67,7 @@ def ideal_measurements(states: ArrayLike, beacons: Beacons) -> NDArray[np.float6
     return out
 
 
-def run_filter(
+def run_published_filter(
     model: EntryModel,
     estimate: ArrayLike,
     beacons: Beacons,
@@ -189,7 +189,7 @@ def run_monte_carlo(
     state
         True first state, (6,) or (8,).
     beacons, taken, measurements, settings
-        As in `run_filter`.
+        As in `run_published_filter`.
     runs, seed
         How many, and from which seed.
     truth

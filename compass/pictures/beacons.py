@@ -1,13 +1,15 @@
 """Where beacons are best, and how the search for them went."""
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from compass.document import Picture
 from compass.entry.beacons import surface_beacons
 from compass.entry.search import Optimum
 from compass.entry.trajectory import Trajectory
 from compass.pictures.entry import draw_map
-from compass.pictures.style import CYCLE, look, new_figure, picture
+from compass.pictures.style import CYCLE, axes_or_new, look, new_figure, picture
 
 
 def places(flight: Trajectory, found: Optimum) -> Picture:
@@ -25,10 +27,19 @@ def places(flight: Trajectory, found: Optimum) -> Picture:
 
 
 def convergence(found: Optimum) -> Picture:
-    """Draw how the objective fell from every start."""
+    """Show how the objective fell from every start."""
+    axes = draw_convergence(None, found)
+    figure = axes.figure
+    assert isinstance(figure, Figure)
+    return picture(
+        figure, "best-convergence", "Convergence of the search", "The best start in colour."
+    )
+
+
+def draw_convergence(given: Axes | None, found: Optimum) -> Axes:
+    """Draw how the objective fell from every start, on axes given or new ones."""
+    axes = axes_or_new(given, 7.5, 3.6)
     with look():
-        figure = new_figure(7.5, 3.6)
-        axes = figure.add_subplot()
         for k, start in enumerate(found.starts):
             colour, width = (CYCLE[0], 2.0) if k == 0 else (CYCLE[6], 1.0)
             generations = range(1, len(start.history) + 1)
@@ -41,6 +52,4 @@ def convergence(found: Optimum) -> Picture:
         axes.set_ylabel(found.objective)
         axes.set_title("Convergence of every start")
         axes.grid(True)
-    return picture(
-        figure, "best-convergence", "Convergence of the search", "The best start in colour."
-    )
+    return axes

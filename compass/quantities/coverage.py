@@ -41,6 +41,14 @@ CONTINUOUS = (
         meaning="Part of the time, or of area and time, for which a requirement is met.",
     ),
     Quantity(
+        "requirement_share_most", "1", "share for which it is so, at most", 6, "more", "share",
+        meaning="Proven upper bound of that share.",
+    ),
+    Quantity(
+        "requirements_met", "1", "meets all requirements", better="more", form="yes-no",
+        meaning="Whether every requirement is met; no value where one is undecided.",
+    ),
+    Quantity(
         "requirement_margin_deg", "deg", "horizon may rise by", 4, "more",
         meaning="The whole horizon of the users may be so much higher, proven; negative: it is "
         "too high by this.",

@@ -267,11 +267,13 @@ def check_measurements(scenario: Scenario) -> None:
             f"{scenario.label}: measurements.in_turn = true: judged is what all satellites in "
             "view tell at once; set it to false"
         )
-    if scenario.measurements.instruments:
-        named = ", ".join(one.kind for one in scenario.measurements.instruments)
+    others = [one.kind for one in scenario.measurements.instruments]
+    if scenario.measurements.link is not None:
+        others.append("link")
+    if others:
         raise ArgumentError(
-            f"{scenario.label}: measurements: {named}: judged are ranges and range rates one way; "
-            "leave these tables out"
+            f"{scenario.label}: measurements: {', '.join(others)}: judged are ranges and range "
+            "rates one way, of one noise; leave these tables out"
         )
     if np.any(scenario.settings.noise):
         raise ArgumentError(

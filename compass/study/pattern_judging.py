@@ -5,14 +5,38 @@ from numpy.typing import NDArray
 
 from compass.bodies import MARS_GM, sidereal_day
 from compass.core.entry.patterns import judge_patterns
+from compass.entry.doubts import NO_DOUBTS
 from compass.entry.fisher import noise_variances
 from compass.errors import ArgumentError
 from compass.frames import prime_meridian_angle
+from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
+from compass.orbits import Constellation
 from compass.orbits.period import closing_days
-from compass.study.candidates import pattern_columns
-from compass.study.judge import campaign_of, check_measurements, due
+from compass.sites import Mask
+from compass.study.candidates import make_constellation, pattern_columns
+from compass.study.judge import campaign_of, check_measurements, due, judge
 from compass.study.judgement import median_number
+
+#: Figures of merit that landers give.
+MERITS_OF_ENTRY = tuple(name for name, merit in MERITS.items() if merit.stage == "entry")
+
+
+def judged(study: Study, c: Constellation, mask_deg: float) -> dict[str, float]:
+    """Landing navigation on any orbits, with all that is not known; one number a figure."""
+    entry = study.entry
+    assert entry is not None
+    found = judge(
+        c, entry.scenario, samples=entry.samples, seed=study.seed, figure=study.figure,
+        mask=Mask.constant(float(np.radians(mask_deg))), goal=entry.goal,
+        unknowns=entry.doubts.of(None), density_sigma=entry.density_sigma,
+        lift_sigma=entry.lift_sigma,
+    )  # fmt: skip
+    split = {name: name.partition(".") for name in MERITS_OF_ENTRY}
+    return {
+        name: float(found[group][key] if key else found[group])
+        for name, (group, _, key) in split.items()
+    }
 
 
 def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
@@ -27,6 +51,9 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         As `compass.study.judge.judge_entries`.
     """
     assert study.entry is not None
+    if study.entry.doubts != NO_DOUBTS:  # what the kernel of many patterns does not carry
+        each = [judged(study, make_constellation(row), float(row["mask_deg"])) for row in rows]
+        return {name: np.array([one[name] for one in each]) for name in MERITS_OF_ENTRY}
     scenario, sphere = study.entry.scenario, study.figure.equatorial_radius
     check_measurements(scenario)
     radius, mask = rows["radius_km"] * 1e3, np.radians(rows["mask_deg"])

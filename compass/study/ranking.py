@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from compass.design import Design
+from compass.entry.doubts import NO_DOUBTS, Doubts
 from compass.errors import ArgumentError, said_of
 from compass.inputs.scenario import Scenario
 from compass.study.judge import campaign_of, check_lander, judge_entries
@@ -12,7 +13,6 @@ from compass.study.judge_filter import NOT_RUN, judge_filter
 from compass.study.judge_surface import judge_surface
 from compass.study.judge_worst import worst_entry
 from compass.study.judgement import Judgement
-from compass.study.unknowns import NO_DOUBTS, Doubts
 
 #: Most runs of the filter on one design.
 MOST_RUNS = 100_000

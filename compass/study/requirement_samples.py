@@ -1,12 +1,17 @@
-"""Geometry at random places and moments: which candidates are worth a certified figure, and when.
+"""Random places and moments: which patterns break a claim there, and which keep it with most room.
 
-Samples sort candidates and drop those that chance cannot excuse; nothing is proven by them.
+A moment that breaks what is wanted always refutes a candidate; else samples only put candidates in
+order, and drop those that chance cannot excuse. Nothing is proven by them.
 """
+
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.bodies import MARS_ROTATION_RATE
+from compass.core.pattern_samples import sample_pattern
+from compass.coverage.certified_question import DOPS
 from compass.coverage.region import Region
 from compass.coverage.users import Users
 from compass.design import Requirement
@@ -17,37 +22,107 @@ from compass.frames import (
     planetographic_latitude,
     prime_meridian_angle,
 )
-from compass.orbits import Constellation, states_mci
+from compass.orbits import Constellation
 
-#: Random places and moments at which geometry is looked at.
-SAMPLES = 400
+#: Random places and moments at which each group of users is looked at.
+SAMPLES = 1000
 
 
-def sampled_geometry(c: Constellation, users: Users, wanted: Requirement) -> tuple[float, float]:
-    """Share of random places and moments with the geometry wanted, and the worst over its limit."""
-    rng = np.random.default_rng(0)
-    times, latitude, longitude = _moments(c, users, rng)
+@dataclass(frozen=True, eq=False)
+class Moments:
+    """Random moments of users, and what is wanted of them.
+
+    Attributes
+    ----------
+    rows
+        As `compass.core.pattern_samples.sample_pattern` takes them.
+    users, wanted
+        Whose they are, and the requirement.
+    """
+
+    rows: NDArray[np.float64]
+    users: Users
+    wanted: Requirement
+
+    @property
+    def fold(self) -> int:
+        """Satellites that must be in view: with geometry four, and as many more as may be lost."""
+        return max(self.wanted.fold or 0, 4 if self.wanted.limits else 0) + self.wanted.losses
+
+    @property
+    def folds_alone(self) -> "Moments":
+        """The same moments, at which nothing but the satellites in view count."""
+        alone = replace(self.wanted, fold=self.fold - self.wanted.losses, limits=())
+        return replace(self, wanted=alone)
+
+    def look(
+        self,
+        c: Constellation,
+        inclinations: NDArray[np.float64],
+        nodes: NDArray[np.float64],
+        share: NDArray[np.float64],
+        worst: NDArray[np.float64],
+    ) -> None:
+        """Lower shares and raise worst values (over their limit) of a pattern, in place.
+
+        Parameters
+        ----------
+        c
+            Equal circular orbits; of the pattern its nodes and phases count.
+        inclinations, nodes
+            Of candidates; nodes are added to those of the pattern; shape (k,).
+        share, worst
+            Of the candidates so far, shape (k,): those of share 0 are not looked at.
+        """
+        limits = np.full(len(DOPS), np.inf)
+        for name, limit in self.wanted.limits:
+            limits[DOPS.index(name)] = limit
+        mask = self.users.mask
+        azimuths, elevations = np.array(mask.azimuth), np.array(mask.elevation) + self.users.below
+        if mask.is_constant:
+            azimuths, elevations = azimuths[:1], elevations[:1]
+        sample_pattern(
+            c.raan,
+            c.mean_anomaly,
+            inclinations,
+            nodes,
+            float(c.semi_major_axis[0]),
+            self.rows,
+            azimuths,
+            elevations,
+            self.fold,
+            limits,
+            self.wanted.share == 1.0,
+            share,
+            worst,
+        )
+
+
+def moments_of(c: Constellation, users: Users, wanted: Requirement) -> Moments:
+    """Random moments of users under orbits of that radius, epoch and repeat, always the same."""
+    times, latitude, longitude = _moments(c, users, np.random.default_rng(0))
     axes = east_north_up(latitude, longitude)
-    r = np.moveaxis(states_mci(c, times)[0], 1, 0)
-    sight = r - _stand(users, latitude, axes[:, 2])[:, np.newaxis]
-    local = np.einsum("tna,tka->tnk", sight, axes)
-    local /= np.linalg.norm(local, axis=-1, keepdims=True)
-    elevation = np.arcsin(np.clip(local[..., 2], -1, 1))
-    azimuth = np.mod(np.arctan2(local[..., 0], local[..., 1]), 2 * np.pi)
-    seen = elevation >= users.mask.at(azimuth) + users.below
-    over = over_limits(local, seen, wanted)
-    return float(np.mean(over <= 1.0)), float(over.max())
+    phase = times * c.mean_motion[0]
+    rows = np.column_stack(
+        [
+            _stand(users, latitude, axes[:, 2]),
+            axes.reshape(len(times), 9),
+            np.cos(phase),
+            np.sin(phase),
+        ]
+    )
+    return Moments(np.ascontiguousarray(rows), users, wanted)
 
 
-def is_hopeless(share: float, wanted: float) -> bool:
-    """Whether a share of samples is so far below the share wanted that chance does not explain it.
+def is_hopeless(share: NDArray[np.float64], wanted: float) -> NDArray[np.bool_]:
+    """Whether shares of samples are so far below the share wanted that chance does not explain it.
 
     Of what is wanted always, a sample that misses is a miss.
     """
     if wanted == 1.0:
         return share < 1.0
     sigma = np.sqrt(max(wanted * (1.0 - wanted), 1.0 / SAMPLES) / SAMPLES)
-    return bool(share < wanted - 4.0 * sigma)
+    return share < wanted - 4.0 * sigma
 
 
 def _moments(
@@ -101,23 +176,3 @@ def _stand(
     across = a * a / np.hypot(a * np.cos(latitude), b * np.sin(latitude))
     radii = np.stack([across, across, across * (b / a) ** 2], axis=-1)
     return (radii + users.height) * up
-
-
-def over_limits(
-    local: NDArray[np.float64], seen: NDArray[np.bool_], wanted: Requirement
-) -> NDArray[np.float64]:
-    """Largest dilution over its limit, of east-north-up lines of sight (t, n, 3)."""
-    rows = np.concatenate([local, np.ones((*local.shape[:2], 1))], axis=-1) * seen[..., np.newaxis]
-    normal = np.einsum("tna,tnb->tab", rows, rows)
-    able = (seen.sum(axis=1) >= 4) & (np.linalg.cond(normal) < 1e10)
-    normal[~able] = np.eye(4)
-    d = np.diagonal(np.linalg.inv(normal), axis1=1, axis2=2)
-    squares = {
-        "gdop": d.sum(axis=1),
-        "pdop": d[:, :3].sum(axis=1),
-        "hdop": d[:, 0] + d[:, 1],
-        "vdop": d[:, 2],
-        "tdop": d[:, 3],
-    }
-    over = np.max([np.sqrt(squares[name]) / limit for name, limit in wanted.limits], axis=0)
-    return np.where(able, over, np.inf)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 import compass
 from compass.errors import ArgumentError
-from compass.inputs.merit import MERITS, STAGES
+from compass.inputs.merit import MERITS, STAGES, merits_of
 from compass.inputs.study import Study
 from compass.quantities import quantity
 from compass.study.candidates import PATTERNS, ROW, identities
@@ -126,7 +126,9 @@ def first_front(study: Study, results: "xr.Dataset") -> list[dict[str, Any]]:
     """Candidates of the first Pareto front as plain values, best in the first objective first."""
     front = results.isel(candidate=np.flatnonzero(results.front.values == 0))
     order = np.lexsort([o.sign * front[o.figure].values for o in study.objectives[::-1]])
-    names = dict.fromkeys(["identity", *(ROW.names or ()), *(o.figure for o in study.objectives)])
+    required = merits_of("requirements") if study.requirements else ()
+    figures = (*(o.figure for o in study.objectives), *required)
+    names = dict.fromkeys(["identity", *(ROW.names or ()), *figures])
     columns = {name: front[name].values[order].tolist() for name in names}
     return [{name: columns[name][k] for name in names} for k in range(order.size)]
 

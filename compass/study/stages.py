@@ -3,8 +3,9 @@
 1. ``screen``: cost proxies, the exact continuous fold and its margin, closest approach, what
    keeping costs by a quick law; a kernel call for a thousand candidates.
 2. ``map``: geometry (DOP, counts) over area and time, for candidates that pass the screen.
-3. ``orbits``: how long the fold is proven on real orbits, where the study asks for it.
-4. ``entry``: landing navigation, for the best of those that pass all before.
+3. ``requirements``: what the study requires at its sites and in its regions, proven or bracketed.
+4. ``orbits``: how long the fold is proven on real orbits, where the study asks for it.
+5. ``entry``: landing navigation, for the best of those that pass all before.
 
 Every function takes candidates and the study, and nothing else decides its numbers: neither the
 batch a candidate is in nor the worker.
@@ -26,6 +27,7 @@ from compass.study.cost import cost_figures
 from compass.study.lasting import keeping_law, orbits_figures
 from compass.study.pattern_judging import entry_figures
 from compass.study.pattern_map import map_figures
+from compass.study.requirement_figures import requirement_figures
 
 #: Bracket of the cap radius that decides margins, and the one that decides close calls, radians.
 TOLERANCE, FINE = 5e-4, 1e-7
@@ -100,7 +102,7 @@ def passing(study: Study, stage: str, figures: dict[str, NDArray[np.float64]]) -
 def screen(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
     """Costs of all; fold, margin and closest approach of those whose costs are allowed."""
     sphere = study.figure.equatorial_radius
-    costs = cost_figures(rows, study.cost, sphere)
+    costs = cost_figures(rows, study.cost, sphere, study.launching)
     figures = costs | {name: np.full(rows.size, np.nan) for name in merits_of("screen")}
     kept = np.flatnonzero(passing(study, "cost", costs))
     some = rows[kept]
@@ -125,7 +127,7 @@ def screen(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
     figures["cap_radius_min_deg"][kept] = np.degrees(bounded)
     figures["mask_margin_deg"][kept] = np.degrees(mask_for_cap(bounded, radius, sphere))
     figures["closest_approach_deg"][kept] = np.degrees(closest)
-    figures["delta_v_keeping_m_s_year"][kept] = keeping_law(some, caps - bounded)
+    figures["delta_v_keeping_m_s_year"][kept] = keeping_law(some, caps - bounded, study.motion)
     return figures
 
 
@@ -133,6 +135,7 @@ def screen(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
 FINDERS: dict[str, Callable[[Study, NDArray], dict[str, NDArray[np.float64]]]] = {
     "screen": screen,
     "map": map_figures,
+    "requirements": requirement_figures,
     "orbits": orbits_figures,
     "entry": entry_figures,
 }

@@ -24,7 +24,7 @@ from compass.study.workers import Workers
 NAMED = 5
 
 #: Candidates a task: some 80 ms of work, to dwarf its handling, and little enough to lose.
-BATCH = {"screen": 500, "map": 128, "orbits": 1, "entry": 96}
+BATCH = {"screen": 500, "map": 128, "requirements": 4, "orbits": 1, "entry": 96}
 
 #: Figure of the map that tells most about a lander's bound before it is judged: over the patterns
 #: of designs/study-fourfold.toml from 14 satellites on, rank correlation 0.8 with its median and
@@ -97,7 +97,7 @@ def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summa
     summary.candidates = len(found)
     _stage("screen", batches(found, BATCH["screen"]), store, workers, bars, summary, len(found))
     before = "screen"
-    for stage in ("map", "orbits"):
+    for stage in ("map", "requirements", "orbits"):
         if stage in study.stages:
             _stage(stage, passed(study, store, before), store, workers, bars, summary)
             before = stage

@@ -16,12 +16,12 @@ from compass.design import Design
 from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.orbits import Constellation
-from compass.sites import Mask
 from compass.study.candidates import PATTERNS, ROW
 from compass.study.choice import notation
-from compass.study.judge import judge
 from compass.study.lasting import proven_days
+from compass.study.pattern_judging import judged
 from compass.study.pattern_map import places
+from compass.study.requirement_figures import settled
 from compass.study.sampling import doubtful, finer, map_errors
 from compass.study.stages import evaluate
 
@@ -159,20 +159,13 @@ def _by_itself(
     ]
     figures |= {name: float(value) for name, value in geometry.items()}
     errors = {name: float(value) for name, value in doubtful(geometry, closer).items()}
+    if study.requirements:
+        figures |= settled(study, c, mask)
     if "orbits" in study.stages:
         days = study.orbits.days
-        figures["days_proven"] = proven_days(c, study.fold, days, sphere, mask)
+        figures["days_proven"] = proven_days(c, study.fold, days, sphere, mask, study.motion)
     if study.entry is not None:
-        entry = study.entry
-        judged = judge(
-            c, entry.scenario, samples=entry.samples, seed=study.seed, figure=study.figure,
-            mask=Mask.constant(mask), goal=entry.goal, density_sigma=entry.density_sigma,
-            lift_sigma=entry.lift_sigma,
-        )  # fmt: skip
-        for name, merit in MERITS.items():
-            if merit.stage == "entry":
-                group, _, key = name.partition(".")
-                figures[name] = float(judged[group][key] if key else judged[group])
+        figures |= judged(study, c, mask_deg)
     return figures, errors
 
 

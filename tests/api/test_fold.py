@@ -65,7 +65,7 @@ def test_a_design_or_its_path(designs):
 def test_a_plot_on_given_or_new_axes(found):
     axes = found.plot()
     assert len(axes.patches) == 6  # folds 4 to 9
-    assert found.plot(axes) is axes
+    assert found.plot(axes=axes) is axes
     assert axes.get_ylabel() == "share of area and time, %"
 
 

@@ -1,20 +1,22 @@
 """What holds of every command's result."""
 
 import json
-from dataclasses import FrozenInstanceError, fields
+from dataclasses import FrozenInstanceError, fields, replace
 
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 
 import compass
+from compass.cli.main import program
 from compass.document import html, text
-from compass.document.blocks import Verdict
 from compass.errors import ArgumentError
 
 # every command once, at full length: too slow where kernels are interpreted
 pytestmark = pytest.mark.slow
 
+SEED = "compass-15-5-1.toml"
 SMALL = {"step_deg": 15, "epochs": 6}
 
 
@@ -23,29 +25,109 @@ def seed(designs):
     return designs / "compass-15-5-1.toml"
 
 
+def horizon(designs, folder):
+    """Horizons of some stations on flat ground."""
+    flat = xr.Dataset(
+        {"height": (("lat", "lon"), np.zeros((181, 361)), {"units": "m"})},
+        {"lat": np.r_[-90:91.0], "lon": np.r_[-180:181.0]},
+    )
+    flat.to_netcdf(folder / "flat.nc", engine="h5netcdf")
+    return compass.horizon(designs / "five-landing-sites.toml", folder / "flat.nc", azimuths=8)
+
+
+def optimize(designs):
+    """Best directions: the quickest search there is."""
+    scenario = compass.read_scenario(designs / "entry-ground-beacons.toml")
+    task = scenario.optimize.model_copy(update={"what": "directions", "starts": 2})
+    return compass.optimize(replace(scenario, optimize=task))
+
+
+#: One of every command, but for those that write files or draw pages for whole minutes.
+MAKERS = {
+    "show": lambda designs, _: compass.show(designs / SEED),
+    "map": lambda designs, _: compass.map(designs / SEED, **SMALL),
+    "fold": lambda designs, _: compass.fold(designs / SEED),
+    "check": lambda designs, _: compass.check(designs / SEED),
+    "search": lambda *_: compass.search(fold=1, max_satellites=2, altitude_km=3e5),
+    "access": lambda designs, _: compass.access(
+        designs / SEED, stations=["Gale=-4.6,137.4"], duration_sols=0.2
+    ),
+    "series": lambda designs, _: compass.series(
+        designs / SEED, stations=["Gale=-4.6,137.4"], days=0.2, epochs=20
+    ),
+    "land": lambda designs, _: compass.land(designs / "entry-ground-beacons.toml", runs=2),
+    "drift": lambda designs, _: compass.drift(designs / SEED, days=1),
+    "keep": lambda designs, _: compass.keep(designs / SEED, years=0.1),
+    "deploy": lambda designs, _: compass.deploy(designs / SEED),
+    "determine": lambda designs, _: compass.determine(designs / "tracked-15-5-1.toml", days=0.1),
+    "horizon": horizon,
+    "optimize": lambda designs, _: optimize(designs),
+    "trade": lambda designs, folder: compass.trade(
+        designs / "study-small.toml", output=folder / "store", workers=1
+    ),
+    "reproduce": lambda *_: compass.reproduce("montenbruck2018"),
+    "export": lambda designs, _: compass.export(designs / SEED, format="toml"),
+    "new": lambda *_: compass.new("design"),
+    "schema": lambda *_: compass.schema("design"),
+    "version": lambda *_: compass.version(),
+}
+GRIDDED = {"map", "access", "series", "land", "drift", "determine", "horizon", "trade"}
+#: What is a text or a table has nothing to draw.
+UNDRAWN = {"reproduce", "export", "new", "schema", "version"}
+
+
 @pytest.fixture(scope="module")
-def results(seed):
-    return {
-        "show": compass.show(seed),
-        "map": compass.map(seed, **SMALL),
-        "search": compass.search(fold=1, max_satellites=2, altitude_km=3e5),
-        "reproduce": compass.reproduce("montenbruck2018"),
-    }
+def results(designs, tmp_path_factory):
+    """What each command found, made when first asked for."""
+    folder, made = tmp_path_factory.mktemp("results"), {}
+
+    class Results:
+        def __getitem__(self, name):
+            if name not in made:
+                made[name] = MAKERS[name](designs, folder)
+            return made[name]
+
+    return Results()
 
 
-NAMES = ["show", "map", "search", "reproduce"]
+def test_every_command_is_looked_at():
+    judged = {"judge", "report", "view", "warm"}  # their own tests have them
+    commands = {name for name in program.list_commands(None) if name not in judged}
+    assert commands == set(MAKERS)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", MAKERS)
 def test_text_html_and_json_come_from_one_result(results, name):
     found = results[name]
     page = found.document()
-    assert isinstance(page.blocks[0], Verdict)  # the answer first
-    assert str(found) == repr(found) == text(page)
+    assert name == "new" or str(found) == repr(found) == text(page)  # a file prints as it is
     assert found._repr_html_() == html(page)
     json.dumps(found.to_dict(), allow_nan=False)
     with pytest.raises(FrozenInstanceError):
         setattr(found, fields(found)[0].name, None)
+
+
+@pytest.mark.parametrize("name", sorted(set(MAKERS) - UNDRAWN))
+def test_a_result_draws_itself_on_given_and_on_new_axes(results, name):
+    axes = Figure().add_subplot()
+    assert results[name].plot(axes=axes) is axes
+    assert axes.has_data() or name == "search"  # which found nothing
+    assert axes.get_title() and (axes.get_xlabel() or name == "map")
+    if name not in ("map", "fold"):  # drawn elsewhere, and slow to draw
+        assert results[name].plot() is not axes
+
+
+@pytest.mark.parametrize("name", sorted(GRIDDED))
+def test_a_dataset_says_what_it_holds_and_when(results, name):
+    made = results[name].dataset
+    decoded = xr.decode_cf(made)
+    for key in ("time", "start", "end"):
+        if key in made.variables:
+            assert decoded[key].dtype.kind == "M"  # a date
+            assert made[key].attrs["units"].startswith("seconds since ")
+    for key, variable in made.data_vars.items():
+        if variable.dtype.kind == "f":
+            assert {"units", "long_name"} <= set(variable.attrs), key
 
 
 @pytest.mark.parametrize(

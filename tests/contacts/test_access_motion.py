@@ -108,6 +108,6 @@ def test_a_day_that_is_none_is_refused(tmp_path, run):
         compass.access(two(), start_day=-1.0)
     path = tmp_path / "d.toml"
     path.write_text(DESIGN.format(radius=8000))
-    code, out, _ = run("access", path, "--duration-sols", 0.1, "--model", "two-body", "--json")
+    code, out, _ = run("access", path, "--duration-sols", 0.1, "--motion", "two-body", "--json")
     assert code == 0
     assert json.loads(out)["motion"] == "two-body motion"

@@ -112,6 +112,7 @@ def test_eclipses_equal_ten_second_sampling(constellation, total):
 
 @MODEST
 @given(constellations(1), sites())
+@pytest.mark.slow
 def test_culmination_is_the_highest_sampled_elevation(constellation, site):
     station = station_node(site, constellation.epoch, SPAN)
     (found,) = windows([(station, satellite_nodes(constellation)[0])], SPAN)

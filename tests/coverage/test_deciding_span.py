@@ -155,6 +155,7 @@ def test_where_nothing_repeats_a_duration_has_an_end():
     st.floats(0, 6.28),
     st.randoms(use_true_random=False),
 )
+@pytest.mark.slow
 def test_a_name_decides_nothing(counts, is_star, inclination_deg, which, off, turn, random):
     """What the span decides is what the whole revolution decides, whatever the elements came of.
 

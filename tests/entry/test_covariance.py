@@ -1,5 +1,7 @@
 """Linear covariance: against a batch, another program in other coordinates, and turned about."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -218,6 +220,37 @@ def test_further_blocks_are_those_of_a_batch(world, table5, orbiter_beacons):
     scale = np.sqrt(np.outer(np.diag(other), np.diag(other)))
     # differences to 1e-6 times a condition number of 1e3
     np.testing.assert_allclose(found.covariance[-1] / scale, other / scale, atol=5e-3)
+
+
+def test_a_spread_that_grows_with_height_stays_what_it_is(case):
+    """Unheard, the density's variance is that of its profile at every height, from the first on."""
+    model, flight, beacons, every = case
+    radius = np.linalg.norm(flight.path[:, :3], axis=1)
+    rows = tuple(
+        (model.planet_radius + km * 1e3, sigma)
+        for km, sigma in ((0.0, 0.02), (60.0, 0.1), (130.0, 0.5))
+    )
+    part = Part("air", (0.5,), scales=(8200.0, 3e5), profile=rows)
+    wanted = np.exp(np.interp(radius, *np.array([(r, np.log(s)) for r, s in rows]).T))
+    part = replace(part, sigma=(float(wanted[0]),))
+    layout, none = Layout((part,), 3), np.zeros_like(every)
+    unheard = linear_covariance(
+        model, flight.path, beacons, none, Measurements(50.0), PRIOR, layout=layout
+    )
+    np.testing.assert_allclose(np.sqrt(unheard.covariance[:, 6, 6]), wanted, rtol=1e-12)
+    # what is passed is forgotten: with a spread that ends small all is known nearly as well
+    ends = [
+        linear_covariance(
+            model, flight.path, beacons, every, Measurements(50.0), PRIOR, layout=Layout((one,), 3)
+        ).position_sigma[-1]
+        for one in (part, replace(part, profile=(), sigma=(0.5,)))
+    ]
+    assert ends[0] < ends[1]
+    negative = ((*rows[0][:1], -1.0), *rows[1:])
+    both = (8200.0, 3e5)
+    for profile, scales in ((rows[::-1], both), (rows, ()), (negative, both)):
+        with pytest.raises(ArgumentError, match="air: a profile of sigmas is of density"):
+            Part("air", (0.5,), scales=scales, profile=profile)
 
 
 def test_considering_costs_and_never_more_than_ignoring_is_off(case):

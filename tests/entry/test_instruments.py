@@ -15,16 +15,20 @@ from compass.core.entry.measure import (
     ideal_values,
     measured,
 )
+from compass.design import Radio
 from compass.entry.beacons import Beacons
 from compass.entry.consistency import consistency
 from compass.entry.covariance import axes_covariance, linear_covariance
 from compass.entry.instruments import KINDS, Features, Instrument
 from compass.entry.layout import Layout, Part
+from compass.entry.link import Link
 from compass.entry.navigation import Filter, run_filter, run_monte_carlo
+from compass.entry.radio import STAGNATION, critical_density
 from compass.entry.schedule import Measurements
 from compass.entry.trajectory import fly
 from compass.entry.views import cartesian_of, spherical_of
 from compass.errors import ArgumentError
+from compass.ranging import Receiver
 
 PRIOR = axes_covariance(1000.0, 0.5)
 PARTS = (Part("clock", (30.0, 0.1)), Part("bias", (10.0,)), Part("attitude", (1e-3,) * 3))
@@ -121,7 +125,7 @@ def test_all_kinds_turn_with_the_problem(case):
             model, flown.path, heard, taken, measurements, PRIOR, layout=layout
         )
         sigmas.append([found.position_sigma, found.velocity_sigma])
-        count = dict(measurements.readings(heard, taken, flown.path, model.planet_radius))
+        count = dict(measurements.readings(heard, taken, flown.path, model))
         assert (
             count["velocity over the ground"] == 3 * 6 and 0 < count["height over the sphere"] < 11
         )
@@ -170,7 +174,7 @@ def test_a_filter_fed_from_outside_hears_all_kinds(case):
     model, flight, beacons, features = case
     measurements = everything(features)
     taken = np.ones((beacons.times.size, beacons.size), bool)
-    sources, variances, kinds = measurements.heard(beacons, taken, flight.path, model.planet_radius)
+    sources, variances, kinds = measurements.heard(beacons, taken, flight.path, model)
     z = np.empty(variances.shape)
     ideal_values(flight.path, sources, kinds, z)
     settings = Filter(PRIOR, np.zeros(6))
@@ -195,3 +199,61 @@ def test_impossible_instruments_are_refused(change, message):
 def test_records_name_the_kernels_numbers_once():
     numbers = [number for kind in KINDS for number in kind.numbers]
     assert sorted(numbers) == list(range(2, VELOCITY + 3)) and BEARING in numbers
+
+
+@pytest.fixture(scope="module")
+def make_link():
+    def make(**changes):
+        radio = Radio(("satellite", "station"), 400e6, 10.0, -25.0, 30.0)
+        return Link(radio, Receiver(chip=300.0, spacing=0.5), **changes)
+
+    return make
+
+
+def test_ranges_are_as_good_as_their_link(case, make_link):
+    """By hand: distance, antenna, plasma, loop; and the bound is that of these variances."""
+    model, flight, beacons, _ = case
+    air, r0, path = model.atmosphere, model.planet_radius, flight.path
+    level = make_link().carrier_to_noise(beacons, path, air, r0)
+    line = beacons.r[4, 1] - path[4, :3]
+    far = np.linalg.norm(line)
+    loss = 20 * np.log10(4 * np.pi * far * 400e6 / 299792458.0)
+    assert level[4, 1] == pytest.approx(10.0 - loss - 25.0 + 228.599167, abs=1e-6)
+    found = make_link().range_variance(beacons, path, air, r0)
+    strength = 10 ** (level[4, 1] / 10)
+    # Kaplan and Hegarty: chip^2 B D / (2 C/N0) (1 + 2 / (T C/N0 (2 - D)))
+    by_hand = 300**2 * 0.5 / (2 * strength) * (1 + 2 / (0.02 * strength * 1.5))
+    assert found[4, 1] == pytest.approx(by_hand)
+    # half of the power at half of the width off the axis, all of it on the axis, none behind
+    for pointing, axis in (("aft", -path[4, 3:]), ("zenith", path[4, :3])):
+        narrow = make_link(beamwidth=1.2, pointing=pointing)
+        off = np.arccos(line @ axis / far / np.linalg.norm(axis))
+        lost = level[4, 1] - narrow.carrier_to_noise(beacons, path, air, r0)[4, 1]
+        power = np.log(0.5) / np.log(np.cos(0.6))
+        assert lost == pytest.approx(-10 * power * np.log10(max(np.cos(off), 0.0)))
+    # plasma thick enough lets nothing through where it is denser than the critical density
+    dark = make_link(electrons=STAGNATION, thickness=5.0)
+    missing = np.isnan(dark.range_variance(beacons, path, air, r0)).all(axis=1)
+    r, v = np.linalg.norm(path[:, :3], axis=1), np.linalg.norm(path[:, 3:], axis=1)
+    assert np.array_equal(missing, STAGNATION(air.density(r), v) > critical_density(400e6))
+    assert 0 < missing.sum() < missing.size
+    taken = np.ones((beacons.times.size, beacons.size), bool)
+    noisy = Measurements(50.0, link=make_link())
+    alike = [
+        linear_covariance(model, path, beacons, taken, m, PRIOR).position_sigma[-1]
+        for m in (Measurements(50.0), noisy, Measurements(float(np.sqrt(2500 + found.max()))))
+    ]
+    assert alike[0] < alike[1] < alike[2]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"pointing": "nadir"}, "pointing = 'nadir': allowed aft, zenith"),
+        ({"beamwidth": 4.0}, "beamwidth = 229.183 deg: allowed above 0"),
+        ({"thickness": -1.0}, "thickness = -1 m: must be 0 or more"),
+    ],
+)
+def test_impossible_links_are_refused(make_link, change, message):
+    with pytest.raises(ArgumentError, match=message):
+        make_link(**change)

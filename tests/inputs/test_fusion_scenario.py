@@ -3,11 +3,13 @@
 import json
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from compass.api.land import LandResult
 from compass.api.land_fusion import fusion_facts, fusion_section
 from compass.cli.main import program
 from compass.entry.views import spherical_jacobian, spherical_of
@@ -150,6 +152,10 @@ def test_plasma_and_hidden_beacons_are_told():
     assert any("1 of 1 runs of information diverged" in words for words in section.paragraphs)
     assert section.pictures[-1].stem == "fusion-plasma"
     assert section.tables[0].rows[0][6] == "lost"
+    # a plain filter that holds does not hide that a fused one does not
+    plain = SimpleNamespace(consistency=SimpleNamespace(holds=True))
+    assert LandResult(None, plain, found).holds
+    assert not LandResult(None, plain, found, strict=True).holds
 
 
 @pytest.mark.parametrize(

@@ -269,6 +269,7 @@ two_way = { range_rate_sigma_m_s = 0.01 }
 altimeter = { sigma_m = 10, share = 0.02, below_km = 8 }
 velocimeter = { sigma_m_s = 0.2, interval_s = 2 }
 features = { sigma_deg = 0.1, interval_s = 5 }
+link = { frequency_mhz = 401, eirp_dbw = 10, g_over_t_db_k = -25, required_db_hz = 30, chip_m = 300 }
 [[feature]]
 name = "rim"
 latitude_deg = -27
@@ -290,9 +291,27 @@ def test_instruments_and_features_become_records():
     place = scenario.measurements.features.places(scenario.model.planet_radius)
     assert np.linalg.norm(place) == pytest.approx(scenario.model.planet_radius - 2e3)
     assert scenario.settings.method == "unscented"
+    link = scenario.measurements.link
+    assert (link.radio.frequency, link.receiver.chip, link.electrons) == (401e6, 300.0, None)
+    assert np.isinf(link.beamwidth) and read(GROUND).measurements.link is None
     [axes] = scenario.settings.parts
     assert (axes.name, axes.considered) == ("attitude", True)
     assert axes.sigma == pytest.approx([np.radians(0.05)] * 3)
+
+
+def test_a_spread_of_the_air_by_height():
+    more = "[filter]\ndensity = {{ {}, scale_km = 8.2 }}\n"
+    [part] = read(changed("[filter]\n", more.format('sigma_by_km = "mars"'))).settings.parts
+    assert part.sigma == (0.4,) and len(part.profile) == 12  # 121 km and above
+    rows = "sigma_by_km = [[0, 0.02], [100, 0.2]]"
+    [own] = read(changed("[filter]\n", more.format(rows))).settings.parts
+    half = own.profile[0][0] + 50e3
+    assert own.sigma_at(np.array([half]))[0] == pytest.approx(np.sqrt(0.02 * 0.2))
+    both = more.format("sigma = 0.1, " + rows).replace(", scale_km = 8.2", "")
+    with pytest.raises(DesignError) as told:
+        read(changed("[filter]\n", both))
+    assert "filter.density: needs exactly one of sigma, sigma_by_km" in str(told.value)
+    assert "filter.density.scale_km: missing; needed beside sigma_by_km" in str(told.value)
 
 
 def test_faults_of_instruments_are_said_together():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from compass.entry.arrivals import MOST_SAMPLES
+from compass.entry.doubts import Doubts
 from compass.errors import DesignError
 from compass.inputs.merit import MERITS, STAGES, merits_of
 from compass.inputs.study import Free, read_study, read_study_text
@@ -97,6 +98,13 @@ def test_entry_takes_a_scenario(designs):
     text += '[entry]\nscenario = "entry-compass.toml"\nsamples = 3\nfinalists = 2\n'
     entry = read_study_text(text, folder=designs).entry
     assert (entry.samples, entry.finalists) == (3, 2) and entry.scenario.name
+    assert entry.doubts == Doubts()  # as the judge takes them
+    own = text + "clock_m = 0\nclock_drift_m_s = 0\norbit_m = [1, 2, 3]\n"
+    known = read_study_text(own, folder=designs)
+    assert known.entry.doubts == Doubts(0.0, 0.0, (1.0, 2.0, 3.0))
+    assert known.digest != read_study_text(text, folder=designs).digest
+    with pytest.raises(DesignError, match=r"study: entry: clock_m = 0, clock_drift_m_s = 0\.3"):
+        read_study_text(text + "clock_m = 0\n", folder=designs)
 
 
 @pytest.mark.parametrize(

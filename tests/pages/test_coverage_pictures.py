@@ -2,6 +2,8 @@
 
 import warnings
 
+import pytest
+
 from compass.inputs import read_design_text
 from compass.pages.coverage import fold_pictures
 from compass.study.mapping import MapOptions, make_map
@@ -20,6 +22,7 @@ mask_deg = 89.9
 """
 
 
+@pytest.mark.slow
 def test_a_map_that_sees_nothing_is_drawn_without_a_word():
     made = make_map(read_design_text(NOTHING), MapOptions(step_deg=15, epochs=2))
     assert made.dataset.count_max.max() == 0

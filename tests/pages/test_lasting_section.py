@@ -6,8 +6,8 @@ import pytest
 
 import compass
 from compass.api import outlook as module
-from compass.api.drift import RadiusLasts
 from compass.api.outlook import Outlook, commands, outlook
+from compass.api.radii import RadiusLasts
 from compass.bodies import SOLAR_DAY
 from compass.coverage.certificate import Outcome
 from compass.coverage.lasting import Lasting

@@ -90,6 +90,7 @@ def test_equatorial_rows():
             np.testing.assert_allclose(seen.mean(axis=1), shares[k], atol=8 * 120 / sidereal_day())
 
 
+@pytest.mark.slow
 def test_moon_rows(every_row_can_fail):
     """93.1 % and 1.63 h, 97.8 % and up to 3.6 h: circular moons, computed before."""
     phobos = paper.moon_windows("phobos", "circular")

@@ -16,8 +16,8 @@ from compass.papers.yu2018_filter import (
     cramer_rao_bound,
     ideal_measurements,
     initial_covariance,
-    run_filter,
     run_monte_carlo,
+    run_published_filter,
 )
 
 MEASUREMENTS = Measurements(50.0)
@@ -148,7 +148,7 @@ def test_ekf_equals_stone_soup(orbiter_case):
     few = type(beacons)(
         beacons.names, beacons.times[:steps], beacons.r[:steps], beacons.v[:steps], beacons.moving
     )
-    found, covariances = run_filter(
+    found, covariances = run_published_filter(
         model, estimate, few, taken[:steps], MEASUREMENTS, Filter(covariance0, noise), z
     )
 

@@ -9,6 +9,7 @@ from scipy.stats import chi2
 from compass.entry.arrivals import Arrivals
 from compass.entry.campaign import fly_campaign
 from compass.entry.covariance import linear_covariance
+from compass.entry.doubts import NO_DOUBTS, Doubts
 from compass.entry.schedule import in_view
 from compass.entry.trajectory import Trigger
 from compass.entry.unknowns import Unknowns
@@ -22,7 +23,6 @@ from compass.study.judge import _FLOWN, MOST_FLOWN, campaign_of, judge, judge_en
 from compass.study.judge_filter import entry_beacons, judge_filter
 from compass.study.judgement import spectrum_and_floor
 from compass.study.pattern_map import places
-from compass.study.unknowns import NO_DOUBTS, Doubts
 
 FIGURE = FIGURES["iau-sphere"]
 AREOSYNCHRONOUS = 20428e3
@@ -397,7 +397,7 @@ def test_mask_hides_satellites(scenario, five):
     [
         (("range_sigma_m = 50", "range_sigma_m = 50\nin_turn = true"), "in_turn = true"),
         (
-            ('kind = "ekf"', 'kind = "ekf"\nprocess_noise_si = [1, 0, 0, 0, 0, 0]'),
+            ('kind = "relinearised-ekf"', 'kind = "ekf"\nprocess_noise_si = [1, 0, 0, 0, 0, 0]'),
             "process_noise_si",
         ),
     ],

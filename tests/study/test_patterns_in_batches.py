@@ -9,6 +9,7 @@ from compass.core.pattern_map import worst_zone
 from compass.core.ranking import nearest_rank
 from compass.coverage.grid import make_grid
 from compass.coverage.symmetry import shortest_span
+from compass.entry.doubts import NO_DOUBTS, Doubts
 from compass.errors import ArgumentError
 from compass.frames import FIGURES, direction
 from compass.inputs.study import EntryStage, read_study_text
@@ -185,6 +186,7 @@ def assert_as_judged_one_by_one(s, rows):
             make_constellation(row), s.entry.scenario, samples=s.entry.samples, seed=s.seed,
             figure=s.figure, mask=Mask.constant(np.radians(row["mask_deg"])), goal=s.entry.goal,
             density_sigma=s.entry.density_sigma, lift_sigma=s.entry.lift_sigma,
+            unknowns=s.entry.doubts.of(None),
         )  # fmt: skip
         for name, values in found.items():
             value = wanted
@@ -217,6 +219,16 @@ def test_air_and_lift_that_are_not_known(short, unknown):
     found = assert_as_judged_one_by_one(entry(short(), goal=300.0, **unknown), ROWS[:2])
     assert (found["crlb_position_m.p95"] > known["crlb_position_m.p95"]).all()
     assert 0 < known["share_within_goal"].min() <= 1
+
+
+def test_clocks_and_orbits_that_are_not_known(short):
+    """As the judge counts them; those of the satellites alone cost less than all together."""
+    known, orbits, every = (
+        assert_as_judged_one_by_one(entry(short(), 2, goal=300.0, doubts=doubts), ROWS[:2])
+        for doubts in (NO_DOUBTS, replace(NO_DOUBTS, orbit_m=(20.0, 80.0, 50.0)), Doubts())
+    )
+    assert (known["crlb_position_m.p95"] < orbits["crlb_position_m.p95"]).all()
+    assert (known["crlb_position_m.p95"] < every["crlb_position_m.p95"]).all()
 
 
 @pytest.mark.slow

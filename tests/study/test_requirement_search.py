@@ -16,8 +16,10 @@ from compass.inputs import read_design
 from compass.orbits.constellation import from_pattern
 from compass.orbits.pattern import Pattern
 from compass.sites import Mask, Site
+from compass.study import requirement_patterns as patterns
 from compass.study import requirement_samples as samples
 from compass.study import requirement_search as module
+from compass.study.requirement_question import Question
 
 EQUATOR = Site("equator", 0.0, 0.3)
 FILE = """
@@ -38,8 +40,9 @@ fold = 1
 @pytest.fixture
 def flat(monkeypatch):
     """Only a few inclinations: kernels are slow where they are interpreted."""
-    monkeypatch.setattr(module, "STEP", 45.0)
-    monkeypatch.setattr(module, "TURN_STEP", 40.0)
+    monkeypatch.setattr(patterns, "STEP", 45.0)
+    monkeypatch.setattr(patterns, "TURN_STEP", 40.0)
+    monkeypatch.setattr(samples, "SAMPLES", 100)
 
 
 def test_a_ring_for_a_site_on_the_equator(flat, tmp_path):
@@ -102,53 +105,43 @@ def test_satellites_that_meet_are_kept_out(flat):
 
 def test_turns_over_the_ground_are_all_there_are():
     """Three on one plane of closed tracks: a turn of 120 degrees brings them back."""
-    q = module.Question((), FIGURES["iau-sphere"], Mask(), 2e7, (1, 1), 0.0, ("walker-delta",), 3)
-    turns = module._turns(q, Pattern("walker-delta", 3, 1, 0, 0.0))
+    q = Question((), FIGURES["iau-sphere"], Mask(), 2e7, (1, 1), 0.0, ("walker-delta",), 3)
+    turns = patterns.turns(q, Pattern("walker-delta", 3, 1, 0, 0.0))
     assert max(turns) < np.radians(120) <= max(turns) + 2 * (turns[1] - turns[0])
-    half = module._turns(
-        module.Question((), q.figure, q.mask, q.radius, (2, 1), 0.0, q.kinds, 3),
+    half = patterns.turns(
+        Question((), q.figure, q.mask, q.radius, (2, 1), 0.0, q.kinds, 3),
         Pattern("walker-delta", 3, 1, 0, 0.0),
     )
     assert max(half) < np.radians(60) + 1e-9
-    open_ = module.Question((), q.figure, q.mask, q.radius, None, 0.0, q.kinds, 3)
-    assert module._turns(open_, Pattern("walker-delta", 3, 1, 0, 0.0)) == [0.0]
+    open_ = Question((), q.figure, q.mask, q.radius, None, 0.0, q.kinds, 3)
+    assert patterns.turns(open_, Pattern("walker-delta", 3, 1, 0, 0.0)) == [0.0]
 
 
-def test_sampled_geometry_is_the_same_by_a_matrix_at_a_time():
-    rng = np.random.default_rng(4)
-    local = rng.normal(size=(50, 6, 3))
-    local /= np.linalg.norm(local, axis=-1, keepdims=True)
-    seen = rng.random((50, 6)) < 0.8
-    asked = Requirement("a", limits=(("pdop", 3.0), ("tdop", 2.0)))
-    good = samples.over_limits(local, seen, asked) <= 1.0
-    for rows, mask, verdict in zip(local, seen, good, strict=True):
-        if mask.sum() < 4:
-            assert not verdict
-            continue
-        h = np.column_stack([rows[mask], np.ones(mask.sum())])
-        q = np.linalg.inv(h.T @ h)
-        assert verdict == (np.trace(q[:3, :3]) <= 9.0 and q[3, 3] <= 4.0)
+def looked_at(q, size):
+    """Candidates of a size that have the folds wanted."""
+    return module._folded(q, patterns.sampled(q, list(patterns.grids(q, size)), 2)[0], 2)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("band", "mask", "size"), [(15, 0, 9), (30, 0, 10)])
+@pytest.mark.parametrize(
+    ("band", "mask", "size"), [(15, 0, 9), (15, 10, 11), (30, 0, 10), (45, 10, 12)]
+)
 def test_bands_against_a_brute_force_of_others(band, mask, size, monkeypatch):
     """Fold alone, Walker delta at 20,427.7 km: one size below nothing covers."""
-    monkeypatch.setattr(module, "STEP", 15.0)
+    monkeypatch.setattr(patterns, "STEP", 15.0)
     users = region_users(
         read_region(f"lat:-{band}:{band}"), FIGURES["iau-sphere"], Mask.constant(np.radians(mask))
     )
     asked = Requirement(
         "band", regions=(f"lat:-{band}:{band}",), fold=4, mask=float(np.radians(mask))
     )
-    q = module.Question(
+    q = Question(
         (asked,), FIGURES["iau-sphere"], Mask(), 20427.7e3, None, 0.0, ("walker-delta",), 16
     )
-    less = module._folded(q, list(module._candidates(q, size - 1)), 2)
-    assert less == []
-    found = module._folded(q, list(module._candidates(q, size)), 2)
+    assert looked_at(q, size - 1) == []
+    found = looked_at(q, size)
     assert found
-    assert always_clear(found[0], users, 4)
+    assert always_clear(found[0].constellation, users, 4)
 
 
 def test_bad_files_and_options_are_told(tmp_path, run):

@@ -69,5 +69,5 @@ class Doubts:
         return f"{said}."
 
 
-#: Satellites known exactly, and clocks that agree: what a study takes, candidate by candidate.
+#: Satellites known exactly, and clocks that agree.
 NO_DOUBTS = Doubts(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, 0.0)

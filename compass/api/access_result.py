@@ -1,0 +1,226 @@
+"""Access windows of a design as text, numbers, picture and files."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import compass
+from compass.api.results import Result
+from compass.contacts.dataset import windows_dataset
+from compass.contacts.survey import Survey
+from compass.conventions import dated, epoch_text
+from compass.design import Design
+from compass.document import Page, Sentence, Table, Value, Verdict
+from compass.document.plain import plain
+from compass.errors import ArgumentError, OutputError
+from compass.orbits.motion import Motion
+from compass.quantities import quantity
+from compass.saving import replacing, save_netcdf, write_csv
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+#: What needs no word: how satellites of most designs move.
+TWO_BODY = Motion().title
+
+#: Kinds of files that windows are written to.
+SUFFIXES = (".nc", ".csv", ".json")
+
+
+@dataclass(frozen=True, repr=False)
+class AccessResult(Result):
+    """Windows of all pairs, and what they come to.
+
+    Attributes
+    ----------
+    design
+        With the links and stations that were asked for beside its own.
+    found
+        The windows, in SI units.
+    record
+        Plain values with units in their names.
+    pairs
+        Whether the text has a line for every pair.
+    """
+
+    design: Design = field(repr=False)
+    found: Survey = field(repr=False)
+    record: dict[str, Any] = field(repr=False)
+    pairs: bool = False
+
+    @property
+    def dataset(self) -> "xr.Dataset":
+        """All windows as a CF contiguous ragged array."""
+        made = windows_dataset(
+            self.found.windows,
+            title=f"Access windows of {self.design.name}",
+            design=self.design.text,
+            design_sha256=self.design.digest,
+            epoch_tdb=epoch_text(self.found.epoch),
+            source=f"compass {compass.__version__}",
+        )
+        return dated(made, "start", "end", "culmination")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        epoch = self.found.epoch
+        return plain({"design": self.design.name, "epoch_tdb_s_past_j2000": epoch, **self.record})
+
+    def document(self) -> Page:
+        """Who is seen how much, then a table a question."""
+        return Page(
+            self.design.name,
+            (
+                Verdict("", f"access over {self.record['duration_sols']:g} sols"),
+                *(Sentence(words) for words in self.summary()),
+                *self.tables(),
+                *(Sentence(words) for words in self.notes()),
+            ),
+        )
+
+    def summary(self) -> tuple[str, ...]:
+        """Who sees how many satellites, how much of the time; a sentence a node."""
+        return tuple(
+            f"{r['node']} sees {r['seen']} of {r['satellites']} satellites, at least one of them "
+            f"{Value(quantity('access.any_share'), r['any_share'])} % of the time."
+            for r in self.record["nodes"]
+        )
+
+    def notes(self) -> tuple[str, ...]:
+        """What is left out, and the Sun's part in links to the Earth."""
+        notes = [] if self.record["motion"] == TWO_BODY else [f"Under {self.record['motion']}."]
+        if self.record["latency"] is None:
+            notes.append("Store and forward between stations is left out: there is too much of it.")
+        if clear := [r["node"] for r in self.record["eclipses"] if not r["count"]]:
+            notes.append(f"No eclipses of {', '.join(clear)}.")
+        if earth := self.record["earth"]:
+            angle, seasons = earth["sun_earth_mars_angle_deg"], len(earth["conjunction_seasons"])
+            notes.append(
+                f"Sun-Earth-Mars angle {angle['least']:.2f} to {angle['largest']:.2f} deg; "
+                f"{seasons} season(s) below {earth['conjunction_deg']:g} deg"
+            )
+        return tuple(notes)
+
+    def tables(self) -> tuple[Table, ...]:
+        """The tables for which there is something to say."""
+        earth = self.record["earth"]["stations"] if self.record["earth"] else []
+        parts = {
+            "Satellites in sight": self.record["nodes"],
+            "Reaching the Earth": earth,
+            "Store and forward between stations": self.record["latency"] or [],
+            "In Mars's shadow": [r for r in self.record["eclipses"] if r["count"]],
+            "Radio links along their windows": self.record["radio"],
+            "Pairs": self.record["pairs"] if self.pairs else [],
+        }
+        return tuple(_table(title, rows) for title, rows in parts.items() if rows)
+
+    def write(self, path: str | Path, *, command: str = "compass.access") -> None:
+        """Write all windows as netCDF, CSV or JSON, as the file's name asks.
+
+        Raises
+        ------
+        OutputError
+            The name has another ending, or the file cannot be written.
+        """
+        chosen = check_suffix(Path(path))
+        if chosen.suffix == ".nc":
+            save_netcdf(chosen, self.dataset.assign_attrs(history=command))
+            return
+        with replacing(chosen) as temporary:
+            if chosen.suffix == ".json":
+                text = json.dumps(self.to_dict(), indent=2, allow_nan=False)
+                temporary.write_text(text + "\n", encoding="utf-8")
+            else:
+                _write_csv(temporary, self.record["pairs"])
+
+    def plot(self, name: str | None = None, *, axes: "Axes | None" = None) -> "Axes":
+        """Draw when a node sees each satellite: a row a satellite, a bar a window.
+
+        Parameters
+        ----------
+        name
+            A station, a moon or ``Earth``; the first one without.
+        axes
+            Where to; new ones without.
+
+        Raises
+        ------
+        ArgumentError
+            There is no such node.
+        """
+        from compass.pictures.access import draw_timeline, height_of
+        from compass.pictures.style import axes_or_new
+
+        names = [str(record["node"]) for record in self.record["nodes"]]
+        chosen = name or (names[0] if names else "")
+        if chosen not in names:
+            raise ArgumentError(
+                f"name = {name!r}: no such node; allowed {', '.join(names) or 'none'}"
+            )
+        drawn = axes_or_new(axes, 8.0, height_of(self.found, chosen))
+        draw_timeline(drawn, self.found, chosen)
+        return drawn
+
+
+def check_suffix(path: Path, among: Sequence[str] = SUFFIXES) -> Path:
+    """Return a path whose ending says in which form to write.
+
+    Raises
+    ------
+    OutputError
+        It says none of those.
+    """
+    if path.suffix not in among:
+        raise OutputError(
+            f"{path}: unknown kind {path.suffix or 'of file'!r}; "
+            f"the name must end in {', '.join(among)}"
+        )
+    return path
+
+
+#: What is the name of a row rather than a quantity, and its heading; shares by hops are words.
+_WORDS = {
+    "node": "node", "station": "station", "source": "from", "target": "to", "first": "from",
+    "second": "to", "by_hops": "by links in the chain",
+}  # fmt: skip
+
+#: In JSON, but not in a table.
+_UNTOLD = {"windows", "largest_cn0_dbhz"}
+
+
+def _table(title: str, rows: Sequence[dict[str, Any]]) -> Table:
+    """Table of records with the same keys."""
+    unpaired = {"largest_range_rate_km_s", "largest_light_time_s"} if title == "Pairs" else set()
+    if title.startswith("Radio"):
+        unpaired = {"least_range_km"}
+    names = [name for name in rows[0] if name not in _UNTOLD | unpaired]
+    header = tuple(
+        _WORDS[name] if name in _WORDS else quantity(f"access.{name}").heading for name in names
+    )
+    return Table(title, header, tuple(tuple(_cell(r, name) for name in names) for r in rows))
+
+
+def _cell(row: dict[str, Any], name: str) -> object:
+    value = row[name]
+    if name == "by_hops":
+        shares = ((n, Value(quantity("access.share"), share)) for n, share in (value or {}).items())
+        return ", ".join(f"{n}: {share} %" for n, share in shares) or "–"
+    if name in _WORDS:
+        return value
+    return "–" if value is None else Value(quantity(f"access.{name}"), value)
+
+
+def _write_csv(path: Path, pairs: Sequence[dict[str, Any]]) -> None:
+    names = ["start_s", "end_s", "duration_s", "culmination_s", "max_elevation_deg"]
+    write_csv(
+        path,
+        ["first", "second", *names],
+        (
+            [pair["first"], pair["second"], *(window[name] for name in names)]
+            for pair in pairs
+            for window in pair["windows"]
+        ),
+    )

@@ -1,0 +1,394 @@
+"""What a design does that is left alone, as text, numbers, picture and files."""
+
+from dataclasses import dataclass, field
+from math import degrees
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from compass.api.drift_files import drift_dataset, elements_text, injected_design
+from compass.api.lasting import LastingResult
+from compass.api.promises import box_dict, followed, promise_blocks, promise_dict
+from compass.api.radii import RadiusLasts
+from compass.api.results import Result
+from compass.conventions import dated
+from compass.coverage.certificate import Outcome
+from compass.coverage.drift import Drift
+from compass.coverage.promises import Promise
+from compass.design import Design
+from compass.document import Page, Sampled, Sentence, Table, Value
+from compass.document.blocks import Block, facts
+from compass.document.plain import plain
+from compass.frames import SECONDS_PER_DAY
+from compass.orbits.approach import Approach
+from compass.orbits.trimming import Trim, beat_of
+from compass.quantities import quantity
+from compass.saving import replacing, save_netcdf
+from compass.study.mapping import provenance
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+
+#: Rows of the table over time that the text shows.
+SHOWN = 12
+
+
+@dataclass(frozen=True, repr=False)
+class DriftResult(Result):
+    """A design left alone.
+
+    Attributes
+    ----------
+    design
+        What was followed.
+    mask_deg, motion
+        Elevation mask; under what motion.
+    drift
+        Margins, room and the first loss, SI.
+    trim
+        The trimmed elements, if asked for.
+    radii
+        How long the pattern lasts at other radii, if asked for.
+    promises
+        What becomes of each requirement of the design.
+    approaches
+        The closest approach of any satellite to each moon.
+    avoid_km
+        Distance that is to be kept from their centres, if any.
+    """
+
+    design: Design = field(repr=False)
+    mask_deg: float
+    motion: str
+    drift: Drift
+    trim: Trim | None = None
+    radii: tuple[RadiusLasts, ...] = ()
+    promises: tuple[Promise, ...] = ()
+    approaches: tuple[Approach, ...] = ()
+    avoid_km: float | None = None
+
+    @property
+    def holds(self) -> bool:
+        """Whether what is wanted is proven for the whole span, and the moons are kept away from.
+
+        Wanted is what the design requires, as far as it can be followed; without that the fold.
+        """
+        wanted = followed(self.promises) or [self.drift.lasting]
+        return all(one.outcome is Outcome.PROVEN for one in wanted) and self.avoids
+
+    @property
+    def avoids(self) -> bool:
+        """Whether no satellite comes nearer to a moon than is to be kept."""
+        least = min((a.distance for a in self.approaches), default=np.inf)
+        return self.avoid_km is None or least >= self.avoid_km * 1e3
+
+    @property
+    def lasting(self) -> LastingResult:
+        """The claim alone."""
+        return LastingResult(self.design, self.mask_deg, self.motion, self.drift.lasting)
+
+    @property
+    def days_proven(self) -> float:
+        """Days for which the fold is proven."""
+        return self.drift.lasting.days_proven
+
+    @property
+    def first_loss_days(self) -> float | None:
+        """Days after the epoch at which it is lost; None if it is not."""
+        return self.drift.lasting.first_loss_days
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON; lists over the days."""
+        found = self.drift
+        return plain(
+            {
+                **self.lasting.to_dict(),
+                "trimmed": self.trim is not None,
+                "span_days": self.lasting.days,
+                "days": found.times / SECONDS_PER_DAY,
+                "margin_deg": np.degrees(found.least[:, 0]),
+                "margin_at_moment_deg": np.degrees(found.margin),
+                "room_deg": None if found.room is None else np.degrees(found.room.room),
+                "per_satellite": self._satellites(),
+                "slot_box": box_dict(self.drift.box),
+                "requirements": [promise_dict(each) for each in self.promises],
+                "trim": self._trim(),
+                "radii": [radius.as_dict() for radius in self.radii],
+                "moons": [
+                    {
+                        "moon": a.moon,
+                        "satellite": a.satellite,
+                        "day": a.time / SECONDS_PER_DAY,
+                        "distance_km": a.distance / 1e3,
+                    }
+                    for a in self.approaches
+                ],
+                "avoid_km": self.avoid_km,
+                "avoids": self.avoids,
+            }
+        )
+
+    def _satellites(self) -> list[dict[str, Any]] | None:
+        """Where each satellite stands in its slot at the end of the span."""
+        room = self.drift.room
+        if room is None:
+            return None
+        return [
+            {
+                "name": name,
+                "in_track_deg": degrees(room.along[-1, s]),
+                "cross_track_deg": degrees(room.across[-1, s]),
+                "radial_km": room.radial[-1, s] / 1e3,
+            }
+            for s, name in enumerate(self.design.constellation.satellite_names)
+        ]
+
+    def _trim(self) -> dict[str, Any] | None:
+        t = self.trim
+        if t is None:
+            return None
+        return {
+            "semi_major_axis_km": t.constellation.semi_major_axis / 1e3,
+            "shift_km": t.shift / 1e3,
+            "horizon_days": t.horizon / SECONDS_PER_DAY,
+            "rate_spread_deg_day": degrees(t.spread) * SECONDS_PER_DAY,
+            "rate_spread_before_deg_day": degrees(t.spread_before) * SECONDS_PER_DAY,
+            "excursion_deg": degrees(t.excursion),
+            "excursion_before_deg": degrees(t.excursion_before),
+            "tolerance": self.tolerances(),
+        }
+
+    def tolerances(self) -> dict[str, float] | None:
+        """How well each element must be injected, one at a time, for the room left at the end.
+
+        An axis off by da drifts by ``3/2 n da / a`` a second along the track; an eccentricity e
+        swings a satellite by 2 e along it; inclination, node and argument of latitude move it by
+        themselves. The least room of the span may be used up by any one of them; None where there
+        is none.
+        """
+        room, c = self.drift.room, self.design.constellation
+        left = 0.0 if room is None else float(room.room.min())
+        if left <= 0.0:
+            return None
+        span = self.drift.lasting.stop - self.drift.lasting.start
+        rate = 1.5 * float(c.mean_motion[0] / c.semi_major_axis[0])
+        return {
+            "semi_major_axis_km": left / rate / span / 1e3,
+            "eccentricity": left / 2.0,
+            "inclination_deg": degrees(left),
+            "raan_deg": degrees(left),
+            "argument_of_latitude_deg": degrees(left),
+        }
+
+    def document(self) -> Page:
+        """How long it lasts, then margin and room over time, satellites, trim, other radii."""
+        blocks: list[Block] = [
+            *promise_blocks(self.promises),
+            *self.lasting.blocks(),
+            self._advice(),
+            *self._over_time(),
+            *self._per_satellite(),
+            *self._trimmed(),
+            *self._moons(),
+            *self._other_radii(),
+        ]
+        return Page(self.design.name, tuple(blocks))
+
+    def _advice(self) -> Sentence:
+        c = self.design.constellation
+        beat = beat_of(c) / SECONDS_PER_DAY if c.size else np.inf
+        if beat > 100.0:
+            return Sentence(
+                "the orbits keep pace with Mars's rotation: the field pushes each satellite the "
+                "same way every day, so that no trim helps; some hundred kilometres lower or "
+                "higher the push averages out"
+            )
+        how = "trimmed once" if self.trim else "not trimmed; --trim makes mean rates agree"
+        return Sentence(f"the push of Mars's field swings to and fro every {beat:.3g} days; {how}")
+
+    def _over_time(self) -> list[Block]:
+        found = self.drift
+        pick = np.unique(np.linspace(0, found.times.size - 1, SHOWN).astype(int))
+        margin, room = quantity("cap_margin_deg"), quantity("room_deg")
+        rows = tuple(
+            (
+                f"{found.times[k] / SECONDS_PER_DAY:.6g}",
+                Value(margin, degrees(found.least[k, 0])),
+                Value(margin, degrees(found.margin[k])),
+                "" if found.room is None else Value(room, degrees(found.room.room[k])),
+            )
+            for k in pick
+        )
+        header = ("day", f"least {margin.heading}", "at the moment", room.heading)
+        step = (found.times[1] - found.times[0]) / SECONDS_PER_DAY
+        note = (
+            f"least margin: by how much all caps could shrink in the {step:g} day(s) before, a "
+            "proven bound (of the first row, in the day after); room in the slots is smaller and "
+            "only sufficient"
+        )
+        return [Table("Margin and room over time", header, rows), Sentence(note)]
+
+    def _per_satellite(self) -> list[Block]:
+        rows = self._satellites()
+        if not rows:
+            return []
+        names = ("in_track_deg", "cross_track_deg", "radial_km")
+        table = tuple(
+            (row["name"], *(Value(quantity(name), row[name]) for name in names)) for row in rows
+        )
+        header = ("satellite", *(quantity(name).heading for name in names))
+        blocks: list[Block] = [Table("In its slot at the end of the span", header, table)]
+        if box := box_dict(self.drift.box):
+            blocks.append(
+                facts(
+                    "Slot box: how far one satellite may leave its slot",
+                    [
+                        Value(quantity("slot_sideways_deg"), box["sideways_deg"]),
+                        Value(quantity("slot_radial_km"), box["radial_km"]),
+                    ],
+                )
+            )
+        return blocks
+
+    def _trimmed(self) -> list[Block]:
+        t, found = self.trim, self._trim()
+        if t is None or found is None:
+            return []
+        axis, shift = quantity("semi_major_axis_km"), quantity("axis_shift_km")
+        names = self.design.constellation.satellite_names
+        rows = tuple(
+            (
+                name,
+                Value(axis, float(t.constellation.semi_major_axis[s] / 1e3)),
+                Value(shift, float(t.shift[s] / 1e3)),
+            )
+            for s, name in enumerate(names)
+        )
+        blocks: list[Block] = [
+            Table("Osculating axes to inject", ("satellite", axis.heading, shift.heading), rows),
+            Sentence(
+                f"mean rates agree to {found['rate_spread_deg_day']:.2g} deg a day over "
+                f"{found['horizon_days']:.4g} days ({found['rate_spread_before_deg_day']:.2g} "
+                "before); the furthest satellite runs "
+                f"{found['excursion_deg']:.3g} deg from the mean "
+                f"({found['excursion_before_deg']:.4g} before)"
+            ),
+        ]
+        if tolerance := self.tolerances():
+            blocks.append(
+                Table(
+                    "How well one element must be injected for the whole span, others exact",
+                    ("element", "tolerance"),
+                    tuple((name, f"{value:.3g}") for name, value in tolerance.items()),
+                )
+            )
+        return blocks
+
+    def _moons(self) -> list[Block]:
+        """Who comes nearest to a moon, when and how near."""
+        if not self.approaches:
+            return []
+        said = "; ".join(
+            f"{a.moon.capitalize()} {Value(quantity('distance_km'), a.distance / 1e3)} km "
+            f"({a.satellite}, day {a.time / SECONDS_PER_DAY:.2f})"
+            for a in self.approaches
+        )
+        wanted = ""
+        if self.avoid_km is not None:
+            kept = "kept" if self.avoids else "not kept"
+            wanted = f"; {self.avoid_km:g} km from their centres is {kept}"
+        return [Sentence(f"closest approach of any satellite to the moons: {said}{wanted}")]
+
+    @property
+    def dataset(self) -> "xr.Dataset":
+        """Margin, room and places in the slots over time, as CF lays it out."""
+        return dated(drift_dataset(self))
+
+    def _other_radii(self) -> list[Block]:
+        if not self.radii:
+            return []
+        proven, margin = quantity("days_proven"), quantity("cap_margin_deg")
+        rows = tuple(
+            (
+                f"{r.radius_km:g}",
+                Value(proven, r.days_proven),
+                "never" if r.first_loss_days is None else f"{r.first_loss_days:.4f}",
+                Value(margin, r.margin_deg, Sampled(how="at moments of the span")),
+                f"{r.beat_days:.4g}" + ("" if r.trimmed else ", resonant: no trim"),
+            )
+            for r in self.radii
+        )
+        header = ("radius, km", proven.heading, "lost on day", margin.heading, "beat, days")
+        return [Table("Left alone at other radii, trimmed where it can be", header, rows)]
+
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
+        """Draw margin and room over time.
+
+        Parameters
+        ----------
+        axes
+            Where to; new ones without.
+        """
+        from compass.pictures.style import CYCLE, MARS, axes_or_new
+
+        drawn, found = axes_or_new(axes), self.drift
+        days = found.times / SECONDS_PER_DAY
+        drawn.plot(days, np.degrees(found.least[:, 0]), color=MARS, label="least margin, proven")
+        if found.room is not None:
+            room = np.degrees(found.room.room)
+            drawn.plot(days, room, color=CYCLE[0], label="room in the slots")
+        drawn.axhline(0.0, color="0.5", linewidth=0.8)
+        drawn.set_ylim(bottom=max(-10.0, float(np.degrees(found.least[:, 0].min())) - 1.0))
+        drawn.set(xlabel="days after the epoch", ylabel="degrees", title=self.design.name)
+        drawn.legend()
+        return drawn
+
+    def write(self, path: str | Path, *, command: str = "compass.drift") -> None:
+        """Write the dataset as netCDF.
+
+        Raises
+        ------
+        OutputError
+            It cannot be written.
+        """
+        made = provenance(self.design, command)
+        known = {name: words for name, words in made.items() if words}
+        save_netcdf(Path(path), self.dataset.assign_attrs(known))
+
+    def write_elements(self, path: str | Path) -> None:
+        """Write the trimmed elements as a design file of pattern ``elements``, with its tolerances.
+
+        Raises
+        ------
+        ArgumentError
+            There was no trim.
+        OutputError
+            The file cannot be written.
+        """
+        written = elements_text(self)
+        with replacing(Path(path)) as temporary:
+            temporary.write_text(written, encoding="utf-8")
+
+    def write_orbits(self, folder: str | Path) -> None:
+        """Write the trimmed orbits, integrated from the epoch to the end of the span, as OEM.
+
+        A file a satellite, with states as near as any export, or as near as it may have in all.
+
+        Raises
+        ------
+        ArgumentError
+            There was no trim.
+        OutputError
+            The folder is in use or cannot be made.
+        """
+        from compass.api.export import export
+        from compass.handover.instants import MOST_STATES, default_step
+
+        trimmed, stop = injected_design(self), self.drift.lasting.stop
+        c = trimmed.constellation
+        least = np.ceil(stop / (MOST_STATES // c.size - 1))
+        step = min(max(default_step(c), float(least)), stop)
+        export(trimmed, format="oem", output=folder, duration_h=stop / 3600.0, step_s=step)

@@ -1,0 +1,341 @@
+"""The maps of a design as text, numbers, pictures and a file."""
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from compass.api.map_statistics import protection_statistics, statistics
+from compass.api.progress import bar
+from compass.api.results import Result
+from compass.conventions import dated
+from compass.coverage.certified_geometry import CertifiedGeometry
+from compass.coverage.errors import ERRORS, FACTOR_95
+from compass.coverage.files import write_map
+from compass.coverage.gaps import next_prime
+from compass.coverage.maps import DOPS
+from compass.coverage.protection import LEVELS
+from compass.design import Design
+from compass.document import Bracket, Page, Sampled, Sentence, Table, Value, Verdict
+from compass.document.blocks import facts
+from compass.document.plain import plain
+from compass.errors import ArgumentError
+from compass.quantities import QUANTITIES, quantity
+from compass.saving import replacing
+from compass.study.mapping import DesignMap
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, repr=False)
+class MapResult(Result):
+    """Maps of a design, and their numbers over the whole sphere and period.
+
+    Attributes
+    ----------
+    design
+        What was mapped.
+    made
+        The dataset, its cells, the constellation at the epochs.
+    certified
+        What is certain of availability and GDOP over all area and time; None where the motion
+        has no bounds or none were asked for.
+    """
+
+    design: Design = field(repr=False)
+    made: DesignMap = field(repr=False)
+    certified: CertifiedGeometry | None = None
+
+    @property
+    def dataset(self) -> "xr.Dataset":
+        """Everything by cell, zone and epoch, and over the whole sphere, with CF attributes."""
+        return dated(self.made.dataset)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return plain(self.numbers() | {"provenance": self.dataset.attrs})
+
+    def numbers(self) -> dict[str, Any]:
+        """Numbers over all area and time; certified ones are the middle of their brackets."""
+        numbers = statistics(self.dataset)
+        if self.certified:
+            known = self.certified.numbers()
+            numbers |= known | {"gdop": numbers["gdop"] | known["gdop"]}
+        return numbers
+
+    def document(self) -> Page:
+        """Fold and availability in a sentence, then the numbers."""
+        numbers, attrs = self.numbers(), self.dataset.attrs
+        fold, met = attrs["wanted_fold"], numbers["count"]["min"] >= attrs["wanted_fold"]
+        p50, p95 = (self._percentile("gdop", numbers, q) for q in ("p50", "p95"))
+        claim = (
+            f"{numbers['count']['min']} to {numbers['count']['max']} satellites in view, "
+            f"{fold} wanted; GDOP {p50} (median), {p95} (95 % of area and time)"
+        )
+        others = "the other figures are " if self.certified else ""
+        how = (
+            f"{others}sampled at {attrs['epochs']} epochs over {attrs['period_s'] / 3600:.6g} h on "
+            f"{attrs['grid']} of the {attrs['figure']}, {attrs['motion_model']} motion: "
+            "what lies between is not seen; "
+            "weighted by area and time, infinities count"
+        )
+        return Page(
+            self.design.name,
+            (
+                Verdict("" if met else "missed", claim, met),
+                *self.tables(),
+                *self.error_blocks(),
+                *self.protection_blocks(),
+                *(Sentence(said) for said in self.certain()),
+                Sentence(how),
+                *self._between_epochs(),
+            ),
+        )
+
+    def _percentile(self, name: str, numbers: dict[str, Any], percentile: str) -> Value:
+        """One percentile of a dilution, with its bracket where there is one."""
+        bounds = numbers[name].get(f"{percentile}_bracket")
+        evidence = Bracket(*bounds) if bounds else None
+        return Value(quantity(name), numbers[name][percentile], evidence)
+
+    def certain(self) -> tuple[str, ...]:
+        """What was certified, and how, in a sentence; nothing where nothing was."""
+        if not self.certified:
+            return ()
+        named = " and ".join(f"{percent}th" for percent in self.certified.gdop)
+        named += " percentiles" if len(self.certified.gdop) > 1 else " percentile"
+        return (
+            f"Availability and the {named} of GDOP lie between the bounds shown, everywhere "
+            f"and not only at cells, {self.certified.scope}.",
+            *self._worst(),
+        )
+
+    def _worst(self) -> tuple[str, ...]:
+        """The largest PDOP, and where, in a sentence; nothing where it was not looked for."""
+        worst = self.certified.worst if self.certified else None
+        return () if worst is None else (f"The largest PDOP is {worst.sentence}.",)
+
+    def error_blocks(self) -> tuple[Table | Sentence, ...]:
+        """Errors of fixes over area and time, with what sampling leaves of doubt."""
+        if "global_error" not in self.dataset:
+            return ()
+        made, attrs = self.dataset, self.dataset.attrs
+        percentiles = made.global_percentile.values.tolist()
+        rows = []
+        for name in ERRORS:
+            of = made.sel(error=name)
+            values = (
+                Value(
+                    quantity(name),
+                    float(value),
+                    Sampled(float(doubt) if np.isfinite(doubt) else None),
+                )
+                for value, doubt in zip(
+                    of.global_error.values, of.global_error_sampling.values, strict=True
+                )
+            )
+            share = Value(
+                quantity("error_share"),
+                float(of.global_error_share),
+                Sampled(float(of.global_error_share_sampling)),
+            )
+            rows.append((quantity(name).title, *values, share))
+        header = (
+            "",
+            *(f"p{int(q)}" for q in percentiles),
+            f"% within {attrs['error_limit_m']:g} m",
+        )
+        title = "Errors of a fix, m, one sigma: percentiles over area and time"
+        p95 = float(made.global_error.sel(error="error_horizontal_m", global_percentile=95))
+        known = "their variances" if attrs["error_weights"] == "variance" else "nothing: all alike"
+        return (
+            Table(title, header, tuple(rows)),
+            Sentence(
+                f"a user on the surface who weighs ranges by {known}: for 95 % of area and time, "
+                f"95 % of the fixes are within {FACTOR_95 * p95:.3g} m horizontally (1.96 times "
+                "one sigma, at least 95 % whatever the shape of the error ellipse); ± is a "
+                "standard error of sampling"
+            ),
+        )
+
+    def protection_blocks(self) -> tuple[Table | Sentence, ...]:
+        """Protection levels over area and time, and what they promise."""
+        promise = self.design.integrity
+        if "global_protection" not in self.dataset or promise is None:
+            return ()
+        made = self.dataset
+        found = protection_statistics(made)
+        rows = tuple(
+            (
+                quantity(name).title,
+                *(Value(quantity(name), found[name][p]) for p in list(found[name])),
+            )
+            for name in LEVELS
+        )
+        header = ("", *(f"p{int(q)}" for q in made.global_percentile.values))
+        shares = [
+            Value(quantity(name), found[name]) for name in ("detection_share", "protection_share")
+        ]
+        return (
+            Table("Protection levels, m: percentiles over area and time", header, rows),
+            facts("One faulty satellite", shares),
+            Sentence(
+                "solution separation: 2 Q((L - b0)/s0) + sum of P_sat Q((L - Tk - bk)/sk) = P_HMI "
+                f"less what two faults use up; P_HMI {promise.hazard:g} ({promise.horizontal:g} "
+                f"of it horizontal, half each east and north), P_sat {promise.fault:g} each, P_FA "
+                f"{promise.alarm:g}, bias {promise.bias:g} m; two of five faulty: "
+                f"{promise.unmonitored(5):.2g}; alert limits {promise.alert_horizontal:g} m "
+                f"horizontal, {promise.alert_vertical:g} m vertical; sampled as the errors are"
+            ),
+        )
+
+    def _between_epochs(self) -> list[Sentence]:
+        """How well gaps are known, and whether the epochs are too few for the quickest pass."""
+        attrs = self.dataset.attrs
+        ends = "go on at its start" if attrs["gap_span_repeats"] else "are cut there"
+        told = [
+            Sentence(
+                f"gaps are followed every {attrs['gap_step_s']:.3g} s and known to that; those at "
+                f"the end of the span {ends}"
+            )
+        ]
+        step, quickest = attrs["period_s"] / attrs["epochs"], attrs["shortest_pass_s"]
+        if step > quickest / 4:
+            enough = next_prime(math.ceil(4 * attrs["period_s"] / quickest))
+            told.append(
+                Sentence(
+                    f"WARNING: the epochs are {step / 60:.3g} min apart, and the quickest "
+                    f"satellite crosses overhead in {quickest / 60:.3g} min: shares and "
+                    f"percentiles can be far off; ask for {enough} epochs or more"
+                )
+            )
+        return told
+
+    def tables(self) -> tuple[Table, ...]:
+        """Satellites in view, and dilution of precision, over area and time."""
+        numbers = self.numbers()
+        threshold, fold = self.dataset.attrs["pdop_threshold"], self.dataset.attrs["wanted_fold"]
+        share = quantity("fold_share")
+        count = numbers["count"]
+        in_view = facts(
+            "Satellites in view, over area and time",
+            [
+                *(Value(quantity(f"count.{name}"), count[name]) for name in ("min", "mean", "max")),
+                *(
+                    Value(share, part, whose=f"at least {k} in view")
+                    for k, part in numbers["fold_share"].items()
+                ),
+                Value(
+                    quantity("availability"),
+                    numbers["availability"],
+                    Bracket(*numbers["availability_bracket"]) if self.certified else None,
+                    whose=f"{threshold:g} or less",
+                ),
+                *(
+                    Value(quantity(name), numbers[name], whose=f"{fold} in view")
+                    for name in ("longest_gap_s", "mean_response_time_s")
+                    if numbers[name] > 0
+                ),
+            ],
+        )
+        percentiles = [f"p{int(q)}" for q in self.dataset.global_percentile.values]
+        rows = tuple(
+            (quantity(name).title, *(self._percentile(name, numbers, p) for p in percentiles))
+            for name in DOPS
+        )
+        title = "Dilution of precision: percentiles over area and time"
+        return in_view, Table(title, ("", *percentiles), rows)
+
+    def write(self, path: str | Path, *, time_series: bool = False, progress: bool = False) -> None:
+        """Write the maps as CF netCDF; with `time_series` also every epoch's counts and DOPs.
+
+        Raises
+        ------
+        OutputError
+            The file cannot be written.
+        """
+        series = (self.made.view, self.made.grid) if time_series else None
+        with bar(progress, "series", unit="row", leave=False) as rows:
+            write_map(
+                self.dataset, Path(path), self.design.figure, series=series, progress=rows.update
+            )
+
+    def plot(
+        self, name: str = "gdop", *, percentile: int = 95, axes: "Axes | None" = None
+    ) -> "Axes":
+        """Draw a map of Mars.
+
+        Parameters
+        ----------
+        name
+            A variable of the dataset over (lat, lon): ``gdop`` ... ``tdop``, ``count_min``,
+            ``count_mean``, ``count_max``, ``availability``, ``longest_gap``, ...
+        percentile
+            Of a dilution of precision over time: 50 or 95.
+        axes
+            Where to; new ones without.
+
+        Raises
+        ------
+        ArgumentError
+            There is no such variable or percentile.
+        """
+        from compass.pictures.maps import LARGE, draw_map
+        from compass.pictures.style import axes_or_new
+
+        values, title = self._layer(name, percentile)
+        known = QUANTITIES.get(name)
+        drawn = axes_or_new(axes, *LARGE)
+        draw_map(
+            drawn,
+            values.values,
+            self.made.grid,
+            f"{self.design.name}: {title}",
+            known.heading if known else str(values.attrs["long_name"]),
+            figure_name=self.design.figure.name,
+            scale=_scale(name, values),
+            wanted=self.design.fold,
+        )
+        return drawn
+
+    def save_plot(self, path: str | Path, name: str = "gdop", *, percentile: int = 95) -> None:
+        """Write `plot` as a PNG file; a killed run leaves no partial one."""
+        from matplotlib.figure import Figure
+
+        drawn = self.plot(name, percentile=percentile).figure
+        assert isinstance(drawn, Figure)
+        with replacing(Path(path)) as temporary:
+            drawn.savefig(temporary, format="png", dpi=150)
+
+    def _layer(self, name: str, percentile: int) -> "tuple[xr.DataArray, str]":
+        """Values by cell and what they are."""
+        flat = [
+            str(key)
+            for key, variable in self.dataset.data_vars.items()
+            if variable.dims in (("lat", "lon"), ("percentile", "lat", "lon"))
+        ]
+        if name not in flat:
+            raise ArgumentError(f"name = {name!r}: not a map; allowed {', '.join(flat)}")
+        found = self.dataset[name]
+        if "percentile" not in found.dims:
+            return found, str(found.attrs["long_name"])
+        allowed = found.percentile.values.tolist()
+        if percentile not in allowed:
+            raise ArgumentError(
+                f"percentile = {percentile}: allowed {' or '.join(str(q) for q in allowed)}"
+            )
+        chosen = found.sel(percentile=percentile)
+        return chosen, f"{quantity(name).title}, {percentile}th percentile over time"
+
+
+def _scale(name: str, values: "xr.DataArray") -> Any:
+    """How the colours of a map run."""
+    if name in DOPS or name in ERRORS or name in LEVELS:
+        return "dilution"
+    if np.issubdtype(values.dtype, np.integer):
+        return "counts"
+    return "share" if name in ("availability", "detection_share", "protection_share") else "linear"

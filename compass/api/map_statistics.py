@@ -1,0 +1,79 @@
+"""Numbers over all area and time of the maps of a design."""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def statistics(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Area- and time-weighted numbers of a map, as in the JSON of ``compass map``."""
+    shares = dataset.global_fold_share
+    dops = {
+        str(name): {
+            f"p{int(q)}": float(dataset.global_dop.sel(dop=name, global_percentile=q))
+            for q in dataset.global_percentile.values
+        }
+        for name in dataset.dop.values
+    }
+    return (
+        error_statistics(dataset)
+        | protection_statistics(dataset)
+        | {
+            "count": {
+                "min": int(dataset.count_min.min()),
+                "mean": float(dataset.global_count_mean),
+                "max": int(dataset.count_max.max()),
+            },
+            "fold_share": {
+                int(k): float(shares.sel(global_fold=k))
+                for k in shares.global_fold.values
+                if k and (k <= dataset.attrs["wanted_fold"] or float(shares.sel(global_fold=k)) > 0)
+            },
+            **dops,
+            "availability": float(dataset.global_availability),
+            "longest_gap_s": float(dataset.longest_gap.max()),
+            "mean_response_time_s": float(
+                (
+                    dataset.mean_response_time.mean("lon") * dataset.cell_share * dataset.lon.size
+                ).sum()
+            ),
+        }
+    )
+
+
+def error_statistics(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Percentiles of the errors of fixes over area and time, with their sampling errors."""
+    if "global_error" not in dataset:
+        return {}
+    names = [f"p{int(q)}" for q in dataset.global_percentile.values]
+    found: dict[str, Any] = {}
+    for name in dataset.error.values.tolist():
+        of = dataset.sel(error=name)
+        found[name] = dict(zip(names, of.global_error.values.tolist(), strict=True))
+        found[name]["sampling"] = dict(
+            zip(names, of.global_error_sampling.values.tolist(), strict=True)
+        )
+        found[name]["share"] = float(of.global_error_share)
+        found[name]["share_sampling"] = float(of.global_error_share_sampling)
+    return found | {"error_limit_m": dataset.attrs["error_limit_m"]}
+
+
+def protection_statistics(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Percentiles of the protection levels over area and time, and shares that they make."""
+    if "global_protection" not in dataset:
+        return {}
+    names = [f"p{int(q)}" for q in dataset.global_percentile.values]
+    found: dict[str, Any] = {
+        name: dict(
+            zip(names, dataset.global_protection.sel(level=name).values.tolist(), strict=True)
+        )
+        for name in dataset.level.values.tolist()
+    }
+    shares = dataset.global_protection_share
+    return found | {
+        "detection_share": float(shares.sel(protected="detectable")),
+        "protection_share": float(shares.sel(protected="both")),
+        "protection_horizontal_share": float(shares.sel(protected="horizontal")),
+        "protection_vertical_share": float(shares.sel(protected="vertical")),
+    }

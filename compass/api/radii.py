@@ -1,0 +1,164 @@
+"""How long a pattern lasts untouched at other radii."""
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from math import degrees
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from compass.api.progress import bar
+from compass.coverage.lasting import prove_span
+from compass.coverage.region import GLOBE, Region
+from compass.coverage.room import has_slots
+from compass.design import Design
+from compass.errors import ArgumentError
+from compass.frames import SECONDS_PER_DAY
+from compass.orbits.forces import ForceModel
+from compass.orbits.motion import Motion
+from compass.orbits.trajectory import COARSE
+from compass.orbits.trimming import beat_of, can_trim, trim, with_axes
+
+if TYPE_CHECKING:
+    from compass.orbits.constellation import Constellation
+
+
+@dataclass(frozen=True)
+class RadiusLasts:
+    """How long a pattern lasts at another radius, left alone after one trim.
+
+    Attributes
+    ----------
+    radius_km
+        Of the nominal orbits.
+    days_proven
+        For which its fold is proven.
+    first_loss_days
+        When it is lost; None if it is not in the span.
+    margin_deg
+        Least exact margin at the moments looked at, degrees.
+    beat_days
+        Half the synodic period with Mars: long near the resonance.
+    trimmed
+        Whether a trim was possible.
+    """
+
+    radius_km: float
+    days_proven: float
+    first_loss_days: float | None
+    margin_deg: float
+    beat_days: float
+    trimmed: bool
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return vars(self).copy()
+
+
+def real_motion(design: Design) -> Motion:
+    """Return the design's motion, or that under the default forces where it says two-body."""
+    return Motion("numerical") if design.motion.model == "two-body" else design.motion
+
+
+def forces_of(motion: Motion) -> ForceModel:
+    """Return a motion's forces.
+
+    Raises
+    ------
+    ArgumentError
+        It has none.
+    """
+    if motion.forces is None:
+        raise ArgumentError(
+            f'trim: {motion.title} has no forces to trim for; give [motion] model = "numerical"'
+        )
+    return motion.forces
+
+
+def at_radii(
+    design: Design,
+    radius_km: Sequence[float],
+    *,
+    days: float,
+    fold: int,
+    mask: float,
+    region: Region = GLOBE,
+    progress: bool = False,
+) -> tuple[RadiusLasts, ...]:
+    """How long a design's pattern lasts at other radii, km, from the epoch on; `mask` in radians.
+
+    Raises
+    ------
+    ArgumentError
+        Orbits that form no slots, or a motion without forces.
+    """
+    motion = real_motion(design)
+    place = {"sphere_radius": design.figure.equatorial_radius, "mask": mask, "region": region}
+
+    def look(radius: float) -> RadiusLasts:
+        stop = days * SECONDS_PER_DAY
+        return _at_radius(design.constellation, radius, motion, fold, stop, place)
+
+    # kernels release the interpreter, so that two radii are followed at once on two cores
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, max(len(radius_km), 1))) as pool:
+        found = bar(progress and len(radius_km) > 0, "radii", pool.map(look, radius_km))
+        return tuple(found)
+
+
+def _at_radius(
+    c: "Constellation",
+    radius_km: float,
+    motion: Motion,
+    fold: int,
+    stop: float,
+    place: dict[str, Any],
+) -> RadiusLasts:
+    """How long the same pattern lasts on another radius."""
+    if not has_slots(c):
+        raise ArgumentError(
+            "radius_km: a sweep needs a design of circular orbits of one radius and inclination"
+        )
+    moved = with_axes(c, np.full(c.size, radius_km * 1e3))
+    beat, trimmed = beat_of(moved) / SECONDS_PER_DAY, can_trim(moved)
+    chosen = trim(moved, forces_of(motion), stop).constellation if trimmed else moved
+    path = motion.trajectory(chosen, 0.0, stop, tolerance=COARSE)
+    lasts = prove_span(path, fold, **place, stop=stop)
+    found = drift_margin(path, fold, lasts.proven_until, place)
+    return RadiusLasts(
+        radius_km, lasts.days_proven, lasts.first_loss_days, degrees(found), beat, trimmed
+    )
+
+
+def drift_margin(path: Any, fold: int, until: float, place: dict[str, Any]) -> float:
+    """Least margin at a hundred moments up to a time, radians."""
+    from compass.coverage.lasting import margins_at
+
+    times = np.linspace(0.0, max(until, 1.0), 100)
+    return float(margins_at(path, fold, times, **place).min())
+
+
+def read_radii(text: str) -> list[float]:
+    """Radii of ``FIRST..LAST:STEP`` or of a list with commas, km.
+
+    Raises
+    ------
+    ArgumentError
+        Neither, or more than 1000.
+    """
+    try:
+        if ".." in text:
+            ends, _, step = text.partition(":")
+            first, last = (float(part) for part in ends.split(".."))
+            count = int(np.floor((last - first) / float(step) + 1e-9)) + 1
+            found = [first + k * float(step) for k in range(min(count, 1001))]
+        else:
+            found = [float(part) for part in text.split(",")]
+    except (ValueError, ZeroDivisionError, OverflowError):
+        found = []
+    if not 0 < len(found) <= 1000 or not all(0 < radius < 1e7 for radius in found):
+        raise ArgumentError(
+            f"radius_km = {text!r}: write FIRST..LAST:STEP or A,B,C in km, at most 1000 radii"
+        )
+    return found

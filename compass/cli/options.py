@@ -1,0 +1,66 @@
+"""Arguments and options as commands declare them; what several share is written once."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+Decorator = Callable[..., Any]
+
+
+def _option(names: Sequence[str], kind: Any, help: str, default: Any, more: dict[str, Any]) -> Any:
+    """Make an option whose help says what it is by default, where that is anything."""
+    shown = {} if default is None else {"default": default, "show_default": True}
+    return click.option(*names, type=kind, help=help, **shown, **more)
+
+
+def real(*names: str, help: str, default: Any = None, **more: Any) -> Decorator:
+    """Take a real number; several with `nargs`."""
+    return _option(names, float, help, default, more)
+
+
+def whole(*names: str, help: str, default: int | None = None, **more: Any) -> Decorator:
+    """Take a whole number; several with `nargs`."""
+    return _option(names, int, help, default, more)
+
+
+def path(*names: str, help: str, **more: Any) -> Decorator:
+    """Take the path of a file or folder."""
+    return _option(names, click.Path(path_type=Path), help, None, more)
+
+
+def choice(
+    *names: str, among: Sequence[str], help: str, default: str | None = None, **more: Any
+) -> Decorator:
+    """Take one of some words."""
+    return _option(names, click.Choice(among), help, default, more)
+
+
+design_argument = click.argument("design", type=click.Path(path_type=Path))
+
+json_option = click.option(
+    "--json", "as_json", is_flag=True, help="Print one JSON object on stdout and nothing else."
+)
+
+fold_option = whole("--fold", help="Satellites in view at once; else the design's.")
+mask_option = real("--mask-deg", help="Elevation mask, degrees; else the design's.")
+motion_option = choice(
+    "--motion",
+    among=("two-body", "j2", "numerical"),
+    help="How the satellites move; else as the design says.",
+)
+
+
+def certified_options(command: Decorator) -> Decorator:
+    """Add the options of whatever is found between proven bounds."""
+    for option in (
+        path(
+            "--leaves",
+            help="File of open boxes: what it holds of the same question is gone on from.",
+        ),
+        real("--budget-s", help="Seconds for each figure between bounds."),
+        real("--width", help="How near bounds of a share are to come: 1e-5."),
+    ):
+        command = option(command)
+    return command

@@ -1,0 +1,85 @@
+"""Requirements of a study: as `check` finds them on each candidate, and kept to."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compass.coverage.requirement_verdict import verdict_of
+from compass.design import Design
+from compass.errors import DesignError
+from compass.sites import Mask
+from compass.study import requirement_figures as module
+from compass.study.candidates import batches, candidates, make_constellation
+from compass.study.results import first_front, read_results
+from compass.study.store import Store
+from compass.study.trade import _Silent, run_trade
+from tests.one_process import OneProcess
+
+REQUIRED = """
+[[station]]
+name = "E"
+latitude_deg = 0
+longitude_deg = 20
+[[requirement]]
+name = "one in view"
+sites = ["E"]
+fold = 1
+[[requirement]]
+name = "two at times"
+region = "lat:-10:10"
+fold = 2
+share = 0.3
+share_of = "area-time"
+"""
+
+
+def first(study):
+    """The first candidate, as a batch."""
+    return next(batches(candidates(study), 1))
+
+
+def test_requirements_are_a_stage_a_constraint_and_columns(tiny, tmp_path):
+    study = tiny(REQUIRED)
+    study = replace(study, space=replace(study.space, satellites=(5,), inclination_deg=(40.0,)))
+    assert study.stages == ("screen", "map", "requirements")
+    with Store(tmp_path, study) as store:
+        run_trade(study, store, OneProcess(study), lambda *_: _Silent())
+    results = read_results(study, tmp_path)
+    asked = results.isel(candidate=np.flatnonzero(results.stage.values == "requirements"))
+    assert asked.sizes["candidate"]
+    assert not (results.feasible & (results.requirements_met != 1)).any()
+    front = first_front(study, results)
+    assert front
+    for one in front:
+        assert one["requirements_met"] == 1
+        assert one["requirement_share"] <= one["requirement_share_most"]
+
+
+def test_figures_are_those_of_verdicts_under_closed_tracks(tiny):
+    """A place under tracks that the study declares closed, not its circle of latitude."""
+    study = tiny(REQUIRED)
+    rows = first(study)
+    found = module.requirement_figures(study, rows)
+    c = replace(make_constellation(rows[0]), repeat=(1, 1))
+    design = Design(c, figure=study.figure, mask=Mask.constant(np.radians(5)))
+    verdicts = [verdict_of(design, wanted) for wanted in study.requirements]
+    assert found["requirements_met"][0] == all(verdict.met for verdict in verdicts)
+    if verdicts[0].margin is not None:
+        assert np.radians(found["requirement_margin_deg"][0]) == pytest.approx(verdicts[0].margin)
+    asked = verdicts if verdicts[0].met else verdicts[:1]
+    assert found["requirement_share"][0] == min(v.share[0] for v in asked if v.share)
+
+
+def test_what_is_missed_ends_the_asking(tiny):
+    study = tiny(REQUIRED.replace("fold = 1", "fold = 5"))
+    found = module.requirement_figures(study, first(study))
+    assert found["requirements_met"][0] == 0.0
+    assert found["requirement_share_most"][0] < 1.0
+
+
+def test_faults_of_requirements_in_studies_are_told(tiny):
+    with pytest.raises(DesignError, match="sites = 'F': no such"):
+        tiny(REQUIRED.replace('"E"]', '"F"]'))
+    with pytest.raises(DesignError, match="without requirements; add a"):
+        tiny('[[constraint]]\nfigure = "requirement_margin_deg"\nat_least = 2')
