@@ -10,7 +10,7 @@ import numpy as np
 
 import compass
 from compass.api.access_result import check_suffix
-from compass.api.given import joined_designs
+from compass.api.given import given_site, joined_designs
 from compass.api.results import Result
 from compass.contacts.gaps import GapStatistics, gap_statistics
 from compass.contacts.spans import at_least
