@@ -15,14 +15,14 @@ from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
-from compass.orbits.deployment import Deployment, deploy_by_drift
+from compass.orbits.deployment import WEIGHED, Deployment, deploy_by_drift
 from compass.quantities import quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-#: Waiting orbits that are weighed, and of these rows that the table shows.
-WEIGHED, SHOWN = 235, 10
+#: Waiting orbits that the table shows.
+SHOWN = 10
 
 
 @dataclass(frozen=True, repr=False)

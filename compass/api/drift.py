@@ -11,6 +11,8 @@ from compass.api.given import given_design, given_mask
 from compass.api.progress import bar
 from compass.api.radii import at_radii, forces_of, real_motion
 from compass.coverage.drift import drift_of
+from compass.coverage.promises import promises_of
+from compass.coverage.region import GLOBE, read_region
 from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
@@ -26,6 +28,7 @@ def drift(
     step_days: float | None = None,
     fold: int | None = None,
     mask_deg: float | None = None,
+    region: str | None = None,
     trimmed: bool = False,
     radius_km: Sequence[float] = (),
     avoid_km: float | None = None,
@@ -46,6 +49,9 @@ def drift(
         Between the moments at which margin and room are given.
     fold, mask_deg
         Satellites in view at once and elevation mask, degrees; else the design's.
+    region
+        Where: ``lat:MIN:MAX`` or ``polygon:LAT,LON;LAT,LON;...``, degrees; else everywhere. The
+        design's requirements are followed besides.
     trimmed
         Whether to trim the initial axes first.
     radius_km
@@ -78,6 +84,7 @@ def drift(
     read = given_design(design)
     wanted = read.fold if fold is None else fold
     mask = given_mask(mask_deg, read).highest
+    where = GLOBE if region is None else read_region(region)
     motion = real_motion(read)
     stop = (start_day + days) * SECONDS_PER_DAY
     sphere = read.figure.equatorial_radius
@@ -96,11 +103,19 @@ def drift(
         start_day=start_day,
         sphere_radius=sphere,
         mask=mask,
+        region=where,
         step_days=step_days,
         progress=lambda x: bar(progress, "margins", x),
     )
     radii = at_radii(
-        read, radius_km, days=start_day + days, fold=wanted, mask=mask, progress=progress
+        read,
+        radius_km,
+        days=start_day + days,
+        fold=wanted,
+        mask=mask,
+        region=where,
+        progress=progress,
     )
+    kept = promises_of(read, path, found.times, lambda x: bar(progress, "requirements", x))
     near = closest_approaches(path, start_day * SECONDS_PER_DAY, stop)
-    return DriftResult(read, degrees(mask), motion.title, found, done, radii, near, avoid_km)
+    return DriftResult(read, degrees(mask), motion.title, found, done, radii, kept, near, avoid_km)

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.conventions import epoch_text
+from compass.design import Design
+from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.motion import Motion
 from compass.quantities import quantity
@@ -63,14 +65,38 @@ def _attributes(name: str) -> dict[str, str]:
     return known | {"units": known["units"].replace("deg", "degree")}
 
 
+def check_trimmed(trimmed: bool) -> None:
+    """Refuse to write elements or orbits to inject without a trim.
+
+    Raises
+    ------
+    ArgumentError
+        There is none.
+    """
+    if not trimmed:
+        raise ArgumentError("elements, oem: the orbits to inject come from a trim; add --trim")
+
+
+def injected_design(result: "DriftResult") -> Design:
+    """The design of the trimmed elements, under the motion that they were trimmed for.
+
+    Raises
+    ------
+    ArgumentError
+        There was no trim.
+    """
+    check_trimmed(result.trim is not None)
+    assert result.trim is not None
+    motion = result.design.motion
+    flown = Motion("numerical") if motion.model == "two-body" else motion
+    return replace(result.design, constellation=result.trim.constellation, motion=flown)
+
+
 def elements_text(result: "DriftResult") -> str:
     """Design file of trimmed elements, its tolerances as comments before them."""
     from compass.handover.toml import design_toml
 
-    assert result.trim is not None
-    motion = result.design.motion
-    flown = Motion("numerical") if motion.model == "two-body" else motion
-    trimmed = replace(result.design, constellation=result.trim.constellation, motion=flown)
+    trimmed = injected_design(result)
     days = (result.drift.lasting.stop - result.drift.lasting.start) / SECONDS_PER_DAY
     lines = [f"# Osculating elements to inject, trimmed over {days:.6g} days."]
     if tolerance := result.tolerances():

@@ -7,17 +7,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compass.api.drift_files import drift_dataset, elements_text
+from compass.api.drift_files import drift_dataset, elements_text, injected_design
 from compass.api.lasting import LastingResult
+from compass.api.promises import box_dict, followed, promise_blocks, promise_dict
 from compass.api.radii import RadiusLasts
 from compass.api.results import Result
 from compass.conventions import dated
+from compass.coverage.certificate import Outcome
 from compass.coverage.drift import Drift
+from compass.coverage.promises import Promise
 from compass.design import Design
 from compass.document import Page, Sampled, Sentence, Table, Value
 from compass.document.blocks import Block, facts
 from compass.document.plain import plain
-from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.approach import Approach
 from compass.orbits.trimming import Trim, beat_of
@@ -50,6 +52,8 @@ class DriftResult(Result):
         The trimmed elements, if asked for.
     radii
         How long the pattern lasts at other radii, if asked for.
+    promises
+        What becomes of each requirement of the design.
     approaches
         The closest approach of any satellite to each moon.
     avoid_km
@@ -62,13 +66,18 @@ class DriftResult(Result):
     drift: Drift
     trim: Trim | None = None
     radii: tuple[RadiusLasts, ...] = ()
+    promises: tuple[Promise, ...] = ()
     approaches: tuple[Approach, ...] = ()
     avoid_km: float | None = None
 
     @property
     def holds(self) -> bool:
-        """Whether the fold is proven for the whole span, and the moons are kept away from."""
-        return self.lasting.holds and self.avoids
+        """Whether what is wanted is proven for the whole span, and the moons are kept away from.
+
+        Wanted is what the design requires, as far as it can be followed; without that the fold.
+        """
+        wanted = followed(self.promises) or [self.drift.lasting]
+        return all(one.outcome is Outcome.PROVEN for one in wanted) and self.avoids
 
     @property
     def avoids(self) -> bool:
@@ -104,7 +113,8 @@ class DriftResult(Result):
                 "margin_at_moment_deg": np.degrees(found.margin),
                 "room_deg": None if found.room is None else np.degrees(found.room.room),
                 "per_satellite": self._satellites(),
-                "slot_box": self._box(),
+                "slot_box": box_dict(self.drift.box),
+                "requirements": [promise_dict(each) for each in self.promises],
                 "trim": self._trim(),
                 "radii": [radius.as_dict() for radius in self.radii],
                 "moons": [
@@ -135,12 +145,6 @@ class DriftResult(Result):
             }
             for s, name in enumerate(self.design.constellation.satellite_names)
         ]
-
-    def _box(self) -> dict[str, float] | None:
-        box = self.drift.box
-        if box is None:
-            return None
-        return {"sideways_deg": degrees(box.sideways), "radial_km": box.radial / 1e3}
 
     def _trim(self) -> dict[str, Any] | None:
         t = self.trim
@@ -182,6 +186,7 @@ class DriftResult(Result):
     def document(self) -> Page:
         """How long it lasts, then margin and room over time, satellites, trim, other radii."""
         blocks: list[Block] = [
+            *promise_blocks(self.promises),
             *self.lasting.blocks(),
             self._advice(),
             *self._over_time(),
@@ -236,7 +241,7 @@ class DriftResult(Result):
         )
         header = ("satellite", *(quantity(name).heading for name in names))
         blocks: list[Block] = [Table("In its slot at the end of the span", header, table)]
-        if box := self._box():
+        if box := box_dict(self.drift.box):
             blocks.append(
                 facts(
                     "Slot box: how far one satellite may leave its slot",
@@ -356,8 +361,6 @@ class DriftResult(Result):
     def write_elements(self, path: str | Path) -> None:
         """Write the trimmed elements as a design file of pattern ``elements``, with its tolerances.
 
-        Of that file `compass.export` makes the orbits' OEM, integrated under the same forces.
-
         Raises
         ------
         ArgumentError
@@ -365,7 +368,27 @@ class DriftResult(Result):
         OutputError
             The file cannot be written.
         """
-        if self.trim is None:
-            raise ArgumentError("elements: the elements to inject come from a trim; add --trim")
+        written = elements_text(self)
         with replacing(Path(path)) as temporary:
-            temporary.write_text(elements_text(self), encoding="utf-8")
+            temporary.write_text(written, encoding="utf-8")
+
+    def write_orbits(self, folder: str | Path) -> None:
+        """Write the trimmed orbits, integrated from the epoch to the end of the span, as OEM.
+
+        A file a satellite, with states as near as any export, or as near as it may have in all.
+
+        Raises
+        ------
+        ArgumentError
+            There was no trim.
+        OutputError
+            The folder is in use or cannot be made.
+        """
+        from compass.api.export import export
+        from compass.handover.instants import MOST_STATES, default_step
+
+        trimmed, stop = injected_design(self), self.drift.lasting.stop
+        c = trimmed.constellation
+        least = np.ceil(stop / (MOST_STATES // c.size - 1))
+        step = min(max(default_step(c), float(least)), stop)
+        export(trimmed, format="oem", output=folder, duration_h=stop / 3600.0, step_s=step)

@@ -11,6 +11,7 @@ import numpy as np
 
 from compass.api.progress import bar
 from compass.coverage.lasting import prove_span
+from compass.coverage.region import GLOBE, Region
 from compass.coverage.room import has_slots
 from compass.design import Design
 from compass.errors import ArgumentError
@@ -83,6 +84,7 @@ def at_radii(
     days: float,
     fold: int,
     mask: float,
+    region: Region = GLOBE,
     progress: bool = False,
 ) -> tuple[RadiusLasts, ...]:
     """How long a design's pattern lasts at other radii, km, from the epoch on; `mask` in radians.
@@ -92,11 +94,12 @@ def at_radii(
     ArgumentError
         Orbits that form no slots, or a motion without forces.
     """
-    sphere, motion = design.figure.equatorial_radius, real_motion(design)
+    motion = real_motion(design)
+    place = {"sphere_radius": design.figure.equatorial_radius, "mask": mask, "region": region}
 
     def look(radius: float) -> RadiusLasts:
         stop = days * SECONDS_PER_DAY
-        return _at_radius(design.constellation, radius, motion, fold, sphere, mask, stop)
+        return _at_radius(design.constellation, radius, motion, fold, stop, place)
 
     # kernels release the interpreter, so that two radii are followed at once on two cores
     with ThreadPoolExecutor(min(os.cpu_count() or 1, max(len(radius_km), 1))) as pool:
@@ -109,9 +112,8 @@ def _at_radius(
     radius_km: float,
     motion: Motion,
     fold: int,
-    sphere: float,
-    mask: float,
     stop: float,
+    place: dict[str, Any],
 ) -> RadiusLasts:
     """How long the same pattern lasts on another radius."""
     if not has_slots(c):
@@ -122,19 +124,19 @@ def _at_radius(
     beat, trimmed = beat_of(moved) / SECONDS_PER_DAY, can_trim(moved)
     chosen = trim(moved, forces_of(motion), stop).constellation if trimmed else moved
     path = motion.trajectory(chosen, 0.0, stop, tolerance=COARSE)
-    lasts = prove_span(path, fold, sphere_radius=sphere, mask=mask, stop=stop)
-    found = drift_margin(path, fold, sphere, mask, lasts.proven_until)
+    lasts = prove_span(path, fold, **place, stop=stop)
+    found = drift_margin(path, fold, lasts.proven_until, place)
     return RadiusLasts(
         radius_km, lasts.days_proven, lasts.first_loss_days, degrees(found), beat, trimmed
     )
 
 
-def drift_margin(path: Any, fold: int, sphere: float, mask: float, until: float) -> float:
+def drift_margin(path: Any, fold: int, until: float, place: dict[str, Any]) -> float:
     """Least margin at a hundred moments up to a time, radians."""
     from compass.coverage.lasting import margins_at
 
     times = np.linspace(0.0, max(until, 1.0), 100)
-    return float(margins_at(path, fold, times, sphere_radius=sphere, mask=mask).min())
+    return float(margins_at(path, fold, times, **place).min())
 
 
 def read_radii(text: str) -> list[float]:

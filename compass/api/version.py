@@ -13,7 +13,7 @@ from compass.document import Page, Table, Verdict
 
 #: Packages whose version changes numbers or pictures.
 PACKAGES = ("numpy", "scipy", "numba", "xarray", "shapely", "pyproj", "matplotlib", "pydantic",
-            "h5netcdf", "dask", "plotly", "pymoo")  # fmt: skip
+            "h5netcdf", "dask", "pymoo")  # fmt: skip
 
 
 @dataclass(frozen=True, repr=False)

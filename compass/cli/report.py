@@ -1,4 +1,4 @@
-"""``compass report``: one self-contained HTML page about a design, a scenario or a study."""
+"""``compass report``: one self-contained HTML page about a design, scenario, study or paper."""
 
 from pathlib import Path
 from typing import Any
@@ -25,10 +25,11 @@ from compass.cli.shared import announce_compilation, command_line, print_result,
 @path("--store", help="Folder of a study's store; by default trades/NAME-OF-THE-FILE.")
 @json_option
 def command(design: Path, as_json: bool, **options: Any) -> None:
-    """Report on a DESIGN, a scenario or a study: one HTML page that needs no network.
+    """Report on a DESIGN, a scenario, a study or a paper: one HTML page that needs no network.
 
     A file with a table [study] is a study, and its page is made from the store of `compass
-    trade`; one with a table [vehicle] is a scenario of landing; all else is a design.
+    trade`; one with a table [vehicle] is a scenario of landing; all else is a design. The name
+    of a source paper, as of `compass reproduce`, is a page of its numbers beside the computed ones.
     """
     announce_compilation()
     import compass

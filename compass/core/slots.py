@@ -4,7 +4,9 @@ Slot i at phase phi is ``w_i = cos(u_i + phi) N_i + sin(u_i + phi) M_i`` in a pl
 all turned by a common rotation Q. A satellite in direction s_i misses it by an angle with parts
 along the track (``H_i x w_i``) and across it (H_i). Sought are Q and phi that make the least of
 ``spare_i - miss_i`` greatest. Turning by a small vector theta and advancing by dphi moves the
-slot by ``theta x w_i + dphi H_i x w_i``: four unknowns, two numbers a satellite.
+slot by ``theta x w_i + dphi H_i x w_i``: two numbers a satellite and up to four unknowns x, with
+``(theta, dphi) = x' ways``: all four where only the whole sphere counts, a turn about the pole
+and the phase for a belt of latitude, the time alone for places that turn with Mars.
 
 Least squares whose weights are multiplied by what is lacking (Lawson 1961, Contributions to the
 theory of linear least maximum approximation) come near the optimum; whatever comes of it is a
@@ -69,7 +71,7 @@ def _turned(turn, theta):
 
 
 @kernel
-def best_slots(nodes, inclination, arguments, directions, spare, turn0, phase0, misses):
+def best_slots(nodes, inclination, arguments, directions, spare, turn0, phase0, ways, misses):
     """Room in the slots at one moment: the greatest least of spare less miss, radians.
 
     Parameters
@@ -82,6 +84,8 @@ def best_slots(nodes, inclination, arguments, directions, spare, turn0, phase0, 
         How much each cap has to spare, radians, shape (n,).
     turn0, phase0
         Where to begin: a rotation about the pole, and a phase, radians.
+    ways
+        Small turns and phase (theta, dphi) that are allowed, shape (m, 4).
     misses
         Takes along and across of each satellite, radians, shape (n, 2).
 
@@ -90,11 +94,11 @@ def best_slots(nodes, inclination, arguments, directions, spare, turn0, phase0, 
     room, turn, phase
         Turn is the rotation matrix found.
     """
-    n = arguments.size
+    n, m = arguments.size, ways.shape[0]
     turn, phase = _turned(np.eye(3), np.array([0.0, 0.0, turn0])), phase0
     best, best_turn, best_phase = -math.inf, turn, phase
     out = np.empty(11)
-    rows, right = np.empty((n, 2, 4)), np.empty((n, 2))
+    rows, right = np.empty((n, 2, m)), np.empty((n, 2))
     ceiling = spare.max()
     for _ in range(ROUNDS):
         for s in range(n):
@@ -104,26 +108,32 @@ def best_slots(nodes, inclination, arguments, directions, spare, turn0, phase0, 
             for k in range(2):
                 tx, ty, tz = out[5 + 3 * k], out[6 + 3 * k], out[7 + 3 * k]
                 # (theta x w) . t = theta . (w x t)
-                rows[s, k, 0] = wy * tz - wz * ty
-                rows[s, k, 1] = wz * tx - wx * tz
-                rows[s, k, 2] = wx * ty - wy * tx
-                rows[s, k, 3] = 1.0 if k == 0 else 0.0
+                x, y, z = wy * tz - wz * ty, wz * tx - wx * tz, wx * ty - wy * tx
+                ahead = 1.0 if k == 0 else 0.0
+                for i in range(m):
+                    rows[s, k, i] = (
+                        ways[i, 0] * x + ways[i, 1] * y + ways[i, 2] * z + ways[i, 3] * ahead
+                    )
         weight = np.full(n, 1.0 / n)
         for weighing in range(WEIGHINGS):
-            normal, target = np.eye(4) * 1e-12, np.zeros(4)
+            normal, target = np.eye(m) * 1e-12, np.zeros(m)
             for s in range(n):
                 for k in range(2):
-                    for i in range(4):
+                    for i in range(m):
                         target[i] += weight[s] * rows[s, k, i] * right[s, k]
-                        for j in range(4):
+                        for j in range(m):
                             normal[i, j] += weight[s] * rows[s, k, i] * rows[s, k, j]
             step = np.linalg.solve(normal, target)
+            whole = np.zeros(4)
+            for i in range(m):
+                for j in range(4):
+                    whole[j] += step[i] * ways[i, j]
             total = 0.0
             for s in range(n):
                 left = 0.0
                 for k in range(2):
                     rest = right[s, k]
-                    for i in range(4):
+                    for i in range(m):
                         rest -= rows[s, k, i] * step[i]
                     left += rest * rest
                 left = math.sqrt(left)
@@ -133,8 +143,8 @@ def best_slots(nodes, inclination, arguments, directions, spare, turn0, phase0, 
                 weight[s] /= total
             # every few weighings, and at the end, the truth
             if weighing % 6 == 5:
-                tried = _turned(turn, step[:3])
-                advanced = phase + step[3]
+                tried = _turned(turn, whole[:3])
+                advanced = phase + whole[3]
                 room = math.inf
                 for s in range(n):
                     angle = miss_of(
@@ -151,11 +161,14 @@ def best_slots(nodes, inclination, arguments, directions, spare, turn0, phase0, 
 
 
 @kernel
-def rooms(nodes, inclination, arguments, directions, spare, turns, phases, misses):
-    """`best_slots` at many moments: shapes (t, n, 3), (t, n), (t,), (t,), (t, n, 2)."""
+def rooms(nodes, inclination, arguments, directions, spare, turns, phases, ways, misses):
+    """`best_slots` at many moments: shapes (t, n, 3), (t, n), (t,), (t,), (m, 4), (t, n, 2).
+
+    Phases are replaced by those found.
+    """
     found = np.empty(turns.size)
     for k in range(turns.size):
-        found[k] = best_slots(
+        found[k], _, phases[k] = best_slots(
             nodes,
             inclination,
             arguments,
@@ -163,6 +176,7 @@ def rooms(nodes, inclination, arguments, directions, spare, turns, phases, misse
             spare[k],
             turns[k],
             phases[k],
+            ways,
             misses[k],
-        )[0]
+        )
     return found

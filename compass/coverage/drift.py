@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.coverage.lasting import Lasting, least_margins, margins_at, prove_span
-from compass.coverage.margin import covering_radius
-from compass.coverage.room import Room, SlotBox, has_slots, room_in_slots, slot_box
+from compass.coverage.region import GLOBE, Region
+from compass.coverage.room import Room, SlotBox, has_slots, room_in_slots, slot_box, slots_for
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits import Constellation
 from compass.orbits.trajectory import Trajectory
@@ -61,6 +61,7 @@ def drift_of(
     start_day: float = 0.0,
     sphere_radius: float,
     mask: float = 0.0,
+    region: Region = GLOBE,
     step_days: float | None = None,
     progress: Callable[[Sequence[Any]], Any] = iter,
 ) -> Drift:
@@ -72,7 +73,7 @@ def drift_of(
         The nominal one, whose elements are the slots.
     path
         What its satellites do.
-    fold, sphere_radius, mask
+    fold, sphere_radius, mask, region
         As in `prove_span`.
     days, start_day
         Span.
@@ -87,30 +88,23 @@ def drift_of(
         As `prove_span`.
     """
     start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY
-    lasting = prove_span(path, fold, sphere_radius=sphere_radius, mask=mask, start=start, stop=stop)
+    place: dict[str, Any] = {"sphere_radius": sphere_radius, "mask": mask, "region": region}
+    lasting = prove_span(path, fold, **place, start=start, stop=stop)
     step = step_days or max(1.0, float(np.ceil(days / MOMENTS)))
     times = np.append(np.arange(start, stop - 1.0, step * SECONDS_PER_DAY), stop)
     first = min(start + SECONDS_PER_DAY, stop)
     spans = [(start, first), *pairwise(times.tolist())]
     lost = stop if lasting.lost_at is None else lasting.lost_at
     least = [
-        least_margins(
-            path,
-            fold,
-            ends,
-            sphere_radius=sphere_radius,
-            mask=mask,
-            tolerance=KEPT if ends[0] <= lost else LOST,
-        )[0]
+        least_margins(path, fold, ends, **place, tolerance=KEPT if ends[0] <= lost else LOST)[0]
         for ends in progress(spans)
     ]
     room, box = None, None
     if has_slots(constellation) and constellation.size >= fold:
-        covering = covering_radius(constellation, fold, tolerance=1e-5).radius
-        room = room_in_slots(
-            constellation, path, times, covering=covering, sphere_radius=sphere_radius, mask=mask
-        )
-        radius = float(constellation.semi_major_axis[0])
-        box = slot_box(radius, covering, sphere_radius, mask)
-    margin = margins_at(path, fold, times, sphere_radius=sphere_radius, mask=mask)
+        slots = slots_for(constellation, fold, region)
+        if slots.cover:
+            room = room_in_slots(slots, path, times, sphere_radius=sphere_radius, mask=mask)
+            radius = float(constellation.semi_major_axis[0])
+            box = slot_box(radius, slots.covering, sphere_radius, mask)
+    margin = margins_at(path, fold, times, **place)
     return Drift(lasting, times, margin, np.array(least), room, box)

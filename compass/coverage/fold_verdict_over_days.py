@@ -6,26 +6,18 @@ from typing import Any
 import numpy as np
 
 from compass.coverage.certificate import Outcome
-from compass.coverage.fold_verdict import users_of
+from compass.coverage.claims import Claim, claims_of
 from compass.coverage.lasting import Lasting, prove_span
-from compass.coverage.region import Region, convex_polygon, read_regions
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
 from compass.frames import SECONDS_PER_DAY
-from compass.sites import Site
-
-#: Half a side of the square that stands for a site, radians: 60 m.
-SQUARE = 2e-5
+from compass.orbits.trajectory import Trajectory
 
 
 def fold_verdict_over_days(
     design: Design, requirement: Requirement, *, days: float | None, start_day: float = 0.0
 ) -> Verdict:
     """Verdict on "so many satellites in view" along the paths of a design's motion.
-
-    A site stands for the points of a small square about it, on the sphere through it: its up leans
-    from the radius by a known angle, which the mask is raised by to prove and lowered by to refute.
-    A mask that depends on azimuth proves with its highest all around and refutes with its lowest.
 
     Parameters
     ----------
@@ -43,42 +35,44 @@ def fold_verdict_over_days(
     assert requirement.fold is not None
     motion = design.motion
     scope = f"over {days:g} days from day {start_day:g}, {motion.title}, at the place"
-    if requirement.share < 1.0 or requirement.losses:
-        what = "shares" if requirement.share < 1.0 else "losses"
-        return undecided(requirement, scope, f"{what} along real paths are not bracketed")
-    regions = requirement.regions or (() if requirement.sites else ("globe",))
-    if regions and not design.figure.is_sphere:
-        reason = "regions along real paths are proven on a sphere; name one as figure"
+    if reason := not_followed(design, requirement):
         return undecided(requirement, scope, reason)
     start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY
     path = motion.trajectory(design.constellation, start, stop)
-    own, outcomes = _mask(design, requirement), []
-    claims = [
-        (region, design.figure.equatorial_radius + requirement.altitude, *own)
-        for text in regions
-        for region in read_regions(text)
+    found = [
+        claim_lasts(path, requirement.fold, claim, start, stop)
+        for claim in claims_of(design, requirement)
     ]
-    users = users_of(design, requirement)
-    for site, each in zip(requirement.sites, users, strict=False):
-        lean = abs(each.south - site.latitude) + 2 * SQUARE
-        low, high = each.mask.lowest - lean, each.mask.highest + lean
-        claims.append((square(site), float(np.linalg.norm(site.r_mcmf)), low, high))
-    for region, radius, low, high in claims:
-        asked: dict[str, Any] = {
-            "sphere_radius": radius,
-            "region": region,
-            "start": start,
-            "stop": stop,
-        }
-        found = prove_span(path, requirement.fold, mask=high, **asked)
-        if found.outcome is Outcome.REFUTED and low < high:
-            lowest = prove_span(path, requirement.fold, mask=low, **asked)
-            if lowest.outcome is Outcome.REFUTED:  # a loss over the highest may be none
-                found = replace(found, lost_at=lowest.lost_at, witness=lowest.witness)
-            else:
-                found = replace(found, outcome=Outcome.UNDECIDED, lost_at=None, witness=None)
-        outcomes.append(found)
-    return _verdict(requirement, scope, outcomes)
+    return _verdict(requirement, scope, found)
+
+
+def not_followed(design: Design, requirement: Requirement) -> str:
+    """Why a requirement cannot be settled along real paths; empty if it can."""
+    if requirement.fold is None:
+        return "geometry along real paths is not bracketed"
+    if requirement.share < 1.0 or requirement.losses:
+        what = "shares" if requirement.share < 1.0 else "losses"
+        return f"{what} along real paths are not bracketed"
+    if (requirement.regions or not requirement.sites) and not design.figure.is_sphere:
+        return "regions along real paths are proven on a sphere; name one as figure"
+    return ""
+
+
+def claim_lasts(path: Trajectory, fold: int, claim: Claim, start: float, stop: float) -> Lasting:
+    """How long a claim is proven along paths; lost only if it is over its lowest mask too."""
+    asked: dict[str, Any] = {
+        "sphere_radius": claim.radius,
+        "region": claim.region,
+        "start": start,
+        "stop": stop,
+    }
+    found = prove_span(path, fold, mask=claim.highest, **asked)
+    if found.outcome is Outcome.REFUTED and claim.lowest < claim.highest:
+        lowest = prove_span(path, fold, mask=claim.lowest, **asked)
+        if lowest.outcome is Outcome.REFUTED:  # a loss over the highest may be none
+            return replace(found, lost_at=lowest.lost_at, witness=lowest.witness)
+        return replace(found, outcome=Outcome.UNDECIDED, lost_at=None, witness=None)
+    return found
 
 
 def _verdict(requirement: Requirement, scope: str, found: list[Lasting]) -> Verdict:
@@ -97,23 +91,3 @@ def _verdict(requirement: Requirement, scope: str, found: list[Lasting]) -> Verd
         return Verdict(requirement, True, "proven", scope + given, (1.0, 1.0))
     days = min(one.days_proven for one in found)
     return undecided(requirement, scope, f"proven for {days:.6g} days; then neither could be shown")
-
-
-def _mask(design: Design, requirement: Requirement) -> tuple[float, float]:
-    """Lowest and highest elevation of the mask of regions, radians."""
-    if requirement.mask is not None:
-        return requirement.mask, requirement.mask
-    return design.mask.lowest, design.mask.highest
-
-
-def square(site: Site) -> Region:
-    """A convex polygon of some hundred metres about a site."""
-    east, north, _ = site.enu_mcmf
-    middle = site.r_mcmf / np.linalg.norm(site.r_mcmf)
-    corners = [middle + SQUARE * (x * east + y * north) for x, y in _CORNERS]
-    r = np.array(corners)
-    latitudes = np.arctan2(r[:, 2], np.hypot(r[:, 0], r[:, 1]))
-    return convex_polygon(latitudes, np.arctan2(r[:, 1], r[:, 0]))
-
-
-_CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))

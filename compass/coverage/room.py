@@ -4,6 +4,11 @@ If every satellite stands within ``lambda(r_i) - lambda_min`` of a slot of the p
 advanced as a whole in any way, coverage holds: a cap of radius lambda about the satellite contains
 one of radius lambda less that angle about the slot, and such caps about the slots cover. Positive
 room is a proof for its moment; negative room is none of the contrary.
+
+How the pattern may be turned depends on where coverage is wanted: in any way for the whole sphere,
+about the pole for a belt of latitude. Places that turn with Mars see a pattern of closed tracks as
+it is at some time of its own, and nothing is free but that time; without closed tracks what they
+have is what all on their latitudes have.
 """
 
 from dataclasses import dataclass
@@ -11,14 +16,59 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.bodies import MARS_ROTATION_RATE
 from compass.core.slots import rooms
 from compass.coverage.cap import cap_radius
+from compass.coverage.margin import covering_radius, highest_mask
+from compass.coverage.region import GLOBE, Region, latitude_band
+from compass.coverage.symmetry import shortest_span
 from compass.errors import ArgumentError
-from compass.orbits import Constellation
+from compass.orbits import Constellation, repeat_period
 from compass.orbits.trajectory import Trajectory
 
 #: Inclination, radians, below which node and argument of latitude are not told apart.
 FLAT = 0.02
+
+
+@dataclass(frozen=True)
+class Slots:
+    """A pattern's slots, and how large caps about them cover where coverage is wanted.
+
+    Attributes
+    ----------
+    pattern
+        The nominal constellation, whose elements are the slots.
+    covering
+        Least cap radius with which it covers, radians; infinite where none does.
+    region
+        Where; one that turns with Mars only for closed tracks.
+    repeat, closure
+        Time after which those close, s, and the angle by which they miss, radians.
+    """
+
+    pattern: Constellation
+    covering: float
+    region: Region = GLOBE
+    repeat: float = np.inf
+    closure: float = 0.0
+
+    @property
+    def cover(self) -> bool:
+        """Whether caps of some size about them cover at all."""
+        return bool(np.isfinite(self.covering))
+
+    @property
+    def ways(self) -> NDArray[np.float64]:
+        """Small turns and phases that are free, shape (m, 4): about x, y and the pole, phase."""
+        if self.region.is_globe:
+            return np.eye(4)
+        if not self.region.mars_fixed:
+            return np.eye(4)[2:]
+        return np.array([[0.0, 0.0, -_SPIN / float(self.pattern.mean_motion[0]), 1.0]])
+
+
+#: Rotation of Mars, rad/s.
+_SPIN = MARS_ROTATION_RATE.value
 
 
 @dataclass(frozen=True)
@@ -70,29 +120,18 @@ def has_slots(constellation: Constellation) -> bool:
     )
 
 
-def room_in_slots(
-    pattern: Constellation,
-    path: Trajectory,
-    times: ArrayLike,
-    *,
-    covering: float,
-    sphere_radius: float,
-    mask: float = 0.0,
-) -> Room:
-    """Room at moments: the greatest over turns and phases of the least spare cap less miss.
+def slots_for(pattern: Constellation, fold: int, region: Region = GLOBE) -> Slots:
+    """Slots of a pattern and the least caps with which they cover a region, proven.
 
     Parameters
     ----------
     pattern
-        The nominal constellation, whose elements are the slots.
-    path
-        Where its satellites really are, in the same order.
-    times
-        Seconds after the epoch, shape (t,).
-    covering
-        Least cap radius with which the pattern covers, radians.
-    sphere_radius, mask
-        Metres and radians.
+        Of orbits that form slots.
+    fold
+        Satellites wanted in view at once.
+    region
+        One that turns with Mars counts as itself where tracks are declared closed, else as its
+        belt of latitude.
 
     Raises
     ------
@@ -104,25 +143,70 @@ def room_in_slots(
             "room in the slots: needs circular orbits of one radius and inclination; look at the "
             "margin instead"
         )
+    if region.is_globe:
+        return Slots(pattern, covering_radius(pattern, fold, tolerance=1e-5).radius)
+    if region.mars_fixed and pattern.repeat is None:
+        region = latitude_band(*region.latitudes())
+    span = shortest_span(pattern, region)
+    # of which sphere is no matter: caps are angles at the centre
+    radius = float(pattern.semi_major_axis[0])
+    sphere = 0.1 * radius
+    mask = highest_mask(
+        pattern, fold, sphere_radius=sphere, region=region, span=span, tolerance=1e-5
+    )
+    covering = np.inf if mask is None else float(cap_radius(radius, sphere, mask))
+    if not region.mars_fixed:
+        return Slots(pattern, covering, region)
+    return Slots(pattern, covering, region, span.stop, repeat_period(pattern).closure)
+
+
+def room_in_slots(
+    slots: Slots, path: Trajectory, times: ArrayLike, *, sphere_radius: float, mask: float = 0.0
+) -> Room:
+    """Room at moments: the greatest over turns and phases of the least spare cap less miss.
+
+    Parameters
+    ----------
+    slots
+        The pattern and where it is to cover.
+    path
+        Where its satellites really are, in the same order.
+    times
+        Seconds after the epoch, shape (t,).
+    sphere_radius, mask
+        Metres and radians.
+    """
+    pattern = slots.pattern
     seconds = np.atleast_1d(np.asarray(times, dtype=float))
     r, v = (np.moveaxis(a, 0, 1) for a in path.states(seconds))
     distance = np.linalg.norm(r, axis=-1)
     directions = np.ascontiguousarray(r / distance[..., None])
-    spare = np.ascontiguousarray(cap_radius(distance, sphere_radius, mask) - covering)
+    spare = np.ascontiguousarray(cap_radius(distance, sphere_radius, mask) - slots.covering)
     arguments = pattern.argument_of_periapsis + pattern.mean_anomaly
     inclination = float(pattern.inclination[0])
     turns, phases = _first_guess(r, v, pattern.raan, arguments, inclination)
+    if slots.region.mars_fixed:
+        turns, phases = _own_time(seconds, phases, pattern)
     misses = np.empty((seconds.size, pattern.size, 2))
-    found = rooms(
-        np.array(pattern.raan), inclination, arguments, directions, spare, turns, phases, misses
+    found = np.asarray(
+        rooms(
+            np.array(pattern.raan),
+            inclination,
+            arguments,
+            directions,
+            spare,
+            turns,
+            phases,
+            slots.ways,
+            misses,
+        )
     )
-    return Room(
-        seconds,
-        np.asarray(found),
-        misses[..., 0],
-        misses[..., 1],
-        distance - float(pattern.semi_major_axis[0]),
-    )
+    if slots.region.mars_fixed:
+        # caps were found over one repeat of the tracks; each further one misses by the closure
+        repeats = np.abs(np.floor(phases / float(pattern.mean_motion[0]) / slots.repeat))
+        found = found - slots.closure * repeats
+    above = distance - float(pattern.semi_major_axis[0])
+    return Room(seconds, found, misses[..., 0], misses[..., 1], above)
 
 
 def slot_box(radius: float, covering: float, sphere_radius: float, mask: float = 0.0) -> SlotBox:
@@ -138,6 +222,25 @@ def slot_box(radius: float, covering: float, sphere_radius: float, mask: float =
     return SlotBox(spare, float(radius - lowest))
 
 
+def _own_time(
+    seconds: NDArray[np.float64], phases: NDArray[np.float64], pattern: Constellation
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Turn and phase of the pattern at the time of its own that is nearest and has a phase.
+
+    At the time tau, seen from Mars, it stands as it does now turned by ``w (t - tau)``.
+    """
+    motion = float(pattern.mean_motion[0])
+    now = motion * seconds
+    if not _is_flat(float(pattern.inclination[0])):
+        now = now + np.angle(np.exp(1j * (phases - now)))
+    return _SPIN * (seconds - now / motion), now
+
+
+def _is_flat(inclination: float) -> bool:
+    """Whether node and argument of latitude are not told apart."""
+    return min(inclination, np.pi - inclination) < FLAT
+
+
 def _first_guess(
     r: NDArray[np.float64],
     v: NDArray[np.float64],
@@ -150,7 +253,7 @@ def _first_guess(
     def mean(angles: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.asarray(np.angle(np.exp(1j * angles).mean(axis=-1)))
 
-    if min(inclination, np.pi - inclination) < FLAT:
+    if _is_flat(inclination):
         way = 1.0 if inclination < 1.0 else -1.0
         shift = mean(np.arctan2(r[..., 1], r[..., 0]) - nodes - way * arguments)
         return shift, np.zeros_like(shift)

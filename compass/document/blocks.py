@@ -117,7 +117,8 @@ class Table:
 class Picture:
     """A picture: file stem, title, caption, PNG bytes, how wide, what it shows in words.
 
-    A wide one takes the width of the page, others stand two to a row.
+    A wide one takes the width of the page, others stand two to a row. `reading` is what it says in
+    numbers (JSON, of `compass.pictures.reading`), for where a reader can point at it.
     """
 
     stem: str
@@ -126,6 +127,7 @@ class Picture:
     png: bytes
     wide: bool = False
     alt: str = ""
+    reading: str = ""
 
 
 @dataclass(frozen=True)
@@ -165,8 +167,9 @@ class Section:
 
     @property
     def pictures(self) -> tuple[Picture, ...]:
-        """Its pictures."""
-        return tuple(block for block in walk(self.blocks) if isinstance(block, Picture))
+        """Its pictures, those that stand for what answers the pointer too."""
+        shown = (b.still if isinstance(b, Interactive) else b for b in walk(self.blocks))
+        return tuple(block for block in shown if isinstance(block, Picture))
 
     @property
     def tables(self) -> tuple[Table, ...]:

@@ -88,11 +88,12 @@ def read_design_text(text: str, label: str = "design") -> Design:
         label=label,
         motion=motion,
         upkeep=_upkeep(file.keeping),
-        launching=_launching(file.deployment),
+        launching=launching_of(file.deployment),
     )
 
 
-def _launching(table: DeploymentTable) -> Launching:
+def launching_of(table: DeploymentTable) -> Launching:
+    """How satellites come to their planes, of a design's or a study's table."""
     low, high = sorted(table.waiting_altitude_km)
     return Launching(
         table.launch_altitude_km * KM,

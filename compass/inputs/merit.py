@@ -40,7 +40,7 @@ class Merit:
 _FOUND_BY = {
     "cost": (
         "satellites", "planes", "delta_v_transfer_m_s", "delta_v_planes_m_s", "delta_v_total_m_s",
-        "node_drift_deg_year",
+        "delta_v_deploy_m_s", "wait_days", "node_drift_deg_year",
     ),
     "screen": (
         "fold_proven", "cap_radius_min_deg", "mask_margin_deg", "closest_approach_deg",

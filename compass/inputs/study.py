@@ -9,13 +9,14 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.design import Design, Requirement
+from compass.design import Design, Launching, Requirement
 from compass.digest import digest_of
 from compass.entry.doubts import NO_DOUBTS, Doubts
 from compass.errors import ArgumentError, CompassError, DesignError
 from compass.frames import FIGURES, Figure
-from compass.inputs.design import read_design, site_of
+from compass.inputs.design import launching_of, read_design, site_of
 from compass.inputs.merit import MERITS, STAGES
+from compass.inputs.motion import motion_of_table
 from compass.inputs.reading import parse, read_text
 from compass.inputs.requirements import requirements_of
 from compass.inputs.scenario import Scenario, read_scenario
@@ -33,6 +34,7 @@ from compass.inputs.study_models import (
     StudyFile,
 )
 from compass.orbits import areosynchronous_radius
+from compass.orbits.motion import Motion
 from compass.saving import readable
 
 FileKind = TypeVar("FileKind", Scenario, Design)
@@ -161,6 +163,8 @@ class Study:
         What candidates must and should be.
     map, cost, orbits
         Sampling of geometry; assumptions of the cost proxies; how long real orbits are followed.
+    motion, launching
+        How candidates move on real orbits; how satellites come to their planes.
     entry
         How landing navigation is judged, or None.
     compare
@@ -184,6 +188,8 @@ class Study:
     map: MapTable
     cost: CostTable
     orbits: OrbitsTable
+    motion: Motion
+    launching: Launching
     entry: EntryStage | None
     compare: Design | None
     text: str
@@ -258,7 +264,8 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
     doubts = _doubts(file.entry, faults) if file.entry else NO_DOUBTS
     if faults:
         raise DesignError([f"{label}: {line}" for line in faults])
-    digest.update(digest_of((scenario, compare, doubts)).encode())
+    motion = motion_of_table(file.motion, folder, label)
+    digest.update(digest_of((scenario, compare, doubts, motion)).encode())
     entry = None
     if file.entry and scenario is not None:
         entry = EntryStage(
@@ -291,6 +298,8 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         map=file.map,
         cost=file.cost,
         orbits=file.orbits,
+        motion=motion,
+        launching=launching_of(file.deployment),
         entry=entry,
         compare=compare,
         text=text,

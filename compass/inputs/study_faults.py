@@ -8,6 +8,7 @@ from compass.frames import FIGURES
 from compass.inputs.design import place_faults
 from compass.inputs.faults import fault
 from compass.inputs.merit import MERITS
+from compass.inputs.motion import motion_faults
 from compass.inputs.requirements import requirement_faults
 
 #: Values that one list of a study may come to.
@@ -18,7 +19,7 @@ _BOUNDS = ("at_least", "at_most", "above", "below")
 
 def study_faults(raw: dict[str, Any]) -> list[str]:
     """Faults that concern several fields at once."""
-    faults: list[str] = []
+    faults = motion_faults(raw)
     space = raw.get("study")
     method = _table(raw, "sampling").get("method", "grid")
     if isinstance(space, dict):

@@ -8,7 +8,7 @@ from pydantic_core import CoreSchema
 
 from compass.design import PDOP_MAX
 from compass.entry.arrivals import MOST_SAMPLES
-from compass.inputs.models import SatelliteCount, StationTable
+from compass.inputs.models import DeploymentTable, MotionTable, SatelliteCount, StationTable
 from compass.inputs.requirements import RequirementTable
 from compass.inputs.signal import Sigma
 from compass.inputs.table import Table
@@ -221,6 +221,14 @@ class StudyFile(Table):
     orbits: OrbitsTable = Field(
         default_factory=lambda: OrbitsTable.model_validate({}),
         description="how long real orbits are followed",
+    )
+    motion: MotionTable = Field(
+        default_factory=lambda: MotionTable.model_validate({"model": "numerical"}),
+        description="how candidates move on real orbits; under all forces if left out",
+    )
+    deployment: DeploymentTable = Field(
+        default_factory=lambda: DeploymentTable.model_validate({}),
+        description="how satellites come to their planes",
     )
     station: list[StationTable] = Field(
         default_factory=list, max_length=1000, description="one [[station]] a place required"

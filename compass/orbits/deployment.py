@@ -11,9 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.bodies import MARS_GM
 from compass.orbits.constellation import Constellation
 from compass.orbits.impulses import hohmann, node_change
 from compass.orbits.period import secular_rates
+
+#: Waiting orbits that are weighed, between the lowest and the highest.
+WEIGHED = 235
 
 
 @dataclass(frozen=True)
@@ -113,3 +117,54 @@ def deploy_by_drift(
         planes.append(Plane(float(node), waits, straight + float(node_change(a, i, node, c.gm))))
     launches = -(-nodes.size // each)
     return Deployment(radii, parting, transfer, tuple(planes), straight, launches, each)
+
+
+def cheapest_drift(
+    radius: ArrayLike,
+    inclination: ArrayLike,
+    parting: ArrayLike,
+    planes_a_launch: ArrayLike,
+    launched: float,
+    waiting: ArrayLike,
+    longest: float,
+    gm: float = MARS_GM.value,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Least delta-v of a satellite that waits, and its wait, for many patterns at once.
+
+    What `deploy_by_drift` finds of each, by its farthest plane alone; nan where no waiting orbit
+    brings all planes in time.
+
+    Parameters
+    ----------
+    radius, inclination
+        Of the constellations' circles, m and radians, shape (n,).
+    parting
+        Between the nodes of neighbouring planes, radians, shape (n,).
+    planes_a_launch
+        Planes of one launch, shape (n,).
+    launched, waiting
+        As in `deploy_by_drift`.
+    longest
+        Until the last plane is reached, s.
+
+    Returns
+    -------
+    delta_v, wait
+        m/s and s, shape (n,).
+    """
+    a = np.atleast_1d(np.asarray(radius, dtype=float))[:, None]
+    i = np.atleast_1d(np.asarray(inclination, dtype=float))[:, None]
+    apart = np.atleast_1d(np.asarray(parting, dtype=float))[:, None]
+    planes = np.atleast_1d(np.asarray(planes_a_launch))[:, None]
+    radii = np.atleast_1d(np.asarray(waiting, dtype=float))[None, :]
+    rate = secular_rates(radii, 0.0, i, gm)[0] - secular_rates(a, 0.0, i, gm)[0]
+    # eastwards the last plane is the farthest, westwards the first
+    way = np.where(rate > 0.0, (planes - 1) * apart, 2 * np.pi - apart)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        waits = np.where(planes > 1, np.where(rate == 0.0, np.inf, way / np.abs(rate)), 0.0)
+    cost = np.where(waits <= longest, hohmann(launched, radii, gm) + hohmann(radii, a, gm), np.inf)
+    best = cost.argmin(axis=1)
+    each = np.arange(best.size)
+    found = cost[each, best]
+    reached = np.isfinite(found)
+    return np.where(reached, found, np.nan), np.where(reached, waits[each, best], np.nan)

@@ -307,7 +307,11 @@ def through(
         r = positions(times.ravel())
         found = np.einsum("kj,npjc->pnck", to_series, r.reshape(len(r), count, NODES + 2, 3))
         errors = np.abs(found[..., -2:]).sum(axis=(-1, -2))
-        if errors.max(initial=0.0) <= tolerance or half[0] < 1.0:
+        # a phase that has grown for long is no better than its own rounding, however short the
+        # stretches: halving for less would go on for ever
+        phase = 1.0 + max(abs(start), abs(stop)) / piece
+        grain = 8.0 * np.finfo(float).eps * phase * np.abs(found[..., 0]).max(initial=0.0)
+        if errors.max(initial=0.0) <= max(tolerance, grain) or half[0] < 1.0:
             break
         count *= 2
     # phases of up to 1e4 turns are good to 7e-12, interpolation to a hundred roundoffs

@@ -19,6 +19,7 @@ from compass.pages.found import Found
 from compass.pages.lasting import lasting_advice, lasting_answers
 from compass.pages.neighbours import Neighbour
 from compass.quantities import quantity
+from compass.study.choice import notation
 
 
 def requirements(found: Found) -> list[Answer]:
@@ -37,6 +38,15 @@ def requirements(found: Found) -> list[Answer]:
         sure = ", ".join(text for text in (verdict.sure, verdict.reason, verdict.scope) if text)
         rows.append(Answer(f"{asked.name}: {asked.wanted}", how or verdict.word, verdict.met, sure))
     return rows
+
+
+def flown(found: Found) -> list[Answer]:
+    """What is to be built: satellites, planes, inclination, orbit."""
+    c, pattern = found.design.constellation, found.design.constellation.pattern
+    if pattern is None:
+        return [Answer("What flies", notation(c))]
+    planes = f"{pattern.planes} plane{'s' if pattern.planes > 1 else ''}"
+    return [Answer("What flies", f"{c.size} satellites in {planes}: {notation(c)}")]
 
 
 def coverage(found: Found) -> list[Answer]:
@@ -62,11 +72,19 @@ def coverage(found: Found) -> list[Answer]:
                 "Tightest place and moment",
                 f"{latitude_words(place['latitude_deg'])}, "
                 f"{significant(place['longitude_deg'] % 360, 4)}° E, "
-                f"{significant(place['time_s'] / 3600, 3)} h after the epoch",
+                f"{moment_words(place['time_s'])} after the epoch",
                 evidence="by symmetry one of several" if found.design.constellation.pattern else "",
             )
         )
     return rows
+
+
+def moment_words(seconds: float) -> str:
+    """Write a time in the unit that a reader would take."""
+    for unit, size in (("h", 3600.0), ("min", 60.0)):
+        if abs(seconds) >= size:
+            return f"{significant(seconds / size, 3)} {unit}"
+    return f"{significant(seconds, 3)} s"
 
 
 def latitude_words(latitude_deg: float) -> str:
@@ -159,6 +177,7 @@ def lasting(found: Found) -> list[Answer]:
 ANSWERS: tuple[Callable[[Found], list[Answer]], ...] = (
     requirements,
     coverage,
+    flown,
     lasting,
     geometry,
     stations,
@@ -206,19 +225,19 @@ def what_to_do(found: Found, neighbours: Sequence[Neighbour]) -> list[str]:
     said = [words]
     margin = result.mask_margin_deg
     here = -np.inf if margin is None else margin
+    sure = result.margins().rows[3][1]  # rounded to the safe side, as the table has it
     room = here >= result.mask_deg  # of a miss there is none to speak of
     if neighbours:
         best = max(neighbours, key=lambda n: n.mask_deg)
         if best.mask_deg > here + 0.1:
             said.append(
                 f"Its rival of the same size: {best.notation}, with a mask up to "
-                f"{significant(best.mask_deg, 3)}°"
-                + (f" instead of {significant(here, 3)}°." if room else ".")
+                f"{significant(best.mask_deg, 3)}°" + (f" instead of {sure}°." if room else ".")
             )
         else:
             said.append("No other phasing or inclination of as many satellites has more margin.")
     if room:
-        said.append(f"A mask above {significant(here, 3)}° would change this.")
+        said.append(f"A mask above {sure}° would change this.")
     if room and result.coverage.losses and c.size > 1:
         least = min(sets.least[0] for sets in result.coverage.losses[0])
         if least < result.fold <= c.size:

@@ -128,7 +128,6 @@ def provenance_rows(found: Found, command: str) -> list[tuple[str, str]]:
     attrs = provenance(design, command)
     return [
         ("command", attrs["command_line"] or "made from Python"),
-        ("made", attrs["history"].split(" ")[0]),
         ("version", attrs["source"]),
         ("design file", attrs["design_file"]),
         ("SHA-256 of the design", attrs["design_sha256"]),

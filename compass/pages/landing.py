@@ -29,7 +29,6 @@ def scenario_provenance(scenario: Scenario, command: str) -> tuple[str, list[tup
     made = provenance(scenario, command)
     rows = [
         ("command", command or "made from Python"),
-        ("made", made["history"].split(" ")[0]),
         ("version", made["source"]),
         ("scenario file", made["scenario_file"]),
         ("SHA-256 of the scenario", made["scenario_sha256"]),

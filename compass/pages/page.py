@@ -4,11 +4,17 @@ import os
 import shutil
 import tempfile
 from collections.abc import Sequence
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from compass.document.blocks import Section
 from compass.document.html import environment
 from compass.errors import OutputError
+
+if TYPE_CHECKING:
+    import jinja2
 
 PAGE = "index.html"
 
@@ -21,21 +27,40 @@ def render(
     source_text: str,
 ) -> str:
     """Return the page; everything that comes from a user is escaped."""
+    scripts = [i.script for s in sections for i in s.interactive]
+    if any(picture.reading for section in sections for picture in section.pictures):
+        scripts.append(script("reading.js"))
+    return (
+        templates()
+        .get_template("report.html")
+        .render(
+            title=title,
+            subtitle=subtitle,
+            sections=sections,
+            readable=True,
+            scripts=list(dict.fromkeys(scripts)),
+            provenance=provenance,
+            source_text=source_text,
+        )
+    )
+
+
+@cache
+def templates() -> "jinja2.Environment":
+    """Return the templates of pages beside those of the blocks."""
     import jinja2
 
-    drawn = environment().overlay(
+    return environment().overlay(
         loader=jinja2.ChoiceLoader(
             [jinja2.PackageLoader("compass.pages"), jinja2.PackageLoader("compass.document")]
         )
     )
-    return drawn.get_template("report.html").render(
-        title=title,
-        subtitle=subtitle,
-        sections=sections,
-        scripts=list(dict.fromkeys(i.script for s in sections for i in s.interactive)),
-        provenance=provenance,
-        source_text=source_text,
-    )
+
+
+@cache
+def script(name: str) -> str:
+    """Return a script of the pages' own."""
+    return (files("compass.pages") / "templates" / name).read_text(encoding="utf-8")
 
 
 def check_page_folder(folder: Path) -> None:

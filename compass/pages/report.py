@@ -1,8 +1,8 @@
-"""One self-contained HTML page about a design, a scenario or a study."""
+"""One self-contained HTML page about a design, a scenario, a study or a paper."""
 
 import json
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -10,9 +10,10 @@ from typing import Any
 from compass.api.given import given_design, given_scenario, given_study
 from compass.api.land import land
 from compass.api.progress import bar
+from compass.api.reproduce import reproduce
 from compass.api.results import Result
 from compass.design import Design
-from compass.document import Page, Verdict
+from compass.document import Page, Section, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.inputs.reading import read_text
@@ -21,7 +22,9 @@ from compass.inputs.study import Study
 from compass.pages.design import PARTS, design_report
 from compass.pages.landing import landing_report
 from compass.pages.page import check_page_folder, write_page
+from compass.pages.paper import paper_report
 from compass.pages.trade import trade_report
+from compass.papers import PAPERS
 from compass.saving import write_files
 from compass.study.mapping import MapOptions
 
@@ -63,15 +66,16 @@ def report(
     command: str = "",
     progress: bool = False,
 ) -> ReportResult:
-    """Report on a design, a scenario or a study: one HTML page that needs no network.
+    """Report on a design, a scenario, a study or a paper: one HTML page that needs no network.
 
     A file with a table [study] is a study, and its page is made from the store of
-    `compass.trade`; one with a table [vehicle] is a scenario of landing; all else is a design.
+    `compass.trade`; one with a table [vehicle] is a scenario of landing; all else is a
+    design. A name of `compass.papers.PAPERS` that is no file is a source paper.
 
     Parameters
     ----------
     thing
-        What to report on, or the path of its file.
+        What to report on, or the path of its file, or the name of a paper.
     output
         Folder for the page and its pictures; by default ``reports/`` and the name of the file.
     step_deg, epochs
@@ -99,7 +103,7 @@ def report(
     """
     read: Any = thing
     if isinstance(thing, str | Path):
-        kind = _kind(read_text(Path(thing)))
+        kind = _kind(Path(thing))
     else:
         kind = {Study: "study", Scenario: "scenario"}.get(type(thing), "design")
     if output is not None:
@@ -121,9 +125,13 @@ def report(
         raise ArgumentError(f"store: {name} is not a study; leave it out")
     if kind == "study":
         return _study(given_study(read), folder, _store(thing, store), command, progress)
-    if kind == "scenario":
+    several: Sequence[Section]
+    if kind == "paper":
+        compared = reproduce(str(thing))
+        title, (page, several) = compared.title, paper_report(compared, command)
+    elif kind == "scenario":
         flown = land(given_scenario(read), command=command, progress=progress)
-        title, (page, sections) = flown.scenario.name, landing_report(flown)
+        title, (page, several) = flown.scenario.name, landing_report(flown)
     else:
         chosen = given_design(read)
         with bar(progress, "report", total=PARTS, unit="part", leave=False) as parts:
@@ -131,14 +139,19 @@ def report(
             page, several = design_report(
                 chosen, command, MapOptions(**options), progress=lambda part: _step(parts, part)
             )
-        sections = tuple(several)
-    path = write_page(folder, page, sections)
-    pictures = [f"{p.stem}.png" for section in sections for p in section.pictures]
+    path = write_page(folder, page, several)
+    pictures = [f"{p.stem}.png" for section in several for p in section.pictures]
     return ReportResult(title, path, {"pictures": [str(folder / name) for name in pictures]})
 
 
-def _kind(text: str) -> str:
-    """What a file describes, by its tables; a design if it is no TOML, which its reader says."""
+def _kind(path: Path) -> str:
+    """What a file describes, by its tables; a design if it is no TOML, which its reader says.
+
+    A paper is known by its name, where there is no file of it.
+    """
+    if str(path) in PAPERS and not path.exists():
+        return "paper"
+    text = read_text(path)
     try:
         tables = set(tomllib.loads(text))
     except (ValueError, RecursionError):

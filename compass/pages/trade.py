@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import compass
-from compass.document.blocks import Section, Sentence, Table, arranged
+from compass.document.blocks import Picture, Section, Sentence, Table, arranged
 from compass.inputs.merit import MERITS, STAGES
 from compass.inputs.study import Free, Study
 from compass.pages.page import render
@@ -99,13 +99,12 @@ def trade_report(
     if chosen:
         finalists = [e.finalist for e in chosen]
         progress("fronts")
-        fronts = _fronts(study, results, finalists, measure)
-        carrying = fronts.pictures[:1]
-        fronts = Section(fronts.title, tuple(b for b in fronts.blocks if b not in carrying))
+        first, *others = front_pictures(study, results, finalists, measure) or (None,)
+        carrying = interactive_front(study, results, finalists, measure, first)
         sections = [
             answer_section(study, chosen, measure, ranking, carrying),
             Section("Recommendation", (*map(Sentence, advised.paragraphs), *advised.tables)),
-            fronts,
+            _fronts(study, results, others),
             _looked_at(study, results),
         ]
         sections.append(_best(study, results))
@@ -170,9 +169,8 @@ def _looked_at(study: Study, results: "xr.Dataset") -> Section:
     return arranged("What was looked at", (text,), (), tuple(tables))
 
 
-def _fronts(
-    study: Study, results: "xr.Dataset", chosen: Sequence[Finalist], measure: Yardstick | None
-) -> Section:
+def _fronts(study: Study, results: "xr.Dataset", pictures: Sequence[Picture]) -> Section:
+    """Show the first front, two objectives at a time, and its candidates in a table."""
     front = results.isel(candidate=np.flatnonzero(results.front.values == 0))
     order = np.lexsort([o.sign * front[o.figure].values for o in study.objectives[::-1]])
     table = _candidate_table(
@@ -184,14 +182,7 @@ def _fronts(
     )
     if how := sampled_over(study, known_figures(study)):
         text += f" Sampled: {how}; what differs by less than another sampling would has no order."
-    interactive = interactive_front(study, results, chosen, measure)
-    return arranged(
-        "Pareto fronts",
-        (text,),
-        front_pictures(study, results, chosen, measure),
-        (table,),
-        () if interactive is None else (interactive,),
-    )
+    return arranged("Pareto fronts", (text,), pictures, (table,))
 
 
 def _candidate_table(title: str, study: Study, some: "xr.Dataset") -> Table:

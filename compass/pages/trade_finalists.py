@@ -11,7 +11,7 @@ from compass.api.keep import keep
 from compass.coverage.certificate import prove_fold
 from compass.design import Design
 from compass.document import Answer, Answers, Sentence
-from compass.document.blocks import Picture, Section, Table, arranged
+from compass.document.blocks import Interactive, Section, Table, arranged
 from compass.document.numbers import significant
 from compass.errors import ArgumentError
 from compass.handover.czml import czml
@@ -128,7 +128,7 @@ def answer_section(
     chosen: Sequence[Entrant],
     measure: Yardstick | None,
     ranking: dict[str, Any] | None,
-    carrying: Sequence[Picture],
+    carrying: Interactive,
 ) -> Section:
     """Say what to build, what it is worth and how sure that is, and what its rival is.
 
@@ -156,13 +156,14 @@ def answer_section(
             else f"; {measure.role} has {worth(o.figure, measure.figures[o.figure])}"
         )
         sure = f"sampled over {how}" + (f", ± {error:.2g}" if error else "") if how else "exact"
-        rows.append(Answer(MERITS[o.figure].title, value, None, sure + beside))
+        title = MERITS[o.figure].title
+        rows.append(Answer(title[0].upper() + title[1:], value, None, sure + beside))
     if ranking is not None:
         judged = next(row for row in ranking["designs"] if row["given"] == 1)
         question = f"Landing: place known to {ranking['goal_m']:g} m at {ranking['deployment']}"
         rows.append(landing_answer(question, judged, ranking))
     return Section(
-        "The answer", (Sentence(lead), Answers("What it is worth", tuple(rows)), *carrying)
+        "The answer", (Sentence(lead), Answers("What it is worth", tuple(rows)), carrying)
     )
 
 

@@ -13,8 +13,9 @@ from pyproj import Transformer
 
 from compass.frames import map_crs, mars_crs
 from compass.pictures.places import PLACES
+from compass.pictures.reading import Field
 from compass.pictures.relief import finer_shade
-from compass.pictures.style import FAINT, INK
+from compass.pictures.style import FAINT, INK, PlainFigure
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon
@@ -137,7 +138,12 @@ class MarsMap:
         """Draw values given by cell, shape (row, column), each cell in its true outline."""
         lon, lat = np.meshgrid(longitude_edges_deg, latitude_edges_deg)
         x, y = self.project(lon, lat)
-        return self.axes.pcolormesh(x, y, values, rasterized=True, zorder=1, **options)
+        mesh = self.axes.pcolormesh(x, y, values, rasterized=True, zorder=1, **options)
+        figure = self.axes.figure
+        if isinstance(figure, PlainFigure):
+            edges = longitude_edges_deg, latitude_edges_deg
+            figure.fields.append(Field(mesh, *edges, values, self._rim))
+        return mesh
 
     def track(self, longitude_deg: ArrayLike, latitude_deg: ArrayLike, **options: Any) -> None:
         """Draw a line, cut where it crosses the map's edge."""

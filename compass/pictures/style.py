@@ -17,6 +17,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import LogFormatterMathtext
 
 from compass.document import Picture
+from compass.pictures.reading import Field, reading
 
 PNG_DPI = 130
 
@@ -57,8 +58,12 @@ class PlainFigure(Figure):
     """A figure that draws every text as it is written, whenever and for whomever it is drawn.
 
     Ticks are made when a figure is drawn, and take what holds then. A letter that no font has is
-    a box, and no matter for a warning.
+    a box, and no matter for a warning. `fields` are the maps in it, whose values can be read.
     """
+
+    def __init__(self, *given: Any, **options: Any) -> None:
+        super().__init__(*given, **options)
+        self.fields: list[Field] = []
 
     def draw(self, renderer: Any) -> None:
         """As any figure is."""
@@ -135,10 +140,11 @@ def axes_or_new(axes: Axes | None, width: float = 8.0, height: float = 4.5) -> A
 def picture(
     figure: Figure, stem: str, title: str, caption: str, *, wide: bool = False, alt: str = ""
 ) -> Picture:
-    """Render a matplotlib figure to PNG; the same figure gives the same bytes."""
+    """Render a matplotlib figure to PNG, with its values; the same figure gives the same bytes."""
     buffer = BytesIO()
     figure.savefig(buffer, format="png", dpi=PNG_DPI)
-    return Picture(stem, title, caption, lighter(buffer.getvalue(), title), wide, alt)
+    drawn = lighter(buffer.getvalue(), title)
+    return Picture(stem, title, caption, drawn, wide, alt, reading(figure))
 
 
 def lighter(png: bytes, title: str) -> bytes:

@@ -31,7 +31,9 @@ BOX = 0.5
 _forces = lru_cache(maxsize=1)(ForceModel)
 
 
-def keeping_law(rows: NDArray, spare: NDArray[np.float64]) -> NDArray[np.float64]:
+def keeping_law(
+    rows: NDArray, spare: NDArray[np.float64], motion: Motion | None = None
+) -> NDArray[np.float64]:
     """Delta-v a year of the satellite that needs most, by the law of a mean push, m/s, shape (n,).
 
     Nothing where what Mars's field does swings no satellite out of its box. With the nodes and
@@ -43,8 +45,10 @@ def keeping_law(rows: NDArray, spare: NDArray[np.float64]) -> NDArray[np.float64
         Candidates, of dtype `compass.study.candidates.ROW`.
     spare
         Cap radius less the least one with the fold, radians, shape (n,); nan where unknown.
+    motion
+        Whose gravity field pushes; the built-in one if it has none.
     """
-    field = _forces().field
+    field = ((motion and motion.forces) or _forces()).field
     orbits, group = np.unique(rows[["radius_km", "inclination_deg"]], return_inverse=True)
     slow = slow_pushes(field, orbits["radius_km"] * 1e3, np.radians(orbits["inclination_deg"]))
     largest = np.empty(rows.size)
@@ -71,15 +75,24 @@ def orbits_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]
             study.orbits.days,
             study.figure.equatorial_radius,
             float(np.radians(row["mask_deg"])),
+            study.motion,
         )
         for row in rows
     ]
     return {"days_proven": np.array(days, dtype=float)}
 
 
-def proven_days(c: Constellation, fold: int, days: float, sphere: float, mask: float) -> float:
-    """Days for which a fold is proven under the default forces, from the epoch, trimmed once."""
-    forces, stop = _forces(), days * SECONDS_PER_DAY
-    chosen = trim(c, forces, stop).constellation if can_trim(c) else c
-    path = Motion("numerical", forces).trajectory(chosen, 0.0, stop, tolerance=COARSE)
+def proven_days(
+    c: Constellation,
+    fold: int,
+    days: float,
+    sphere: float,
+    mask: float,
+    motion: Motion | None = None,
+) -> float:
+    """Days for which a fold is proven from the epoch on, trimmed once where forces allow it."""
+    stop, moved = days * SECONDS_PER_DAY, motion or Motion("numerical", _forces())
+    if moved.forces is not None and can_trim(c):
+        c = trim(c, moved.forces, stop).constellation
+    path = moved.trajectory(c, 0.0, stop, tolerance=COARSE)
     return prove_span(path, fold, sphere_radius=sphere, mask=mask, stop=stop).days_proven

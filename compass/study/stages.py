@@ -102,7 +102,7 @@ def passing(study: Study, stage: str, figures: dict[str, NDArray[np.float64]]) -
 def screen(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
     """Costs of all; fold, margin and closest approach of those whose costs are allowed."""
     sphere = study.figure.equatorial_radius
-    costs = cost_figures(rows, study.cost, sphere)
+    costs = cost_figures(rows, study.cost, sphere, study.launching)
     figures = costs | {name: np.full(rows.size, np.nan) for name in merits_of("screen")}
     kept = np.flatnonzero(passing(study, "cost", costs))
     some = rows[kept]
@@ -127,7 +127,7 @@ def screen(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
     figures["cap_radius_min_deg"][kept] = np.degrees(bounded)
     figures["mask_margin_deg"][kept] = np.degrees(mask_for_cap(bounded, radius, sphere))
     figures["closest_approach_deg"][kept] = np.degrees(closest)
-    figures["delta_v_keeping_m_s_year"][kept] = keeping_law(some, caps - bounded)
+    figures["delta_v_keeping_m_s_year"][kept] = keeping_law(some, caps - bounded, study.motion)
     return figures
 
 

@@ -17,7 +17,7 @@ from compass.cli.main import program
 from compass.coverage.certificate import Outcome
 from compass.document import text
 from compass.errors import ArgumentError
-from compass.frames import FIGURES
+from compass.frames import FIGURES, prime_meridian_angle
 from compass.inputs import read_design, read_design_text
 from compass.orbits.motion import Motion
 from compass.orbits.trimming import Trim
@@ -220,6 +220,23 @@ def test_the_elements_to_inject_fly_under_the_same_forces(found):
     assert read_design_text(written).motion == Motion("numerical")
 
 
+def test_the_orbits_to_inject_are_written_as_oem_to_the_end_of_the_span(found, tmp_path):
+    """Read as a design of trajectories they are where the elements, integrated, are."""
+    c = found.design.constellation
+    done = Trim(c, np.zeros(5), 1e6, 1e5, 1e-9, 1e-12, 0.1, 0.01)
+    folder = tmp_path / "orbits"
+    replace(found, trim=done).write_orbits(folder)
+    assert len(list(folder.glob("*.oem"))) == 5
+    (tmp_path / "flown.toml").write_text(
+        'name = "flown"\n[constellation]\npattern = "ephemeris"\nfiles = ["orbits/*.oem"]\n'
+    )
+    flown = read_design(tmp_path / "flown.toml")
+    there = flown.motion.trajectory(flown.constellation, 0.0, 3 * 86400.0)
+    here = found.design.motion.trajectory(c, 0.0, 3 * 86400.0)
+    r, other = (path.states([0.0, 2.9 * 86400.0])[0] for path in (here, there))
+    assert np.linalg.norm(r - other, axis=-1).max() < 0.1
+
+
 def test_elements_need_a_trim(file, tmp_path):
     run = CliRunner().invoke(
         program, ["drift", str(file), "--days", "0.2", "--elements", str(tmp_path / "x.toml")]
@@ -245,3 +262,85 @@ def test_what_lasts_names_the_figure_it_is_proven_on(file, figure, said):
     centric = np.radians(np.linspace(-89, 89, 1001))
     graphic = np.arctan(np.tan(centric) * own.stretch**2)
     assert f"{np.degrees(np.abs(graphic - centric).max()):.2f}" == "0.34"
+
+
+#: One satellite that hovers over Jezero's meridian, and what is wanted of it.
+HOVER = """
+name = "hover"
+figure = "iau-sphere"
+[constellation]
+pattern = "walker-delta"
+satellites = 1
+planes = 1
+phasing = 0
+inclination_deg = 0
+repeat = [1, 1]
+[coverage]
+fold = 1
+[[station]]
+name = "below"
+latitude_deg = 0
+longitude_deg = {below}
+mask_deg = 0
+[[station]]
+name = "behind"
+latitude_deg = 0
+longitude_deg = {behind}
+mask_deg = 0
+[[requirement]]
+name = "seen"
+sites = ["below"]
+fold = 1
+[[requirement]]
+name = "unseen"
+sites = ["below", "behind"]
+fold = 1
+[[requirement]]
+name = "belt"
+region = "lat:-1:1"
+fold = 1
+[[requirement]]
+name = "often"
+sites = ["below"]
+fold = 1
+share = 0.9
+"""
+
+
+@pytest.fixture(scope="module")
+def wanted(tmp_path_factory):
+    path = tmp_path_factory.mktemp("wanted") / "hover.toml"
+    under = -float(np.degrees(prime_meridian_angle(0.0, 0.0))) % 360
+    path.write_text(HOVER.format(below=under, behind=(under + 180) % 360))
+    return compass.drift(path, days=0.02, region=f"polygon:-2,{under - 2};-2,{under + 2};2,{under}")
+
+
+def test_requirements_are_followed_each_at_its_own_places(wanted):
+    out = wanted.to_dict()
+    seen, unseen, belt, often = out["requirements"]
+    assert (seen["outcome"], seen["place"], seen["days_proven"]) == ("proven", "below", 0.02)
+    # a cap that covers the place below and no more has nearly all of its radius to spare
+    cap = np.degrees(np.arccos(3396.19 / wanted.design.constellation.semi_major_axis[0] * 1e3))
+    assert seen["room_deg"][0] == pytest.approx(cap, abs=0.1)
+    assert seen["slot_box"]["sideways_deg"] == pytest.approx(cap, abs=0.1)
+    assert cap - 3 < out["room_deg"][0] < cap - 1.9
+    assert (unseen["outcome"], unseen["place"]) == ("refuted", "behind")
+    assert unseen["first_loss_days"] < 1e-4
+    # for a whole belt a cap would have to reach round to the antipode
+    assert belt["outcome"] == "refuted"
+    assert belt["room_deg"][0] == pytest.approx(cap - 180, abs=0.1)
+    assert often["days_proven"] is None
+    assert "shares" in often["reason"]
+
+
+def test_what_a_design_requires_decides_and_not_its_fold_everywhere(wanted):
+    assert wanted.lasting.holds
+    assert not wanted.holds
+    said = text(wanted.document())
+    assert "LOST: 4 requirement(s): 1 proven for the whole span, 2 lost, 1 not followed" in said
+    kept = replace(wanted, promises=wanted.promises[:1])
+    assert kept.holds
+    assert "KEPT: 1 requirement(s)" in text(kept.document())
+    unsure = replace(wanted, promises=wanted.promises[3:])
+    assert unsure.holds
+    assert "UNDECIDED: 1 requirement(s)" in text(unsure.document())

@@ -8,14 +8,17 @@ from hypothesis import strategies as st
 from compass.coverage.cap import cap_radius
 from compass.coverage.lasting import margins_at
 from compass.coverage.margin import covering_radius
-from compass.coverage.room import has_slots, room_in_slots, slot_box
+from compass.coverage.region import read_region
+from compass.coverage.room import Slots, has_slots, room_in_slots, slot_box, slots_for
 from compass.errors import ArgumentError
-from compass.orbits.constellation import keplerian
+from compass.frames import prime_meridian_angle
+from compass.orbits import keplerian, walker_delta
 from compass.orbits.motion import Motion
 from tests.coverage.test_lasting import SPHERE, about, few
 
 PATTERN = few()
 COVERING = covering_radius(PATTERN, 1, tolerance=1e-7).radius
+SLOTS = Slots(PATTERN, COVERING)
 SPARE = float(cap_radius(20427.7e3, SPHERE)) - COVERING
 
 
@@ -30,7 +33,7 @@ def moved(raan=0.0, inclination=0.0, along=0.0, axis=0.0):
 
 def room_of(constellation, times=(0.0,)):
     path = Motion().trajectory(constellation, 0.0, max(times) + 1000.0)
-    return path, room_in_slots(PATTERN, path, times, covering=COVERING, sphere_radius=SPHERE)
+    return path, room_in_slots(SLOTS, path, times, sphere_radius=SPHERE)
 
 
 def test_room_at_the_start_is_the_margin_and_common_motion_costs_nothing():
@@ -51,7 +54,7 @@ def test_any_rigid_turn_leaves_it_unchanged():
         for k in range(paths.shape[-1]):
             paths[p, :, :, k] = about(axis, 0.1, paths[p, :, :, k])
     turned = type(path)(path.breaks, paths, path.errors, 0.0, path.satellite_names, "turned")
-    other = room_in_slots(PATTERN, turned, [0.0], covering=COVERING, sphere_radius=SPHERE)
+    other = room_in_slots(SLOTS, turned, [0.0], sphere_radius=SPHERE)
     # the search stops near the optimum: to a hundredth of a degree
     assert other.room == pytest.approx(room.room, abs=2e-4)
 
@@ -97,7 +100,7 @@ def test_the_best_turn_is_near_the_best_that_a_general_optimiser_finds():
 def test_rings_over_the_equator_have_slots_too():
     ring = keplerian(20427.7e3, 0.0, 0.0, 0.0, 0.0, np.arange(3) * 2 * np.pi / 3)
     path = Motion().trajectory(ring, 0.0, 1e5)
-    room = room_in_slots(ring, path, [0.0, 5e4], covering=1.0, sphere_radius=SPHERE)
+    room = room_in_slots(Slots(ring, 1.0), path, [0.0, 5e4], sphere_radius=SPHERE)
     spare = float(cap_radius(20427.7e3, SPHERE)) - 1.0
     assert room.room == pytest.approx(spare, abs=1e-6)
 
@@ -113,4 +116,70 @@ def test_unlike_orbits_have_no_slots():
     assert not has_slots(c)
     assert not has_slots(keplerian(2e7, 0.1, 0.5, 0.0, 0.0, 0.0))
     with pytest.raises(ArgumentError, match="needs circular orbits of one radius"):
-        room_in_slots(c, room_of(PATTERN)[0], [0.0], covering=1.0, sphere_radius=SPHERE)
+        slots_for(c, 1)
+
+
+BAND = read_region("lat:-30:20")
+POLYGON = read_region("polygon:-20,30;15,40;25,75;-10,60")
+CLOSED = walker_delta(5, 5, 1, inclination_deg=43.66, repeat=(1, 1))
+
+
+@pytest.fixture(scope="module")
+def parts():
+    """Slots for a band, and for a polygon under closed tracks, each with its region."""
+    return tuple((slots_for(c, 1, part), part) for c, part in ((PATTERN, BAND), (CLOSED, POLYGON)))
+
+
+@pytest.mark.slow
+def test_a_band_has_its_own_caps_and_a_turn_about_the_pole_costs_nothing():
+    slots = slots_for(PATTERN, 1, BAND)
+    assert slots.covering < COVERING
+    spare = float(cap_radius(20427.7e3, SPHERE)) - slots.covering
+    path = room_of(moved(raan=1.0, along=0.3))[0]
+    room = room_in_slots(slots, path, [0.0], sphere_radius=SPHERE)
+    assert room.room == pytest.approx(spare, abs=1e-6)
+    # tipped as a whole it is the pattern for the globe, not for a band
+    tipped = moved(raan=np.sin(PATTERN.raan) * 0.02)
+    path, globe = room_of(tipped)
+    assert room_in_slots(slots, path, [0.0], sphere_radius=SPHERE).room[0] < spare - 0.005
+    assert globe.room[0] < SPARE
+
+
+@pytest.mark.slow
+@settings(max_examples=15)
+@given(seed=st.integers(0, 10_000), size=st.floats(0.001, 0.2), fixed=st.booleans())
+def test_room_of_a_part_is_never_more_than_its_exact_margin(parts, seed, size, fixed):
+    """For a band in any way it has turned, for a polygon under closed tracks at its own time."""
+    rng = np.random.default_rng(seed)
+    common = rng.uniform(-0.5, 0.5)
+    c = moved(*(size * rng.uniform(-1, 1, (3, 5)) + [[common], [0], [-common * fixed]]))
+    slots, region = parts[fixed]
+    path = Motion().trajectory(c, 0.0, 1e5)
+    times = [0.0, 7e4]
+    room = room_in_slots(slots, path, times, sphere_radius=SPHERE).room
+    exact = margins_at(path, 1, times, sphere_radius=SPHERE, region=region)
+    assert np.all(room <= exact + 2e-5)
+
+
+def test_a_satellite_that_hovers_elsewhere_leaves_a_place_no_room():
+    """With phase or turn free it would seem to have all."""
+    hover = keplerian(20427.7e3, 0.0, 0.0, 0.0, 0.0, 0.0, repeat=(1, 1))
+    under = -np.degrees(prime_meridian_angle(0.0, 0.0))
+    corners = [(-5, -5), (-5, 5), (5, 5), (5, -5)]
+    below = read_region("polygon:" + ";".join(f"{la},{lo + under}" for la, lo in corners))
+    slots = slots_for(hover, 1, below)
+    away = keplerian(20427.7e3, 0.0, 0.0, np.radians(80.0), 0.0, 0.0)
+    here, there = (
+        room_in_slots(slots, Motion().trajectory(c, 0.0, 1e5), [0.0], sphere_radius=SPHERE).room[0]
+        for c in (hover, away)
+    )
+    assert here > 1.0
+    assert here - there == pytest.approx(np.radians(80.0), abs=slots.closure + 1e-9)
+    assert there < 0.0
+
+
+@pytest.mark.slow
+def test_without_closed_tracks_a_place_has_what_its_latitudes_have(parts):
+    slots = slots_for(PATTERN, 1, POLYGON)
+    assert not slots.region.mars_fixed
+    assert slots.covering >= parts[1][0].covering

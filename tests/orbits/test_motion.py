@@ -207,3 +207,14 @@ def test_the_radius_in_kilometres_and_degrees(inclination_deg):
     assert node + periapsis + anomaly == pytest.approx(MARS_ROTATION_RATE.value, rel=1e-12)
     with pytest.raises(ArgumentError, match="inclination_deg = 181"):
         compass.areosynchronous_radius_km(inclination_deg=181.0)
+
+
+@pytest.mark.parametrize("model", ["two-body", "j2"])
+def test_ellipses_over_a_mars_year_take_no_more_stretches_a_turn_than_over_a_day(model):
+    """A phase of hundreds of turns is rounded; no shorter stretch makes it any better."""
+    c = keplerian(20427.7e3, 0.05, 0.8, 0.0, 0.0, [0.0, 1.0])
+    day, year = (Motion(model).trajectory(c, 0.0, days * 86400.0) for days in (1, 687))
+    assert len(year.breaks) - 1 <= 2 * 687 * (len(day.breaks) - 1)
+    times = np.array([600.5, 687.0]) * 86400.0
+    off = np.abs(year.states(times)[0] - states_mci(c, times, model)[0])
+    assert off.max() < year.errors.max()

@@ -51,3 +51,20 @@ def opened(browser):
         return browser
 
     return check
+
+
+@pytest.fixture
+def faults():
+    """What axe finds on the page that a browser shows, in a line each."""
+    from axe_selenium_python import Axe
+
+    def found(browser):
+        axe = Axe(browser)
+        axe.inject()
+        return [
+            f"{v['id']}: {node['html'][:70]}"
+            for v in axe.run()["violations"]
+            for node in v["nodes"]
+        ]  # fmt: skip
+
+    return found

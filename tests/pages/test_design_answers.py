@@ -14,6 +14,7 @@ from compass.pages.answers import (
     answer_section,
     latitude_words,
     losses,
+    moment_words,
     what_to_do,
 )
 from compass.pages.found import Found
@@ -70,6 +71,7 @@ def test_what_is_met_is_said_with_its_margin_and_how_sure(met):
     assert "for all time" in coverage.sure
     assert rows["The mask may rise to"].written.startswith("11.")
     assert rows["After any one loss, in view at least"].written == "0"
+    assert rows["What flies"].written == "5 satellites in 5 planes: delta 43.7°: 5/5/1, 20428 km"
     assert rows["After any one loss, in view at least"].sure == (
         "proven, for all time, two-body motion, IAU 2015 sphere"
     )
@@ -106,6 +108,7 @@ def test_no_loss_changes_a_refusal():
 
 def test_latitudes_are_north_or_south():
     assert (latitude_words(-41.83), latitude_words(0.0)) == ("41.8° S", "0° N")
+    assert [moment_words(s) for s in (7200.0, 252.0, 3.0)] == ["2 h", "4.2 min", "3 s"]
 
 
 FIVE = """

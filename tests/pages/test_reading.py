@@ -3,14 +3,18 @@
 import base64
 import re
 
+import numpy as np
 import pytest
 
+from compass.coverage.grid import equal_angle_grid
 from compass.document import Answer, Answers, Details, Section, Table, Value
 from compass.document.blocks import Interactive, Picture, arranged
 from compass.inputs import read_design_text
 from compass.pages.globe.piece import globe
 from compass.pages.globe.still import still_picture
 from compass.pages.page import render, write_page
+from compass.pictures.maps import map_figure
+from compass.pictures.style import new_figure, picture
 from compass.quantities import quantity
 
 pytestmark = pytest.mark.browser
@@ -40,7 +44,7 @@ def page(seed_design, tmp_path_factory):
             Answer("<i>Left</i>", "31 days"),
         ),
     )
-    pictures = tuple(Picture(name, "A dot", "A caption.", DOT) for name in ("dot", "other"))
+    pictures = (Picture("dot", "A dot", "A caption.", DOT), curve(), chart())
     sections = [
         Section("The answer", (answers, globe(design, still_picture(design, 15.0)))),
         arranged("Coverage", ("Words. " * 40,), pictures, (WIDE, LONG)),
@@ -48,6 +52,24 @@ def page(seed_design, tmp_path_factory):
     ]
     made = render(design.name, design.source, sections, [("SHA-256", "a" * 64)], design.text)
     return write_page(tmp_path_factory.mktemp("page"), made, [])
+
+
+def curve():
+    """A curve on logarithmic axes and a point beside it."""
+    figure = new_figure(5.6, 3.5)
+    axes = figure.add_subplot()
+    axes.plot([1.0, 10.0, 100.0], [2.0, 3.0, 4.0], label="rising")
+    axes.set(xscale="log", xlim=(1, 100), ylim=(0, 5), xlabel="days", ylabel="deg")
+    return picture(figure, "curve", "A curve", "Values.", alt="A curve.")
+
+
+def chart():
+    """A map whose value is the longitude of the cell."""
+    grid = equal_angle_grid(np.radians(10.0))
+    east = np.degrees(grid.longitude_edges[:-1] + grid.longitude_edges[1:]) / 2
+    values = np.repeat(east[np.newaxis], 18, axis=0)
+    figure = map_figure(values, grid, "East", "east", figure_name="iau-sphere", scale="linear")
+    return picture(figure, "chart", "East", "Values.", alt="A map.")
 
 
 def sized(browser, width, dark=False):
@@ -60,22 +82,9 @@ def sized(browser, width, dark=False):
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [scheme]})
 
 
-def faults(browser):
-    """What axe finds, in a line each."""
-    from axe_selenium_python import Axe
-
-    axe = Axe(browser)
-    axe.inject()
-    return [
-        f"{v['id']}: {node['html'][:70]}"
-        for v in axe.run()["violations"]
-        for node in v["nodes"]
-    ]  # fmt: skip
-
-
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
 @pytest.mark.parametrize("width", [1440, 390])
-def test_everybody_can_read_it(browser, page, width, dark):
+def test_everybody_can_read_it(browser, page, faults, width, dark):
     sized(browser, width, dark)
     browser.get(page.as_uri())
     browser.execute_script("document.querySelectorAll('details').forEach(d => d.open = true)")
@@ -130,3 +139,52 @@ def test_on_paper_all_is_open_but_the_provenance_and_no_row_is_cut(browser, page
     assert cut == 0
     paper = base64.b64decode(browser.execute_cdp_cmd("Page.printToPDF", {})["data"])
     assert paper.startswith(b"%PDF") and len(re.findall(rb"/Type\s*/Page\b", paper)) <= 8
+
+
+def pointed(browser, stem, x, y):
+    """What a picture says where the pointer is, in fractions of it from the upper left."""
+    return browser.execute_async_script(
+        """
+        const [stem, x, y, done] = arguments, root = document.querySelector(`#${stem} .reading`);
+        root.reading.ready.then(() => {
+          const box = root.querySelector("img").getBoundingClientRect();
+          root.dispatchEvent(new PointerEvent("pointermove",
+            {clientX: box.left + x * box.width, clientY: box.top + y * box.height}));
+          const tip = root.querySelector(".tip");
+          done(getComputedStyle(tip).display === "none" ? "" : tip.innerText);
+        });
+        """,
+        stem, x, y,
+    )  # fmt: skip
+
+
+def test_pictures_say_the_value_under_the_pointer_and_by_the_keys(browser, page):
+    sized(browser, 1440)
+    browser.get(page.as_uri())
+    (panel,) = browser.execute_script(
+        "return document.querySelector('#chart .reading').reading.panels"
+    )
+    left, top, right, bottom = panel["box"]
+    # on the equator of a Mollweide map longitude is even; towards the poles parallels shrink
+    told = pointed(
+        browser, "chart", left + (right - left) * (0.5 + 95 / 360), (top + bottom) / 2.02
+    )
+    assert told.splitlines() == ["5.0° N, 95.0° E", "east: 95"]
+    theta = np.deg2rad(25.0)
+    latitude = np.degrees(np.arcsin((2 * theta + np.sin(2 * theta)) / np.pi))
+    x = left + (right - left) * (0.5 - 120 / 360 * np.cos(theta))
+    told = pointed(browser, "chart", x, (top + bottom) / 2 - (bottom - top) / 2 * np.sin(theta))
+    assert abs(latitude - 35.0) < 5.0 and told.startswith("35.0° N, 1")
+    assert abs(float(told.split(": ")[1]) + 120.0) <= 5.01
+    assert pointed(browser, "chart", 0.01, 0.01) == ""  # beside the map
+    (axes,) = browser.execute_script(
+        "return document.querySelector('#curve .reading').reading.panels"
+    )
+    left, top, right, bottom = axes["box"]
+    told = pointed(browser, "curve", (left + right) / 2, top + 0.1 * (bottom - top))
+    assert told.splitlines() == ["days: 10", "deg", "rising: 3"]
+    root = browser.find_element("css selector", "#curve .reading")
+    root.send_keys("\ue00c")  # escape
+    assert root.find_element("css selector", ".tip").text == ""
+    root.send_keys("\ue014")
+    assert root.find_element("css selector", ".tip").text.splitlines()[-1] == "rising: 3"

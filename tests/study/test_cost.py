@@ -6,7 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compass.bodies import MARS_GM
+from compass.design import Launching
 from compass.inputs.study_models import CostTable
+from compass.orbits.deployment import WEIGHED, deploy_by_drift
 from compass.study.candidates import ROW, make_constellation
 from compass.study.cost import cost_figures, hohmann, node_change
 
@@ -72,3 +74,31 @@ def test_sums_over_satellites_one_by_one():
         assert found["delta_v_total_m_s"][k] == pytest.approx((each + transfer).sum())
         assert found["delta_v_planes_m_s"][k] == pytest.approx(each.max())
     assert found["satellites"].tolist() == [12, 12, 5, 6, 3]
+
+
+@pytest.mark.parametrize(
+    ("kind", "launching"),
+    [
+        ((0, 15, 5, 1), Launching()),
+        ((0, 15, 5, 1), Launching(satellites_a_launch=7, longest_wait=1e9)),
+        ((0, 12, 3, 1), Launching(satellites_a_launch=1)),
+        ((1, 12, 6, 1), Launching(waiting=(2e6, 3e7), longest_wait=4e7)),
+        ((0, 12, 12, 1), Launching(longest_wait=1e5)),
+    ],
+)
+def test_waiting_for_planes_costs_what_deploying_one_design_does(kind, launching):
+    """`deploy_by_drift` goes through planes one by one."""
+    rows = np.array([(*kind, i, 20427.7, 0.0) for i in (45.0, 63.0, 130.0)], ROW)
+    found = cost_figures(rows, CostTable.model_validate({}), R, launching)
+    for k, row in enumerate(rows):
+        c = make_constellation(row)
+        waiting = R + np.linspace(*launching.waiting, WEIGHED)
+        each = launching.satellites_a_launch or c.size
+        known = deploy_by_drift(c, R + launching.launched, waiting, each)
+        best = known.cheapest(launching.longest_wait)
+        if best is None:
+            assert np.isnan(found["delta_v_deploy_m_s"][k])
+            assert np.isnan(found["wait_days"][k])
+        else:
+            assert found["delta_v_deploy_m_s"][k] == pytest.approx(known.delta_v[best], rel=1e-12)
+            assert found["wait_days"][k] * 86400 == pytest.approx(known.waits[best], rel=1e-9)

@@ -1,5 +1,7 @@
 """What studies say of real orbits: the quick law of keeping, and days that are proven."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,8 +10,11 @@ from compass.bodies import MARS_ROTATION_RATE
 from compass.core.gravity import field_acceleration
 from compass.core.resonance import push_on_patterns
 from compass.design import Design
+from compass.errors import DesignError
 from compass.inputs.study import read_study, read_study_text
+from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import built_in_field
+from compass.orbits.motion import Motion
 from compass.orbits.period import secular_rates
 from compass.orbits.resonance import slow_pushes
 from compass.study.candidates import ROW, make_constellation
@@ -127,6 +132,27 @@ def test_a_study_names_what_it_is_put_through():
     assert "days_proven" not in screened.figures
 
 
+def test_a_study_says_how_its_candidates_move_and_how_they_come_there():
+    plain = read_study_text(STUDY.format(days=1))
+    assert plain.motion == Motion("numerical")
+    told = read_study_text(
+        STUDY.format(days=1) + '[motion]\nmodel = "numerical"\nsun = false\ngravity_degree = 4\n'
+        "[deployment]\nlongest_wait_days = 30\n"
+    )
+    assert told.motion == Motion("numerical", ForceModel(FIELD.truncated(4), sun=False))
+    assert told.launching.longest_wait == 30 * 86400.0
+    assert told.digest != plain.digest
+    with pytest.raises(DesignError, match='sun = false: counts with model = "numerical" only'):
+        read_study_text(STUDY.format(days=1) + "[motion]\nsun = false\n")
+
+
+def test_the_law_follows_the_field_of_the_study():
+    """Of a field of zonals alone nothing keeps pace with Mars."""
+    zonal = replace(FIELD, c=np.where(np.arange(9) == 0, FIELD.c, 0.0), s=0.0 * FIELD.s)
+    motion = Motion("numerical", ForceModel(zonal))
+    assert keeping_law(rows(SYNCHRONOUS), np.radians([6.18]), motion)[0] == 0.0
+
+
 @pytest.mark.slow
 def test_resonant_candidates_do_not_last(tmp_path):
     """A mask that leaves a degree of margin: in resonance it goes, 400 km lower it does not."""
@@ -136,6 +162,9 @@ def test_resonant_candidates_do_not_last(tmp_path):
     days = orbits_figures(study, candidates)["days_proven"]
     assert days[0] == 60.0
     assert 1.0 < days[1] < 60.0
+    # without the field's longitudes nothing pushes along the track
+    smooth = read_study_text(study.text + '[motion]\nmodel = "j2"\n')
+    assert orbits_figures(smooth, candidates)["days_proven"].tolist() == [60.0, 60.0]
     path = tmp_path / "s.toml"
     mask = float(candidates["mask_deg"].min())
     path.write_text(study.text.replace("fold = 1", f"fold = 1\nmask_deg = {mask}"))

@@ -1,0 +1,73 @@
+"""The claims on spherical parts of the ground that stand for a requirement's places."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from compass.coverage.fold_verdict import users_of
+from compass.coverage.region import GLOBE, Region, convex_polygon, read_regions
+from compass.design import Design, Requirement
+from compass.sites import Site
+
+#: Half a side of the square that stands for a site, radians: 60 m.
+SQUARE = 2e-5
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A part of a sphere over which satellites are to stand above a mask.
+
+    Attributes
+    ----------
+    name
+        What to call it.
+    radius
+        Of the sphere, m.
+    lowest, highest
+        Elevations between which the mask lies, radians: what holds over the highest holds, what
+        fails over the lowest fails.
+    region
+        The part.
+    """
+
+    name: str
+    radius: float
+    lowest: float
+    highest: float
+    region: Region = GLOBE
+
+
+def claims_of(design: Design, requirement: Requirement) -> tuple[Claim, ...]:
+    """Claims that stand for the places of a requirement; of regions on a sphere.
+
+    A site stands for the points of a small square about it, on the sphere through it: its up leans
+    from the radius by a known angle, which the mask is raised by to prove and lowered by to refute.
+    A mask that depends on azimuth proves with its highest all around and refutes with its lowest.
+    """
+    mask = requirement.mask
+    low, high = (design.mask.lowest, design.mask.highest) if mask is None else (mask, mask)
+    radius = design.figure.equatorial_radius + requirement.altitude
+    regions = requirement.regions or (() if requirement.sites else ("globe",))
+    claims = [
+        Claim(text, radius, low, high, region) for text in regions for region in read_regions(text)
+    ]
+    users = users_of(design, requirement)
+    for site, each in zip(requirement.sites, users, strict=False):
+        lean = abs(each.south - site.latitude) + 2 * SQUARE
+        low, high = each.mask.lowest - lean, each.mask.highest + lean
+        distance = float(np.linalg.norm(site.r_mcmf))
+        claims.append(Claim(site.name, distance, low, high, square(site)))
+    return tuple(claims)
+
+
+def square(site: Site) -> Region:
+    """A convex polygon of some hundred metres about a site."""
+    east, north, _ = site.enu_mcmf
+    middle = site.r_mcmf / np.linalg.norm(site.r_mcmf)
+    corners = [middle + SQUARE * (x * east + y * north) for x, y in _CORNERS]
+    r = np.array(corners)
+    latitudes = np.arctan2(r[:, 2], np.hypot(r[:, 0], r[:, 1]))
+    return convex_polygon(latitudes, np.arctan2(r[:, 1], r[:, 0]))
+
+
+_CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))

@@ -1,0 +1,113 @@
+"""The page of a source paper: whether it is reproduced, what it has wrong, then every number."""
+
+from collections.abc import Sequence
+
+from compass import __version__
+from compass.api.reproduce import ReproduceResult, comparison_table
+from compass.document import Answer, Answers, Section, Sentence
+from compass.document.blocks import Block, Picture
+from compass.pages.page import render
+from compass.papers.verdict import Row, Verdict
+
+#: What each verdict means, in the order of what a reader asks, and the words for its table.
+MEANINGS = {
+    Verdict.REPRODUCED: ("Reproduced", "within the tolerance printed beside each"),
+    Verdict.ERRATUM: ("The paper is wrong, and shown to be", "by numbers computed here"),
+    Verdict.DIFFERS: ("Differ, the paper not shown to be wrong", "beyond that tolerance"),
+    Verdict.FITTED: ("Agree because a parameter was chosen so", "no test of the paper"),
+    Verdict.COMPUTED: ("Computed here, nothing published", "nothing to compare with"),
+}
+
+
+def paper_report(found: ReproduceResult, command: str = "") -> tuple[str, list[Section]]:
+    """Make the page (HTML text) and the sections of a paper's report.
+
+    Parameters
+    ----------
+    found
+        The paper's numbers beside the computed ones.
+    command
+        The command line, for provenance.
+    """
+    sections = paper_sections(found)
+    told = f"Every number of the paper that can be computed, {len(found.rows)} in all."
+    rows = [
+        ("command", command or "made from Python"),
+        ("version", f"compass {__version__}"),
+        ("paper", found.paper),
+    ]
+    listed = "\n".join(f"{row.where}: {row.item}" for row in found.rows)
+    return render(found.title, told, sections, rows, listed), sections
+
+
+def paper_sections(found: ReproduceResult) -> list[Section]:
+    """The answer with the figure that carries it, errors, differences, then all by verdict."""
+    figures = found.pictures()
+    sections = [_answer(found, figures[:1])]
+    if found.differs:
+        sections.append(Section("What differs", tuple(Sentence(_told(r)) for r in found.differs)))
+    if wrong := _of(found, Verdict.ERRATUM):
+        sections.append(Section("What the paper has wrong", tuple(map(Sentence, _errors(wrong)))))
+    if figures[1:]:
+        sections.append(Section("Figures of the paper, computed", figures[1:]))
+    tables: list[Block] = [
+        comparison_table(f"{title} ({len(rows)})", rows)
+        for kind, (title, _) in MEANINGS.items()
+        if (rows := _of(found, kind))
+    ]
+    sections.append(Section("Every number", tuple(tables)))
+    return sections
+
+
+def _answer(found: ReproduceResult, carrying: tuple[Picture, ...]) -> Section:
+    """Whether the paper can be believed, in one sentence and a table of counts."""
+    counts, wrong = found.counts, len(_of(found, Verdict.ERRATUM))
+    asked = len(found.rows) - counts[Verdict.COMPUTED]
+    agree = counts[Verdict.REPRODUCED] + counts[Verdict.FITTED]
+    lead = f"{agree} of {asked} published numbers and statements are reproduced"
+    lead += f"; {wrong} {'is' if wrong == 1 else 'are'} shown to be wrong" if wrong else ""
+    left = len(found.differs)
+    lead += (
+        "; none differs without that."
+        if not left
+        else f"; {left} differ{'s' if left == 1 else ''}, and the paper is not shown to be wrong."
+    )
+    rows = [
+        Answer(title, _share(kind, counts[kind], asked), _mark(kind, counts[kind]), how)
+        for kind, (title, how) in MEANINGS.items()
+        if counts[kind] or kind is Verdict.DIFFERS
+    ]
+    table = Answers("Published and computed", tuple(rows))
+    return Section("The answer", (Sentence(lead), table, *carrying))
+
+
+def _share(kind: Verdict, count: int, asked: int) -> str:
+    """How many of what is published; of what is not, how many."""
+    return f"{count}" if kind is Verdict.COMPUTED else f"{count} of {asked}"
+
+
+def _mark(kind: Verdict, count: int) -> bool | None:
+    """Whether a count is good or bad; neither for what only informs."""
+    return count == 0 if kind is Verdict.DIFFERS else None
+
+
+def _of(found: ReproduceResult, kind: Verdict) -> tuple[Row, ...]:
+    return tuple(row for row in found.rows if row.verdict is kind)
+
+
+def _errors(wrong: Sequence[Row]) -> list[str]:
+    """Each error of the paper once, with every number that it spoils."""
+    spoilt: dict[str, list[str]] = {}
+    for row in wrong:
+        assert row.erratum is not None
+        spoilt.setdefault(row.erratum.reason, []).append(f"{row.item} ({row.where})")
+    return [f"{reason[0].upper()}{reason[1:]}: {'; '.join(r)}." for reason, r in spoilt.items()]
+
+
+def _told(row: Row) -> str:
+    """What a row says, what is found instead and why, in one sentence."""
+    unit = "" if row.unit in ("", "1") else f" {row.unit}"
+    made = row.computed if isinstance(row.computed, str) else f"{row.computed:.6g}"
+    return f"{row.where}, {row.item}: {row.published}{unit} published, {made}{unit} computed. " + (
+        f"{row.reason[0].upper()}{row.reason[1:]}" + "." * (not row.reason.endswith("."))
+    )

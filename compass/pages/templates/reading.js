@@ -1,0 +1,134 @@
+// Pictures that answer: point at a map or a curve, or go there by the arrow keys, and read the
+// values that are kept beside the drawing. No library and no network.
+"use strict";
+(() => {
+const say = v => Number.isNaN(v) ? "no value" : !Number.isFinite(v) ? "∞"
+  : v === 0 ? "0" : Number(v.toPrecision(Math.abs(v) < 1000 ? 3 : 4)).toLocaleString("en", {maximumSignificantDigits: 6});
+const half = bits => {  // half-precision float
+  const sign = bits & 0x8000 ? -1 : 1, power = bits >> 10 & 31, rest = bits & 1023;
+  if (power === 31) return rest ? NaN : sign * Infinity;
+  return sign * (power ? 2 ** (power - 15) * (1 + rest / 1024) : rest * 2 ** -24);
+};
+const degrees = (v, positive, negative) =>
+  `${Math.abs(v).toFixed(1)}° ${v < 0 ? negative : positive}`;
+const nearest = (list, v) => {
+  let best = 0;
+  list.forEach((w, k) => { if (Math.abs(w - v) < Math.abs(list[best] - v)) best = k; });
+  return best;
+};
+
+async function unpack(panel) {
+  const bytes = Uint8Array.from(atob(panel.values), c => c.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const words = new Uint16Array(await new Response(stream).arrayBuffer());
+  panel.cells = Array.from(words, bits => half(bits) * panel.scale);
+}
+
+// Place and value under a point of a Mollweide map; null outside its rim.
+function onMap(panel, x, y) {
+  const [left, top, right, bottom] = panel.box;
+  const u = 2 * (x - left) / (right - left) - 1, w = 1 - 2 * (y - top) / (bottom - top);
+  if (Math.abs(w) > 1 || !panel.cells) return null;
+  const t = Math.asin(w), c = Math.cos(t);
+  const lat = Math.asin((2 * t + Math.sin(2 * t)) / Math.PI) * 180 / Math.PI;
+  const lon = c < 1e-9 ? 0 : 180 * u / c;
+  if (Math.abs(lon) > 180) return null;
+  const row = nearest(panel.lat, lat), column = nearest(panel.lon, lon);
+  const value = panel.cells[row * panel.lon.length + column];
+  return {x, y, lines: [
+    `${degrees(panel.lat[row], "N", "S")}, ${degrees(panel.lon[column], "E", "W")}`,
+    `${panel.label}: ${say(value)}`]};
+}
+
+const along = ([low, high, log], v) =>
+  log ? Math.log(v / low) / Math.log(high / low) : (v - low) / (high - low);
+const rising = list => list.every((v, k) => !k || v >= list[k - 1]) && list.length > 1;
+
+// Values of the curves at a point: of those that run along the axis all, else the nearest point.
+function onCurves(panel, x, y) {
+  const [left, top, right, bottom] = panel.box;
+  if (x < left || x > right || y < top || y > bottom) return null;
+  const place = (line, k) => [left + along(panel.x, line.x[k]) * (right - left),
+                              bottom - along(panel.y, line.y[k]) * (bottom - top)];
+  const found = [];
+  let closest = null;
+  for (const line of panel.lines) {
+    let at = -1, short = Infinity;
+    const run = rising(line.x);
+    line.x.forEach((_, k) => {
+      const [px, py] = place(line, k), away = run ? Math.abs(px - x) : Math.hypot(px - x, py - y);
+      if (away < short) { short = away; at = k; }
+    });
+    const one = {line, at, short, place: place(line, at)};
+    if (run) { if (short < (right - left) / 20) found.push(one); }
+    else if (short < .03 && (!closest || short < closest.short)) closest = one;
+  }
+  if (closest) found.unshift(closest);
+  if (!found.length) return null;
+  const head = found[0].line.x[found[0].at];
+  const told = found.slice(0, 8).map(f =>
+    `${f.line.name || panel.y[3] || panel.title || "value"}: ${say(f.line.y[f.at])}`);
+  if (found.some(f => f.line.name) && panel.y[3]) told.unshift(panel.y[3]);
+  return {x: found[0].place[0], y: found[0].place[1],
+          lines: [`${panel.x[3] || "across"}: ${say(head)}`, ...told]};
+}
+
+class Reading {
+  constructor(root) {
+    this.root = root;
+    this.panels = JSON.parse(root.querySelector("script").textContent);
+    this.tip = root.appendChild(document.createElement("div"));
+    this.tip.className = "tip";
+    this.tip.setAttribute("aria-live", "polite");
+    this.dot = root.appendChild(document.createElement("span"));
+    root.tabIndex = 0;
+    root.setAttribute("role", "application");
+    root.setAttribute("aria-label", `${root.querySelector("img").alt} ` +
+      "Point at it, or go through it by the arrow keys, to read values.");
+    const [l, t, r, b] = this.panels[0].box;
+    this.at = [(l + r) / 2, (t + b) / 2];
+    this.ready = Promise.all(this.panels.filter(p => p.values).map(unpack));
+    root.addEventListener("pointermove", e => this.point(e));
+    root.addEventListener("pointerdown", e => this.point(e));
+    root.addEventListener("pointerleave", () => this.hide());
+    root.addEventListener("blur", () => this.hide());
+    root.addEventListener("keydown", e => this.key(e));
+  }
+  point(e) {
+    const box = this.root.querySelector("img").getBoundingClientRect();
+    this.show((e.clientX - box.left) / box.width, (e.clientY - box.top) / box.height);
+  }
+  key(e) {
+    const step = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[e.key];
+    if (e.key === "Escape") this.hide();
+    if (!step) return;
+    e.preventDefault();
+    const by = e.shiftKey ? .05 : .01;
+    this.show(...this.at.map((v, k) => Math.min(Math.max(v + by * step[k], 0), 1)));
+  }
+  show(x, y) {
+    this.at = [x, y];
+    let found = null;
+    for (const panel of this.panels) found = found || (panel.lines ? onCurves : onMap)(panel, x, y);
+    if (!found) return this.hide();
+    this.tip.replaceChildren(...found.lines.map(text => {
+      const line = document.createElement("div");
+      line.textContent = text;
+      return line;
+    }));
+    const {width, height} = this.root.querySelector("img").getBoundingClientRect();
+    this.tip.style.display = this.dot.style.display = "block";
+    const wide = this.tip.offsetWidth, high = this.tip.offsetHeight;
+    const left = found.x * width + 12 + wide > width ? found.x * width - 12 - wide : found.x * width + 12;
+    this.tip.style.left = `${Math.max(left, 0)}px`;
+    this.tip.style.top = `${Math.max(Math.min(found.y * height - high - 8, height - high), 0)}px`;
+    this.dot.style.left = `${100 * found.x}%`;
+    this.dot.style.top = `${found.y * height}px`;
+  }
+  hide() { this.tip.style.display = this.dot.style.display = "none"; }
+}
+
+addEventListener("DOMContentLoaded", () => {
+  for (const root of document.querySelectorAll(".reading")) root.reading = new Reading(root);
+});
+})();

@@ -1,0 +1,77 @@
+"""What a picture says in numbers is what it was drawn from, where it was drawn."""
+
+import base64
+import json
+import zlib
+
+import numpy as np
+import pytest
+
+from compass.coverage.grid import equal_angle_grid
+from compass.pictures.maps import map_figure
+from compass.pictures.reading import POINTS
+from compass.pictures.style import new_figure, picture
+
+STEP = 10.0
+
+
+def panels(figure):
+    return json.loads(picture(figure, "x", "x", "x").reading)
+
+
+def unpacked(panel):
+    words = np.frombuffer(zlib.decompress(base64.b64decode(panel["values"])), "<f2")
+    return words.astype(float).reshape(len(panel["lat"]), len(panel["lon"])) * panel["scale"]
+
+
+def test_a_map_says_the_value_of_each_cell_that_it_keeps():
+    grid = equal_angle_grid(np.radians(STEP))
+    values = 3e6 * (1.0 + np.arange(18 * 36).reshape(18, 36))
+    values[2, 3] = np.inf
+    (panel,) = panels(map_figure(values, grid, "A map", "GDOP", figure_name="iau-sphere"))
+    assert panel["label"] == "GDOP" and panel["title"] == "A map"
+    lat, lon = np.degrees(grid.latitude_edges), np.degrees(grid.longitude_edges)
+    np.testing.assert_allclose(panel["lat"], (lat[1:] + lat[:-1]) / 2)
+    np.testing.assert_allclose(panel["lon"], (lon[1:] + lon[:-1]) / 2)
+    np.testing.assert_allclose(unpacked(panel), values, rtol=1e-3)  # half a part in 2^11, inf kept
+    left, top, right, bottom = panel["box"]
+    assert 0 < left < right < 1 and 0 < top < bottom < 1
+    width, height = (right - left) * 5.5, (bottom - top) * 3.7
+    assert width / height == pytest.approx(2.0, rel=1e-3)  # Mollweide's rim
+
+
+def test_a_fine_map_is_thinned_and_keeps_its_own_cells():
+    grid = equal_angle_grid(np.radians(1.0))
+    lat = np.degrees(grid.latitude_edges[:-1] + grid.latitude_edges[1:]) / 2
+    values = np.repeat(np.abs(lat)[:, np.newaxis] + 1.0, 360, axis=1)
+    (panel,) = panels(map_figure(values, grid, "", "x", figure_name="iau-sphere"))
+    assert len(panel["lat"]) == 90 and len(panel["lon"]) == 180
+    np.testing.assert_allclose(unpacked(panel)[:, 7], np.abs(panel["lat"]) + 1.0, rtol=1e-3)
+
+
+def test_curves_say_their_points_and_marks_say_nothing():
+    figure = new_figure()
+    axes = figure.add_subplot()
+    x = np.linspace(0.0, 10.0, 1001)
+    axes.plot(x, np.where(x < 5, x**2, np.nan), label="</script>")
+    axes.axhline(3.0)
+    axes.set(xlim=(0, 10), ylim=(1, 100), yscale="log", xlabel="time, h", ylabel="km")
+    (panel,) = panels(figure)
+    assert "<" not in picture(figure, "x", "x", "x").reading
+    assert panel["x"] == [0, 10, False, "time, h"] and panel["y"] == [1, 100, True, "km"]
+    (line,) = panel["lines"]
+    assert line["name"] == "</script>" and len(line["x"]) == POINTS
+    np.testing.assert_allclose(np.square(line["x"]), line["y"], rtol=1e-4)
+
+
+def test_a_picture_without_values_says_nothing():
+    figure = new_figure()
+    axes = figure.add_subplot()
+    axes.bar([1, 2], [3, 4])
+    axes.axvline(1.0)
+    figure.add_subplot().set_axis_off()
+    assert picture(figure, "x", "x", "x").reading == ""
+    with_words = new_figure()
+    with_words.add_subplot().plot([1, 2], [3, 4])
+    with_words.axes[0].set_xscale("symlog")
+    assert picture(with_words, "x", "x", "x").reading == ""
