@@ -94,6 +94,7 @@ def fold(
             losses=losses,
             progress=lambda sets: bar(progress, "losses", sets),
             begin=begin,
+            watch=lambda parts: bar(progress, "revolutions", parts, leave=False, delay=1.0),
         )
     region_name = found.certificate.region.name
     sites: tuple[tuple[Site, Clearance], ...] = ()
@@ -144,9 +145,11 @@ def _over_days(
         path,
         wanted,
         sphere_radius=design.figure.equatorial_radius,
+        stretch=design.figure.stretch,
         mask=mask.highest,
         region=GLOBE if region is None else read_region(region),
         start=start,
         stop=stop,
+        progress=lambda days: bar(progress, "fold: days", days, leave=False),
     )
     return LastingResult(design, degrees(mask.highest), motion.title, found)
