@@ -25,6 +25,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.reproduce import reproduce
     from compass.api.schema import schema
     from compass.api.search import search
+    from compass.api.series import series
     from compass.api.show import show
     from compass.api.trade import trade
     from compass.api.version import version
@@ -83,6 +84,7 @@ __all__ = [
     "rosette",
     "schema",
     "search",
+    "series",
     "show",
     "trade",
     "version",
@@ -111,6 +113,7 @@ _COMMANDS = (
     "reproduce",
     "schema",
     "search",
+    "series",
     "show",
     "trade",
     "version",

@@ -1,9 +1,11 @@
 """What is imported when: a fresh process lists it, so that a new heavy import is noticed."""
 
+import ast
 import json
 import pkgutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -93,6 +95,17 @@ def test_every_public_name_is_there_and_listed():
     assert set(dir(compass)) == set(compass.__all__)
     with pytest.raises(AttributeError, match="no attribute 'fly'"):
         compass.fly  # noqa: B018
+
+
+def test_packages_list_what_they_offer():
+    for file in sorted(Path(compass.__path__[0]).rglob("__init__.py")):
+        tree = ast.parse(file.read_text())
+        names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)} | {
+            alias.asname or alias.name
+            for node in tree.body if isinstance(node, ast.ImportFrom)
+            for alias in node.names
+        }  # fmt: skip
+        assert not names or "__all__" in names, file
 
 
 def test_type_checkers_see_every_public_name(tmp_path):

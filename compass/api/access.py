@@ -82,7 +82,7 @@ def access(
         read.access.atmosphere_height,
     )
     duration = read.access_duration if duration_sols is None else duration_sols * SOLAR_DAY.value
-    sites = (*read.stations, *(_site(station, read) for station in stations))
+    sites = (*read.stations, *(site_of_text(station, read) for station in stations))
     asked = replace(read, stations=sites, access=wanted, access_duration=duration)
     if not 0 <= start_day < np.inf:
         raise ArgumentError(f"start_day = {start_day:g}: must be 0 or more days")
@@ -105,7 +105,7 @@ def access(
     return AccessResult(asked, found, record, pairs)
 
 
-def _site(station: Site | str, design: Design) -> Site:
+def site_of_text(station: Site | str, design: Design) -> Site:
     """Return a site, read from ``NAME=LAT,LON[,MASK]`` in degrees if it is a text."""
     if isinstance(station, Site):
         return station

@@ -165,18 +165,18 @@ class AccessResult(Result):
         return drawn
 
 
-def check_suffix(path: Path) -> Path:
-    """Return a path whose ending says in which form to write windows.
+def check_suffix(path: Path, among: Sequence[str] = SUFFIXES) -> Path:
+    """Return a path whose ending says in which form to write.
 
     Raises
     ------
     OutputError
-        It says none of `SUFFIXES`.
+        It says none of those.
     """
-    if path.suffix not in SUFFIXES:
+    if path.suffix not in among:
         raise OutputError(
             f"{path}: unknown kind {path.suffix or 'of file'!r}; "
-            f"the name must end in {', '.join(SUFFIXES)}"
+            f"the name must end in {', '.join(among)}"
         )
     return path
 

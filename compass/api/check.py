@@ -5,7 +5,7 @@ from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from compass.api.given import given_design
+from compass.api.given import joined_designs
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.coverage.certified_effort import Effort
@@ -150,7 +150,7 @@ def _value(verdict: Answer) -> str:
 
 def check(
     design: Design | str | Path,
-    *,
+    *others: Design | str | Path,
     days: float | None = None,
     start_day: float = 0.0,
     motion: MotionModel | None = None,
@@ -163,8 +163,9 @@ def check(
 
     Parameters
     ----------
-    design
-        A design, or the path of its file.
+    design, *others
+        A design, or the path of its file; with several their satellites together are asked for
+        the requirements of all.
     days, start_day
         For so many days from a day after the epoch on, at the places themselves; without days for
         ever. Needed where the motion is integrated or a table.
@@ -191,7 +192,7 @@ def check(
     >>> found.holds, found.verdicts[0].evidence
     (True, 'proven')
     """
-    read = given_design(design)
+    read = joined_designs((design, *others))
     effort = Effort(width, budget_s, None if leaves is None else Path(leaves))
     if motion is not None:
         read = replace(read, motion=read.motion.or_of(motion))

@@ -1,5 +1,7 @@
 """What the functions are given: a thing, or the path of the file that describes it."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -30,6 +32,54 @@ def given_design(design: Design | str | Path) -> Design:
         return read_design(design)
     raise ArgumentError(
         f"design = {type(design).__name__}: must be a Design or the path of a design file"
+    )
+
+
+def joined_designs(designs: Sequence[Design | str | Path]) -> Design:
+    """Return one design of the satellites, stations and requirements of all; else as the first.
+
+    Where two designs name satellites alike, every name gets that of its design before it.
+
+    Raises
+    ------
+    ArgumentError
+        None is given, their epochs, motions or figures differ, or stations of one name do.
+    DesignError
+        As `compass.read_design`.
+    """
+    if not designs:
+        raise ArgumentError("design: missing; give one or more")
+    read = [given_design(design) for design in designs]
+    first = read[0]
+    if len(read) == 1:
+        return first
+    for other in read[1:]:
+        for field in ("motion", "figure"):
+            if getattr(other, field) != getattr(first, field):
+                raise ArgumentError(
+                    f"{first.name} + {other.name}: different {field}; give both the same"
+                )
+    names = [name for each in read for name in each.constellation.satellite_names]
+    parts = [each.constellation for each in read]
+    if len(set(names)) < len(names):
+        parts = [
+            replace(c, satellite_names=tuple(f"{each.name} {s}" for s in c.satellite_names))
+            for each, c in zip(read, parts, strict=True)
+        ]
+    constellation = parts[0]
+    for part in parts[1:]:
+        constellation = constellation + part
+    stations = {site.name: site for each in read for site in each.stations}
+    for each in read:
+        for site in each.stations:
+            if stations[site.name] != site:
+                raise ArgumentError(f"station {site.name}: two of that name differ; rename one")
+    return replace(
+        first,
+        constellation=constellation,
+        name=" + ".join(each.name for each in read),
+        stations=tuple(stations.values()),
+        requirements=tuple(wanted for each in read for wanted in each.requirements),
     )
 
 

@@ -1,5 +1,7 @@
 """The source papers, number by number: published, computed, and who is right."""
 
+__all__ = ["PAPERS"]
+
 #: Keys of the papers: each names a module of this folder with its `TITLE` and `rows()`.
 PAPERS = (
     "kelly2018",

@@ -42,6 +42,32 @@ ACCESS = (
         "access.any_share", "1", "any satellite", 4, "more", "share",
         meaning="Share of time with one satellite or more in sight.",
     ),
+    Quantity("series.gaps", "1", "gaps", better="less", form="count", meaning="How many."),
+    Quantity(
+        "series.cut", "1", "cut", form="count",
+        meaning="Of these, cut off by the ends of the span: longer than they look.",
+    ),
+    Quantity(
+        "series.share", "1", "with the fold", 5, "more", "share",
+        meaning="Share of the time with the satellites wanted in view, by rise and set to 1 ms.",
+    ),
+    Quantity(
+        "series.longest_gap_h", "h", "longest gap", 4, "less",
+        meaning="Longest time with fewer satellites in view than wanted.",
+    ),
+    Quantity("series.mean_gap_h", "h", "mean gap", 4, "less", meaning="Mean length of a gap."),
+    Quantity(
+        "series.p95_gap_h", "h", "gap, 95 % below", 4, "less",
+        meaning="The least length that 95 of 100 gaps do not exceed.",
+    ),
+    Quantity(
+        "series.time_average_gap_h", "h", "time-average gap", 4, "less",
+        meaning="Length of the gap that a random moment lies in, 0 outside gaps, on average.",
+    ),
+    Quantity(
+        "series.response_h", "h", "mean response", 4, "less",
+        meaning="Mean wait for the satellites wanted from a random moment on.",
+    ),
     Quantity(
         "access.any_longest_gap_h", "h", "longest gap of any", 3, "less",
         meaning="Longest time without any satellite in sight.",

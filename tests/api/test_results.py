@@ -52,6 +52,9 @@ MAKERS = {
     "access": lambda designs, _: compass.access(
         designs / SEED, stations=["Gale=-4.6,137.4"], duration_sols=0.2
     ),
+    "series": lambda designs, _: compass.series(
+        designs / SEED, stations=["Gale=-4.6,137.4"], days=0.2, epochs=20
+    ),
     "land": lambda designs, _: compass.land(designs / "entry-ground-beacons.toml", runs=2),
     "drift": lambda designs, _: compass.drift(designs / SEED, days=1),
     "keep": lambda designs, _: compass.keep(designs / SEED, years=0.1),
@@ -68,7 +71,7 @@ MAKERS = {
     "schema": lambda *_: compass.schema("design"),
     "version": lambda *_: compass.version(),
 }
-GRIDDED = {"map", "access", "land", "drift", "determine", "horizon", "trade"}
+GRIDDED = {"map", "access", "series", "land", "drift", "determine", "horizon", "trade"}
 #: What is a text or a table has nothing to draw.
 UNDRAWN = {"reproduce", "export", "new", "schema", "version"}
 

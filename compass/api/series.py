@@ -1,0 +1,299 @@
+"""What stations see over time: satellites in view, dilutions, and the gaps between."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import compass
+from compass.api.access import site_of_text
+from compass.api.access_result import check_suffix
+from compass.api.given import joined_designs
+from compass.api.results import Result
+from compass.contacts.gaps import GapStatistics, gap_statistics
+from compass.contacts.spans import at_least
+from compass.contacts.survey import survey
+from compass.conventions import dated, epoch_text
+from compass.core.ranking import nearest_rank
+from compass.coverage.site import site_coverage
+from compass.design import Design
+from compass.document import Page, Sentence, Table, Value, Verdict
+from compass.document.plain import plain
+from compass.errors import ArgumentError
+from compass.frames import SECONDS_PER_DAY
+from compass.orbits.motion import MotionModel
+from compass.quantities import quantity
+from compass.saving import replacing, save_netcdf, write_csv
+from compass.sites import Mask, Site
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+#: What stands in files, over stations and time.
+NAMES = ("count", "gdop", "pdop", "hdop", "vdop", "tdop")
+
+#: Kinds of files that series are written to.
+SUFFIXES = (".nc", ".csv")
+
+#: Most moments at which dilutions are looked at.
+MOST_EPOCHS = 1_000_000
+
+
+@dataclass(frozen=True, repr=False)
+class SeriesResult(Result):
+    """What stations see over time.
+
+    Attributes
+    ----------
+    design
+        With the stations that were asked for.
+    fold
+        Satellites wanted in view.
+    days
+        Length of the span.
+    gaps
+        By station: when fewer are in view, found by rise and set.
+    dataset
+        Count and dilutions over station and time.
+    """
+
+    design: Design = field(repr=False)
+    fold: int
+    days: float
+    gaps: dict[str, GapStatistics]
+    dataset: "xr.Dataset" = field(repr=False)
+
+    @property
+    def holds(self) -> bool:
+        """Whether no station has a gap."""
+        return not any(one.count for one in self.gaps.values())
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Plain values, a station each; dilutions at the moments looked at, infinite ones None."""
+        found = []
+        for name, gaps in self.gaps.items():
+            seen = self.dataset.sel(station=name)
+            found.append(
+                {
+                    "station": name,
+                    "fewest": int(seen["count"].min()),
+                    "share": gaps.share,
+                    "gaps": gaps.count,
+                    "cut": gaps.cut,
+                    "longest_gap_h": gaps.longest / 3600.0,
+                    "mean_gap_h": gaps.mean / 3600.0,
+                    "p95_gap_h": gaps.p95 / 3600.0,
+                    "time_average_gap_h": gaps.time_average / 3600.0,
+                    "response_h": gaps.response / 3600.0,
+                    "gdop_p95": _percentile(seen["gdop"].values),
+                    "pdop_p95": _percentile(seen["pdop"].values),
+                }
+            )
+        return found
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return plain(
+            {
+                "design": self.design.name,
+                "fold": self.fold,
+                "days": self.days,
+                "epochs": self.dataset.sizes["time"],
+                "stations": self.rows(),
+            }
+        )
+
+    def document(self) -> Page:
+        """Whether there are gaps, then a table of them and of the dilutions."""
+        lacking = [name for name, one in self.gaps.items() if one.count]
+        claim = f"{self.fold} satellites in view at all times over {self.days:g} days"
+        if lacking:
+            claim = f"fewer than {self.fold} in view at times at {', '.join(lacking)}"
+        epochs = self.dataset.sizes["time"]
+        how = (
+            "gaps by rise and set, to 1 ms of the motion modelled, each station over its own "
+            "horizon; those that the ends of the span cut off count with what lies inside. "
+            f"Dilutions at {epochs} moments, {86400 * self.days / epochs:.4g} s apart: what lies "
+            "between is not seen; infinite with fewer than four in view, and that counts"
+        )
+        blocks = (Verdict("" if not lacking else "gaps", claim, not lacking), self._table())
+        return Page(self.design.name, (*blocks, Sentence(how)))
+
+    def _table(self) -> Table:
+        names = [name for name in self.rows()[0] if name != "station"]
+        known = {
+            name: quantity(
+                f"station.{name}"
+                if name in ("fewest", "gdop_p95", "pdop_p95")
+                else f"series.{name}"
+            )
+            for name in names
+        }
+        header = ("station", *(known[name].heading for name in names))
+        rows = tuple(
+            (row["station"], *(Value(known[name], row[name]) for name in names))
+            for row in self.rows()
+        )
+        return Table(f"Fewer than {self.fold} in view, and dilutions over time", header, rows)
+
+    def write(self, path: str | Path, *, command: str = "compass.series") -> None:
+        """Write the series as netCDF or CSV, as the file's name asks.
+
+        Raises
+        ------
+        OutputError
+            The name has another ending, or the file cannot be written.
+        """
+        chosen = check_suffix(Path(path), SUFFIXES)
+        if chosen.suffix == ".nc":
+            save_netcdf(chosen, self.dataset.assign_attrs(history=command))
+            return
+        times = self.dataset.time.values
+        columns = {name: self.dataset[name].values for name in NAMES}
+        lines = (
+            (station, float(times[t]), *(columns[name][k, t] for name in NAMES))
+            for k, station in enumerate(self.dataset.station.values.tolist())
+            for t in range(len(times))
+        )
+        with replacing(chosen) as temporary:
+            write_csv(temporary, ["station", "time_s", *NAMES], lines)
+
+    def plot(self, *, name: str = "count", axes: "Axes | None" = None) -> "Axes":
+        """Draw satellites in view, or a dilution, against time, a line a station.
+
+        Parameters
+        ----------
+        name
+            ``count``, ``gdop``, ``pdop``, ``hdop``, ``vdop`` or ``tdop``.
+        axes
+            Where to; new ones without.
+
+        Raises
+        ------
+        ArgumentError
+            Another name.
+        """
+        if name not in NAMES:
+            raise ArgumentError(f"name = {name!r}: allowed {', '.join(NAMES)}")
+        from compass.pictures.series import draw_series
+        from compass.pictures.style import axes_or_new
+
+        drawn = axes_or_new(axes, 8.0, 3.5)
+        draw_series(drawn, self.dataset, name, self.fold)
+        return drawn
+
+    def save_plot(self, path: str | Path, name: str = "count") -> None:
+        """Write `plot` as a PNG file; a killed run leaves no partial one."""
+        from matplotlib.figure import Figure
+
+        drawn = self.plot(name=name).figure
+        assert isinstance(drawn, Figure)
+        with replacing(Path(path)) as temporary:
+            drawn.savefig(temporary, format="png", dpi=150, bbox_inches="tight")
+
+
+def series(
+    design: Design | str | Path,
+    *others: Design | str | Path,
+    stations: Sequence[Site | str] = (),
+    fold: int | None = None,
+    mask_deg: float | None = None,
+    days: float = 10.0,
+    start_day: float = 0.0,
+    epochs: int = 1009,
+    motion: MotionModel | None = None,
+) -> SeriesResult:
+    """Follow what stations see over time: counts, dilutions, and gaps by rise and set.
+
+    Parameters
+    ----------
+    design, *others
+        A design, or the path of its file; several are one network.
+    stations
+        Beside the designs': sites, or texts ``NAME=LAT,LON[,MASK]`` in degrees.
+    fold
+        Satellites wanted in view; else the design's.
+    mask_deg
+        Elevation mask, degrees: the higher of it and each station's own horizon counts.
+    days, start_day
+        For so many days, from a day after the epoch on.
+    epochs
+        Moments at which dilutions are looked at; a prime number meets moments of symmetry least.
+    motion
+        ``two-body``, ``j2`` or ``numerical``; else the design's.
+
+    Raises
+    ------
+    ArgumentError, DesignError
+        An option or a design is not allowed, or there is no station.
+
+    Examples
+    --------
+    >>> import compass
+    >>> found = compass.series("designs/compass-15-5-1.toml", stations=["Gale=-4.6,137.4"], days=1)
+    >>> found.holds, found.rows()[-1]["gaps"]
+    (True, 0)
+    """
+    read = joined_designs((design, *others))
+    wanted = read.fold if fold is None else fold
+    ranges = (
+        ("fold", wanted, wanted >= 1, "from 1"),
+        ("days", days, 0 < days <= 1000, "above 0 to 1000"),
+        ("start_day", start_day, 0 <= start_day <= 36525, "0 to 36525, a century"),
+        ("epochs", epochs, 2 <= epochs <= MOST_EPOCHS, f"2 to {MOST_EPOCHS}"),
+        ("mask_deg", mask_deg, mask_deg is None or 0 <= mask_deg < 90, "0 up to below 90"),
+    )
+    for key, value, allowed, words in ranges:
+        if not allowed:
+            raise ArgumentError(f"{key} = {value:g}: allowed {words}")
+    floor = Mask.of(mask_deg or 0.0)
+    sites = tuple(
+        replace(site, mask=site.mask.or_higher(floor))
+        for site in (*read.stations, *(site_of_text(station, read) for station in stations))
+    )
+    if not sites:
+        raise ArgumentError("station: none; add a [[station]], or --station NAME=LAT,LON")
+    moving, c = read.motion.or_of(motion), read.constellation
+    start, duration = start_day * SECONDS_PER_DAY, days * SECONDS_PER_DAY
+    options: dict[str, Any] = {"start": start}
+    if moving.is_closed_form and start == 0.0:
+        options["model"] = moving.model
+    else:
+        options["path"] = moving.trajectory(c, start, start + duration)
+    found = survey(c, sites, duration, figure=read.figure, **options)
+    gaps = {
+        site.name: gap_statistics(
+            at_least(wanted, [w.spans for w in found.of(site.name)]), duration
+        )
+        for site in sites
+    }
+    times = start + duration * np.arange(epochs) / epochs
+    made = _dataset(replace(read, stations=sites), times, moving)
+    return SeriesResult(replace(read, stations=sites), wanted, days, gaps, made)
+
+
+def _dataset(design: Design, times: np.ndarray, motion: Any) -> "xr.Dataset":
+    """Counts and dilutions over station and time."""
+    import xarray as xr
+
+    seen = [site_coverage(design.constellation, site, times, motion) for site in design.stations]
+    together = xr.concat([one[list(NAMES)] for one in seen], "station", combine_attrs="drop")
+    made = together.assign_coords(station=[site.name for site in design.stations]).assign_attrs(
+        title=f"What stations see of {design.name}",
+        source=f"compass {compass.__version__}",
+        epoch_tdb=epoch_text(design.constellation.epoch),
+        motion_model=motion.model,
+    )
+    for name in NAMES:
+        made[name].attrs = seen[0][name].attrs
+    return dated(made, "time")
+
+
+def _percentile(values: np.ndarray) -> float | None:
+    """The least value that 95 of 100 moments do not exceed; None where that is infinite."""
+    found = float(np.sort(values)[nearest_rank(values.size, 95)])
+    return found if isfinite(found) else None

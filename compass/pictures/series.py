@@ -1,0 +1,34 @@
+"""Curves of what stations see over time."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from compass.frames import SECONDS_PER_DAY
+from compass.pictures.style import CYCLE, INK, look
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+#: Dilutions above this leave the picture.
+TALLEST = 20.0
+
+
+def draw_series(axes: "Axes", dataset: "xr.Dataset", name: str, fold: int) -> None:
+    """Draw a count or a dilution of every station against time, and the fold wanted."""
+    days = dataset.time.values / SECONDS_PER_DAY
+    with look():
+        for k, station in enumerate(dataset.station.values.tolist()):
+            values = dataset[name].values[k].astype(float)
+            shown = np.where(values > TALLEST, np.nan, values) if name != "count" else values
+            draw = axes.step if name == "count" else axes.plot
+            draw(days, shown, color=CYCLE[k % len(CYCLE)], lw=1.0, label=station)
+        if name == "count":
+            axes.axhline(fold, color=INK, lw=0.8, ls="--", label=f"{fold} wanted")
+        axes.set_xlabel("time after the epoch (days)")
+        word = "satellites in view" if name == "count" else f"{name.upper()}, up to {TALLEST:g}"
+        axes.set_ylabel(word)
+        axes.set_title("What stations see")
+        axes.grid(axis="y")
+        axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))

@@ -1,0 +1,93 @@
+"""Series at stations against dense samples; several designs as one network; bad input."""
+
+import numpy as np
+import pytest
+
+import compass
+from compass.api.given import joined_designs
+from compass.errors import ArgumentError, OutputError
+from compass.orbits import positions_mcmf
+
+RING = compass.walker_delta(3, 3, 0, inclination_deg=30, radius_km=9000)
+OTHER = compass.walker_delta(2, 1, 0, inclination_deg=0, radius_km=12000)
+SITE = compass.Site.of("S", latitude_deg=12, longitude_deg=40, mask_deg=5)
+
+
+def test_gaps_and_counts_are_those_of_dense_samples():
+    found = compass.series(
+        compass.Design(RING, "ring"), stations=[SITE], fold=1, days=0.5, epochs=50
+    )
+    t = np.linspace(0, 43200, 8641)
+    count = SITE.sees(np.moveaxis(positions_mcmf(RING, t), 1, 0)).sum(axis=1)
+    row = found.rows()[0]
+    assert row["share"] == pytest.approx((count >= 1).mean(), abs=1e-3)
+    edges = np.flatnonzero(np.diff(np.concatenate([[1], count >= 1, [1]])))
+    lengths = 5.0 * (edges[1::2] - edges[::2])
+    assert row["gaps"] == len(lengths) > 1
+    assert 3600 * row["longest_gap_h"] == pytest.approx(lengths.max(), abs=10)
+    assert not found.holds and "fewer than 1 in view" in str(found)
+    at = found.dataset["count"].values[0]
+    again = SITE.sees(np.moveaxis(positions_mcmf(RING, found.dataset.time.values), 1, 0))
+    assert at.tolist() == again.sum(axis=1).tolist()
+    assert found.to_dict()["stations"][0]["gdop_p95"] is None
+
+
+def test_two_designs_are_one_network(tmp_path):
+    """As their constellations joined by hand; names alike are told apart by their designs."""
+    one, two = compass.Design(RING, "one"), compass.Design(OTHER, "two")
+    both = compass.Design(
+        compass.from_elements(
+            semi_major_axis_km=[9000] * 3 + [12000] * 2,
+            inclination_deg=[30] * 3 + [0] * 2,
+            raan_deg=[0, 120, 240, 0, 0],
+            mean_anomaly_deg=[0, 0, 0, 0, 180],
+        ),
+        "both",
+    )
+    asked = {"stations": [SITE], "fold": 2, "days": 0.2, "epochs": 20}
+    joined, single = compass.series(one, two, **asked), compass.series(both, **asked)
+    assert joined.rows() == single.rows()
+    again = joined_designs((one, compass.Design(RING, "again")))
+    assert again.constellation.satellite_names[0].startswith("one ")
+    wanted = (compass.Requirement.of("w", sites=[SITE], fold=1),)
+    check = compass.check(compass.Design(RING, "one", requirements=wanted), two, days=0.2)
+    assert check.design.constellation.size == 5
+    for suffix in (".nc", ".csv"):
+        joined.write(tmp_path / f"f{suffix}")
+    lines = (tmp_path / "f.csv").read_text().splitlines()
+    assert lines[0].startswith("station,time_s,count,gdop") and len(lines) == 21
+    joined.save_plot(tmp_path / "f.png", "pdop")
+    assert (tmp_path / "f.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_what_cannot_be_joined_or_asked_is_told():
+    one = compass.Design(RING, "one", stations=(SITE,))
+    moved = compass.Site.of("S", latitude_deg=13, longitude_deg=40)
+    with pytest.raises(ArgumentError, match="station S: two of that name differ; rename one"):
+        joined_designs((one, compass.Design(OTHER, "two", stations=(moved,))))
+    with pytest.raises(ArgumentError, match="one \\+ two: different figure; give both the same"):
+        joined_designs((one, compass.Design(OTHER, "two", figure=compass.Site.of(
+            "E", latitude_deg=0, longitude_deg=0, figure="iau-ellipsoid").figure)))  # fmt: skip
+    with pytest.raises(ArgumentError, match="design: missing"):
+        joined_designs(())
+    with pytest.raises(ArgumentError, match="station: none; add a"):
+        compass.series(compass.Design(RING, "r"))
+    for key, value in {"fold": 0, "days": 0, "start_day": -1, "epochs": 1, "mask_deg": 90}.items():
+        with pytest.raises(ArgumentError, match=f"{key} = {value}: allowed"):
+            compass.series(one, **{key: value})
+    made = compass.series(one, fold=1, days=0.01, epochs=2, start_day=1)
+    with pytest.raises(OutputError, match=r"must end in \.nc, \.csv"):
+        made.write("x.txt")
+    with pytest.raises(ArgumentError, match="name = 'fold': allowed count"):
+        made.plot(name="fold")
+
+
+def test_the_command_prints_it_and_writes(run, tmp_path, designs):
+    out, picture = tmp_path / "s.csv", tmp_path / "s.png"
+    code, said, _ = run(
+        "series", designs / "five-landing-sites.toml", "--days", 0.05, "--epochs", 3,
+        "--mask-deg", 10, "-o", out, "--figure", picture,
+    )  # fmt: skip
+    assert code == 0
+    assert "4 satellites in view at all times" in said
+    assert out.exists() and picture.exists()
