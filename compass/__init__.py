@@ -19,6 +19,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.judge import judge
     from compass.api.keep import keep
     from compass.api.land import land
+    from compass.api.locate import locate
     from compass.api.map import map
     from compass.api.new import new
     from compass.api.optimize import optimize
@@ -73,6 +74,7 @@ __all__ = [
     "judge",
     "keep",
     "land",
+    "locate",
     "map",
     "new",
     "optimize",
@@ -107,6 +109,7 @@ _COMMANDS = (
     "judge",
     "keep",
     "land",
+    "locate",
     "map",
     "new",
     "optimize",

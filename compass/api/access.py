@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from compass.api.access_result import AccessResult
-from compass.api.given import given_design
+from compass.api.given import given_design, given_site
 from compass.bodies import SOLAR_DAY
 from compass.contacts.nodes import check_duration
 from compass.contacts.record import survey_record
 from compass.contacts.survey import survey
 from compass.design import Design, Wanted
-from compass.errors import ArgumentError, said_of
+from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.motion import MotionModel
 from compass.sites import Site
@@ -82,7 +82,7 @@ def access(
         read.access.atmosphere_height,
     )
     duration = read.access_duration if duration_sols is None else duration_sols * SOLAR_DAY.value
-    sites = (*read.stations, *(site_of_text(station, read) for station in stations))
+    sites = (*read.stations, *(given_site(station, read) for station in stations))
     asked = replace(read, stations=sites, access=wanted, access_duration=duration)
     if not 0 <= start_day < np.inf:
         raise ArgumentError(f"start_day = {start_day:g}: must be 0 or more days")
@@ -103,28 +103,3 @@ def access(
         eclipse=eclipse,
     )
     return AccessResult(asked, found, record, pairs)
-
-
-def site_of_text(station: Site | str, design: Design) -> Site:
-    """Return a site, read from ``NAME=LAT,LON[,MASK]`` in degrees if it is a text."""
-    if isinstance(station, Site):
-        return station
-    name, equals, rest = station.partition("=")
-    try:
-        numbers = [float(part) for part in rest.split(",")]
-    except ValueError:
-        numbers = []
-    if not (name.strip() and equals) or len(numbers) not in (2, 3):
-        raise ArgumentError(
-            f"station {station!r}: not NAME=LAT,LON or NAME=LAT,LON,MASK; "
-            "write for example 'Gale=-4.6,137.4,10'"
-        )
-    latitude, longitude, mask = (*numbers, 0.0)[:3]
-    with said_of(f"station {station!r}"):
-        return Site.of(
-            name.strip(),
-            latitude_deg=latitude,
-            longitude_deg=longitude,
-            mask_deg=mask,
-            figure=design.figure,
-        )

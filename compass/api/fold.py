@@ -4,7 +4,7 @@ from math import degrees, inf
 from pathlib import Path
 
 from compass.api.fold_result import FoldResult
-from compass.api.given import given_design, given_mask
+from compass.api.given import given_design, given_fold, given_mask
 from compass.api.lasting import LastingResult
 from compass.api.progress import bar
 from compass.coverage.clearance import Clearance, least_clearance
@@ -70,7 +70,7 @@ def fold(
     '6.24'
     """
     read = given_design(design)
-    wanted = read.fold if fold is None else fold
+    wanted = given_fold(fold, read)
     mask = given_mask(mask_deg, read)
     chosen = read.motion.or_of(motion)
     if days is not None or chosen.model != "two-body" or start_day:
@@ -94,6 +94,7 @@ def fold(
             losses=losses,
             progress=lambda sets: bar(progress, "losses", sets),
             begin=begin,
+            watch=lambda parts: bar(progress, "revolutions", parts, leave=False, delay=1.0),
         )
     region_name = found.certificate.region.name
     sites: tuple[tuple[Site, Clearance], ...] = ()
@@ -144,9 +145,11 @@ def _over_days(
         path,
         wanted,
         sphere_radius=design.figure.equatorial_radius,
+        stretch=design.figure.stretch,
         mask=mask.highest,
         region=GLOBE if region is None else read_region(region),
         start=start,
         stop=stop,
+        progress=lambda days: bar(progress, "fold: days", days, leave=False),
     )
     return LastingResult(design, degrees(mask.highest), motion.title, found)

@@ -3,13 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from math import radians
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from compass.design import Design
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, said_of
 from compass.inputs import read_design
-from compass.sites import Mask
+from compass.sites import Mask, Site
 
 if TYPE_CHECKING:
     from compass.inputs.scenario import Scenario
@@ -117,6 +118,21 @@ def given_study(study: "Study | str | Path") -> "Study":
     )
 
 
+def given_fold(fold: int | None, design: Design) -> int:
+    """Return the satellites wanted in view at once, the design's where it is None.
+
+    Raises
+    ------
+    ArgumentError
+        It is no whole number from 1 on.
+    """
+    if fold is None:
+        return design.fold
+    if isinstance(fold, bool) or not isinstance(fold, Integral) or fold < 1:
+        raise ArgumentError(f"fold = {fold}: must be a whole number from 1 on")
+    return int(fold)
+
+
 def given_mask(mask_deg: float | None, design: Design) -> Mask:
     """Return a constant mask of degrees, or the design's where they are None.
 
@@ -130,3 +146,34 @@ def given_mask(mask_deg: float | None, design: Design) -> Mask:
     if not 0 <= mask_deg < 90:
         raise ArgumentError(f"mask_deg = {mask_deg:g}: allowed 0 up to below 90 degrees")
     return Mask.constant(radians(mask_deg))
+
+
+def given_site(station: Site | str, design: Design) -> Site:
+    """Return a site, read from ``NAME=LAT,LON[,MASK]`` in degrees if it is a text.
+
+    Raises
+    ------
+    ArgumentError
+        The text is none of that form, or no place on Mars.
+    """
+    if isinstance(station, Site):
+        return station
+    name, equals, rest = station.partition("=")
+    try:
+        numbers = [float(part) for part in rest.split(",")]
+    except ValueError:
+        numbers = []
+    if not (name.strip() and equals) or len(numbers) not in (2, 3):
+        raise ArgumentError(
+            f"station {station!r}: not NAME=LAT,LON or NAME=LAT,LON,MASK; "
+            "write for example 'Gale=-4.6,137.4,10'"
+        )
+    latitude, longitude, mask = (*numbers, 0.0)[:3]
+    with said_of(f"station {station!r}"):
+        return Site.of(
+            name.strip(),
+            latitude_deg=latitude,
+            longitude_deg=longitude,
+            mask_deg=mask,
+            figure=design.figure,
+        )

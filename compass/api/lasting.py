@@ -50,9 +50,9 @@ class LastingResult(Result):
 
     @property
     def figure(self) -> str:
-        """On what users stand: of an ellipsoid, the sphere of its equatorial radius."""
+        """On what users stand: the design's own, or the sphere of its equatorial radius."""
         own = self.design.figure
-        if own.is_sphere:
+        if own.stretch == self.lasting.stretch:
             return own.title
         # planetographic less planetocentric latitude, where that is largest
         lean = degrees(atan((own.stretch**2 - 1.0) / (2.0 * own.stretch)))

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import compass
-from compass.api.access import site_of_text
 from compass.api.access_result import check_suffix
-from compass.api.given import joined_designs
+from compass.api.given import given_site, joined_designs
 from compass.api.results import Result
 from compass.contacts.gaps import GapStatistics, gap_statistics
 from compass.contacts.spans import at_least
@@ -253,7 +252,7 @@ def series(
     floor = Mask.of(mask_deg or 0.0)
     sites = tuple(
         replace(site, mask=site.mask.or_higher(floor))
-        for site in (*read.stations, *(site_of_text(station, read) for station in stations))
+        for site in (*read.stations, *(given_site(station, read) for station in stations))
     )
     if not sites:
         raise ArgumentError("station: none; add a [[station]], or --station NAME=LAT,LON")

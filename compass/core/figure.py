@@ -43,6 +43,53 @@ def _rim(distance, sphere_radius, sin_mask):
 
 
 @kernel
+def stretched_cap(sphere_radius, stretch, mask, south, north, far, near, distant, height, rise):
+    """Bounds of the cap of one stretched satellite, in a band and for a while.
+
+    Parameters
+    ----------
+    sphere_radius, stretch, mask, south, north
+        As in `stretched_caps`.
+    far, near, distant
+        Distance of the stretched satellite from the centre, and between what bounds it stays, m.
+    height, rise
+        Its height over the equator, and by how much that changes at most, m.
+
+    Returns
+    -------
+    inner, outer
+        Radii of the caps in which every user sees it above the mask and outside which none does.
+    across, along, by_time
+        What lies between the two by the band's own width, by that of the sights and by the time,
+        radians.
+    """
+    e2 = 1.0 - 1.0 / (stretch * stretch)
+    f2 = stretch * stretch - 1.0
+    sin_mask = math.sin(mask)
+    least_q = 0.0 if south <= 0.0 <= north else min(abs(south), abs(north))
+    most_q = max(abs(south), abs(north))
+    below, above = sin_mask / stretch, sin_mask * stretch
+    if sin_mask < 0.0:
+        below, above = above, below
+    # how steeply the sight may run where the satellite stands near the mask
+    n0, n1 = height - rise - sphere_radius * north, height + rise - sphere_radius * south
+    least_n = 0.0 if n0 <= 0.0 <= n1 else min(abs(n0), abs(n1))
+    most_n = max(abs(n0), abs(n1))
+    shortest = _sight(near, sphere_radius, _within(above))
+    longest = _sight(distant, sphere_radius, _within(below))
+    most_d = 1.0 if most_n >= shortest else most_n / shortest
+    least_d = min(1.0, least_n / longest)
+    k0 = math.sqrt((1.0 + f2 * least_q * least_q) * (1.0 - e2 * most_d * most_d))
+    k1 = math.sqrt((1.0 + f2 * most_q * most_q) * (1.0 - e2 * least_d * least_d))
+    t0, t1 = k0 * sin_mask, k1 * sin_mask
+    inner = _rim(far, sphere_radius, max(t0, t1)) - ROUNDING
+    outer = _rim(far, sphere_radius, min(t0, t1)) + ROUNDING
+    steep = e2 * most_d * abs(sin_mask) / shortest
+    across = 0.5 * f2 * abs(sin_mask) * (most_q * most_q - least_q * least_q)
+    return inner, outer, across, steep * sphere_radius * (north - south), 2.0 * steep * rise
+
+
+@kernel
 def stretched_caps(
     orbits, poles, gm, sphere_radius, stretch, mask, half, south, north, u, radius, stray, outer
 ):
@@ -72,15 +119,7 @@ def stretched_caps(
         much to the length of the time, radians.
     """
     by_band, by_time = 0.0, 0.0
-    e2 = 1.0 - 1.0 / (stretch * stretch)
     f2 = stretch * stretch - 1.0
-    sin_mask = math.sin(mask)
-    least_q = 0.0 if south <= 0.0 <= north else min(abs(south), abs(north))
-    most_q = max(abs(south), abs(north))
-    below, above = sin_mask / stretch, sin_mask * stretch
-    if sin_mask < 0.0:
-        below, above = above, below
-    below, above = _within(below), _within(above)
     for s in range(radius.size):
         distance = sphere_radius / math.cos(radius[s])
         a, e = orbits[0, s], orbits[1, s]
@@ -96,24 +135,11 @@ def stretched_caps(
         rate = e * speed + f2 * climb
         low, high = max(a * (1.0 - e), far - rate * half), far + rate * half
         rise = stretch * climb * half
-        z0, z1 = z * distance - rise, z * distance + rise
-        # how steeply the sight may run where the satellite stands near the mask
-        n0, n1 = z0 - sphere_radius * north, z1 - sphere_radius * south
-        least_n = 0.0 if n0 <= 0.0 <= n1 else min(abs(n0), abs(n1))
-        most_n = max(abs(n0), abs(n1))
-        shortest = _sight(low, sphere_radius, above)
-        longest = _sight(high, sphere_radius, below)
-        most_d = 1.0 if most_n >= shortest else most_n / shortest
-        least_d = min(1.0, least_n / longest)
-        k0 = math.sqrt((1.0 + f2 * least_q * least_q) * (1.0 - e2 * most_d * most_d))
-        k1 = math.sqrt((1.0 + f2 * most_q * most_q) * (1.0 - e2 * least_d * least_d))
-        t0, t1 = k0 * sin_mask, k1 * sin_mask
-        radius[s] = _rim(far, sphere_radius, max(t0, t1)) - ROUNDING
-        outer[s] = _rim(far, sphere_radius, min(t0, t1)) + ROUNDING
-        steep = e2 * most_d * abs(sin_mask) / shortest
-        across = 0.5 * f2 * abs(sin_mask) * (most_q * most_q - least_q * least_q)
-        by_band = max(by_band, across + steep * sphere_radius * (north - south))
-        by_time = max(by_time, 2.0 * steep * rise)
+        radius[s], outer[s], across, along, moving = stretched_cap(
+            sphere_radius, stretch, mask, south, north, far, low, high, z * distance, rise
+        )
+        by_band = max(by_band, across + along)
+        by_time = max(by_time, moving)
         growth = rate * sphere_radius / (low * math.sqrt(low * low - sphere_radius**2))
         stray[s] = stretch * stray[s] + growth * half
     return by_band, by_time

@@ -28,7 +28,7 @@ def pattern_radius(raan, latitude_argument, inclination, k, start, stop, toleran
     poles[:, 2] = math.cos(inclination)
     spin = np.array([poles[:, 0].mean(), poles[:, 1].mean(), poles[:, 2].mean()])
     least, most, _, _, _ = worst_radius(
-        orbits, poles, 1.0, spin, k, start, stop, tolerance, limit, 100_000
+        orbits, poles, 1.0, spin, k, start, stop, -1.0, tolerance, limit, 100_000
     )
     return least, most
 

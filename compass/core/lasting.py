@@ -20,12 +20,16 @@ contains the one of m shrunk by the sum of all these: its `stray`.
 The frame turns with the mean of the satellites' angular velocities at m (about the pole alone for
 a band of latitude, with Mars for a polygon). Any choice is right, for the fold over the whole
 sphere does not change when all is turned; this one makes the strays small.
+
+On an ellipsoid all is stretched along the pole (`core.figure`), which turns directions by no more
+than the stretch; a cap then lies between two, and half of what lies between counts as an error.
 """
 
 import math
 
 import numpy as np
 
+from compass.core.figure import stretched_cap
 from compass.core.fold import cap_cosine, cell_point, extreme_fold
 from compass.core.jit import kernel
 from compass.core.path import path_state, piece_of, pull_bound
@@ -44,7 +48,7 @@ ROUNDING = 2e-14
 
 @kernel
 def caps_between(
-    breaks, paths, errors, pulls, turns, frame, sphere, mask, piece, middle, half, u, radius, stray
+    breaks, paths, errors, pulls, turns, frame, ground, piece, middle, half, u, radius, stray
 ):
     """Fill directions, cap radii and strays about a moment, and the part that cannot shrink.
 
@@ -58,8 +62,10 @@ def caps_between(
         Angle of the prime meridian at the breaks, radians, shape (p + 1,).
     frame
         `FREE`, `ABOUT_POLE` or `WITH_MARS`.
-    sphere, mask
-        m and radians.
+    ground
+        Radius of the sphere (equatorial, m), the ellipsoid's stretch (1: a sphere), the mask,
+        radians, and the band of users, sines of their latitudes on the stretched sphere. On an
+        ellipsoid the frame is not `FREE`.
     piece, middle, half
         The stretch that holds the interval, and the interval, s.
     u, radius, stray
@@ -70,6 +76,7 @@ def caps_between(
     bool
         Whether bounds could be had; not if a satellite could come down to the sphere.
     """
+    sphere, stretch, mask, south, north = ground
     n = paths.shape[1]
     state = np.empty((n, 6))
     spin = np.zeros(3)
@@ -116,7 +123,31 @@ def caps_between(
         fixed = 4e-20 * (breaks[piece + 1] - breaks[piece]) ** 2 if frame == WITH_MARS else 0.0
         fixed += 1.001 * error / low + slope * error + ROUNDING
         moving = math.sqrt(wx * wx + wy * wy + wz * wz) * half + 0.5 * bend * half * half
-        stray[s, 0], stray[s, 1] = moving + slope * climbing * half + fixed, fixed
+        if stretch == 1.0:
+            stray[s, 0], stray[s, 1] = moving + slope * climbing * half + fixed, fixed
+            continue
+        long = math.sqrt(ux * ux + uy * uy + stretch * stretch * uz * uz)
+        u[s, 0], u[s, 1], u[s, 2] = u[s, 0] / long, u[s, 1] / long, stretch * uz / long
+        upward = abs(vz) + pull * half
+        rate = climbing + (stretch * stretch - 1.0) * upward
+        far, off = long * rho, stretch * error
+        near, distant = max(low - error, far - rate * half - off), far + rate * half + off
+        inner, outer, _, _, _ = stretched_cap(
+            sphere,
+            stretch,
+            mask,
+            south,
+            north,
+            far,
+            near,
+            distant,
+            stretch * z,
+            stretch * (upward * half + error),
+        )
+        slope = sphere / (near * math.sqrt(near * near - sphere * sphere))
+        radius[s] = 0.5 * (inner + outer)
+        fixed = stretch * (fixed + slope * error) + 0.5 * (outer - inner)
+        stray[s, 0], stray[s, 1] = stretch * moving + slope * rate * half + fixed, fixed
     return True
 
 
@@ -127,8 +158,7 @@ def first_loss(
     errors,
     turns,
     frame,
-    sphere,
-    mask,
+    ground,
     region,
     floors,
     k,
@@ -147,7 +177,7 @@ def first_loss(
 
     Parameters
     ----------
-    breaks, paths, errors, turns, frame, sphere, mask
+    breaks, paths, errors, turns, frame, ground
         As in `caps_between`.
     region, floors
         As in `compass.core.fold.extreme_fold`.
@@ -201,8 +231,7 @@ def first_loss(
                     pulls,
                     turns,
                     frame,
-                    sphere,
-                    mask,
+                    ground,
                     piece,
                     middle,
                     half,
@@ -216,8 +245,9 @@ def first_loss(
                         moving = stray[s, 0] - stray[s, 1]
                         slowest = slowest and moving <= max(tolerance, stray[s, 1])
                         cosines[s] = cap_cosine(radius[s], -stray[s, 0])
-                    fold, _, _, _ = extreme_fold(u, cosines, region, floors, True, True, k)
-                    done = fold >= k
+                    fold, curve, _, _ = extreme_fold(u, cosines, region, floors, True, True, k)
+                    # no circle and no rim has a point here: a band beside the region
+                    done = fold >= k or (curve == n and floors.size > 0)
                     still = still or slowest
                     if not done:
                         for s in range(n):
@@ -275,7 +305,7 @@ def margin_at(u, radius, region, floors, k, low, high, tolerance):
 
 
 @kernel
-def margins(breaks, paths, errors, turns, frame, sphere, mask, region, floors, k, times, tolerance):
+def margins(breaks, paths, errors, turns, frame, ground, region, floors, k, times, tolerance):
     """`margin_at` many moments, radians, shape (t,)."""
     n = paths.shape[1]
     u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty((n, 2))
@@ -290,8 +320,7 @@ def margins(breaks, paths, errors, turns, frame, sphere, mask, region, floors, k
             pulls,
             turns,
             frame,
-            sphere,
-            mask,
+            ground,
             piece,
             times[j],
             0.0,
@@ -310,8 +339,7 @@ def least_margin(
     errors,
     turns,
     frame,
-    sphere,
-    mask,
+    ground,
     region,
     floors,
     k,
@@ -356,8 +384,7 @@ def least_margin(
                 pulls,
                 turns,
                 frame,
-                sphere,
-                mask,
+                ground,
                 piece,
                 middle,
                 half,

@@ -110,7 +110,7 @@ def covering_radius(u, k, least, most, p_best):
 
 
 @kernel
-def worst_radius(orbits, poles, gm, spin, k, start, stop, tolerance, limit, max_nodes):
+def worst_radius(orbits, poles, gm, spin, k, start, stop, known, tolerance, limit, max_nodes):
     """Greatest `covering_radius` over [start, stop], bracketed to `tolerance`.
 
     The covering radius changes no faster than the satellites move in a frame that turns with
@@ -123,6 +123,8 @@ def worst_radius(orbits, poles, gm, spin, k, start, stop, tolerance, limit, max_
         As in `caps_at`.
     k, start, stop
         Fold; seconds.
+    known
+        A radius that is reached at another time: only greater ones matter; -1 if there is none.
     tolerance, limit
         Radians; the search ends early, with what it has, once the radius exceeds `limit`.
     max_nodes
@@ -137,7 +139,7 @@ def worst_radius(orbits, poles, gm, spin, k, start, stop, tolerance, limit, max_
     parts = 8
     stack = np.empty((parts + 128, 3))  # intervals, and the radius that is not exceeded in each
     point, candidate = np.zeros(3), np.zeros(3)
-    least, most, when = -1.0, 0.0, start
+    least, most, when = known, 0.0, start
     if orbits.shape[1] < k:
         return math.inf, math.inf, start, point, 0
     sphere = 1e-9 * orbits[0].min()  # caps do not matter here, only directions

@@ -1,15 +1,19 @@
 """Proof, not sample, of continuous coverage: every moment of a span and every point of a region."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from compass.core.certificate import PROVEN, REFUTED, settle
+from compass.core.certificate import KEPT, PROVEN, REFUTED, UNDECIDED, settle
 from compass.coverage.cap import cap_radius
 from compass.coverage.fold import caps_of, fold_extremes
 from compass.coverage.motion import motion_of
 from compass.coverage.region import GLOBE, Region
+from compass.coverage.stretches import revolutions
 from compass.coverage.symmetry import Span, shortest_span
 from compass.coverage.witness import Witness, find_witness
 from compass.errors import ArgumentError
@@ -89,6 +93,7 @@ def prove_fold(
     stretch: float = 1.0,
     tolerance: float = TOLERANCE,
     max_intervals: int = MAX_INTERVALS,
+    progress: Callable[[Sequence[Any]], Any] = iter,
 ) -> Certificate:
     """Prove or refute that `fold` satellites are above the mask everywhere, all the time.
 
@@ -112,6 +117,8 @@ def prove_fold(
         narrowed by halving bands of latitude, and the witness is confirmed on the ellipsoid.
     tolerance, max_intervals
         When to give up, see `Certificate`; margins below the tolerance stay undecided.
+    progress
+        Wraps the list of revolutions, as tqdm does.
 
     Raises
     ------
@@ -121,8 +128,8 @@ def prove_fold(
     _check(constellation, fold, sphere_radius, mask)
     span = span or shortest_span(constellation, region)
     figure = (sphere_radius, stretch)
-    outcome, nodes, parts, unsettled, time, point, _ = _settle(
-        constellation, figure, mask, region, span, True, fold, tolerance, max_intervals
+    outcome, nodes, unsettled, time, point, _ = _settle(
+        constellation, figure, mask, region, span, True, fold, tolerance, max_intervals, progress
     )
     if outcome == PROVEN:
         return Certificate(Outcome.PROVEN, fold, span, region, nodes, tolerance)
@@ -137,8 +144,8 @@ def prove_fold(
         )
         if witness:
             return Certificate(Outcome.REFUTED, fold, span, region, nodes, tolerance, witness)
-        unsettled, parts = np.array([[time, time]]), 1
-    kept = tuple((float(a), float(b)) for a, b in unsettled[:parts])
+        unsettled = [(time, time)]
+    kept = tuple(unsettled)
     return Certificate(Outcome.UNDECIDED, fold, span, region, nodes, tolerance, None, kept)
 
 
@@ -153,12 +160,13 @@ def fold_range(
     stretch: float = 1.0,
     tolerance: float = 1e-7,
     max_intervals: int = 20_000,
+    progress: Callable[[Sequence[Any]], Any] = iter,
 ) -> tuple[tuple[int, int], tuple[int, int]]:
     """Least and greatest fold over a region and all the time of a span, each as bounds.
 
     Parameters
     ----------
-    constellation, sphere_radius, mask, region, span, stretch, tolerance, max_intervals
+    constellation, sphere_radius, mask, region, span, stretch, tolerance, max_intervals, progress
         As in `prove_fold`, with its errors.
     greatest
         Whether to settle the greatest too; else its bounds are those of the first moment and
@@ -192,7 +200,16 @@ def fold_range(
         outcome, unsure = -1, False
         while outcome != PROVEN:
             outcome, *_, found = _settle(
-                constellation, figure, mask, region, span, low, k, tolerance, max_intervals
+                constellation,
+                figure,
+                mask,
+                region,
+                span,
+                low,
+                k,
+                tolerance,
+                max_intervals,
+                progress,
             )
             if outcome == REFUTED:
                 k = reached = int(found)
@@ -214,30 +231,44 @@ def _settle(
     k: int,
     tolerance: float,
     max_intervals: int,
-) -> tuple:
-    """Run the kernel on a claim; `figure` is the equatorial radius and the stretch."""
+    progress: Callable[[Sequence[Any]], Any],
+) -> tuple[int, int, list[tuple[float, float]], float, NDArray[np.float64], int]:
+    """Run the kernel on a claim; `figure` is the equatorial radius and the stretch.
+
+    Returns
+    -------
+    outcome, nodes, unsettled, time, point, fold
+        As of the kernel, of all revolutions together.
+    """
     sphere_radius, stretch = figure
     motion = motion_of(constellation, span, region, about_pole=stretch != 1.0)
     flat = region.stretched(stretch)
-    return settle(
-        motion.orbits,
-        motion.poles,
-        motion.gm,
-        sphere_radius,
-        stretch,
-        mask,
-        motion.spin,
-        motion.frame_angle,
-        motion.frame_error * stretch,
-        flat.normals,
-        flat.floors,
-        low,
-        k,
-        span.start,
-        span.stop,
-        tolerance,
-        max_intervals,
-    )
+    nodes, unsettled = 0, list[tuple[float, float]]()
+    for start, stop in progress(revolutions(constellation, span.start, span.stop)):
+        outcome, looked, parts, open_, time, point, fold = settle(
+            motion.orbits,
+            motion.poles,
+            motion.gm,
+            sphere_radius,
+            stretch,
+            mask,
+            motion.spin,
+            motion.frame_angle,
+            motion.frame_error * stretch,
+            flat.normals,
+            flat.floors,
+            low,
+            k,
+            start,
+            stop,
+            tolerance,
+            max_intervals - nodes,
+        )
+        nodes += int(looked)
+        unsettled += [(float(a), float(b)) for a, b in open_[: min(parts, KEPT)]]
+        if outcome == REFUTED:
+            return REFUTED, nodes, unsettled[:KEPT], float(time), point, int(fold)
+    return UNDECIDED if unsettled else PROVEN, nodes, unsettled[:KEPT], 0.0, np.zeros(3), 0
 
 
 def _check(constellation: Constellation, fold: int, sphere_radius: float, mask: float) -> None:

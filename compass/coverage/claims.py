@@ -15,19 +15,21 @@ SQUARE = 2e-5
 
 @dataclass(frozen=True)
 class Claim:
-    """A part of a sphere over which satellites are to stand above a mask.
+    """A part of a sphere, or of an ellipsoid, over which satellites are to stand above a mask.
 
     Attributes
     ----------
     name
         What to call it.
     radius
-        Of the sphere, m.
+        Of the sphere, or of the equator, m.
     lowest, highest
         Elevations between which the mask lies, radians: what holds over the highest holds, what
         fails over the lowest fails.
     region
         The part.
+    stretch
+        Ratio of the equatorial radius to the polar one: 1 for a sphere.
     """
 
     name: str
@@ -35,10 +37,11 @@ class Claim:
     lowest: float
     highest: float
     region: Region = GLOBE
+    stretch: float = 1.0
 
 
 def claims_of(design: Design, requirement: Requirement) -> tuple[Claim, ...]:
-    """Claims that stand for the places of a requirement; of regions on a sphere.
+    """Claims that stand for the places of a requirement; of regions on the design's figure.
 
     A site stands for the points of a small square about it, on the sphere through it: its up leans
     from the radius by a known angle, which the mask is raised by to prove and lowered by to refute.
@@ -49,7 +52,9 @@ def claims_of(design: Design, requirement: Requirement) -> tuple[Claim, ...]:
     radius = design.figure.equatorial_radius + requirement.altitude
     regions = requirement.regions or (() if requirement.sites else ("globe",))
     claims = [
-        Claim(text, radius, low, high, region) for text in regions for region in read_regions(text)
+        Claim(text, radius, low, high, region, design.figure.stretch)
+        for text in regions
+        for region in read_regions(text)
     ]
     users = users_of(design, requirement)
     for site, each in zip(requirement.sites, users, strict=False):

@@ -86,6 +86,7 @@ def continuous_coverage(
     losses: int = 0,
     progress: Callable[[Sequence[Any]], Any] = iter,
     begin: Callable[[str, float], None] = lambda step, revolutions: None,
+    watch: Callable[[Sequence[Any]], Any] = iter,
 ) -> ContinuousCoverage:
     """Settle continuous coverage, and how far it is from failing or from holding.
 
@@ -107,6 +108,8 @@ def continuous_coverage(
     begin
         Told each of `STEPS` before it is settled, and over how many revolutions of the fastest
         satellite, which is what it costs.
+    watch
+        Wraps the list of revolutions of every proof, as tqdm does.
 
     Raises
     ------
@@ -121,15 +124,23 @@ def continuous_coverage(
         unlike_subsets(c, losses, region, duration)  # refuse too many before any work
     turns = _revolutions(c, span)
     begin(STEPS[0], turns)
-    outcome, certificate = _settle(c, fold, sphere, mask, region, span, stretch)
+    outcome, certificate = _settle(c, fold, sphere, mask, region, span, stretch, watch)
     begin(STEPS[1], turns)
     # caps are alike on a sphere only
     high, globe, alike = mask.highest, region.is_globe, one_circle(c) and stretch == 1.0
     least, greatest = fold_range(
-        c, sphere_radius=sphere, mask=high, region=region, span=span, stretch=stretch
+        c,
+        sphere_radius=sphere,
+        mask=high,
+        region=region,
+        span=span,
+        stretch=stretch,
+        progress=watch,
     )
     begin(STEPS[2], turns)
-    worst = covering_radius(c, fold, span=span) if globe and stretch == 1.0 else None
+    worst = None
+    if globe and stretch == 1.0:
+        worst = covering_radius(c, fold, span=span, progress=watch)
     shares = (
         mean_fold_shares(c, sphere_radius=sphere, mask=high, span=span) if globe and alike else None
     )
@@ -146,6 +157,7 @@ def continuous_coverage(
         duration=duration,
         stretch=stretch,
         guess=guess,
+        progress=watch,
     )
     lost = tuple(
         tuple(
@@ -164,7 +176,15 @@ def continuous_coverage(
         for number in range(1, losses + 1)
     )
     begin(STEPS[4], turns)
-    margin = highest_mask(c, fold, sphere_radius=sphere, region=region, span=span, stretch=stretch)
+    margin = highest_mask(
+        c,
+        fold,
+        sphere_radius=sphere,
+        region=region,
+        span=span,
+        stretch=stretch,
+        progress=watch,
+    )
     return ContinuousCoverage(
         outcome=outcome,
         certificate=certificate,
@@ -194,12 +214,20 @@ def _settle(
     region: Region,
     span: Span,
     stretch: float,
+    watch: Callable[[Sequence[Any]], Any],
 ) -> tuple[Outcome, Certificate]:
     """Outcome and certificate of the claim, between the highest and the lowest of the mask."""
 
     def with_constant(elevation: float) -> Certificate:
         return prove_fold(
-            c, fold, sphere_radius=sphere, mask=elevation, region=region, span=span, stretch=stretch
+            c,
+            fold,
+            sphere_radius=sphere,
+            mask=elevation,
+            region=region,
+            span=span,
+            stretch=stretch,
+            progress=watch,
         )
 
     highest = with_constant(mask.highest)

@@ -53,8 +53,9 @@ def not_followed(design: Design, requirement: Requirement) -> str:
     if requirement.share < 1.0 or requirement.losses:
         what = "shares" if requirement.share < 1.0 else "losses"
         return f"{what} along real paths are not bracketed"
-    if (requirement.regions or not requirement.sites) and not design.figure.is_sphere:
-        return "regions along real paths are proven on a sphere; name one as figure"
+    regions = requirement.regions or not requirement.sites
+    if regions and requirement.altitude and not design.figure.is_sphere:
+        return "users above an ellipsoid are not looked at along real paths; name a sphere"
     return ""
 
 
@@ -62,6 +63,7 @@ def claim_lasts(path: Trajectory, fold: int, claim: Claim, start: float, stop: f
     """How long a claim is proven along paths; lost only if it is over its lowest mask too."""
     asked: dict[str, Any] = {
         "sphere_radius": claim.radius,
+        "stretch": claim.stretch,
         "region": claim.region,
         "start": start,
         "stop": stop,

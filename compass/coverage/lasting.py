@@ -3,8 +3,10 @@
 Nothing but the paths counts: no symmetry, no label.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,8 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from compass.core.lasting import (
     ABOUT_POLE,
     FREE,
+    KEPT,
     LOST,
-    PROVEN,
+    UNDECIDED,
     WITH_MARS,
     first_loss,
     least_margin,
@@ -22,6 +25,7 @@ from compass.core.lasting import (
 from compass.coverage.cap import cap_radius
 from compass.coverage.certificate import Outcome
 from compass.coverage.region import GLOBE, Region
+from compass.coverage.stretches import between_breaks
 from compass.coverage.witness import Witness, witness_among
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY, mcmf_from_mci, prime_meridian_angle
@@ -36,6 +40,9 @@ TOLERANCE = 1e-9
 
 #: Intervals to look at before giving up: minutes for 15 satellites.
 MAX_INTERVALS = 4_000_000
+
+#: Bands of latitude, sines, that are halved no further where an ellipsoid's caps are too vague.
+NARROWEST = 0.02
 
 
 @dataclass(frozen=True)
@@ -65,6 +72,8 @@ class Lasting:
         What the paths stand for.
     estimated
         How their error was estimated, if it is no bound.
+    stretch
+        Ratio of the equatorial radius of the users' figure to the polar one.
     """
 
     outcome: Outcome
@@ -79,6 +88,7 @@ class Lasting:
     intervals: int
     source: str
     estimated: str
+    stretch: float = 1.0
 
     @property
     def days_proven(self) -> float:
@@ -100,7 +110,9 @@ def prove_span(
     region: Region = GLOBE,
     start: float | None = None,
     stop: float | None = None,
+    stretch: float = 1.0,
     max_intervals: int = MAX_INTERVALS,
+    progress: Callable[[Sequence[Any]], Any] = iter,
 ) -> Lasting:
     """Prove that `fold` satellites are above the mask everywhere over a span, or find the loss.
 
@@ -119,8 +131,14 @@ def prove_span(
         Where.
     start, stop
         Seconds after the epoch; the ends of the paths if left out.
+    stretch
+        Ratio of the equatorial radius, `sphere_radius`, to the polar one: 1 for a sphere. On an
+        ellipsoid elevations are over its normal; where bounds on its caps are too wide to decide,
+        bands of latitude are halved.
     max_intervals
         When to give up.
+    progress
+        Wraps the list of days, as tqdm does.
 
     Raises
     ------
@@ -130,31 +148,83 @@ def prove_span(
     """
     begin, end = _span(path, start, stop)
     _check(path, fold, sphere_radius, mask, begin, end)
-    arrays = _arrays(path, sphere_radius, mask, region)
-    outcome, nodes, proven, lost, place, parts, unsettled = first_loss(
-        *arrays, fold, begin, end, RESOLUTION, TOLERANCE, max_intervals
-    )
+    figure, nodes = (sphere_radius, stretch, mask), 0
+    proven, lost, place = begin, np.inf, np.zeros(3)
+    open_: list[tuple[float, float]] = []
+    for left, right in progress(between_breaks(path.breaks, begin, end, SECONDS_PER_DAY)):
+        looked, until, lost, place, parts = _bands(
+            path, figure, region, fold, left, right, max_intervals - nodes
+        )
+        proven = proven if open_ else until
+        open_ += parts
+        nodes += looked
+        if lost < np.inf:
+            break
+    kept = sorted(open_)[:KEPT]
     witness = None
-    if outcome == LOST:
-        witness = _confirm(path, fold, sphere_radius, mask, region, lost, place)
-    result = {PROVEN: Outcome.PROVEN, LOST: Outcome.REFUTED}.get(outcome, Outcome.UNDECIDED)
-    kept = [(float(a), float(b)) for a, b in unsettled[: min(parts, len(unsettled))]]
-    if outcome == LOST and witness is None:
-        result, lost, kept = Outcome.UNDECIDED, np.inf, [*kept, (float(proven), float(end))]
+    if lost < np.inf:
+        witness = _confirm(path, fold, figure, region, lost, place)
+        if witness is None:
+            lost, kept = np.inf, [*kept, (proven, end)]
+    result = Outcome.PROVEN if not kept else Outcome.UNDECIDED
     return Lasting(
-        result,
+        Outcome.REFUTED if witness else result,
         fold,
         region,
         begin,
         end,
-        float(proven),
+        proven,
         float(lost) if np.isfinite(lost) else None,
         witness,
         tuple(kept),
-        int(nodes),
+        nodes,
         path.source,
         path.estimated,
+        stretch,
     )
+
+
+def _bands(
+    path: Trajectory,
+    figure: tuple[float, float, float],
+    region: Region,
+    fold: int,
+    start: float,
+    stop: float,
+    max_intervals: int,
+) -> tuple[int, float, float, NDArray[np.float64], list[tuple[float, float]]]:
+    """Settle a stretch of time in bands of latitude, halved while their caps are too vague.
+
+    Returns
+    -------
+    nodes, proven, lost, place, unsettled
+        As of `first_loss`, of all bands together.
+    """
+    stretch, nodes, lost, place = figure[1], 0, np.inf, np.zeros(3)
+    proven, unsettled = stop, list[tuple[float, float]]()
+    bands = [(-1.0, 1.0)]
+    while bands:
+        south, north = bands.pop()
+        outcome, looked, until, end, point, parts, open_ = first_loss(
+            *_arrays(path, *figure, region, (south, north)),
+            fold,
+            start,
+            min(stop, lost),
+            RESOLUTION,
+            TOLERANCE,
+            max(max_intervals - nodes, 0),
+        )
+        nodes += int(looked)
+        vague = outcome == UNDECIDED or (outcome == LOST and end - until > RESOLUTION)
+        if stretch != 1.0 and vague and north - south > NARROWEST and nodes < max_intervals:
+            waist = 0.5 * (south + north)
+            bands += [(waist, north), (south, waist)]
+            continue
+        proven = min(proven, float(until))
+        unsettled += [(float(a), float(b)) for a, b in open_[: min(parts, len(open_))]]
+        if outcome == LOST:
+            lost, place = float(end), point
+    return nodes, proven, lost, place, unsettled
 
 
 def margins_at(
@@ -174,7 +244,7 @@ def margins_at(
     """
     seconds = np.atleast_1d(np.asarray(times, dtype=float))
     check_span(path, float(seconds.min()), float(seconds.max()))
-    arrays = _arrays(path, sphere_radius, mask, region)
+    arrays = _arrays(path, sphere_radius, 1.0, mask, region)
     return np.asarray(margins(*arrays, fold, seconds, tolerance))
 
 
@@ -190,7 +260,7 @@ def least_margins(
 ) -> NDArray[np.float64]:
     """Least margin between each moment and the next: proven bounds, radians, shape (t - 1, 2)."""
     seconds = np.asarray(edges, dtype=float)
-    arrays = _arrays(path, sphere_radius, mask, region)
+    arrays = _arrays(path, sphere_radius, 1.0, mask, region)
     found = [
         least_margin(*arrays, fold, a, b, tolerance, MAX_INTERVALS)[:2]
         for a, b in pairwise(seconds)
@@ -222,33 +292,47 @@ def _check(
     cap_radius(np.linalg.norm(r, axis=-1), sphere_radius, mask)
 
 
-def _arrays(path: Trajectory, sphere_radius: float, mask: float, region: Region) -> tuple:
-    """What all kernels take first."""
-    frame = WITH_MARS if region.mars_fixed else FREE if region.is_globe else ABOUT_POLE
+def _arrays(
+    path: Trajectory,
+    sphere_radius: float,
+    stretch: float,
+    mask: float,
+    region: Region,
+    band: tuple[float, float] = (-1.0, 1.0),
+) -> tuple:
+    """What all kernels take first; `band` holds sines of latitude on the stretched sphere."""
+    anyhow = region.is_globe and stretch == 1.0
+    frame = WITH_MARS if region.mars_fixed else FREE if anyhow else ABOUT_POLE
     turns = prime_meridian_angle(path.epoch, path.breaks)
+    flat, (south, north) = region.stretched(stretch), band
+    normals, floors = flat.normals, flat.floors
+    for sign, rim in ((1.0, south), (-1.0, -north)):
+        if rim > -1.0:
+            normals, floors = np.vstack([normals, [0.0, 0.0, sign]]), np.append(floors, rim)
     return (
         path.breaks,
         path.paths,
         path.errors,
         turns,
         frame,
-        sphere_radius,
-        mask,
-        region.normals,
-        region.floors,
+        (float(sphere_radius), float(stretch), float(mask), float(south), float(north)),
+        normals,
+        floors,
     )
 
 
 def _confirm(
     path: Trajectory,
     fold: int,
-    sphere_radius: float,
-    mask: float,
+    figure: tuple[float, float, float],
     region: Region,
     time: float,
     place: NDArray[np.float64],
 ) -> Witness | None:
     """Witness at a place that the kernel found, in the frame of the region; None if in doubt."""
+    sphere_radius, stretch, mask = figure
+    place = place / [1.0, 1.0, stretch]
+    place /= np.linalg.norm(place)
     angle = float(prime_meridian_angle(path.epoch, time))
     start = mcmf_from_mci(place, -angle) if region.mars_fixed else place
     piece = int(np.clip(np.searchsorted(path.breaks, time) - 1, 0, len(path.errors) - 1))
@@ -257,8 +341,8 @@ def _confirm(
     # is that of the rim of its cap for one that stands near the mask
     rim = sphere_radius * np.cos(mask)
     near = np.sqrt((positions * positions).sum(axis=-1) - rim * rim) - sphere_radius * np.sin(mask)
-    sure = 1e-12 + float((path.errors[piece] / near).max())
+    sure = 1e-12 + stretch**2 * float((path.errors[piece] / near).max())
     names = path.satellite_names
     return witness_among(
-        positions, names, angle, sphere_radius, mask, fold, time, start, region, sure
+        positions, names, angle, sphere_radius, mask, fold, time, start, region, sure, stretch
     )

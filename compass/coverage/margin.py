@@ -12,6 +12,7 @@ from compass.coverage.cap import mask_for_cap
 from compass.coverage.certificate import fold_range, prove_fold
 from compass.coverage.motion import motion_of
 from compass.coverage.region import GLOBE, Region
+from compass.coverage.stretches import revolutions
 from compass.coverage.symmetry import Span, shortest_span, unlike_subsets
 from compass.orbits import Constellation
 from compass.orbits.symmetry import one_circle
@@ -49,27 +50,35 @@ def covering_radius(
     span: Span | None = None,
     tolerance: float = TOLERANCE,
     max_intervals: int = 1_000_000,
+    progress: Callable[[Sequence[Any]], Any] = iter,
 ) -> CoveringRadius:
     """Bracket lambda_min: the greatest distance to the `fold`-th nearest satellite, any time.
 
     Refined in time by bisection, with bounds from the satellites' rates, not sampled: the
     bracket is proven (to rounding) and at most `tolerance` wide unless `max_intervals` is met.
+    `progress` wraps the list of revolutions, as tqdm does.
     """
     span = span or shortest_span(constellation)
     motion = motion_of(constellation, span)
-    least, most, time, place, _ = worst_radius(
-        motion.orbits,
-        motion.poles,
-        motion.gm,
-        motion.spin,
-        fold,
-        span.start,
-        span.stop,
-        0.9 * tolerance,
-        np.inf,
-        max_intervals,
-    )
-    return CoveringRadius(float(most) + span.mismatch, float(least), float(time), place)
+    least, most, time, place, nodes = -1.0, 0.0, span.start, np.zeros(3), 0
+    for start, stop in progress(revolutions(constellation, span.start, span.stop)):
+        reached, bound, when, where, looked = worst_radius(
+            motion.orbits,
+            motion.poles,
+            motion.gm,
+            motion.spin,
+            fold,
+            start,
+            stop,
+            least,
+            0.9 * tolerance,
+            np.inf,
+            max_intervals - nodes,
+        )
+        if reached > least:
+            least, time, place = float(reached), float(when), where
+        most, nodes = max(most, float(bound)), nodes + int(looked)
+    return CoveringRadius(most + span.mismatch, least, time, place)
 
 
 def highest_mask(
@@ -81,6 +90,7 @@ def highest_mask(
     span: Span | None = None,
     stretch: float = 1.0,
     tolerance: float = TOLERANCE,
+    progress: Callable[[Sequence[Any]], Any] = iter,
 ) -> float | None:
     """Highest elevation mask with continuous `fold`-fold coverage, radians; it may be negative.
 
@@ -93,7 +103,9 @@ def highest_mask(
         return None
     low, high = -np.pi / 2 + 1e-9, np.pi / 2 - 1e-9
     if region.is_globe and one_circle(constellation):
-        radius = covering_radius(constellation, fold, span=span, tolerance=0.5 * tolerance).radius
+        radius = covering_radius(
+            constellation, fold, span=span, tolerance=0.5 * tolerance, progress=progress
+        ).radius
         mask = float(mask_for_cap(radius, constellation.semi_major_axis[0], sphere_radius))
         if stretch == 1.0:
             return mask
@@ -109,6 +121,7 @@ def highest_mask(
             span=span,
             stretch=stretch,
             tolerance=0.1 * tolerance,
+            progress=progress,
         )
 
     if not holds(low):
@@ -147,6 +160,7 @@ def lowest_orbit(
     duration: float | None = None,
     stretch: float = 1.0,
     guess: float | None = None,
+    progress: Callable[[Sequence[Any]], Any] = iter,
 ) -> float | None:
     """Altitude down to which circular orbits of one radius keep continuous coverage, metres.
 
@@ -164,6 +178,8 @@ def lowest_orbit(
         As in `shortest_span`.
     guess
         Where to begin, metres; the answer does not depend on it.
+    progress
+        As in `prove_fold`.
     """
     c = constellation
     if not one_circle(c) or c.size < fold or region.mars_fixed:
@@ -182,6 +198,7 @@ def lowest_orbit(
             region=region,
             span=shortest_span(lower, region, duration),
             stretch=stretch,
+            progress=progress,
         )
 
     high, low = max(2.0, np.ceil(about / unit)), 1.0

@@ -87,7 +87,8 @@ def _follow(
     found = [(claim_lasts(path, fold, claim, start, stop), claim) for claim in claims]
     lasting, claim = min(found, key=lambda one: one[0].proven_until)
     c = design.constellation
-    if not has_slots(c) or c.size < fold:
+    flat = any(each.stretch != 1.0 for each in claims)  # room is known on spheres only
+    if not has_slots(c) or c.size < fold or flat:
         return Promise(requirement, claim.name, lasting)
     slots = [slots_for(c, fold, each.region) for each in claims]
     if not all(each.cover for each in slots):

@@ -143,6 +143,7 @@ class Motion:
                 epoch=c.epoch,
                 satellite_names=c.satellite_names,
                 source=self.title,
+                progress=progress,
             )
         if start < 0.0 < stop:
             raise ArgumentError("span: orbits under forces are followed one way from the epoch")

@@ -4,9 +4,11 @@ However it came about (by forces, by a formula, from a table), a trajectory answ
 questions: where at a time, from when to when, how far from the truth, and how fast at most.
 """
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -222,6 +224,7 @@ def integrate(
     ).max(initial=1e-9)
     tables = forces.tables(sky or sky_of(epoch, 0.5 * (start + stop)), start, stop)
     wish, longest, time = FIRST / turn, 4.0 * FIRST / turn, start
+    _check_memory(len(states), start, stop, wish)
     parts: list[tuple[NDArray[np.float64], ...]] = []
     count = max(int(np.ceil(abs(stop - start) / WINDOW)), 1)
     ends = np.linspace(start, stop, count + 1)[1:]
@@ -276,6 +279,7 @@ def through(
     satellite_names: Sequence[str],
     source: str,
     tolerance: float = TOLERANCE,
+    progress: Callable[[Sequence[Any]], Any] = iter,
 ) -> Trajectory:
     """Trajectory through the positions that a formula gives.
 
@@ -295,11 +299,41 @@ def through(
         As in `Trajectory`.
     tolerance
         Metres.
+    progress
+        Wraps the list of windows of many stretches, as tqdm does.
+
+    Raises
+    ------
+    ArgumentError
+        More stretches than this machine has memory for.
     """
+    _check_memory(len(satellite_names), start, stop, piece)
+    count = max(int(np.ceil((stop - start) / (CHUNK * piece))), 1)
+    edges = np.linspace(start, stop, count + 1)
+    windows = progress(list(pairwise(edges.tolist())))
+    parts = [_polynomials(positions, left, right, piece, tolerance) for left, right in windows]
+    return Trajectory(
+        _frozen(np.concatenate([[start], *(breaks[1:] for breaks, _, _ in parts)])),
+        _frozen(np.concatenate([paths for _, paths, _ in parts])),
+        _frozen(np.concatenate([errors for _, _, errors in parts])),
+        epoch,
+        tuple(satellite_names),
+        source,
+    )
+
+
+def _polynomials(
+    positions: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    start: float,
+    stop: float,
+    piece: float,
+    tolerance: float,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Breaks, coefficients and errors of the stretches of a window, as `through` describes."""
     nodes, weights = legendre.leggauss(NODES + 2)
     values = legendre.legvander(nodes, NODES + 1)
     to_series = (np.arange(NODES + 2) + 0.5)[:, None] * values.T * weights
-    count = max(int(np.ceil((stop - start) / piece)), 1)
+    count, before = max(int(np.ceil((stop - start) / piece)), 1), np.inf
     while True:
         breaks = np.linspace(start, stop, count + 1)
         middle, half = 0.5 * (breaks[1:] + breaks[:-1]), 0.5 * np.diff(breaks)
@@ -307,20 +341,23 @@ def through(
         r = positions(times.ravel())
         found = np.einsum("kj,npjc->pnck", to_series, r.reshape(len(r), count, NODES + 2, 3))
         errors = np.abs(found[..., -2:]).sum(axis=(-1, -2))
-        # a phase that has grown for long is no better than its own rounding, however short the
-        # stretches: halving for less would go on for ever
-        phase = 1.0 + max(abs(start), abs(stop)) / piece
-        grain = 8.0 * np.finfo(float).eps * phase * np.abs(found[..., 0]).max(initial=0.0)
-        if errors.max(initial=0.0) <= max(tolerance, grain) or half[0] < 1.0:
-            break
-        count *= 2
-    # phases of up to 1e4 turns are good to 7e-12, interpolation to a hundred roundoffs
-    rounding = 1e-11 * np.abs(found).sum(axis=(-1, -2))
-    return Trajectory(
-        _frozen(breaks),
-        _frozen(found),
-        _frozen(errors + rounding),
-        epoch,
-        tuple(satellite_names),
-        source,
-    )
+        # phases of 1e3 turns are good to 7e-13, which the last terms see tenfold
+        turns = max(abs(start), abs(stop)) / (2.0 * np.pi * piece)
+        rounding = 1e-11 * max(1.0, 1e-3 * turns) * np.abs(found).sum(axis=(-1, -2))
+        worst = float(np.max(errors - rounding, initial=0.0))
+        # what is little and does not fall off as stretches do is rounding too
+        little = worst < 1e-9 * float(np.abs(found).max(initial=0.0))
+        if worst <= tolerance or (little and worst > 0.25 * before):
+            return breaks, found, errors + rounding
+        count, before = 2 * count, worst
+
+
+def _check_memory(satellites: int, start: float, stop: float, stretch: float) -> None:
+    """Refuse a span whose polynomials, held twice while they are joined, do not fit here."""
+    needed = 2 * 8 * 3 * (NODES + 2) * satellites * abs(stop - start) / stretch
+    there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    if needed > 0.9 * there:
+        raise ArgumentError(
+            f"days = {abs(stop - start) / SECONDS_PER_DAY:g}: the paths of {satellites} satellites "
+            f"would take {needed / 1e9:.3g} GB, this machine has {there / 1e9:.3g}; ask for fewer"
+        )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import compass
+from compass.document import Bracket, Value
 from compass.document.blocks import Picture, Section, Sentence, Table, arranged
 from compass.inputs.merit import MERITS, STAGES
 from compass.inputs.study import Constraint, Free, Study
@@ -31,6 +32,7 @@ from compass.pages.trade_pictures import (
     sensitivity_pictures,
     share_picture,
 )
+from compass.study.bounds import bounded_figures, ends
 from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, finalists_of, notation, rows_in
 from compass.study.results import known_figures, read_results
@@ -195,6 +197,14 @@ def _fronts(study: Study, results: "xr.Dataset", pictures: Sequence[Picture]) ->
     )
     if how := sampled_over(study, known_figures(study)):
         text += f" Sampled: {how}; what differs by less than another sampling would has no order."
+    if bounded := bounded_figures(study):
+        titles = ", ".join(MERITS[name].title for name in bounded)
+        open_ = int((~front.decided.values).sum())
+        text += (
+            f" Of those that may be of the front, {titles} lie between proven bounds, for all "
+            f"time, brought as near as it takes to tell who is: of {open_ or 'none'} that is "
+            "not decided within the budget. Bars show the bounds."
+        )
     return arranged("Pareto fronts", (text,), pictures, (table,))
 
 
@@ -206,11 +216,21 @@ def _candidate_table(title: str, study: Study, some: "xr.Dataset") -> Table:
     rows = [
         (
             notation(make_constellation(row)).replace(" ", "\N{NO-BREAK SPACE}"),
-            *(number(float(some[name].values[k])) for name in names),
+            *(_cell(study, some, name, k) for name in names),
         )
         for k, row in enumerate(rows_in(some))
     ]
     return Table(title, ("constellation", *labels), tuple(rows))
+
+
+def _cell(study: Study, some: "xr.Dataset", name: str, k: int) -> object:
+    """A figure of a candidate, between its bounds where it has any."""
+    value = float(some[name].values[k])
+    if name in bounded_figures(study):
+        low, high = (float(some[end].values[k]) for end in ends(name))
+        if np.isfinite(high - low):
+            return Value(MERITS[name].quantity, value, Bracket(low, high))
+    return number(value)
 
 
 def _best(study: Study, results: "xr.Dataset") -> Section:

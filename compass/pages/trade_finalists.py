@@ -10,7 +10,7 @@ import numpy as np
 from compass.api.keep import keep
 from compass.coverage.certificate import prove_fold
 from compass.design import Design
-from compass.document import Answer, Answers, Sentence
+from compass.document import Answer, Answers, Bracket, Sentence, Value
 from compass.document.blocks import Interactive, Section, Table, arranged
 from compass.document.numbers import significant
 from compass.errors import ArgumentError
@@ -156,6 +156,10 @@ def answer_section(
             else f"; {measure.role} has {worth(o.figure, measure.figures[o.figure])}"
         )
         sure = f"sampled over {how}" + (f", ± {error:.2g}" if error else "") if how else "exact"
+        if o.figure in first.brackets:
+            bracket = Bracket(*first.brackets[o.figure])
+            known = Value(MERITS[o.figure].quantity, first.figures[o.figure], bracket)
+            sure = f"proven, for all time: {known}"
         title = MERITS[o.figure].title
         rows.append(Answer(title[0].upper() + title[1:], value, None, sure + beside))
     rows.append(_lasts(chosen[0]))
@@ -208,6 +212,7 @@ def against(study: Study, one: Finalist, other: Finalist | Yardstick) -> str:
     """
     words = {
         -1: "better in", 1: "worse in", 0: "equal in", None: "not told apart by the sampling in",
+        "open": "not told apart by proven bounds in",
         "nan": "not comparable in",
     }  # fmt: skip
     groups: dict[Any, list[str]] = {word: [] for word in words}
@@ -217,9 +222,12 @@ def against(study: Study, one: Finalist, other: Finalist | Yardstick) -> str:
         text = MERITS[o.figure].title
         if order not in (0, "nan"):
             text += f": {worth(o.figure, a)} against {worth(o.figure, b)}{change(a, b)}"
+            both = o.figure in one.brackets and o.figure in other.brackets
+            order = "open" if order is None and both else order
             if how := sampling_of(study, o.figure):
+                how = "between proven bounds" if both else f"sampled over {how}"
                 doubt = one.errors.get(o.figure, 0.0) + other.errors.get(o.figure, 0.0)
-                text += f", sampled over {how}" + (f", to {doubt:.2g}" if doubt else "")
+                text += f", {how}" + (f", to {doubt:.2g}" if doubt else "")
         groups[order].append(text)
     return "; ".join(f"{words[key]} {', '.join(some)}" for key, some in groups.items() if some)
 

@@ -12,6 +12,14 @@ def _error(name: str, title: str, meaning: str) -> Quantity:
 
 
 SIGNAL = (
+    Quantity(
+        "standing_error_m", "m", "position error, standing still", 3, "less",
+        meaning="Of the place in space, one sigma, from all ranges and Doppler gathered so far.",
+    ),
+    Quantity(
+        "until_goal_h", "h", "time until the goal", 3, "less",
+        meaning="Of standing still until the place is known as well as wanted, and stays so.",
+    ),
     Quantity("elevation_deg", "deg", "elevation", 4, meaning="Of the satellite over the horizon."),
     Quantity(
         "range_error_m", "m", "range error", 3, "less",

@@ -60,6 +60,9 @@ MAKERS = {
     "keep": lambda designs, _: compass.keep(designs / SEED, years=0.1),
     "deploy": lambda designs, _: compass.deploy(designs / SEED),
     "determine": lambda designs, _: compass.determine(designs / "tracked-15-5-1.toml", days=0.1),
+    "locate": lambda designs, _: compass.locate(
+        designs / "tracked-15-5-1.toml", site="rover=18.4,77.5", hours=0.2
+    ),
     "horizon": horizon,
     "optimize": lambda designs, _: optimize(designs),
     "trade": lambda designs, folder: compass.trade(

@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compass.core.lasting import FREE, caps_between
+from compass.core.lasting import ABOUT_POLE, FREE, caps_between
 from compass.core.nearest import covering_radius
 from compass.core.path import piece_of, pull_bound
 from compass.coverage.cap import cap_radius
 from compass.coverage.certificate import Outcome, prove_fold
-from compass.coverage.fold import fold_extremes
+from compass.coverage.fold import clearances, fold_extremes
 from compass.coverage.lasting import least_margins, margins_at, prove_span
 from compass.coverage.margin import highest_mask
 from compass.coverage.region import convex_polygon, latitude_band
@@ -154,8 +154,8 @@ def test_no_cap_strays_further_than_its_bound(when, half, places):
     u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty((n, 2))
     pulls = np.array([pull_bound(OVAL.breaks, OVAL.paths, piece, s) for s in range(n)])
     known = caps_between(
-        OVAL.breaks, OVAL.paths, OVAL.errors, pulls, np.zeros(len(OVAL.breaks)), FREE, SPHERE, 0.1,
-        piece, middle, half, u, radius, stray,
+        OVAL.breaks, OVAL.paths, OVAL.errors, pulls, np.zeros(len(OVAL.breaks)), FREE,
+        (SPHERE, 1.0, 0.1, -1.0, 1.0), piece, middle, half, u, radius, stray,
     )  # fmt: skip
     if not known:
         return
@@ -232,3 +232,56 @@ def test_bad_claims_are_refused(more, message):
     given = {"fold": 1, "sphere_radius": SPHERE} | more
     with pytest.raises(ArgumentError, match=message):
         prove_span(path_of(few(), 1.0), given.pop("fold"), **given)
+
+
+def test_on_an_ellipsoid_the_highest_mask_is_the_one_found_by_symmetry():
+    """Two proofs that share no bound on how caps move."""
+    c = walker_delta(6, 1, 0, inclination_deg=0, radius_km=20427)
+    figure = {"sphere_radius": SPHERE, "stretch": 3396.19 / 3376.2}
+    region = latitude_band(-0.3, 0.4)
+    highest = highest_mask(c, 1, region=region, **figure)
+    path = path_of(c, 0.005)
+
+    def found(mask):
+        return prove_span(path, 1, mask=mask, region=region, **figure)
+
+    assert found(highest - VAGUE).outcome is Outcome.PROVEN
+    lost = found(highest + VAGUE)
+    assert lost.outcome is Outcome.REFUTED
+    assert lost.stretch == figure["stretch"]
+    sphere = prove_span(path, 1, mask=highest + VAGUE, region=region, sphere_radius=SPHERE)
+    assert sphere.outcome is Outcome.PROVEN  # whose users' verticals lean towards the ring
+
+
+#: In the narrowest bands (sine of latitude 0.02) kappa at 45 degrees spans some 1e-4.
+VAGUE = 3e-4
+
+
+@settings(max_examples=30)
+@given(st.floats(0.0, 0.5), st.floats(5.0, 1000.0), st.floats(-1.0, 0.98), st.integers(0, 1000))
+def test_no_user_on_an_ellipsoid_sees_otherwise_than_the_caps_say(when, half, south, seed):
+    """Against elevations over the ellipsoid's own normal, at moments and places of the bounds."""
+    middle, mask, stretch = when * DAY, 0.6, 1.2
+    piece = piece_of(OVAL.breaks, middle)
+    half = min(half, middle - OVAL.breaks[piece], OVAL.breaks[piece + 1] - middle)
+    n, rng = OVAL.size, np.random.default_rng(seed)
+    u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty((n, 2))
+    pulls = np.array([pull_bound(OVAL.breaks, OVAL.paths, piece, s) for s in range(n)])
+    ground, turns = (SPHERE, stretch, mask, south, south + 0.02), np.zeros(len(OVAL.breaks))
+    if not caps_between(
+        OVAL.breaks, OVAL.paths, OVAL.errors, pulls, turns, ABOUT_POLE, ground,
+        piece, middle, half, u, radius, stray,
+    ):  # fmt: skip
+        return
+    r, v = OVAL.states([middle])
+    spin = (np.cross(r, v)[:, 0] / (r[:, 0] ** 2).sum(axis=-1, keepdims=True)).mean(axis=0)[2]
+    q = rng.uniform(south, south + 0.02, 300)
+    east = rng.uniform(0, 2 * np.pi, 300)
+    users = np.column_stack([np.sqrt(1 - q**2) * np.cos(east), np.sqrt(1 - q**2) * np.sin(east), q])
+    away = np.arccos(np.clip(users @ u.T, -1.0, 1.0))
+    for place in rng.uniform(-1.0, 1.0, 5):
+        x = OVAL.states([middle + place * half])[0][:, 0]
+        here = about(np.array([0.0, 0.0, 1.0]), spin * place * half, users)
+        seen = clearances(x, SPHERE, mask, here / [1.0, 1.0, stretch], stretch) >= 0.0
+        assert np.all(seen[away < radius - stray[:, 0]])
+        assert not np.any(seen[away > radius + stray[:, 0]])

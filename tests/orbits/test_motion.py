@@ -5,6 +5,7 @@ import compass
 from compass import ephemeris, walker_delta
 from compass.bodies import MARS_GM, MARS_J2, MARS_ROTATION_RATE, sidereal_day
 from compass.errors import ArgumentError
+from compass.frames import SECONDS_PER_DAY as DAY
 from compass.frames import latitude_longitude
 from compass.inputs import read_design
 from compass.orbits import (
@@ -92,6 +93,20 @@ def test_a_trajectory_passes_where_its_motion_says(model):
     assert np.linalg.norm(r - known, axis=-1).max() <= path.errors.max()
     assert np.abs(v - speed).max() < 1e-5
     assert path.errors.max() < 1e-3
+
+
+@pytest.mark.parametrize("e", [0.0, 0.7])
+def test_stretches_do_not_shrink_where_only_rounding_is_left(e):
+    """A thousand days and a century on, a stretch is as long as on the first day."""
+    c = keplerian(2e7, e, 0.7, 0.0, 0.3, 1.0)
+    for day in (1000.0, 36525.0):
+        first, later = (
+            Motion("two-body").trajectory(c, t * DAY, (t + 1) * DAY) for t in (0.0, day)
+        )
+        assert len(later.errors) <= len(first.errors)
+        times = np.linspace(later.start, later.stop, 50)
+        off = np.linalg.norm(later.states(times)[0] - states_mci(c, times, "two-body")[0], axis=-1)
+        assert off.max() <= later.errors.max() < 0.1
 
 
 def test_an_integration_is_kept_for_who_asks_the_same():
