@@ -11,7 +11,7 @@ import compass
 from compass.document import Bracket, Value
 from compass.document.blocks import Picture, Section, Sentence, Table, arranged
 from compass.inputs.merit import MERITS, STAGES
-from compass.inputs.study import Free, Study
+from compass.inputs.study import Constraint, Free, Study
 from compass.pages.page import render
 from compass.pages.trade_finalists import (
     Entrant,
@@ -23,6 +23,7 @@ from compass.pages.trade_finalists import (
     number,
     rank_finalists,
     recommendation,
+    worth,
 )
 from compass.pages.trade_interactive import interactive_front
 from compass.pages.trade_pictures import (
@@ -139,7 +140,9 @@ def _looked_at(study: Study, results: "xr.Dataset") -> Section:
     total = results.sizes["candidate"]
     rows: list[tuple[object, ...]] = [("looked at", total)]
     rows += [
-        (f"reached stage {name}", int((stage >= k).sum())) for k, name in enumerate(STAGES) if k > 1
+        (f"reached stage {name}", reached)
+        for k, name in enumerate(STAGES)
+        if k > 1 and (reached := int((stage >= k).sum()))
     ]
     rows += [
         ("raised an error", int((results.error.values != "").sum())),
@@ -151,7 +154,7 @@ def _looked_at(study: Study, results: "xr.Dataset") -> Section:
         values = results[c.figure].values
         known = values[~np.isnan(values)]
         held = sum(c.holds(float(v)) for v in known)
-        fails.append((str(c), int(known.size), int(held), int(known.size - held)))
+        fails.append((_asked(c), int(known.size), int(held), int(known.size - held)))
     tables = [Table("Candidates", ("", "number"), tuple(rows))]
     if fails:
         header = ("constraint", "candidates it was tried on", "met it", "failed it")
@@ -169,6 +172,16 @@ def _looked_at(study: Study, results: "xr.Dataset") -> Section:
         "beacons of a lander, where the study asks for it."
     )
     return arranged("What was looked at", (text,), (), tuple(tables))
+
+
+def _asked(c: Constraint) -> str:
+    """A constraint in words."""
+    if c.figure == "fold_proven":
+        return "the fold, proven"
+    above = np.isfinite(c.low)
+    words = {(True, False): "at least", (True, True): "above", (False, False): "at most"}
+    value = worth(c.figure, c.low if above else c.high)
+    return f"{MERITS[c.figure].title} {words.get((bool(above), c.strict), 'below')} {value}"
 
 
 def _fronts(study: Study, results: "xr.Dataset", pictures: Sequence[Picture]) -> Section:

@@ -162,6 +162,7 @@ def answer_section(
             sure = f"proven, for all time: {known}"
         title = MERITS[o.figure].title
         rows.append(Answer(title[0].upper() + title[1:], value, None, sure + beside))
+    rows.append(_lasts(chosen[0]))
     if ranking is not None:
         judged = next(row for row in ranking["designs"] if row["given"] == 1)
         question = f"Landing: place known to {ranking['goal_m']:g} m at {ranking['deployment']}"
@@ -169,6 +170,18 @@ def answer_section(
     return Section(
         "The answer", (Sentence(lead), Answers("What it is worth", tuple(rows)), carrying)
     )
+
+
+def _lasts(one: Entrant) -> Answer:
+    """How long it lasts left alone, where the study asks; else the command that finds it."""
+    days = one.finalist.figures.get("days_proven", np.nan)
+    if not np.isfinite(days):
+        return Answer(
+            "Left alone on real orbits it lasts",
+            "not asked by the study",
+            evidence=f"compass drift {one.design.label}",
+        )
+    return Answer("Left alone on real orbits it lasts", worth("days_proven", days), None, "proven")
 
 
 def _build(one: Entrant) -> str:
