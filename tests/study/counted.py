@@ -41,6 +41,11 @@ if "SILENCE" in os.environ:  # so that a test need not wait for half a minute
     cluster.SILENCE, cluster.WATCH = float(os.environ["SILENCE"]), 1.0
 
 if __name__ == "__main__":
+    from contextlib import nullcontext
+
     from compass.cli.main import main
+    from compass.study import workers
+
+    workers._callers_script_hidden = nullcontext  # processes of this one count as well
 
     main()
