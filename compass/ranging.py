@@ -93,6 +93,9 @@ class Signal:
         Of radial, along, cross and clock when the data are made, m^2, in place of `ephemeris` and
         `clock_sigma`: one matrix for all satellites, or one each. A clock counts positive where
         it makes ranges longer.
+    determined
+        Whether covariance and growth are those that tracking implies and are still to be worked
+        out (`compass.determine`): nothing can be said of ranges before.
     common_time
         Error of the constellation's time that all satellites share, m.
     common_orientation
@@ -113,6 +116,7 @@ class Signal:
     ephemeris: RadialAlongCross = (0.0, 0.0, 0.0)
     ephemeris_rate: RadialAlongCross = (0.0, 0.0, 0.0)
     covariance: tuple[Matrix, ...] = ()
+    determined: bool = False
     common_time: float = 0.0
     common_orientation: float = 0.0
     receiver: Receiver = field(default_factory=Receiver)
@@ -146,8 +150,13 @@ class Signal:
         Raises
         ------
         ArgumentError
-            Covariances for another number of satellites.
+            Covariances for another number of satellites, or those that are to be determined.
         """
+        if self.determined:
+            raise ArgumentError(
+                'signal.ephemeris_m = "determined": is still to be worked out; write a design with '
+                "its numbers by compass determine DESIGN -o NEW, and give NEW"
+            )
         if not self.covariance:
             sigma = np.array([*self.ephemeris, self.clock_sigma], dtype=float)
             return np.broadcast_to(np.diag(sigma**2), (count, 4, 4)).copy()

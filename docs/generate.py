@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import chdir
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -57,15 +58,24 @@ def functions() -> str:
     ]
     for name in sorted(set(compass.__all__) - {"__version__"}):
         found = getattr(compass, name)
-        doc = inspect.cleandoc(found.__doc__ or "")
-        try:
-            signature = str(inspect.signature(found)).replace('"', "")
-        except ValueError:
-            signature = ""
-        first, _, rest = doc.partition("\n")
-        parts += [f"## compass.{name}\n", f"{_prose(first)}\n", _code(f"{name}{signature}")]
-        parts += [_text(rest.strip("\n"))] if rest.strip() else []
+        parts += _entry(name, found)
+        if inspect.isclass(found):
+            for key, made in vars(found).items():
+                if isinstance(made, classmethod) and not key.startswith("_"):
+                    parts += _entry(f"{name}.{key}", getattr(found, key))
     return "\n".join(parts)
+
+
+def _entry(name: str, found: Any) -> list[str]:
+    """One public name: its first line, its signature, the rest of its docstring."""
+    doc = inspect.cleandoc(found.__doc__ or "")
+    try:
+        signature = str(inspect.signature(found)).replace('"', "")
+    except ValueError:
+        signature = ""
+    first, _, rest = doc.partition("\n")
+    parts = [f"## compass.{name}\n", f"{_prose(first)}\n", _code(f"{name}{signature}")]
+    return parts + ([_text(rest.strip("\n"))] if rest.strip() else [])
 
 
 def files() -> str:

@@ -37,6 +37,8 @@ def test_every_command_and_every_public_name_is_in_the_reference():
         assert f"\n## compass {name}\n" in commands
     for name in set(compass.__all__) - {"__version__"}:
         assert f"\n## compass.{name}\n" in functions
+    for name in ("Site.of", "Mask.of", "Requirement.of"):  # what makes them of degrees
+        assert f"\n## compass.{name}\n" in functions
 
 
 def test_every_key_and_every_quantity_is_in_the_reference():

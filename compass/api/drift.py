@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from compass.api.drift_result import DriftResult
-from compass.api.given import given_design, given_mask
+from compass.api.given import given_design, given_fold, given_mask
 from compass.api.progress import bar
 from compass.api.radii import at_radii, forces_of, real_motion
 from compass.coverage.drift import drift_of
@@ -82,7 +82,7 @@ def drift(
     if step_days is not None and not 0 < step_days <= days:
         raise ArgumentError(f"step_days = {step_days:g}: allowed above 0 to days, {days:g}")
     read = given_design(design)
-    wanted = read.fold if fold is None else fold
+    wanted = given_fold(fold, read)
     mask = given_mask(mask_deg, read).highest
     where = GLOBE if region is None else read_region(region)
     motion = real_motion(read)

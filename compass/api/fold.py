@@ -4,7 +4,7 @@ from math import degrees, inf
 from pathlib import Path
 
 from compass.api.fold_result import FoldResult
-from compass.api.given import given_design, given_mask
+from compass.api.given import given_design, given_fold, given_mask
 from compass.api.lasting import LastingResult
 from compass.api.progress import bar
 from compass.coverage.clearance import Clearance, least_clearance
@@ -70,7 +70,7 @@ def fold(
     '6.24'
     """
     read = given_design(design)
-    wanted = read.fold if fold is None else fold
+    wanted = given_fold(fold, read)
     mask = given_mask(mask_deg, read)
     chosen = read.motion.or_of(motion)
     if days is not None or chosen.model != "two-body" or start_day:

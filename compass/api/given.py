@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from math import radians
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -115,6 +116,21 @@ def given_study(study: "Study | str | Path") -> "Study":
     raise ArgumentError(
         f"study = {type(study).__name__}: must be a Study or the path of a study file"
     )
+
+
+def given_fold(fold: int | None, design: Design) -> int:
+    """Return the satellites wanted in view at once, the design's where it is None.
+
+    Raises
+    ------
+    ArgumentError
+        It is no whole number from 1 on.
+    """
+    if fold is None:
+        return design.fold
+    if isinstance(fold, bool) or not isinstance(fold, Integral) or fold < 1:
+        raise ArgumentError(f"fold = {fold}: must be a whole number from 1 on")
+    return int(fold)
 
 
 def given_mask(mask_deg: float | None, design: Design) -> Mask:

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import degrees, radians
+from math import degrees, isfinite, radians
 from pathlib import Path
 
-from compass.api.given import given_design, given_mask
+from compass.api.given import given_design, given_fold, given_mask
 from compass.api.keep_result import YEAR, KeepResult
 from compass.api.progress import bar
 from compass.api.radii import at_radii, forces_of, real_motion
@@ -84,8 +84,12 @@ def keep(
         raise ArgumentError(
             "keep: slots need circular orbits of one radius and inclination; this design has others"
         )
-    wanted = read.fold if fold is None else fold
+    wanted = given_fold(fold, read)
     covering = covering_radius(c, wanted, tolerance=1e-5).radius
+    if not isfinite(covering):
+        raise ArgumentError(
+            f"fold = {wanted}: the pattern has it at no mask, so no slot has any room; give less"
+        )
     mask = given_mask(mask_deg, read).highest
     axis = float(c.semi_major_axis[0])
     margin = slot_box(axis, covering, read.figure.equatorial_radius, mask).sideways

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import degrees, radians, sin
+from math import degrees, inf, radians, sin
 from pathlib import Path
 from typing import Any
 
@@ -33,10 +33,29 @@ class RequirementSearchResult(Result):
         What was looked for.
     found
         What was found.
+    heights
+        Of a range of radii the result at each, this one among them.
     """
 
     question: Question
     found: Outcome
+    heights: tuple["RequirementSearchResult", ...] = ()
+
+    @property
+    def size(self) -> float:
+        """The smallest size; infinite if nothing was found."""
+        return self.best.constellation.size if self.holds else inf
+
+    @property
+    def bought(self) -> str:
+        """What height buys: the smallest size at each radius, in words; nothing of one radius."""
+        said = [
+            f"{one.size:.0f} at {one.question.radius / 1e3:.6g} km"
+            if one.holds
+            else f"none at {one.question.radius / 1e3:.6g} km"
+            for one in self.heights
+        ]
+        return f"; smallest by radius: {', '.join(said)}" if said else ""
 
     @property
     def holds(self) -> bool:
@@ -63,8 +82,8 @@ class RequirementSearchResult(Result):
         kept = "; ".join(f"{_name(k.constellation)} ({k.reason})" for k in self.found.kept_out)
         out = f"; kept out: {kept}" if kept else ""
         if not met:
-            kinds = " or ".join(q.kinds)
-            return f"No {kinds} of up to {q.largest} satellites meets all requirements{out}."
+            none = f"No {' or '.join(q.kinds)} of up to {q.largest} satellites"
+            return f"{none} meets all requirements{out}{self.bought}."
         best = met[0]
         c, angle = best.constellation, best.closest_approach
         parts = [
@@ -79,7 +98,7 @@ class RequirementSearchResult(Result):
         other = met[1] if len(met) > 1 else self.found.next_best
         following = f"{_name(other.constellation)}" if other is not None else "none looked at"
         parts.append(f"next best {following}")
-        return "; ".join(parts) + out + "."
+        return "; ".join(parts) + out + self.bought + "."
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
@@ -94,6 +113,13 @@ class RequirementSearchResult(Result):
                     for k in self.found.kept_out
                 ],
                 "sentence": self.sentence,
+                "by_radius": [
+                    {
+                        "radius_km": one.question.radius / 1e3,
+                        "smallest": one.best.constellation.size if one.holds else None,
+                    }
+                    for one in self.heights
+                ],
                 "radius_km": self.question.radius / 1e3,
                 "repeat": self.question.repeat,
                 "least_approach_deg": degrees(self.question.least_approach),

@@ -2,9 +2,12 @@
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from math import radians
 from pathlib import Path
 from typing import Literal
+
+import numpy as np
 
 from compass.api.progress import bar
 from compass.api.requirement_search import RequirementSearchResult, needs_of
@@ -17,6 +20,9 @@ from compass.orbits.patterns import orbit_radius
 from compass.study import search as engine
 from compass.study.requirement_question import Question
 from compass.study.requirement_search import search_for
+
+#: Radii tried of a range, evenly apart, its ends among them.
+RADII = 9
 
 #: Orbits are of less than this, metres.
 MOST_RADIUS = 1e10
@@ -33,7 +39,7 @@ def search(
     gdop_at_most: float | None = None,
     share: float = 1.0,
     share_of: Literal["time", "area-time"] = "time",
-    radius_km: float | None = None,
+    radius_km: float | tuple[float, float] | None = None,
     altitude_km: float | None = None,
     orbit: str | None = None,
     repeat: Sequence[int] | None = None,
@@ -67,7 +73,9 @@ def search(
         Geometry wanted there, and for which share.
     radius_km, altitude_km, orbit, repeat
         One of them: radius, altitude over the equator, ``areosynchronous``, or revolutions and
-        rotations of Mars after which the ground track closes.
+        rotations of Mars after which the ground track closes. Of requirements the radius may be
+        the least and the greatest: `RADII` of that range are tried; the smallest size wins, then
+        the lowest.
     least_approach_deg
         Least angle that must lie between two satellites at any time, seen from Mars's centre.
     beyond
@@ -116,7 +124,7 @@ def search(
         return _covering(
             fold,
             mask_deg,
-            _radius(radius_km, altitude_km, orbit, repeat, FIGURES[figure])[0],
+            _radius(_one(radius_km), altitude_km, orbit, repeat, FIGURES[figure])[0],
             figure,
             pattern,
             max_satellites,
@@ -136,25 +144,30 @@ def search(
         share_of=share_of,
         figure=figure,
     )
-    radius, closed = _radius(radius_km, altitude_km, orbit, repeat, needs.figure)
-    question = Question(
-        needs.requirements,
-        needs.figure,
-        needs.mask,
-        radius,
-        closed,
-        least,
-        (pattern,),
-        max_satellites,
-        budget_s,
-    )
-    outcome = search_for(
-        question,
-        finalists=min(finalists, 5),
-        workers=threads,
-        progress=lambda sizes: bar(progress, "sizes", sizes),
-    )
-    return RequirementSearchResult(question, outcome)
+    found = []
+    for one_km in _radii(radius_km):
+        radius, closed = _radius(one_km, altitude_km, orbit, repeat, needs.figure)
+        question = Question(
+            needs.requirements,
+            needs.figure,
+            needs.mask,
+            radius,
+            closed,
+            least,
+            (pattern,),
+            max_satellites,
+            budget_s,
+        )
+        outcome = search_for(
+            question,
+            finalists=min(finalists, 5),
+            workers=threads,
+            progress=lambda sizes, km=radius / 1e3: bar(progress, f"sizes at {km:.6g} km", sizes),
+        )
+        found.append(RequirementSearchResult(question, outcome))
+    if len(found) == 1:
+        return found[0]
+    return replace(min(found, key=lambda one: one.size), heights=tuple(found))
 
 
 def _covering(
@@ -199,6 +212,35 @@ def _covering(
         least_approach_deg,
         tuple(c for c in found if c.closest_approach < least),
     )
+
+
+def _one(radius_km: float | tuple[float, float] | None) -> float | None:
+    """The one radius of a fold alone, which has no range.
+
+    Raises
+    ------
+    ArgumentError
+        It has.
+    """
+    if isinstance(radius_km, tuple):
+        raise ArgumentError("radius_km: a range is for requirements; add a region, such as globe")
+    return radius_km
+
+
+def _radii(radius_km: float | tuple[float, float] | None) -> list[float | None]:
+    """Radii to try: the one given, or some from the least to the greatest.
+
+    Raises
+    ------
+    ArgumentError
+        The least is not below the greatest.
+    """
+    if not isinstance(radius_km, tuple):
+        return [radius_km]
+    low, high = radius_km
+    if not low < high:
+        raise ArgumentError(f"radius_km = {low:g} to {high:g}: the least first, below the greatest")
+    return [float(each) for each in np.linspace(low, high, RADII)]
 
 
 def _radius(

@@ -11,12 +11,13 @@ from tqdm import tqdm
 from compass.api.given import given_study
 from compass.api.progress import bar
 from compass.api.results import Result
-from compass.document import Page, Sentence, Table, Verdict
+from compass.document import Bracket, Page, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
+from compass.quantities import quantity
 from compass.saving import check_writable
 from compass.study.candidates import check_space
 from compass.study.cluster import Cluster, Tls
@@ -89,6 +90,8 @@ class TradeResult(Result):
                 "lethal": s.lethal,
                 "seconds": s.seconds,
                 "feasible": self.feasible,
+                "bounded": s.bounded,
+                "straddling": int(self.dataset.straddling.sum()),
                 "front": self.front,
                 "sampled_over": {
                     name: how for name in MERITS if (how := sampling_of(self.study, name))
@@ -108,16 +111,31 @@ class TradeResult(Result):
         if self.study.entry is not None:
             blocks.append(Sentence(self.study.entry.doubts.sentence([])))
         if front:
-            rows = tuple(tuple(row.values()) for row in front)
-            blocks.append(Table("Pareto front", tuple(front[0]), rows, LISTED))
-            if how := sampled_over(self.study, list(front[0])):
-                blocks.append(Sentence(f"sampled: {how}"))
+            blocks.append(_front_table(front))
+            blocks += [Sentence(words) for words in self._evidence()]
         stages = tuple(
             (n, s.reached[n], s.computed[n], s.failed[n], round(s.seconds.get(n, 0.0), 2))
             for n in s.reached
         )
         header = ("stage", "candidates", "computed now", "raised", "work s")
         return Page(self.study.name, (*blocks, Table("Stages", header, stages)))
+
+    def _evidence(self) -> tuple[str, ...]:
+        """How well the front is known: which figures are bracketed, which sampled."""
+        front, said = self.front, []
+        bounded = [name for name in front[0] if f"{name}_bracket" in front[0]]
+        if bounded:
+            open_ = sum(not row["decided"] for row in front)
+            whether = f"of {open_} it is not decided within the budget" if open_ else "decided"
+            said.append(
+                f"between proven bounds, everywhere and for all time: "
+                f"{', '.join(MERITS[name].title for name in bounded)}; who is on the front: "
+                f"{whether}. Whom samples put beyond a limit was not looked at again"
+            )
+        rest = [name for name in front[0] if name not in bounded]
+        if how := sampled_over(self.study, rest):
+            said.append(f"sampled: {how}")
+        return tuple(said)
 
     def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw the front in the first two objectives; of one objective against the satellites.
@@ -148,6 +166,11 @@ class TradeResult(Result):
                 f"{s.unfinished} candidate(s) left out, whose workers died or had too little "
                 "memory; the same command tries them again:\n  " + "\n  ".join(s.lethal + more)
             )
+        if open_ := int(self.dataset.straddling.sum()):
+            notes.append(
+                f"of {open_} candidate(s) it is not decided within the budget whether they meet a "
+                "limit on geometry, which lies between their bounds; they are not counted"
+            )
         errors = [text for text in self.dataset.error.values if text]
         if errors:
             notes.append(
@@ -163,6 +186,18 @@ class TradeResult(Result):
                 f"{' or of '.join(lacking) or 'every objective'}; choose another objective"
             )
         return tuple(notes)
+
+
+def _front_table(front: list[dict[str, Any]]) -> Table:
+    """The first front, brackets in the place of their middles."""
+    names = [name for name in front[0] if not name.endswith("_bracket")]
+
+    def written(row: dict[str, Any], name: str) -> Any:
+        bracket = row.get(f"{name}_bracket")
+        return row[name] if bracket is None else Value(quantity(name), row[name], Bracket(*bracket))
+
+    rows = tuple(tuple(written(row, name) for name in names) for row in front)
+    return Table("Pareto front", tuple(names), rows, LISTED)
 
 
 def trade(

@@ -10,6 +10,21 @@ from compass.cli.shared import announce_compilation, command_line, print_result,
 from compass.orbits.kinds import KIND_NAMES
 
 
+def _radius(text: str | None) -> float | tuple[float, float] | None:
+    """One radius, or the least and the greatest."""
+    if text is None:
+        return None
+    try:
+        numbers = [float(part) for part in text.split(":")]
+    except ValueError:
+        numbers = []
+    if len(numbers) == 2:
+        return numbers[0], numbers[1]
+    if len(numbers) == 1:
+        return numbers[0]
+    raise click.BadParameter(f"{text!r} is not a number or LEAST:MOST, such as 9000:26000.")
+
+
 @click.command()
 @path("--require", help="File with [[requirement]], or a design.")
 @whole("--fold", help="Satellites to be in view at once.")
@@ -25,7 +40,12 @@ from compass.orbits.kinds import KIND_NAMES
 )
 @real("--least-approach-deg", default=1.0, help="Least angle between two satellites at any time.")
 @real("--mask-deg", default=0.0, help="Elevation mask.")
-@real("--radius-km", help="Orbit radius from Mars's centre.")
+@click.option(
+    "--radius-km",
+    metavar="R or LEAST:MOST",
+    callback=lambda _, __, text: _radius(text),
+    help="Orbit radius from Mars's centre; of requirements also a range, nine radii of it.",
+)
 @real("--altitude-km", help="Orbit altitude over the equator.")
 @choice("--orbit", among=["areosynchronous"], help="An orbit by name.")
 @whole(

@@ -36,6 +36,9 @@ class Atmosphere:
         as it is: `reference_density` becomes what it has at `reference_radius`.
     temperature
         Kelvin, for the speed of sound of an isothermal CO2 atmosphere.
+    winds
+        Distance from the centre (m, increasing) and wind to the east and to the north there, m/s,
+        in air that turns with the planet; linear between, constant beyond; empty for none.
     """
 
     reference_density: float
@@ -44,6 +47,7 @@ class Atmosphere:
     table_radius: tuple[float, ...] = ()
     table_density: tuple[float, ...] = ()
     temperature: float = 200.0
+    winds: tuple[tuple[float, float, float], ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("reference_density", "reference_radius", "scale_height", "temperature"):
@@ -56,6 +60,11 @@ class Atmosphere:
             )
         if np.any(np.diff(self.table_radius) <= 0):
             raise ArgumentError("atmosphere table: altitudes must increase strictly")
+        if (
+            np.any(np.diff([row[0] for row in self.winds]) <= 0)
+            or not np.isfinite(self.winds).all()
+        ):
+            raise ArgumentError("atmosphere winds: altitudes must increase strictly, all finite")
         if any(not 0 < density < float("inf") for density in self.table_density):
             raise ArgumentError("atmosphere table: every density must be positive")
         if self.table_radius:

@@ -64,6 +64,11 @@ class EntryModel:
         if self.rotation not in _TERMS:
             allowed = ", ".join(get_args(Rotation))
             raise ArgumentError(f"rotation = {self.rotation!r}: allowed {allowed}")
+        if self.atmosphere.winds and self.rotation == "published-coriolis":
+            raise ArgumentError(
+                'rotation = "published-coriolis": is of air that turns with the planet; leave the '
+                "winds out"
+            )
         for name in ("gm", "planet_radius"):
             if not 0 < getattr(self, name) < float("inf"):
                 raise ArgumentError(f"{name} = {getattr(self, name)}: must be positive")
@@ -103,8 +108,10 @@ class EntryModel:
             air.scale_height,
             craft.drag_area_per_mass,
             craft.lift_to_drag,
+            len(air.winds),
         ]
-        return np.concatenate([head, air.table_radius, np.log(air.table_density)])
+        winds = np.array(air.winds, dtype=float).reshape(-1, 3)
+        return np.concatenate([head, air.table_radius, np.log(air.table_density), winds.T.ravel()])
 
     def full_state(self, state: ArrayLike) -> NDArray[np.float64]:
         """State of eight: ``[r, lon, lat, V, gamma, psi]`` with ln rho0 and L/D put behind."""

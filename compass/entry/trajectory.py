@@ -18,6 +18,7 @@ from compass.core.entry.dop853 import (
     WATCH_SPEED,
     dop853_flight,
 )
+from compass.core.entry.rates import through_air
 from compass.entry.model import EntryModel
 from compass.entry.state import longitude_degrees
 from compass.entry.views import cartesian_of, spherical_of
@@ -302,6 +303,13 @@ class Loads:
         return float(c - b * b / (4 * a)), float(self.times[k] - b / (2 * a))
 
 
+def airspeeds(model: EntryModel, path: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Speed through the air at states (t, 6), m/s, shape (t,)."""
+    p = model.flight_parameters()
+    through = [through_air(state, p) for state in path]  # some thousand points
+    return np.linalg.norm(np.reshape(through, (-1, 3)), axis=1)
+
+
 def loads(flight: Trajectory) -> Loads:
     """Loads and heating from the flight itself, not from where it was written out.
 
@@ -317,7 +325,7 @@ def loads(flight: Trajectory) -> Loads:
     times = times[: len(path)]
     thicker = flight.constants[0] - air.log_reference_density
     density = air.density(np.linalg.norm(path[:, :3], axis=1)) * np.exp(thicker)
-    speed = np.linalg.norm(path[:, 3:], axis=1)
+    speed = airspeeds(model, path)
     pressure = 0.5 * density * speed**2
     drag = pressure * craft.drag_area_per_mass
     heat = SUTTON_GRAVES_MARS.value * np.sqrt(density / craft.nose_radius) * speed**3

@@ -20,7 +20,8 @@ def signal_lines(signal: Signal) -> list[str]:
         lines.append(f"frequency_mhz = {mhz}")
     if signal.clock is not None:
         lines.append(f"clock = {_clock(signal.clock)}")
-    if not signal.covariance and (signal.clock_sigma or signal.clock is None):
+    told = signal.covariance or signal.determined
+    if not told and (signal.clock_sigma or signal.clock is None):
         lines.append(f"clock_m = {number(signal.clock_sigma)}")
     ages = signal.clock is not None or any(signal.ephemeris_rate) or signal.age != "mean"
     if signal.update or ages:
@@ -29,6 +30,8 @@ def signal_lines(signal: Signal) -> list[str]:
         lines.append(f"age = {toml_text(signal.age)}")
     if signal.covariance:
         lines.append(f"covariance_m2 = {_covariance(signal.covariance)}")
+    elif signal.determined:
+        lines.append('ephemeris_m = "determined"')
     else:
         lines.append(f"ephemeris_m = {_list([number(x) for x in signal.ephemeris])}")
     if any(signal.ephemeris_rate):

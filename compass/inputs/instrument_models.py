@@ -192,7 +192,14 @@ def instrument_faults(raw: dict[str, Any], interval_faults: Any) -> list[str]:
             "measurements.features: missing; needed beside [[feature]], to say how well they are "
             "seen"
         )
+    air, truth = raw.get("atmosphere"), raw.get("truth")
     if raw.get("fusion") is not None:
+        faults += [
+            f"{name}.winds_by_km: not beside [fusion], whose accelerometers know no wind; leave "
+            "it out"
+            for name, table in (("atmosphere", air), ("truth", truth))
+            if isinstance(table, dict) and "winds_by_km" in table
+        ]
         faults += [
             f"measurements.{name}: not beside [fusion], whose filters hear one-way radio and "
             "accelerometers; leave one of them out"

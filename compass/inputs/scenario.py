@@ -1,9 +1,11 @@
 """Scenario files: read, check across fields, and turn into an entry and its beacons."""
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,6 +38,7 @@ from compass.inputs.scenario_models import (
     OptimizeTable,
     OrbiterTable,
     ScenarioFile,
+    TruthTable,
 )
 from compass.inputs.scenario_notes import scenario_notes
 from compass.orbits import Constellation, keplerian, states_mci
@@ -229,7 +232,7 @@ def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenar
         source=file.source,
         paper=file.paper,
         model=model,
-        truth=model.truth(bias.density_bias, bias.scale_height_factor),
+        truth=_truth(model, bias),
         state=state,
         times=entry.step_s * np.arange(count + 1, dtype=float),
         triggers=tuple(
@@ -301,6 +304,7 @@ def _model(file: ScenarioFile, folder: Path) -> EntryModel:
             tuple(radius + altitude for altitude in altitudes),
             densities,
             air.temperature_k,
+            _winds(air.winds_by_km, radius),
         ),
         planet.rotation,
         MARS_GM.value if planet.gm_m3_s2 is None else planet.gm_m3_s2,
@@ -310,6 +314,20 @@ def _model(file: ScenarioFile, folder: Path) -> EntryModel:
         else planet.rotation_rate_rad_s,
         MARS_J2.value if planet.gravity == "j2" else 0.0,
     )
+
+
+def _winds(rows: Sequence[Sequence[float]] | None, radius: float) -> tuple[Any, ...]:
+    """Rows of a table of winds over distance from the centre."""
+    return tuple((radius + KM * km, east, north) for km, east, north in rows or ())
+
+
+def _truth(model: EntryModel, table: TruthTable) -> EntryModel:
+    """World as it is."""
+    truth = model.truth(table.density_bias, table.scale_height_factor)
+    if table.winds_by_km is None:
+        return truth
+    winds = _winds(table.winds_by_km, model.planet_radius)
+    return replace(truth, atmosphere=replace(truth.atmosphere, winds=winds))
 
 
 def _state(table: EntryTable, model: EntryModel) -> NDArray[np.float64]:

@@ -19,6 +19,13 @@ from compass.inputs.table import Table
 Positive = Annotated[float, Field(gt=0, le=1e15)]
 #: Past Mars's sphere of influence, and short of an entry's radius in metres.
 Distance = Annotated[float, Field(gt=0, le=1e6)]
+#: Winds of Mars stay below 200 m/s up to 120 km.
+Winds = Annotated[
+    list[
+        Annotated[list[Annotated[float, Field(ge=-500, le=500)]], Field(min_length=3, max_length=3)]
+    ],
+    Field(min_length=1),
+]
 Triple = Annotated[list[float], Field(min_length=3, max_length=3)]
 Latitude = Annotated[float, Field(ge=-90, le=90)]
 Longitude = Annotated[float, Field(ge=-180, le=360)]
@@ -77,12 +84,20 @@ class AtmosphereTable(Table):
         description="file of altitude (km) and density (kg/m^3) columns, flown as it is given, "
         "instead of the three above",
     )
+    winds_by_km: Winds | None = Field(
+        None,
+        description="[altitude in km, wind to the east, to the north in m/s] rows, upwards; speeds "
+        "of the entry and of triggers stay those over the ground",
+    )
     temperature_k: Positive = Field(200.0, description="for the speed of sound, K")
 
 
 class TruthTable(Table):
     """How the real air differs from what the filter knows."""
 
+    winds_by_km: Winds | None = Field(
+        None, description="winds as they really are, rows as in [atmosphere]; as known if left out"
+    )
     density_bias: float = Field(
         0.0, gt=-1, le=10, description="relative error of the density, above -1"
     )

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, GetJsonSchemaHandler, field_validator
+from pydantic import Discriminator, Field, GetJsonSchemaHandler, Tag, field_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
@@ -16,6 +16,11 @@ HOUR = 3600.0
 
 Sigma = Annotated[float, Field(ge=0, le=1e9)]
 Three = Annotated[list[Sigma], Field(min_length=3, max_length=3)]
+#: Three sigmas, or the word; what was written says which was meant, so that a fault is told once.
+Orbits = Annotated[
+    Annotated[Three, Tag("numbers")] | Annotated[Literal["determined"], Tag("word")],
+    Discriminator(lambda given: "word" if isinstance(given, str) else "numbers"),
+]
 Row = Annotated[list[float], Field(min_length=4, max_length=4)]
 FourByFour = Annotated[list[Row], Field(min_length=4, max_length=4)]
 
@@ -78,8 +83,10 @@ class SignalTable(Table):
     age: Literal["mean", "worst"] = Field(
         "mean", description="mean over the data's ages, or the oldest"
     )
-    ephemeris_m: Three | None = Field(
-        None, description="radial, along, cross at upload, m, 1 sigma"
+    ephemeris_m: Orbits | None = Field(
+        None,
+        description="radial, along, cross at upload, m, 1 sigma; or determined: as [tracking] "
+        "implies, for compass determine to write",
     )
     ephemeris_rate_m_h: Three | None = Field(
         None, description="growth of radial, along, cross, m an hour"
@@ -116,7 +123,9 @@ def _depth(given: Any) -> int:
 
 def signal_of_table(table: SignalTable) -> Signal:
     """Signal of a design's table, in SI."""
-    radial, along, cross = table.ephemeris_m or (0.0, 0.0, 0.0)
+    determined = table.ephemeris_m == "determined"
+    given = None if isinstance(table.ephemeris_m, str) else table.ephemeris_m
+    radial, along, cross = given or (0.0, 0.0, 0.0)
     rates = [rate / HOUR for rate in table.ephemeris_rate_m_h or (0.0, 0.0, 0.0)]
     receiver = table.receiver
     return Signal(
@@ -130,6 +139,7 @@ def signal_of_table(table: SignalTable) -> Signal:
         covariance=tuple(
             tuple(tuple(row) for row in matrix) for matrix in table.covariance_m2 or []
         ),
+        determined=determined,
         common_time=table.common_m.time,
         common_orientation=table.common_m.orientation_mas * MAS,
         receiver=Receiver(
@@ -168,6 +178,16 @@ def signal_faults(raw: dict[str, Any]) -> list[str]:
             faults.append(
                 fault(f"signal.{key}", table[key], "covariance_m2 says the same; keep one of them")
             )
+    if table.get("ephemeris_m") == "determined":
+        if "tracking" not in raw:
+            faults.append(
+                fault("signal.ephemeris_m", "determined", "nobody tracks; add a table [tracking]")
+            )
+        faults += [
+            fault(f"signal.{key}", table[key], "follows from what is determined; leave it out")
+            for key in ("clock_m", "ephemeris_rate_m_h")
+            if key in table
+        ]
     if table.get("receiver") == {}:
         faults.append("signal.receiver: is empty; give noise_m, zenith_m or chip_m")
     if "update_h" not in table:
@@ -211,7 +231,8 @@ def _loop_faults(raw: dict[str, Any], receiver: object) -> list[str]:
 def _clock_faults(table: dict[str, Any]) -> list[str]:
     given = table.get("clock")
     if given is None:
-        if {"clock_m", "covariance_m2"} & set(table):
+        told = {"clock_m", "covariance_m2"} & set(table)
+        if told or table.get("ephemeris_m") == "determined":
             return []
         return ["signal.clock: missing; name one, or give clock_m"]
     if isinstance(given, dict) and not {*PARAMETERS, "name"} & set(given):

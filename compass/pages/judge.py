@@ -6,6 +6,7 @@ from typing import Any
 from compass.api.judge_tables import (
     budget_table,
     filter_table,
+    not_told_apart,
     ranking_table,
     surface_table,
     unknown_air,
@@ -72,6 +73,7 @@ def answer_section(record: dict[str, Any], carrying: Picture) -> Section:
     if len(rows) > 1:
         ratio = rows[1]["crlb_position_m"]["p95"] / best["crlb_position_m"]["p95"]
         lead += f" Its rival {rows[1]['design']} has {significant(ratio, 3)} times as much."
+    lead += "".join(f" {words[0].upper()}{words[1:]}." for words in not_told_apart(rows))
     if best["nees"] is not None and not best["believed"]:
         lead += (
             " That is the bound: the filter flown on it is inconsistent, so no accuracy is claimed."

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from compass import __version__
 from compass.api.reproduce import ReproduceResult, comparison_table
 from compass.document import Answer, Answers, Section, Sentence
-from compass.document.blocks import Block, Picture
+from compass.document.blocks import Block
 from compass.pages.page import render
 from compass.papers.verdict import Row, Verdict
 
@@ -41,15 +41,15 @@ def paper_report(found: ReproduceResult, command: str = "") -> tuple[str, list[S
 
 
 def paper_sections(found: ReproduceResult) -> list[Section]:
-    """The answer with the figure that carries it, errors, differences, then all by verdict."""
+    """The answer, differences, errors, figures, then all by verdict."""
     figures = found.pictures()
-    sections = [_answer(found, figures[:1])]
+    sections = [_answer(found)]
     if found.differs:
         sections.append(Section("What differs", tuple(Sentence(_told(r)) for r in found.differs)))
     if wrong := _of(found, Verdict.ERRATUM):
         sections.append(Section("What the paper has wrong", tuple(map(Sentence, _errors(wrong)))))
-    if figures[1:]:
-        sections.append(Section("Figures of the paper, computed", figures[1:]))
+    if figures:
+        sections.append(Section("Figures of the paper, computed", figures))
     tables: list[Block] = [
         comparison_table(f"{title} ({len(rows)})", rows)
         for kind, (title, _) in MEANINGS.items()
@@ -59,7 +59,7 @@ def paper_sections(found: ReproduceResult) -> list[Section]:
     return sections
 
 
-def _answer(found: ReproduceResult, carrying: tuple[Picture, ...]) -> Section:
+def _answer(found: ReproduceResult) -> Section:
     """Whether the paper can be believed, in one sentence and a table of counts."""
     counts, wrong = found.counts, len(_of(found, Verdict.ERRATUM))
     asked = len(found.rows) - counts[Verdict.COMPUTED]
@@ -78,7 +78,7 @@ def _answer(found: ReproduceResult, carrying: tuple[Picture, ...]) -> Section:
         if counts[kind] or kind is Verdict.DIFFERS
     ]
     table = Answers("Published and computed", tuple(rows))
-    return Section("The answer", (Sentence(lead), table, *carrying))
+    return Section("The answer", (Sentence(lead), table))
 
 
 def _share(kind: Verdict, count: int, asked: int) -> str:

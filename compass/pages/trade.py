@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import compass
+from compass.document import Bracket, Value
 from compass.document.blocks import Picture, Section, Sentence, Table, arranged
 from compass.inputs.merit import MERITS, STAGES
-from compass.inputs.study import Free, Study
+from compass.inputs.study import Constraint, Free, Study
 from compass.pages.page import render
 from compass.pages.trade_finalists import (
     Entrant,
@@ -22,6 +23,7 @@ from compass.pages.trade_finalists import (
     number,
     rank_finalists,
     recommendation,
+    worth,
 )
 from compass.pages.trade_interactive import interactive_front
 from compass.pages.trade_pictures import (
@@ -30,6 +32,7 @@ from compass.pages.trade_pictures import (
     sensitivity_pictures,
     share_picture,
 )
+from compass.study.bounds import bounded_figures, ends
 from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, finalists_of, notation, rows_in
 from compass.study.results import known_figures, read_results
@@ -137,7 +140,9 @@ def _looked_at(study: Study, results: "xr.Dataset") -> Section:
     total = results.sizes["candidate"]
     rows: list[tuple[object, ...]] = [("looked at", total)]
     rows += [
-        (f"reached stage {name}", int((stage >= k).sum())) for k, name in enumerate(STAGES) if k > 1
+        (f"reached stage {name}", reached)
+        for k, name in enumerate(STAGES)
+        if k > 1 and (reached := int((stage >= k).sum()))
     ]
     rows += [
         ("raised an error", int((results.error.values != "").sum())),
@@ -149,7 +154,7 @@ def _looked_at(study: Study, results: "xr.Dataset") -> Section:
         values = results[c.figure].values
         known = values[~np.isnan(values)]
         held = sum(c.holds(float(v)) for v in known)
-        fails.append((str(c), int(known.size), int(held), int(known.size - held)))
+        fails.append((_asked(c), int(known.size), int(held), int(known.size - held)))
     tables = [Table("Candidates", ("", "number"), tuple(rows))]
     if fails:
         header = ("constraint", "candidates it was tried on", "met it", "failed it")
@@ -169,6 +174,16 @@ def _looked_at(study: Study, results: "xr.Dataset") -> Section:
     return arranged("What was looked at", (text,), (), tuple(tables))
 
 
+def _asked(c: Constraint) -> str:
+    """A constraint in words."""
+    if c.figure == "fold_proven":
+        return "the fold, proven"
+    above = np.isfinite(c.low)
+    words = {(True, False): "at least", (True, True): "above", (False, False): "at most"}
+    value = worth(c.figure, c.low if above else c.high)
+    return f"{MERITS[c.figure].title} {words.get((bool(above), c.strict), 'below')} {value}"
+
+
 def _fronts(study: Study, results: "xr.Dataset", pictures: Sequence[Picture]) -> Section:
     """Show the first front, two objectives at a time, and its candidates in a table."""
     front = results.isel(candidate=np.flatnonzero(results.front.values == 0))
@@ -182,6 +197,14 @@ def _fronts(study: Study, results: "xr.Dataset", pictures: Sequence[Picture]) ->
     )
     if how := sampled_over(study, known_figures(study)):
         text += f" Sampled: {how}; what differs by less than another sampling would has no order."
+    if bounded := bounded_figures(study):
+        titles = ", ".join(MERITS[name].title for name in bounded)
+        open_ = int((~front.decided.values).sum())
+        text += (
+            f" Of those that may be of the front, {titles} lie between proven bounds, for all "
+            f"time, brought as near as it takes to tell who is: of {open_ or 'none'} that is "
+            "not decided within the budget. Bars show the bounds."
+        )
     return arranged("Pareto fronts", (text,), pictures, (table,))
 
 
@@ -193,11 +216,21 @@ def _candidate_table(title: str, study: Study, some: "xr.Dataset") -> Table:
     rows = [
         (
             notation(make_constellation(row)).replace(" ", "\N{NO-BREAK SPACE}"),
-            *(number(float(some[name].values[k])) for name in names),
+            *(_cell(study, some, name, k) for name in names),
         )
         for k, row in enumerate(rows_in(some))
     ]
     return Table(title, ("constellation", *labels), tuple(rows))
+
+
+def _cell(study: Study, some: "xr.Dataset", name: str, k: int) -> object:
+    """A figure of a candidate, between its bounds where it has any."""
+    value = float(some[name].values[k])
+    if name in bounded_figures(study):
+        low, high = (float(some[end].values[k]) for end in ends(name))
+        if np.isfinite(high - low):
+            return Value(MERITS[name].quantity, value, Bracket(low, high))
+    return number(value)
 
 
 def _best(study: Study, results: "xr.Dataset") -> Section:

@@ -10,7 +10,7 @@ import numpy as np
 from compass.api.keep import keep
 from compass.coverage.certificate import prove_fold
 from compass.design import Design
-from compass.document import Answer, Answers, Sentence
+from compass.document import Answer, Answers, Bracket, Sentence, Value
 from compass.document.blocks import Interactive, Section, Table, arranged
 from compass.document.numbers import significant
 from compass.errors import ArgumentError
@@ -156,8 +156,13 @@ def answer_section(
             else f"; {measure.role} has {worth(o.figure, measure.figures[o.figure])}"
         )
         sure = f"sampled over {how}" + (f", ± {error:.2g}" if error else "") if how else "exact"
+        if o.figure in first.brackets:
+            bracket = Bracket(*first.brackets[o.figure])
+            known = Value(MERITS[o.figure].quantity, first.figures[o.figure], bracket)
+            sure = f"proven, for all time: {known}"
         title = MERITS[o.figure].title
         rows.append(Answer(title[0].upper() + title[1:], value, None, sure + beside))
+    rows.append(_lasts(chosen[0]))
     if ranking is not None:
         judged = next(row for row in ranking["designs"] if row["given"] == 1)
         question = f"Landing: place known to {ranking['goal_m']:g} m at {ranking['deployment']}"
@@ -165,6 +170,18 @@ def answer_section(
     return Section(
         "The answer", (Sentence(lead), Answers("What it is worth", tuple(rows)), carrying)
     )
+
+
+def _lasts(one: Entrant) -> Answer:
+    """How long it lasts left alone, where the study asks; else the command that finds it."""
+    days = one.finalist.figures.get("days_proven", np.nan)
+    if not np.isfinite(days):
+        return Answer(
+            "Left alone on real orbits it lasts",
+            "not asked by the study",
+            evidence=f"compass drift {one.design.label}",
+        )
+    return Answer("Left alone on real orbits it lasts", worth("days_proven", days), None, "proven")
 
 
 def _build(one: Entrant) -> str:
@@ -195,6 +212,7 @@ def against(study: Study, one: Finalist, other: Finalist | Yardstick) -> str:
     """
     words = {
         -1: "better in", 1: "worse in", 0: "equal in", None: "not told apart by the sampling in",
+        "open": "not told apart by proven bounds in",
         "nan": "not comparable in",
     }  # fmt: skip
     groups: dict[Any, list[str]] = {word: [] for word in words}
@@ -204,9 +222,12 @@ def against(study: Study, one: Finalist, other: Finalist | Yardstick) -> str:
         text = MERITS[o.figure].title
         if order not in (0, "nan"):
             text += f": {worth(o.figure, a)} against {worth(o.figure, b)}{change(a, b)}"
+            both = o.figure in one.brackets and o.figure in other.brackets
+            order = "open" if order is None and both else order
             if how := sampling_of(study, o.figure):
+                how = "between proven bounds" if both else f"sampled over {how}"
                 doubt = one.errors.get(o.figure, 0.0) + other.errors.get(o.figure, 0.0)
-                text += f", sampled over {how}" + (f", to {doubt:.2g}" if doubt else "")
+                text += f", {how}" + (f", to {doubt:.2g}" if doubt else "")
         groups[order].append(text)
     return "; ".join(f"{words[key]} {', '.join(some)}" for key, some in groups.items() if some)
 

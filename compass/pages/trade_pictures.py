@@ -140,6 +140,7 @@ def share_picture(results: "xr.Dataset") -> Picture:
         "sensitivity-share",
         "Share of candidates that meet every constraint, by variable",
         "Over all candidates looked at.",
+        wide=len(names) > 1,
     )
 
 
@@ -190,6 +191,7 @@ def sensitivity_pictures(study: Study, results: "xr.Dataset") -> list[Picture]:
                 f"{title}, by variable",
                 "Best and median of the candidates that meet every constraint and were judged in "
                 "every objective.",
+                wide=len(shown) > 1,
             )
         )
     return made

@@ -8,6 +8,7 @@ from matplotlib.ticker import MaxNLocator, ScalarFormatter
 
 from compass.inputs.merit import MERITS
 from compass.pictures.style import CYCLE, FAINT
+from compass.study.bounds import ends
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,11 +21,16 @@ def label(name: str, width: int = 44) -> str:
 
 
 def draw_front(axes: "Axes", results: "xr.Dataset", a: str, b: str) -> None:
-    """Draw all candidates with values, and the first front, in two figures of merit."""
+    """Draw all candidates with values, and the first front with its bounds, in two figures."""
     good, front = results.front.values >= 0, results.front.values == 0
     x, y = results[a].values, results[b].values
     axes.plot(x[good], y[good], ".", ms=3, color=FAINT, alpha=0.5, label="feasible")
     axes.plot(x[front], y[front], "o", ms=4, color=CYCLE[0], label="first Pareto front")
+    for name, bars, across in ((a, axes.hlines, y[front]), (b, axes.vlines, x[front])):
+        if ends(name)[0] in results:
+            low, high = (results[end].values[front] for end in ends(name))
+            known = np.isfinite(high - low)
+            bars(across[known], low[known], high[known], color=CYCLE[0], lw=1.5)
     for axis, name in ((axes.xaxis, a), (axes.yaxis, b)):
         if MERITS[name].quantity.form == "count":
             axis.set_major_locator(MaxNLocator(integer=True))

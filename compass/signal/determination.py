@@ -248,6 +248,7 @@ def implied_signal(found: Determination, design: Design, update: float) -> Signa
         base,
         ephemeris=(0.0, 0.0, 0.0),
         clock_sigma=0.0,
+        determined=False,
         covariance=(tuple(tuple(float(x) for x in row) for row in symmetric),),
         ephemeris_rate=(float(slope[0]), float(slope[1]), float(slope[2])),
         update=update,

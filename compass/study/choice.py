@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.orbits import Constellation
+from compass.study.bounds import bounded_figures, ends
 from compass.study.candidates import PATTERNS, ROW, make_constellation
 from compass.study.sampling import map_errors
 
@@ -29,13 +30,17 @@ class Finalist:
     figures
         Its figures of merit.
     errors
-        By how much those that are sampled over area and time may be off.
+        By how much those that are sampled over area and time may be off; half the width of those
+        between proven bounds.
+    brackets
+        Proven bounds, of those that have them.
     """
 
     role: str
     row: np.void
     figures: dict[str, float]
     errors: dict[str, float] = field(default_factory=dict)
+    brackets: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def kind(self) -> str:
@@ -120,8 +125,20 @@ def finalists_of(study: Study, results: "xr.Dataset") -> list[Finalist]:
             figures = {name: float(one[name].values[0]) for name in MERITS}
             row = rows_in(one)
             errors = {name: float(values[0]) for name, values in map_errors(study, row).items()}
-            found[key] = Finalist(role, row[0], figures, errors)
+            brackets = _brackets(study, one)
+            errors |= {name: 0.5 * (high - low) for name, (low, high) in brackets.items()}
+            found[key] = Finalist(role, row[0], figures, errors, brackets)
     return list(found.values())
+
+
+def _brackets(study: Study, one: "xr.Dataset") -> dict[str, tuple[float, float]]:
+    """Proven bounds of the figures of a candidate that have them."""
+    pairs = {
+        figure: tuple(float(one[end].values[0]) for end in ends(figure))
+        for figure in bounded_figures(study)
+        if ends(figure)[0] in one
+    }
+    return {name: (low, high) for name, (low, high) in pairs.items() if np.isfinite(high - low)}
 
 
 def _scale(study: Study, front: "xr.Dataset") -> tuple[NDArray[Any], NDArray[Any]]:

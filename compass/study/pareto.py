@@ -6,10 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def fronts(values: NDArray[np.float64]) -> NDArray[np.int64]:
+def fronts(
+    values: NDArray[np.float64], high: NDArray[np.float64] | None = None
+) -> NDArray[np.int64]:
     """Front of each point: 0 for those that none dominates, 1 for the next once they are gone ...
 
-    A point dominates another if it is nowhere larger and somewhere smaller. Sorted first, a
+    A point dominates another if it is nowhere larger and somewhere smaller; of brackets, if it is
+    so wherever in them both lie: its upper bounds and the other's lower ones. Sorted first, a
     point can be dominated only by those before it, and it belongs to the first front of which
     no member dominates it, found by bisection: a point that a front dominates, those before it
     dominate too (efficient non-dominated sort).
@@ -18,12 +21,15 @@ def fronts(values: NDArray[np.float64]) -> NDArray[np.int64]:
     ----------
     values
         To be minimised, shape (n, m), no nan.
+    high
+        Upper bounds where `values` are lower ones.
 
     References
     ----------
     Zhang et al. 2015, An Efficient Approach to Nondominated Sorting for Evolutionary
     Multiobjective Optimization, IEEE Trans. Evol. Comput. 19(2):201-213.
     """
+    upper = values if high is None else high
     rank = np.zeros(len(values), dtype=np.int64)
     members: list[NDArray[np.float64]] = []
     for k in np.lexsort(values.T[::-1]):
@@ -31,7 +37,7 @@ def fronts(values: NDArray[np.float64]) -> NDArray[np.int64]:
         front = bisect_left(members, True, key=lambda others: not _dominated(point, others))
         if front == len(members):
             members.append(np.empty((0, point.size)))
-        members[front] = np.vstack([members[front], point])
+        members[front] = np.vstack([members[front], upper[k]])
         rank[k] = front
     return rank
 

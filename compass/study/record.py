@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import compass
-from compass.inputs.merit import STAGES
 from compass.inputs.study import Study
 from compass.study.candidates import PATTERNS, ROW, Members
-from compass.study.stages import Found, figures_of
+from compass.study.stages import FINDERS, Found, figures_of
 
 FORMAT = 2
 
@@ -120,8 +119,8 @@ def batch_of(record: dict[str, Any], study: Study, members: Members) -> Batch:
     if record["of"] != mark(study):
         raise DamagedError("of another study, or of another version")
     stage = record["stage"]
-    if type(stage) is not str or stage not in STAGES[1:]:
-        raise DamagedError(f"stage = {stage!r:.40}: must be one of {', '.join(STAGES[1:])}")
+    if type(stage) is not str or stage not in FINDERS:
+        raise DamagedError(f"stage = {stage!r:.40}: must be one of {', '.join(FINDERS)}")
     rows = _rows(_is(record["candidates"], dict, "candidates"))
     if not members.have(rows).all():
         raise DamagedError("a candidate that the study does not have")

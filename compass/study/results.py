@@ -11,10 +11,12 @@ from compass.errors import ArgumentError
 from compass.inputs.merit import MERITS, STAGES, merits_of
 from compass.inputs.study import Study
 from compass.quantities import quantity
+from compass.study.bounds import BOUNDED, bound_columns, bounded_figures, ends
 from compass.study.candidates import PATTERNS, ROW, identities
-from compass.study.pareto import fronts
+from compass.study.order import order_of
 from compass.study.record import Batch
 from compass.study.sampling import sampling_of
+from compass.study.stages import FINDERS
 from compass.study.store import FILE, read_lines
 
 if TYPE_CHECKING:
@@ -31,7 +33,9 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
         figures (nan where a stage was not reached), ``stage`` (the last reached), ``error``
         (its text, or empty), ``feasible`` (whether it is known to meet every constraint; of one
         on entries only those that were judged), ``front`` (of the feasible with a value for every
-        objective; -1 elsewhere).
+        objective; -1 elsewhere), ``decided`` (whether it is known for sure that it is of the first
+        front, or that it is not). Figures between proven bounds are the middle of these, which
+        are beside them as ``FIGURE_low`` and ``FIGURE_high``.
 
     Raises
     ------
@@ -45,7 +49,7 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
         raise ArgumentError(
             f"{path}: no such store; run `compass trade {study.label}` first, or say where it is"
         )
-    batches: dict[str, list[Batch]] = {stage: [] for stage in STAGES}
+    batches: dict[str, list[Batch]] = {stage: [] for stage in FINDERS}
     for line in read_lines(path, study):
         if line.batch is not None:
             batches[line.batch.stage].append(line.batch)
@@ -56,23 +60,21 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
         )
     keys = identities(rows)
     place = {key: k for k, key in enumerate(keys)}
-    figures = {name: np.full(rows.size, np.nan) for name in MERITS}
+    figures = {name: np.full(rows.size, np.nan) for name in (*MERITS, *bound_columns())}
     stage, error = np.zeros(rows.size, "i1"), np.full(rows.size, "", dtype=object)
-    for level, name in enumerate(STAGES):
+    for name in FINDERS:
         for batch in batches[name]:
             # -1: the line with its screening is damaged, and not yet computed again
             where = np.array([place.get(key, -1) for key in identities(batch.rows)])
             there = where >= 0
-            stage[where[there]] = level
+            if name in STAGES:
+                stage[where[there]] = STAGES.index(name)
             for figure, values in batch.found.figures.items():
                 figures[figure][where[there]] = values[there]
             for k, text in batch.found.errors.items():
                 if there[k]:
                     error[where[k]] = text
-    feasible = error == ""
-    for c in study.constraints:
-        feasible &= c.holds(figures[c.figure])
-    feasible &= stage >= STAGES.index("map")
+    order = order_of(study, figures, (error == "") & (stage >= STAGES.index("map")))
     data: dict[str, Any] = {"identity": ("candidate", np.array(keys, dtype=object))}
     for column in ROW.names or ():
         values = rows[column]
@@ -85,12 +87,19 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
             attrs = merit.quantity.attributes()
             if how := sampling_of(study, figure):
                 attrs["sampled_over"] = how
-            data[figure] = ("candidate", figures[figure], attrs)
+            data[figure] = ("candidate", _middle(figures, figure), attrs)
+    for figure in bounded_figures(study):
+        for end, side in zip(ends(figure), ("lower", "upper"), strict=True):
+            attrs = MERITS[figure].quantity.attributes()
+            title = f"{attrs['long_name']}, proven {side} bound"
+            data[end] = ("candidate", figures[end], attrs | {"long_name": title})
     data |= {
         "stage": ("candidate", np.array(STAGES, dtype=object)[stage]),
         "error": ("candidate", error),
-        "feasible": ("candidate", feasible),
-        "front": ("candidate", _fronts(study, figures, feasible)),
+        "feasible": ("candidate", order.feasible),
+        "straddling": ("candidate", order.straddling),
+        "front": ("candidate", order.front),
+        "decided": ("candidate", order.decided),
     }
     attrs = {
         "title": study.name,
@@ -101,14 +110,12 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
     return xr.Dataset(data, attrs=attrs)
 
 
-def _fronts(
-    study: Study, figures: dict[str, NDArray[np.float64]], feasible: NDArray[np.bool_]
-) -> NDArray[np.int64]:
-    columns = np.column_stack([o.sign * figures[o.figure] for o in study.objectives])
-    chosen = np.flatnonzero(feasible & ~np.isnan(columns).any(axis=1))
-    front = np.full(feasible.size, -1)
-    front[chosen] = fronts(columns[chosen])
-    return front
+def _middle(figures: dict[str, NDArray[np.float64]], figure: str) -> NDArray[np.float64]:
+    """Values of a figure, the middle of its bounds where both are known."""
+    if figure not in BOUNDED:
+        return figures[figure]
+    low, high = (figures[end] for end in ends(figure))
+    return np.where(np.isfinite(low + high), 0.5 * (low + high), figures[figure])
 
 
 def known_figures(study: Study) -> list[str]:
@@ -123,19 +130,32 @@ def known_figures(study: Study) -> list[str]:
 
 
 def first_front(study: Study, results: "xr.Dataset") -> list[dict[str, Any]]:
-    """Candidates of the first Pareto front as plain values, best in the first objective first."""
+    """Candidates of the first Pareto front as plain values, best in the first objective first.
+
+    Each objective with its bracket, where it has one, and whether it is decided that the candidate
+    is of the front.
+    """
     front = results.isel(candidate=np.flatnonzero(results.front.values == 0))
     order = np.lexsort([o.sign * front[o.figure].values for o in study.objectives[::-1]])
     required = merits_of("requirements") if study.requirements else ()
     figures = (*(o.figure for o in study.objectives), *required)
     names = dict.fromkeys(["identity", *(ROW.names or ()), *figures])
-    columns = {name: front[name].values[order].tolist() for name in names}
-    return [{name: columns[name][k] for name in names} for k in range(order.size)]
+    columns = {}
+    for name in names:
+        columns[name] = front[name].values[order].tolist()
+        if name in bounded_figures(study):
+            low, high = (front[end].values[order].tolist() for end in ends(name))
+            pairs = [None if np.isnan(a) else [a, b] for a, b in zip(low, high, strict=True)]
+            if any(pairs):
+                columns[f"{name}_bracket"] = pairs
+    columns["decided"] = front.decided.values[order].tolist()
+    return [{name: columns[name][k] for name in columns} for k in range(order.size)]
 
 
 def write_results(dataset: "xr.Dataset", path: Path) -> None:
     """Write the dataset as netCDF, so that a kill leaves the old file or the new one."""
     from compass.saving import save_netcdf
 
-    made = dataset.assign(feasible=dataset.feasible.astype("i1"))
+    yes_no = ("feasible", "straddling", "decided")
+    made = dataset.assign({name: dataset[name].astype("i1") for name in yes_no})
     save_netcdf(path, made.assign_attrs(history=f"compass trade, version {compass.__version__}"))

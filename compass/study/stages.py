@@ -6,6 +6,7 @@
 3. ``requirements``: what the study requires at its sites and in its regions, proven or bracketed.
 4. ``orbits``: how long the fold is proven on real orbits, where the study asks for it.
 5. ``entry``: landing navigation, for the best of those that pass all before.
+6. ``bounds-1``, ...: proven bounds of geometry, as near as it takes to decide the order.
 
 Every function takes candidates and the study, and nothing else decides its numbers: neither the
 batch a candidate is in nor the worker.
@@ -14,6 +15,7 @@ batch a candidate is in nor the worker.
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +24,7 @@ from compass.core.screen import screen_patterns
 from compass.coverage.cap import cap_radius, mask_for_cap
 from compass.inputs.merit import merits_of
 from compass.inputs.study import Study
+from compass.study.bounds import LEVELS, bound_columns, bounds
 from compass.study.candidates import pattern_columns
 from compass.study.cost import cost_figures
 from compass.study.lasting import keeping_law, orbits_figures
@@ -87,6 +90,8 @@ def evaluate(stage: str, study: Study, rows: NDArray) -> Found:
 
 def figures_of(stage: str) -> tuple[str, ...]:
     """Names of the figures that a stage stores."""
+    if stage in LEVELS:
+        return bound_columns()
     return (*merits_of("cost"), *merits_of("screen")) if stage == "screen" else merits_of(stage)
 
 
@@ -138,4 +143,5 @@ FINDERS: dict[str, Callable[[Study, NDArray], dict[str, NDArray[np.float64]]]] =
     "requirements": requirement_figures,
     "orbits": orbits_figures,
     "entry": entry_figures,
+    **{name: partial(bounds, level) for name, level in LEVELS.items()},
 }

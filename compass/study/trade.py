@@ -12,11 +12,13 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.inputs.merit import MERITS, STAGES
+from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
+from compass.study.bounds import LEVELS, bound_columns
 from compass.study.candidates import ROW, batches, candidates, described, identities
+from compass.study.order import settle
 from compass.study.pareto import best
-from compass.study.stages import figures_of, passing
+from compass.study.stages import FINDERS, figures_of, passing
 from compass.study.store import Store
 from compass.study.workers import Workers
 
@@ -24,7 +26,9 @@ from compass.study.workers import Workers
 NAMED = 5
 
 #: Candidates a task: some 80 ms of work, to dwarf its handling, and little enough to lose.
-BATCH = {"screen": 500, "map": 128, "requirements": 4, "orbits": 1, "entry": 96}
+BATCH = {"screen": 500, "map": 128, "requirements": 4, "orbits": 1, "entry": 96} | dict.fromkeys(
+    LEVELS, 8
+)
 
 #: Figure of the map that tells most about a lander's bound before it is judged: over the patterns
 #: of designs/study-fourfold.toml from 14 satellites on, rank correlation 0.8 with its median and
@@ -60,6 +64,8 @@ class Summary:
         What the first few of these are.
     seconds
         Work of this run, by stage, summed over the workers.
+    bounded
+        Candidates whose geometry has proven bounds, by how near these had to come.
     """
 
     candidates: int = 0
@@ -69,6 +75,7 @@ class Summary:
     unfinished: int = 0
     lethal: list[str] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
+    bounded: dict[str, int] = field(default_factory=dict)
 
 
 def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summary:
@@ -92,6 +99,7 @@ def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summa
             bars,
         )
         summary.candidates = store.finished
+        _settle(study, store, workers, bars, summary)
         return summary
     found = candidates(study)
     summary.candidates = len(found)
@@ -103,7 +111,27 @@ def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summa
             before = stage
     if study.entry is not None:
         _stage("entry", finalists(study, store), store, workers, bars, summary)
+    _settle(study, store, workers, bars, summary)
     return summary
+
+
+def _settle(study: Study, store: Store, workers: Workers, bars: Bars, summary: Summary) -> None:
+    """Bound the geometry of those that may be of the front as near as it takes to tell."""
+    rows = passed(study, store, study.stages[-1])
+    wanted = gather(store, identities(rows), {o.figure for o in study.objectives})
+    rows = rows[~np.isnan(np.column_stack(list(wanted.values()))).any(axis=1)]
+
+    def refine(level: str, some: NDArray) -> None:
+        own = Summary()
+        _stage(level, some, store, workers, bars, own)
+        summary.bounded[level], summary.seconds[level] = some.size, own.seconds.get(level, 0.0)
+        summary.unfinished += own.unfinished
+        summary.lethal = [*summary.lethal, *own.lethal][:NAMED]
+
+    def figures(some: NDArray) -> dict[str, NDArray[np.float64]]:
+        return gather(store, identities(some), study.named | set(bound_columns()))
+
+    settle(study, rows, figures, refine)
 
 
 def _stage(
@@ -198,7 +226,7 @@ def gather(store: Store, keys: list[str], names: set[str]) -> dict[str, NDArray[
     """Figures of some candidates from every stage, nan where there is none; shape (n,) each."""
     place = {key: k for k, key in enumerate(keys)}
     found = {name: np.full(len(keys), np.nan) for name in names}
-    for stage in STAGES[1:]:
+    for stage in FINDERS:
         own = names & set(figures_of(stage))
         for batch in store.batches(stage) if own else ():
             ids = identities(batch.rows)

@@ -44,12 +44,15 @@ class Yardstick:
         By name; nan where its orbits are no pattern of equal circles and the figure is of those.
     errors
         By how much those that are sampled over area and time may be off.
+    brackets
+        Proven bounds, of those that have them.
     """
 
     design: Design
     mask_deg: float
     figures: dict[str, float]
     errors: dict[str, float] = field(default_factory=dict)
+    brackets: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def role(self) -> str:

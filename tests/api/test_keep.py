@@ -224,3 +224,16 @@ def test_numbers_of_the_law_are_finite():
     angle = float(prime_meridian_angle(over(212.5).epoch))
     longitude = np.degrees(np.arctan2(r[0, 0, 1], r[0, 0, 0]) - angle) % 360
     assert longitude == pytest.approx(212.5, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("fold", "message"),
+    [
+        (0, "fold = 0: must be a whole number from 1 on"),
+        (2.5, "fold = 2.5: must be a whole number from 1 on"),
+        (99, "fold = 99: the pattern has it at no mask, so no slot has any room"),
+    ],
+)
+def test_a_fold_that_leaves_no_room_is_refused(designs, fold, message):
+    with pytest.raises(ArgumentError, match=message):
+        compass.keep(designs / "compass-15-5-1.toml", fold=fold, years=0.1)

@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from compass.bodies import MARS_J2, MARS_J2_RADIUS
+from compass.core.entry.rates import acceleration, acceleration_partials
 from compass.core.entry_geometry import cartesian_of
 from compass.entry.model import EntryModel
 from compass.entry.state import azimuth_from_heading, longitude_degrees, state_from_cartesian
@@ -304,3 +305,69 @@ def test_flattened_mars_turns_about_its_pole_alone(world, table2):
 
     other = solve_ivp(rates, times, here.path[0], "DOP853", times, rtol=1e-11, atol=1e-8).y[:, -1]
     np.testing.assert_allclose(here.path[-1, :3], other[:3], atol=1e-3)
+
+
+def windy(world, winds, rotation="full"):
+    model = world(rotation)
+    return replace(model, atmosphere=replace(model.atmosphere, winds=winds))
+
+
+WINDS = ((3397.2e3, -20.0, 10.0), (3427.2e3, 60.0, -40.0), (3497.2e3, -30.0, 100.0))
+
+
+def test_no_wind_is_still_air_to_the_byte(world, table2):
+    still, zero = (
+        fly(model, table2, np.arange(0.0, 241.0, 8.0)).path
+        for model in (world("full"), windy(world, ((3397.2e3, 0.0, 0.0), (3500e3, 0.0, 0.0))))
+    )
+    np.testing.assert_array_equal(still, zero)
+
+
+def test_partials_in_wind_are_derivatives(world, table2):
+    """Against central differences, between the rows of the winds and beyond them."""
+    p = windy(world, WINDS).flight_parameters()
+    for k in (60, 110, 200):
+        x = fly(windy(world, WINDS), table2, [0.0, float(k)]).path[-1]
+        found, up, down = np.empty((3, 8)), np.empty(3), np.empty(3)
+        acceleration_partials(x, 0.1, 0.156, p, 0.6, 0.8, found)
+        for j in range(6):
+            step = (5.0 if j < 3 else 0.01) * np.eye(6)[j]
+            acceleration(x + step, 0.1, 0.156, p, 0.6, 0.8, up)
+            acceleration(x - step, 0.1, 0.156, p, 0.6, 0.8, down)
+            slope = (up - down) / (2 * step[j])
+            np.testing.assert_allclose(found[:, j], slope, rtol=0, atol=1e-6 * abs(found).max())
+
+
+def test_a_wind_that_turns_with_more_spin_is_still_air(world, table2):
+    """Air that goes round at a rate of its own is a wind to the east of that rate times q."""
+    model = world("none")
+    lat = table2[2]
+    eastward = 1e-5 * table2[0] * np.cos(lat)
+    p = windy(world, ((3e6, eastward, 0.0),), "none").flight_parameters()
+    x, spin = fly(model, table2, [0.0]).path[0], np.array([0.0, 0.0, 1e-5])
+    blown, carried = np.empty(3), np.empty(3)
+    acceleration(x, 9.0, 0.156, p, 0.6, 0.8, blown)
+    moved = np.concatenate([x[:3], x[3:] - np.cross(spin, x[:3])])
+    acceleration(moved, 9.0, 0.156, model.flight_parameters(), 0.6, 0.8, carried)
+    np.testing.assert_allclose(blown, carried, rtol=1e-9)
+
+
+@pytest.mark.parametrize("angle", [0.7, -2.5])
+def test_winds_turn_with_the_planet_about_its_pole(world, table2, angle):
+    model, times = windy(world, WINDS), np.arange(0.0, 241.0, 24.0)
+    flight, still = (fly(m, table2, times) for m in (model, world("full")))
+    turned = table2.copy()
+    turned[1] += angle
+    other = fly(model, turned, times)
+    c, s = np.cos(angle), np.sin(angle)
+    both = np.kron(np.eye(2), np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
+    np.testing.assert_allclose(other.path @ both, flight.path, rtol=0, atol=1e-5)
+    assert np.linalg.norm(flight.path[-1, :3] - still.path[-1, :3]) > 100.0
+    assert loads(flight).largest("g_load")[0] != loads(still).largest("g_load")[0]
+
+
+def test_impossible_winds_are_refused(world):
+    with pytest.raises(ArgumentError, match="winds: altitudes must increase"):
+        windy(world, WINDS[::-1])
+    with pytest.raises(ArgumentError, match="leave the winds out"):
+        windy(world, WINDS, "published-coriolis")

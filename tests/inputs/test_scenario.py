@@ -314,6 +314,21 @@ def test_a_spread_of_the_air_by_height():
     assert "filter.density.scale_km: missing; needed beside sigma_by_km" in str(told.value)
 
 
+def test_winds_are_flown_as_given_and_as_they_are():
+    text = changed("[atmosphere]\n", "[atmosphere]\nwinds_by_km = [[0, 10, 5], [60, -80, 0]]\n")
+    scenario = read(text + "\n[truth]\nwinds_by_km = [[0, 0, 0]]\n")
+    r0 = scenario.model.planet_radius
+    assert scenario.model.atmosphere.winds == ((r0, 10.0, 5.0), (r0 + 60e3, -80.0, 0.0))
+    assert scenario.truth.atmosphere.winds == ((r0, 0.0, 0.0),)
+    assert read(text).truth.atmosphere.winds == scenario.model.atmosphere.winds
+    with pytest.raises(DesignError, match="winds: altitudes must increase"):
+        read(text.replace("[60, -80, 0]", "[0, -80, 0]"))
+    published = (DESIGNS / "lou2019-recommended.toml").read_text()
+    blown = changed("[atmosphere]\n", "[atmosphere]\nwinds_by_km = [[0, 1, 1]]\n", published)
+    with pytest.raises(DesignError, match=r"atmosphere\.winds_by_km: not beside \[fusion\]"):
+        read(blown, folder=DESIGNS)
+
+
 def test_faults_of_instruments_are_said_together():
     text = changed("[filter]\n", INSTRUMENTS).replace('kind = "ekf"', "")
     text = text.replace('kind = "unscented"', 'kind = "relinearised-ekf"\niterations = 3')

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import compass
-from compass.errors import DesignError
+from compass.errors import ArgumentError, DesignError
 from compass.handover.toml import design_toml
 from compass.inputs import read_design_text
 from compass.quantities import QUANTITIES
@@ -135,3 +135,38 @@ def test_show_tells_the_budget(tmp_path):
     assert np.sqrt((budget**2).sum(axis=0)) == pytest.approx(told["range_error_m"])
     assert told["by_age"]["age_h"] == [0, 3, 6]
     assert "Budget of a range" in str(found) and "Range error by age" in str(found)
+
+
+TRACKED = "[tracking]\nearth = { range_m = 1, time_m = 1 }\n"
+DETERMINED = 'ephemeris_m = "determined"\nreceiver = { noise_m = 0.5 }\n'
+
+
+def test_orbit_errors_may_be_those_that_tracking_implies():
+    """Nothing is said of ranges before; the design is read and written all the same."""
+    read = read_design_text(DESIGN.format(text=DETERMINED, more=TRACKED))
+    assert read.signal.determined
+    assert read_design_text(design_toml(read)).signal == read.signal
+    with pytest.raises(ArgumentError, match="compass determine DESIGN -o NEW"):
+        str(compass.show(read))
+    worked = compass.determine(read, days=0.05).signal
+    assert not worked.determined
+    assert len(worked.covariance) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "more", "said"),
+    [
+        (DETERMINED, "", "'determined': nobody tracks; add a table [tracking]"),
+        (DETERMINED + "clock_m = 1\n", TRACKED, "signal.clock_m = 1: follows from what is"),
+        (
+            DETERMINED.replace("determined", "guessed") + "clock_m = 1\n",
+            TRACKED,
+            "'guessed': allowed: 'determined'",
+        ),
+    ],
+)
+def test_what_cannot_be_determined_is_refused(text, more, said):
+    with pytest.raises(DesignError) as refused:
+        read_design_text(DESIGN.format(text=text, more=more))
+    assert said in str(refused.value)
+    assert str(refused.value).count("\n") == 0

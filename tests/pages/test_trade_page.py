@@ -9,11 +9,11 @@ import pytest
 
 from compass.document import Answers
 from compass.inputs import read_design_text
-from compass.inputs.study import read_study_text
+from compass.inputs.study import Constraint, read_study_text
 from compass.pages import trade_pictures
 from compass.pages.page import write_page
-from compass.pages.trade import trade_report
-from compass.pages.trade_finalists import against, verdict
+from compass.pages.trade import _asked, trade_report
+from compass.pages.trade_finalists import Entrant, _lasts, against, verdict
 from compass.study import ranking
 from compass.study.candidates import ROW
 from compass.study.choice import Finalist
@@ -240,3 +240,23 @@ def test_filter_is_left_out_if_the_study_says_so(landing, tmp_path, coarse):
     without = replace(landing, entry=replace(landing.entry, filter_runs=0))
     made = traded(without, tmp_path / "store")
     assert all(row["nees"] is None for row in made.summary["landing"]["designs"])
+
+
+@pytest.mark.parametrize(("days", "said"), [(np.nan, "not asked by the study"), (31.5, "31.5 d")])
+def test_how_long_it_lasts_is_answered_where_it_is_known(seed_design, days, said):
+    one = replace(finalist(15, 3.0), figures={"days_proven": days})
+    row = _lasts(Entrant(one, seed_design, "proven"))
+    assert row.written.startswith(said) and row.holds is None
+
+
+@pytest.mark.parametrize(
+    ("constraint", "words"),
+    [
+        (Constraint("fold_proven", 1.0, np.inf, False), "the fold, proven"),
+        (Constraint("gdop_p95", -np.inf, 10.0, True), "GDOP, 95th percentile below 10"),
+        (Constraint("planes", -np.inf, 8.0, False), "at most 8"),
+        (Constraint("closest_approach_deg", 1.0, np.inf, False), "at least 1"),
+    ],
+)
+def test_constraints_are_words(constraint, words):
+    assert words in _asked(constraint) and "_" not in _asked(constraint)

@@ -184,3 +184,20 @@ def test_twins_are_one():
     assert (module._shape(one) == module._shape(other)) == np.allclose(
         *(np.sort(np.concatenate(module.pair_cosines(c))) for c in (one, other))
     )
+
+
+def test_a_range_of_radii_says_what_height_buys(flat, run, monkeypatch):
+    monkeypatch.setattr("compass.api.search.RADII", 2)
+    # caps of 59.5 and 80.4 degrees around the equator: four of the one, three of the other
+    asked, sizes = {"fold": 1, "region": "lat:-0.1:0.1", "max_satellites": 4}, [4, 3]
+    found = compass.search(radius_km=(6700.0, 20427.7), **asked)
+    assert found.best.constellation.size == sizes[1]
+    assert found.question.radius == pytest.approx(20427.7e3)
+    assert [each["smallest"] for each in found.to_dict()["by_radius"]] == sizes
+    assert f"smallest by radius: {sizes[0]} at 6700 km, {sizes[1]} at 20427.7 km" in found.sentence
+    with pytest.raises(ArgumentError, match="the least first, below the greatest"):
+        compass.search(radius_km=(9000.0, 8000.0), **asked)
+    with pytest.raises(ArgumentError, match="a range is for requirements; add a region"):
+        compass.search(fold=1, radius_km=(8000.0, 9000.0), max_satellites=2)
+    code, _, err = run("search", "--fold", 1, "--max-satellites", 2, "--radius-km", "low:high")
+    assert code == 2 and "is not a number or LEAST:MOST" in err

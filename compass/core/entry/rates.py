@@ -5,17 +5,21 @@ is no pole in it: nothing is divided by a cosine of latitude, and without lift n
 the flight-path angle.
 
 Parameters ``p``: see `MU` and what follows it; behind `TABLE` may stand a tabulated atmosphere,
-n radii, increasing, then n values of ``ln rho``.
+n radii, increasing, then n values of ``ln rho``, and winds, k radii, increasing, then k speeds to
+the east and k to the north, linear between and constant beyond. Drag and lift are those of the
+velocity through the air.
 """
 
 import math
+
+import numpy as np
 
 from compass.core.jit import fast_kernel
 
 #: Places in ``p``: gravitational parameter; ``3/2 J2 mu R^2`` (0 for a point mass); rotation rate
 #: and which of its terms are kept; the density at r0, its logarithm; r0; scale height;
-#: ``B = C_D S / m``; lift-to-drag ratio.
-MU, OBLATE, OMEGA, ROTATION, LOG_DENSITY, R0, SCALE_HEIGHT, DRAG, LIFT, TABLE = range(10)
+#: ``B = C_D S / m``; lift-to-drag ratio; number k of rows of the winds.
+MU, OBLATE, OMEGA, ROTATION, LOG_DENSITY, R0, SCALE_HEIGHT, DRAG, LIFT, WINDS, TABLE = range(11)
 
 #: Terms of the rotation: Coriolis alone; Coriolis and centrifugal; Coriolis terms of the
 #: flight-path and heading rates exchanged, as Yu et al. 2018 print them in eq. 1 (wrong).
@@ -32,7 +36,7 @@ def log_density(r, p):
     ``ln rho0 + (r0 - r)/h``, or linear between the rows of a table (exponential layers), the end
     layers going on for ever.
     """
-    n = (p.size - TABLE) // 2
+    n = (p.size - TABLE - 3 * int(p[WINDS])) // 2
     if n == 0:
         return p[LOG_DENSITY] + (p[R0] - r) / p[SCALE_HEIGHT], -1.0 / p[SCALE_HEIGHT]
     low, high = 0, n - 1
@@ -48,12 +52,80 @@ def log_density(r, p):
 
 
 @fast_kernel
+def wind_speeds(r, p):
+    """Wind to the east and to the north, m/s, and their derivatives in r, 1/s."""
+    k = int(p[WINDS])
+    at = p.size - 3 * k
+    if k == 0:
+        return 0.0, 0.0, 0.0, 0.0
+    if r <= p[at] or k == 1:
+        return p[at + k], p[at + 2 * k], 0.0, 0.0
+    if r >= p[at + k - 1]:
+        return p[at + 2 * k - 1], p[at + 3 * k - 1], 0.0, 0.0
+    low = 0
+    while p[at + low + 1] <= r:
+        low += 1
+    span = p[at + low + 1] - p[at + low]
+    east, north = p[at + k + low], p[at + 2 * k + low]
+    de, dn = (p[at + k + low + 1] - east) / span, (p[at + 2 * k + low + 1] - north) / span
+    return east + de * (r - p[at + low]), north + dn * (r - p[at + low]), de, dn
+
+
+@fast_kernel
+def through_air(x, p):
+    """Velocity through the air, ``v - E e - N n``, its three components in m/s.
+
+    East e and north n are those of the place; on the polar axis, where there is none, no wind.
+    """
+    if p[WINDS] == 0.0:
+        return x[3], x[4], x[5]
+    across = math.sqrt(x[0] * x[0] + x[1] * x[1])
+    if across == 0.0:
+        return x[3], x[4], x[5]
+    r = math.sqrt(across * across + x[2] * x[2])
+    east, north, _, _ = wind_speeds(r, p)
+    cx, cy, sin_lat = x[0] / across, x[1] / across, x[2] / r
+    return (
+        x[3] + east * cy + north * sin_lat * cx,
+        x[4] - east * cx + north * sin_lat * cy,
+        x[5] - north * across / r,
+    )
+
+
+@fast_kernel
+def wind_gradient(x, p, out):
+    """Write the derivative of the wind in the position, 1/s, into `out` (3, 3).
+
+    ``(E' e + N' n) u^T - E c e^T / q - N (u n^T / r + tan(lat) e e^T / r)``, with u up, c the
+    horizontal part of u, of length 1, and q the distance from the axis.
+    """
+    out[:, :] = 0.0
+    across = math.sqrt(x[0] * x[0] + x[1] * x[1])
+    if across == 0.0:
+        return
+    r = math.sqrt(across * across + x[2] * x[2])
+    east, north, de, dn = wind_speeds(r, p)
+    sin_lat, cos_lat = x[2] / r, across / r
+    c = (x[0] / across, x[1] / across, 0.0)
+    u = (x[0] / r, x[1] / r, sin_lat)
+    e = (-c[1], c[0], 0.0)
+    n = (-sin_lat * c[0], -sin_lat * c[1], cos_lat)
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = (
+                (de * e[i] + dn * n[i]) * u[j]
+                - east * c[i] * e[j] / across
+                - north * (u[i] * n[j] / r + sin_lat * e[i] * e[j] / across)
+            )
+
+
+@fast_kernel
 def acceleration(x, thicker, lift, p, cos_bank, sin_bank, out):
     """Write the acceleration (m/s^2) into ``out[0:3]``.
 
     ``a = -mu u/r^2 - D s + L (cos(bank) e + sin(bank) f) - 2 w x v - w x (w x r)``, with u up, s
-    along the velocity, ``e = (u - q s)/c`` and ``f = (s x u)/c`` across it, ``q = u . s``,
-    ``c = |s x u|``; ``D = rho B V^2 / 2``, ``L = lift D``.
+    along the velocity through the air, of size V, ``e = (u - q s)/c`` and ``f = (s x u)/c`` across
+    it, ``q = u . s``, ``c = |s x u|``; ``D = rho B V^2 / 2``, ``L = lift D``.
 
     Parameters
     ----------
@@ -69,9 +141,10 @@ def acceleration(x, thicker, lift, p, cos_bank, sin_bank, out):
         Of the bank angle, positive turning the velocity clockwise.
     """
     r = math.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
-    v = math.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5])
+    vx, vy, vz = through_air(x, p)
+    v = math.sqrt(vx * vx + vy * vy + vz * vz)
     ux, uy, uz = x[0] / r, x[1] / r, x[2] / r
-    sx, sy, sz = x[3] / v, x[4] / v, x[5] / v
+    sx, sy, sz = vx / v, vy / v, vz / v
     height, _ = log_density(r, p)
     drag = 0.5 * math.exp(height + thicker) * p[DRAG] * v * v
     g = p[MU] / (r * r)
@@ -106,9 +179,10 @@ def acceleration_partials(x, thicker, lift, p, cos_bank, sin_bank, out):
     Column by column: how u, s, the density and the speed turn, then what turns with them.
     """
     r = math.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
-    v = math.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5])
+    vx, vy, vz = through_air(x, p)
+    v = math.sqrt(vx * vx + vy * vy + vz * vz)
     ux, uy, uz = x[0] / r, x[1] / r, x[2] / r
-    sx, sy, sz = x[3] / v, x[4] / v, x[5] / v
+    sx, sy, sz = vx / v, vy / v, vz / v
     height, slope = log_density(r, p)
     drag = 0.5 * math.exp(height + thicker) * p[DRAG] * v * v
     w, swapped = p[OMEGA], p[ROTATION] == SWAPPED
@@ -166,6 +240,13 @@ def acceleration_partials(x, thicker, lift, p, cos_bank, sin_bank, out):
             ay += dup * ey + all_up * dey + dside * fy + all_side * dfy
             az += dup * ez + all_up * dez + dside * fz + all_side * dfz
         out[0, j], out[1, j], out[2, j] = ax, ay, az
+    if p[WINDS] > 0.0:  # so far the columns of the velocity hold what the air does, and no more
+        gradient = np.empty((3, 3))
+        wind_gradient(x, p, gradient)
+        for i in range(3):
+            for j in range(3):
+                for k in range(3):
+                    out[i, j] -= out[i, 3 + k] * gradient[k, j]
     if not swapped:
         out[0, 4] += 2.0 * w
         out[1, 3] -= 2.0 * w

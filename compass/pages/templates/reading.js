@@ -122,7 +122,7 @@ class Reading {
     const left = found.x * width + 12 + wide > width ? found.x * width - 12 - wide : found.x * width + 12;
     this.tip.style.left = `${Math.max(left, 0)}px`;
     this.tip.style.top = `${Math.max(Math.min(found.y * height - high - 8, height - high), 0)}px`;
-    this.dot.style.left = `${100 * found.x}%`;
+    this.dot.style.left = `${found.x * width}px`;
     this.dot.style.top = `${found.y * height}px`;
   }
   hide() { this.tip.style.display = this.dot.style.display = "none"; }

@@ -1,0 +1,92 @@
+"""Proven bounds of the geometry of candidates: only as near as it takes to decide their order."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.coverage.certified_question import Asked
+from compass.coverage.certified_share import (
+    CertifiedPercentile,
+    CertifiedShare,
+    certified_percentile,
+    certified_share,
+)
+from compass.inputs.study import Study
+from compass.orbits import Constellation
+from compass.sites import Mask
+from compass.study.candidates import make_constellation
+
+#: Figures of merit that have proven bounds: the dilution, and per cent of area and time below it;
+#: None for the share below the study's limit.
+BOUNDED: dict[str, tuple[str, float | None]] = {
+    "gdop_p50": ("gdop", 50.0),
+    "gdop_p95": ("gdop", 95.0),
+    "pdop_p95": ("pdop", 95.0),
+    "availability": ("pdop", None),
+}
+
+
+@dataclass(frozen=True)
+class Level:
+    """How near bounds come: of a share, of a percentile relative to it; and in how many boxes."""
+
+    width: float
+    precision: float
+    boxes: int
+
+
+#: One after the other, each for those that the one before leaves undecided. Boxes and not seconds
+#: end them, so that any machine and any number of workers come to the same order.
+LEVELS = {
+    "bounds-1": Level(1e-2, 0.1, 20_000),
+    "bounds-2": Level(1e-3, 0.01, 200_000),
+    "bounds-3": Level(1e-4, 0.001, 2_000_000),
+}
+
+
+def ends(figure: str) -> tuple[str, str]:
+    """Names of the columns of a figure's bounds."""
+    return f"{figure}_low", f"{figure}_high"
+
+
+def bound_columns() -> tuple[str, ...]:
+    """Columns that every level stores."""
+    return tuple(name for figure in BOUNDED for name in ends(figure))
+
+
+def bounded_figures(study: Study) -> list[str]:
+    """Figures that the study sorts by or limits, and that have proven bounds."""
+    asked = {o.figure for o in study.objectives} | {c.figure for c in study.constraints}
+    return [figure for figure in BOUNDED if figure in asked]
+
+
+def bounds(level: Level, study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
+    """Bounds of what a study asks of geometry, shape (n,) each; nan where it does not.
+
+    For all area and all time, on the study's figure; a share holds whatever the turn of Mars.
+    """
+    found = {name: np.full(rows.size, np.nan) for name in bound_columns()}
+    for k, row in enumerate(rows):
+        pattern = make_constellation(row)
+        mask = Mask.constant(float(np.radians(row["mask_deg"])))
+        for figure in bounded_figures(study):
+            known = _bound(level, study, figure, pattern, mask)
+            low, high = ends(figure)
+            found[low][k], found[high][k] = known.low, known.high
+    return found
+
+
+def _bound(
+    level: Level, study: Study, figure: str, pattern: Constellation, mask: Mask
+) -> CertifiedShare | CertifiedPercentile:
+    """Bounds of one figure of one candidate."""
+    dop, percent = BOUNDED[figure]
+    asked: Asked = {"dop": dop, "figure": study.figure, "mask": mask}
+    if percent is None:
+        return certified_share(
+            pattern, study.map.pdop_max, width=level.width, budget_boxes=level.boxes, **asked
+        )
+    return certified_percentile(
+        pattern, percent, precision=level.precision, budget_boxes=level.boxes, **asked
+    )

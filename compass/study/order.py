@@ -1,0 +1,129 @@
+"""Which candidates are on the front for sure: an order of brackets, refined where it is open."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.inputs.study import Study
+from compass.study.bounds import LEVELS, bounded_figures, ends
+from compass.study.pareto import fronts
+
+Figures = dict[str, NDArray[np.float64]]
+
+
+@dataclass(frozen=True)
+class Order:
+    """What is known of the order of candidates, shape (n,) each.
+
+    Attributes
+    ----------
+    feasible
+        Meet every constraint for sure.
+    straddling
+        Whose bounds lie on either side of a constraint: not decided.
+    front
+        Of the feasible with a value for every objective, by sure dominance: one that may be
+        beaten but is not for sure is of the front; -1 elsewhere.
+    decided
+        Whether it is known for sure that it is of the front, or that it is not.
+    open
+        Whose bounds have to come nearer to decide what is not.
+    """
+
+    feasible: NDArray[np.bool_]
+    straddling: NDArray[np.bool_]
+    front: NDArray[np.int64]
+    decided: NDArray[np.bool_]
+    open: NDArray[np.bool_]
+
+
+def order_of(study: Study, figures: Figures, known: NDArray[np.bool_]) -> Order:
+    """Sort candidates by brackets where there are any, else by the figures themselves.
+
+    Parameters
+    ----------
+    study
+        Its constraints and objectives.
+    figures
+        By name, shape (n,) each, and the columns of bounds (`compass.study.bounds.ends`), nan
+        where there are none.
+    known
+        Which have come far enough to be sorted at all.
+    """
+    feasible, straddling = known.copy(), np.zeros(known.size, dtype=bool)
+    for constraint in study.constraints:
+        one, other = (constraint.holds(end) for end in interval(figures, constraint.figure))
+        straddling |= known & (one != other)
+        feasible &= one & other
+    straddling = straddling & _may_hold(study, figures)
+    sides = [(o.sign * np.stack(interval(figures, o.figure)))[:: o.sign] for o in study.objectives]
+    low, high = (np.column_stack([pair[k] for pair in sides]) for k in (0, 1))
+    chosen = np.flatnonzero(feasible & ~np.isnan(low).any(axis=1))
+    front = np.full(known.size, -1)
+    front[chosen] = fronts(low[chosen], high[chosen])
+    decided, open_ = np.array(~straddling), np.array(straddling)
+    first = np.flatnonzero(front == 0)
+    rivals = may_beat(low[first], high[first])
+    decided[first] = ~rivals.any(axis=0)
+    wide = np.array((low < high).any(axis=1))
+    open_[first] |= (rivals.any(axis=0) | rivals.any(axis=1)) & wide[first]
+    return Order(feasible, straddling, front, decided, open_)
+
+
+def interval(figures: Figures, figure: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Bounds of a figure where they are known, else twice its value."""
+    low, high = ends(figure)
+    value = figures[figure]
+    if low not in figures:
+        return value, value
+    known = ~np.isnan(figures[low])
+    return np.where(known, figures[low], value), np.where(known, figures[high], value)
+
+
+def _may_hold(study: Study, figures: Figures) -> NDArray[np.bool_]:
+    """Whether no constraint is broken for sure, shape (n,)."""
+    held = [
+        np.any([constraint.holds(end) for end in interval(figures, constraint.figure)], axis=0)
+        for constraint in study.constraints
+    ]
+    return np.asarray(np.all(held, axis=0))
+
+
+def may_beat(low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether a may be nowhere larger than b and somewhere smaller, shape (a, b), of brackets."""
+    no_larger = np.all(low[:, np.newaxis] <= high, axis=-1)
+    smaller = np.any(low[:, np.newaxis] < high, axis=-1)
+    beats = no_larger & smaller
+    np.fill_diagonal(beats, False)
+    return np.asarray(beats)
+
+
+def settle(
+    study: Study,
+    rows: NDArray,
+    figures: Callable[[NDArray], Figures],
+    refine: Callable[[str, NDArray], None],
+) -> None:
+    """Bring bounds as near as it takes to decide who is on the front; those of the front to begin.
+
+    Parameters
+    ----------
+    study
+        What is asked.
+    rows
+        Candidates that may be of the front.
+    figures
+        All that is known of candidates.
+    refine
+        Finds the bounds of candidates at a level, unless they are known.
+    """
+    if not bounded_figures(study) or not rows.size:
+        return
+    going = np.ones(rows.size, dtype=bool)
+    for level in LEVELS:
+        if not going.any():
+            return
+        refine(level, rows[going])
+        going = order_of(study, figures(rows), np.ones(rows.size, dtype=bool)).open
