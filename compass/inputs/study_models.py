@@ -131,7 +131,7 @@ class MapTable(Table):
 
     step_deg: float = Field(10.0, ge=1, le=45, description="cell of the equal-area grid, degrees")
     epochs: int = Field(12, ge=1, le=10_000, description="epochs in the time that decides")
-    pdop_max: float = Field(PDOP_MAX, gt=0, description="largest PDOP that counts as available")
+    pdop_max: float = Field(PDOP_MAX, ge=1, description="largest PDOP that counts as available")
 
 
 class EntryStageTable(Table):
