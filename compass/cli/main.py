@@ -126,7 +126,16 @@ def in_words_of_the_user(message: str, context: click.Context) -> str:
     ]
     if len(files) == 1 and not message.startswith("--") and files[0] not in message:
         return f"{files[0]}: {message}"
-    return message
+    return message if files else _with_options(message, context.command.params)
+
+
+def _with_options(message: str, parameters: list[click.Parameter]) -> str:
+    """Name the options wherever their names stand: there is no file that they could be keys of."""
+    names = {p.name: max(p.opts, key=len) for p in parameters if isinstance(p, click.Option)}
+    first = re.match(r"\w+(?=[ :])", message)
+    if first and first[0] in names:
+        message = names[first[0]] + message[first.end() :]
+    return re.sub(r"(?<![-\w])\w+_\w+\b", lambda word: names.get(word[0], word[0]), message)
 
 
 @click.command(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})

@@ -80,6 +80,22 @@ def test_a_refusal_names_the_option_or_the_file(message, arguments, said):
         assert program.in_words_of_the_user(message, context) == said
 
 
+@pytest.mark.parametrize(
+    ("message", "said"),
+    [
+        (
+            "orbit: needs exactly one of radius_km and repeat; found none",
+            "--orbit: needs exactly one of --radius-km and repeat; found none",
+        ),
+        ("max_satellites = 0: one or more", "--max-satellites = 0: one or more"),
+        ("orbiting: no_option of ours", "orbiting: no_option of ours"),
+    ],
+)
+def test_a_command_without_a_file_names_its_options_alone(message, said):
+    with program._loaded("search").make_context("search", ["--max-satellites", "3"]) as context:
+        assert program.in_words_of_the_user(message, context) == said
+
+
 def test_a_refusal_from_inside_comes_out_in_words_of_the_user(meets):
     def refuse():
         raise ArgumentError("duration_h = 3: is not to be")

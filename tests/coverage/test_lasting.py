@@ -13,13 +13,13 @@ from compass.core.path import piece_of, pull_bound
 from compass.coverage.cap import cap_radius
 from compass.coverage.certificate import Outcome, prove_fold
 from compass.coverage.fold import clearances, fold_extremes
-from compass.coverage.lasting import least_margins, margins_at, prove_span
+from compass.coverage.lasting import RESOLUTION, least_margins, margins_at, prove_span
 from compass.coverage.margin import highest_mask
 from compass.coverage.region import convex_polygon, latitude_band
 from compass.coverage.symmetry import Span
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY as DAY
-from compass.frames import seconds_past_j2000
+from compass.frames import direction, mcmf_from_mci, prime_meridian_angle, seconds_past_j2000
 from compass.orbits import keplerian, walker_delta
 from compass.orbits.forces import ForceModel
 from compass.orbits.motion import Motion
@@ -251,6 +251,19 @@ def test_on_an_ellipsoid_the_highest_mask_is_the_one_found_by_symmetry():
     assert lost.stretch == figure["stretch"]
     sphere = prove_span(path, 1, mask=highest + VAGUE, region=region, sphere_radius=SPHERE)
     assert sphere.outcome is Outcome.PROVEN  # whose users' verticals lean towards the ring
+
+
+def test_a_loss_on_an_ellipsoid_stands_after_what_all_bands_have_proven():
+    path = path_of(drifting(), 5.0)
+    figure = {"sphere_radius": SPHERE, "stretch": 3396.19 / 3376.2}
+    found = prove_span(path, 1, mask=0.02, **figure)
+    assert found.outcome is Outcome.REFUTED
+    assert 0.0 < found.lost_at - found.proven_until <= RESOLUTION
+    w = found.witness
+    x = path.states([w.time])[0][:, 0]
+    turn = prime_meridian_angle(path.epoch, w.time)
+    place = mcmf_from_mci(direction(w.latitude, w.longitude), -turn)
+    assert (clearances(x, SPHERE, 0.02, place, figure["stretch"]) >= 0).sum() == w.fold == 0
 
 
 #: In the narrowest bands (sine of latitude 0.02) kappa at 45 degrees spans some 1e-4.

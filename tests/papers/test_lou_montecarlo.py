@@ -66,8 +66,6 @@ def test_streaming_statistics_are_those_of_all_the_runs():
     np.testing.assert_allclose(data.nees, np.mean(nees, axis=0), rtol=1e-10)
     np.testing.assert_allclose(data.miss, np.mean(miss, axis=0), rtol=1e-9)
     np.testing.assert_allclose(data.miss_covariance, np.cov(np.array(miss).T), rtol=1e-9)
-    explicit = e[0, 3] @ np.linalg.solve(np.diag(v[0, 3]), e[0, 3])
-    assert np.isfinite(explicit)
 
 
 def test_start_errors_have_the_covariance_they_are_drawn_from():
