@@ -1,6 +1,7 @@
 """Everything compiled at once: what is said of it, and what stops it."""
 
 import json
+import re
 
 import pytest
 
@@ -20,13 +21,19 @@ def few(monkeypatch):
 
 
 def test_small_jobs_are_run_and_what_is_kept_is_counted(few, run):
+    def kept():
+        return len(kernel_cache.compiled(kernel_cache.places()[1]))
+
+    # other tests compile meanwhile
+    before = kept()
     status, out, _ = run("warm", "--json")
     found = json.loads(out)
-    kept = kernel_cache.compiled(kernel_cache.places()[1])
-    assert status == 0 and found["kernels"] == len(kept)
+    assert status == 0 and before <= found["kernels"] <= kept()
     assert found["runs"][0]["command"] == "compass show design.toml"
+    before = kept()
     status, out, _ = run("warm", "--workers", 1)
-    assert status == 0 and f"{len(kept)} compiled kernels" in out and "compass version" in out
+    said = int(re.search(r"(\d+) compiled kernels", out)[1])
+    assert status == 0 and before <= said <= kept() and "compass version" in out
 
 
 def test_only_what_serves_these_sources_is_counted(tmp_path):

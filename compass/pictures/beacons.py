@@ -2,7 +2,6 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from compass.document import Picture
 from compass.entry.beacons import surface_beacons
@@ -28,9 +27,9 @@ def places(flight: Trajectory, found: Optimum) -> Picture:
 
 def convergence(found: Optimum) -> Picture:
     """Show how the objective fell from every start."""
-    axes = draw_convergence(None, found)
-    figure = axes.figure
-    assert isinstance(figure, Figure)
+    with look():
+        figure = new_figure(7.5, 3.6)
+        draw_convergence(figure.add_subplot(), found)
     return picture(
         figure, "best-convergence", "Convergence of the search", "The best start in colour."
     )

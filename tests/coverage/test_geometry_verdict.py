@@ -9,6 +9,7 @@ import pytest
 
 from compass.coverage import geometry_verdict as module
 from compass.coverage.certificate import Outcome
+from compass.coverage.certified_effort import Effort
 from compass.coverage.geometry_verdict import geometry_verdict
 from compass.design import Design, Requirement
 from compass.orbits import walker_delta
@@ -36,11 +37,11 @@ def test_what_claims_leave_open_is_asked_of_the_share(monkeypatch):
     pattern = walker_delta(12, 3, 1, inclination_deg=55, radius_km=20427)
     witness = SimpleNamespace(time=1.0, latitude=0.1, longitude=0.2, value=9.0)
     share = SimpleNamespace(low=0.9, high=1.0, value=0.95, stopped="boxes")
-    monkeypatch.setattr(module, "certified_share", lambda *_, **__: share)
+    monkeypatch.setattr(Effort, "share", lambda *_, **__: share)
     found = {}
     for outcome in Outcome:
         claim = SimpleNamespace(outcome=outcome, witness=witness)
-        monkeypatch.setattr(module, "certified_always", lambda *_, claim=claim, **__: claim)
+        monkeypatch.setattr(Effort, "always", lambda *_, claim=claim, **__: claim)
         found[outcome] = asked(pattern, 0.1)
     assert found[Outcome.PROVEN].met is True
     assert found[Outcome.REFUTED].met is False
@@ -56,7 +57,7 @@ def test_a_share_of_area_and_time_lies_between_those_of_its_parts(monkeypatch):
 
     def settled(highs, share_of):
         found = iter([SimpleNamespace(low=0.1, high=h, value=h, stopped="") for h in highs])
-        monkeypatch.setattr(module, "certified_share", lambda *_, **__: next(found))
+        monkeypatch.setattr(Effort, "share", lambda *_, **__: next(found))
         monkeypatch.setattr(module, "_place", lambda *_: {})
         asked = replace(wanted, share_of=share_of)
         return geometry_verdict(Design(pattern), asked, "pdop", 6.0)
