@@ -170,6 +170,7 @@ def test_polar_passes_have_the_closed_form():
             np.testing.assert_allclose(w.culmination[inside], middle[inside], atol=1e-3)
 
 
+@pytest.mark.slow
 def test_a_satellite_exactly_at_the_limb_is_in_view():
     """Two on one circle, apart by twice acos(R/r): the ray touches the sphere for ever."""
     r = 2 * R

@@ -218,6 +218,7 @@ def jacobi(x, w, times, field, spin, sky=None):
     return 0.5 * (w * w).sum(axis=-1) - u - spin * np.cross(x, w)[:, 2]
 
 
+@pytest.mark.slow
 def test_kaulas_secular_rates_of_j2_and_j4_are_met():
     """Node rates over 20 days against Kaula 1966, e = 0; second order of J2 is left out, 2e-3.
 

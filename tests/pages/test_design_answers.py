@@ -88,6 +88,7 @@ def test_the_advice_names_the_rival_and_what_would_change_it(met):
     assert "No other phasing or inclination" in words
 
 
+@pytest.mark.slow
 def test_what_is_missed_is_not_to_be_built():
     found = look(4, lost=0)
     section = answer_section(found, [], beside(found, 1.0, 2.0))

@@ -65,6 +65,7 @@ def test_longitudes_stay_within_a_turn():
     assert entry_section(east, found).tables[0].rows[0][-1] == event["longitude_deg"]
 
 
+@pytest.mark.slow
 def test_what_makes_a_filter_inconsistent_is_told_first(coarse):
     found = assess_scenario(coarse, 4)
     mc, times = found.monte_carlo, found.flight.times
@@ -113,6 +114,7 @@ def test_best_places_are_drawn_and_listed(coarse):
     np.testing.assert_allclose(table.rows[0][1:], [-25.8, -82.7])
 
 
+@pytest.mark.slow
 def test_the_same_scenario_gives_the_same_pictures(coarse):
     one, two = (entry_section(coarse, assess_scenario(coarse, 2)).pictures for _ in range(2))
     assert [p.png for p in one] == [p.png for p in two]

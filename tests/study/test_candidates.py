@@ -220,6 +220,7 @@ def test_candidates_are_their_geometry_not_their_spelling():
     assert len(together) < sum(len(one) for one in alone)
 
 
+@pytest.mark.slow
 def test_a_space_of_82_million_is_counted_in_little_memory():
     """Sum over t to 10,000 of its divisors' sum: pi^2/12 t^2; in 31 bytes each it is 2.6 GB."""
     wide = study(
