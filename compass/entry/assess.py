@@ -177,7 +177,7 @@ def assess(
         consistency(runs_made.nees, flight.times, 6, runs_made.diverged),
         consistency(runs_made.nees_all, flight.times, runs_made.estimated, runs_made.diverged),
         *_accuracies(flight, bound, layout, settings, deployment),
-        measurements.readings(beacons, taken, flight.path, flight.model),
+        measurements.readings(variances),
         np.sqrt(variances[:, : beacons.size, 0]),
     )
 

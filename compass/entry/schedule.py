@@ -117,11 +117,11 @@ class Measurements:
             self.rate_sigma is not None or "two_way_rate" in kinds,
         )
 
-    def readings(
-        self, beacons: Beacons, taken: ArrayLike, path: NDArray[np.float64], model: EntryModel
-    ) -> tuple[tuple[str, int], ...]:
-        """Title of every instrument beside one-way radio, and how many numbers it reads."""
-        _, variances, _ = self.heard(beacons, taken, path, model)
+    def readings(self, variances: NDArray[np.float64]) -> tuple[tuple[str, int], ...]:
+        """Title of every instrument beside one-way radio, and how many numbers it reads.
+
+        `variances` are those of `heard`.
+        """
         counts = np.isfinite(variances).sum(axis=(0, 1))
         firsts = 2 + np.cumsum([0, *(len(one.numbers) for one in self.instruments)])
         return tuple(

@@ -125,7 +125,8 @@ def test_all_kinds_turn_with_the_problem(case):
             model, flown.path, heard, taken, measurements, PRIOR, layout=layout
         )
         sigmas.append([found.position_sigma, found.velocity_sigma])
-        count = dict(measurements.readings(heard, taken, flown.path, model))
+        _, variances, _ = measurements.heard(heard, taken, flown.path, model)
+        count = dict(measurements.readings(variances))
         assert (
             count["velocity over the ground"] == 3 * 6 and 0 < count["height over the sphere"] < 11
         )
