@@ -192,6 +192,19 @@ class Measurements:
                 mine[:, -1] = square[:, None]
         return sources, variances, np.array(kinds)
 
+    def reaching(
+        self,
+        seen: NDArray[np.bool_],
+        beacons: Beacons,
+        path: NDArray[np.float64],
+        model: EntryModel,
+    ) -> NDArray[np.bool_]:
+        """Of the beacons in view, (t, n), those whose signal is as strong as the link needs."""
+        if self.link is None:
+            return seen
+        loop = self.link.range_variance(beacons, path, model.atmosphere, model.planet_radius)
+        return seen & np.isfinite(loop)
+
     def taken(self, seen: NDArray[np.bool_], times: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Which beacons in view are measured, shape (t, n), given `seen` of that shape.
 
