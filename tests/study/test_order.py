@@ -66,6 +66,22 @@ def test_what_straddles_a_limit_is_not_counted_and_looked_into(tiny):
     assert found.decided.tolist() == [True, False, True]
 
 
+@pytest.mark.parametrize(("rival", "sure"), [((2.0, 2.2), False), ((2.9, 3.1), True)])
+def test_none_is_surely_of_the_front_while_one_that_would_beat_it_may_keep_a_limit(
+    tiny, rival, sure
+):
+    study = study_of(tiny)
+    share = Constraint("availability", 0.9, np.inf, False)
+    study = replace(study, constraints=(*study.constraints, share))
+    known = figures(study, [2.6, rival[0]], [2.8, rival[1]])
+    known |= dict(zip(ends("availability"), np.array([[0.92, 0.8], [0.95, 0.95]]), strict=True))
+    found = order_of(study, known, np.ones(2, bool))
+    assert found.front.tolist() == [0, -1]
+    assert found.straddling.tolist() == [False, True]
+    assert found.decided.tolist() == [sure, False]
+    assert found.open.tolist() == [not sure, True]
+
+
 def test_a_larger_share_is_better(tiny):
     study = study_of(tiny, "availability", -1)
     known = {name: np.ones(2) for name in study.named}
