@@ -109,6 +109,13 @@ def test_stretches_do_not_shrink_where_only_rounding_is_left(e):
         assert off.max() <= later.errors.max() < 0.1
 
 
+@pytest.mark.parametrize("model", ["two-body", "numerical"])
+def test_paths_that_do_not_fit_are_refused_before_anything_is_followed(model):
+    asked = r"days = 4e\+09: the paths of 1 satellites would take .* GB, this machine has "
+    with pytest.raises(ArgumentError, match=asked):
+        Motion(model).trajectory(one(), 0.0, 4e9 * DAY)
+
+
 def test_an_integration_is_kept_for_who_asks_the_same():
     assert OBLATE.trajectory(one(), 0.0, 1e5) is OBLATE.trajectory(one(), 0.0, 5e4)
     assert OBLATE.trajectory(one(), 0.0, 1e5) is not OBLATE.trajectory(one(e=0.21), 0.0, 1e5)
