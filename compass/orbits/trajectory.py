@@ -285,8 +285,10 @@ def through(
     """Trajectory through the positions that a formula gives.
 
     Each stretch takes the polynomial through the formula's positions at Gauss nodes; stretches are
-    halved until its last two terms measure less than `tolerance` on all of them. Their size counts
-    as error: what follows falls off at least as fast as from the one to the other.
+    halved until on all of them its last two terms measure less than `tolerance` above what a
+    phase's rounding makes of them, or little that no halving makes less. Their size, and that of
+    the rounding, counts as error: what follows falls off at least as fast as from the one to the
+    other.
 
     Parameters
     ----------
