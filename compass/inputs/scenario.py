@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -47,6 +46,8 @@ from compass.orbits.touching import touching
 from compass.saving import readable
 
 KM = 1e3
+
+Winds = tuple[tuple[float, float, float], ...]
 
 _METHODS: dict[str, Method] = {
     "ekf": "plain",
@@ -316,7 +317,7 @@ def _model(file: ScenarioFile, folder: Path) -> EntryModel:
     )
 
 
-def _winds(rows: Sequence[Sequence[float]] | None, radius: float) -> tuple[Any, ...]:
+def _winds(rows: Sequence[Sequence[float]] | None, radius: float) -> Winds:
     """Rows of a table of winds over distance from the centre."""
     return tuple((radius + KM * km, east, north) for km, east, north in rows or ())
 
