@@ -200,9 +200,11 @@ class MeasurementsTable(Table):
 
     range_sigma_m: Positive | None = Field(None, description="one sigma of ranges, m")
     range_rate_sigma_m_s: Positive | None = Field(None, description="one sigma of range rates, m/s")
-    interval_s: Positive = Field(1.0, description="time between measurements, s")
-    start_s: float = Field(0.0, ge=0, description="first measurement, s")
-    stop_s: float | None = Field(None, ge=0, description="last measurement, s; the end if left out")
+    interval_s: Positive = Field(1.0, description="time between measurements of beacons, s")
+    start_s: float = Field(0.0, ge=0, description="first measurement of beacons, s")
+    stop_s: float | None = Field(
+        None, ge=0, description="last measurement of beacons, s; the end if left out"
+    )
     in_turn: bool = Field(False, description="one beacon at a time rather than all at once")
     link: LinkTable | None = Field(
         None, description="noise of the ranges from the link budget, on top of range_sigma_m"
