@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -72,7 +71,7 @@ class SeriesResult(Result):
         return not any(one.count for one in self.gaps.values())
 
     def rows(self) -> list[dict[str, Any]]:
-        """Plain values, a station each; dilutions at the moments looked at, infinite ones None."""
+        """Numbers of every station; dilutions at the moments looked at, which may be infinite."""
         found = []
         for name, gaps in self.gaps.items():
             seen = self.dataset.sel(station=name)
@@ -292,7 +291,6 @@ def _dataset(design: Design, times: np.ndarray, motion: Any) -> "xr.Dataset":
     return dated(made, "time")
 
 
-def _percentile(values: np.ndarray) -> float | None:
-    """The least value that 95 of 100 moments do not exceed; None where that is infinite."""
-    found = float(np.sort(values)[nearest_rank(values.size, 95)])
-    return found if isfinite(found) else None
+def _percentile(values: np.ndarray) -> float:
+    """The least value that 95 of 100 moments do not exceed."""
+    return float(np.sort(values)[nearest_rank(values.size, 95)])

@@ -30,6 +30,8 @@ def test_gaps_and_counts_are_those_of_dense_samples():
     again = SITE.sees(np.moveaxis(positions_mcmf(RING, found.dataset.time.values), 1, 0))
     assert at.tolist() == again.sum(axis=1).tolist()
     assert found.to_dict()["stations"][0]["gdop_p95"] is None
+    assert row["gdop_p95"] == np.inf
+    assert "∞" in str(found)
 
 
 def test_two_designs_are_one_network(tmp_path):
