@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import compass
-from compass.api.access_result import check_suffix
+from compass.api.access_result import WINDOWS_GOOD_TO, check_suffix
 from compass.api.given import given_site, joined_designs
 from compass.api.results import Result
 from compass.contacts.gaps import GapStatistics, gap_statistics
@@ -113,7 +113,7 @@ class SeriesResult(Result):
             claim = f"fewer than {self.fold} in view at times at {', '.join(lacking)}"
         epochs = self.dataset.sizes["time"]
         how = (
-            "gaps by rise and set, to 1 ms of the motion modelled, each station over its own "
+            f"gaps by rise and set, to {WINDOWS_GOOD_TO}, each station over its own "
             "horizon; those that the ends of the span cut off count with what lies inside. "
             f"Dilutions at {epochs} moments, {86400 * self.days / epochs:.4g} s apart: what lies "
             "between is not seen; infinite with fewer than four in view, and that counts"
