@@ -51,8 +51,10 @@ class SeriesResult(Result):
         With the stations that were asked for.
     fold
         Satellites wanted in view.
-    days
-        Length of the span.
+    days, start_day
+        Length of the span, and the day after the epoch at which it begins.
+    motion
+        How the satellites move, in words.
     gaps
         By station: when fewer are in view, found by rise and set.
     dataset
@@ -62,6 +64,8 @@ class SeriesResult(Result):
     design: Design = field(repr=False)
     fold: int
     days: float
+    start_day: float
+    motion: str
     gaps: dict[str, GapStatistics]
     dataset: "xr.Dataset" = field(repr=False)
 
@@ -99,6 +103,8 @@ class SeriesResult(Result):
             {
                 "design": self.design.name,
                 "fold": self.fold,
+                "motion": self.motion,
+                "start_day": self.start_day,
                 "days": self.days,
                 "epochs": self.dataset.sizes["time"],
                 "stations": self.rows(),
@@ -113,7 +119,7 @@ class SeriesResult(Result):
             claim = f"fewer than {self.fold} in view at times at {', '.join(lacking)}"
         epochs = self.dataset.sizes["time"]
         how = (
-            f"gaps by rise and set, to {WINDOWS_GOOD_TO}, each station over its own "
+            f"{self.motion}; gaps by rise and set, to {WINDOWS_GOOD_TO}, each station over its own "
             "horizon; those that the ends of the span cut off count with what lies inside. "
             f"Dilutions at {epochs} moments, {86400 * self.days / epochs:.4g} s apart: what lies "
             "between is not seen; infinite with fewer than four in view, and that counts"
@@ -270,8 +276,9 @@ def series(
         for site in sites
     }
     times = start + duration * np.arange(epochs) / epochs
-    made = _dataset(replace(read, stations=sites), times, moving)
-    return SeriesResult(replace(read, stations=sites), wanted, days, gaps, made)
+    sited = replace(read, stations=sites)
+    made = _dataset(sited, times, moving)
+    return SeriesResult(sited, wanted, days, start_day, moving.title, gaps, made)
 
 
 def _dataset(design: Design, times: np.ndarray, motion: Any) -> "xr.Dataset":
