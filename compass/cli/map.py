@@ -15,7 +15,14 @@ from compass.cli.options import (
     real,
     whole,
 )
-from compass.cli.shared import announce_compilation, command_line, print_result, say, watched
+from compass.cli.shared import (
+    announce_compilation,
+    check_outputs,
+    command_line,
+    print_result,
+    say_written,
+    watched,
+)
 
 
 @click.command("map")
@@ -73,24 +80,15 @@ def command(
     announce_compilation()
     import compass
     from compass.errors import ArgumentError
-    from compass.saving import check_writable
 
     read = compass.read_design(design)
     if time_series and output is None:
         raise ArgumentError("--time-series: needs a file to write to; add -o FILE.nc")
-    for written in (output, picture):
-        if written is not None:
-            check_writable(written, [design])
-    if options["leaves"] is not None:
-        check_writable(options["leaves"], [design])
-    if output and picture and output == picture:
-        raise ArgumentError(f"--figure = {picture}: is the netCDF file too; give another name")
+    check_outputs(output, picture, options["leaves"], inputs=[design])
     made = compass.map(read, **options, command=command_line(), progress=watched())
     if output:
         made.write(output, time_series=time_series, progress=watched())
     if picture:
         made.save_plot(picture, drawn)
     print_result(made, as_json)
-    for written in (output, picture):
-        if written:
-            say(f"wrote {written}")
+    say_written(output, picture)
