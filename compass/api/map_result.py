@@ -23,7 +23,6 @@ from compass.document.blocks import facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.quantities import QUANTITIES, quantity
-from compass.saving import replacing
 from compass.study.mapping import DesignMap
 
 if TYPE_CHECKING:
@@ -308,12 +307,9 @@ class MapResult(Result):
 
     def save_plot(self, path: str | Path, name: str = "gdop", *, percentile: int = 95) -> None:
         """Write `plot` as a PNG file; a killed run leaves no partial one."""
-        from matplotlib.figure import Figure
+        from compass.pictures.files import save_axes
 
-        drawn = self.plot(name, percentile=percentile).figure
-        assert isinstance(drawn, Figure)
-        with replacing(Path(path)) as temporary:
-            drawn.savefig(temporary, format="png", dpi=150)
+        save_axes(self.plot(name, percentile=percentile), path)
 
     def _layer(self, name: str, percentile: int) -> "tuple[xr.DataArray, str]":
         """Values by cell and what they are."""

@@ -192,12 +192,9 @@ class SeriesResult(Result):
 
     def save_plot(self, path: str | Path, name: str = "count") -> None:
         """Write `plot` as a PNG file; a killed run leaves no partial one."""
-        from matplotlib.figure import Figure
+        from compass.pictures.files import save_axes
 
-        drawn = self.plot(name=name).figure
-        assert isinstance(drawn, Figure)
-        with replacing(Path(path)) as temporary:
-            drawn.savefig(temporary, format="png", dpi=150, bbox_inches="tight")
+        save_axes(self.plot(name=name), path, bbox_inches="tight")
 
 
 def series(
