@@ -9,7 +9,9 @@ from compass.cli.options import (
     certified_options,
     choice,
     design_argument,
+    fold_option,
     json_option,
+    mask_option,
     motion_option,
     path,
     real,
@@ -43,8 +45,8 @@ from compass.cli.shared import (
     default=109,
     help="Epochs in the period, from 1; a prime number meets moments of symmetry least.",
 )
-@real("--mask-deg", help="Elevation mask instead of the design's, degrees.")
-@whole("--fold", help="Satellites wanted instead of the design's.")
+@mask_option
+@fold_option
 @real("--pdop-max", default=6.0, help="Largest PDOP that counts as available.")
 @motion_option
 @real("--start-day", default=0.0, help="Days after the epoch at which the period begins.")
