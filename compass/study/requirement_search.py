@@ -116,7 +116,7 @@ def _folded(question: Question, found: Sequence[Found], workers: int) -> list[Fo
         )
 
     with ThreadPoolExecutor(workers) as pool:
-        kept = list(pool.map(holds, found, chunksize=64))
+        kept = list(pool.map(holds, found))
     return [one for one, keep in zip(found, kept, strict=True) if keep]
 
 
