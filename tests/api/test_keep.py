@@ -240,3 +240,10 @@ def test_numbers_of_the_law_are_finite():
 def test_a_fold_that_leaves_no_room_is_refused(designs, fold, message):
     with pytest.raises(ArgumentError, match=message):
         compass.keep(designs / "compass-15-5-1.toml", fold=fold, years=0.1)
+
+
+def test_no_box_is_made_of_a_margin_that_is_none(designs):
+    """The design is for five sites; the box would be half of the whole sphere's margin."""
+    said = "fold = 4: the whole sphere does not have it above 10 deg, so no slot has any room"
+    with pytest.raises(ArgumentError, match=said):
+        compass.keep(designs / "five-landing-sites.toml", years=0.1)
