@@ -33,7 +33,7 @@ from compass.cli.shared import (
 @path("--figure", "picture", help="PNG map to draw.")
 @click.option(
     "--of",
-    "drawn",
+    "name",
     default="gdop",
     show_default=True,
     help="What the PNG map shows: gdop, error_horizontal_m, count_min, ...",
@@ -69,7 +69,7 @@ def command(
     design: Path,
     output: Path | None,
     picture: Path | None,
-    drawn: str,
+    name: str,
     time_series: bool,
     as_json: bool,
     **options: Any,
@@ -91,6 +91,6 @@ def command(
     if output:
         made.write(output, time_series=time_series, progress=watched())
     if picture:
-        made.save_plot(picture, drawn)
+        made.save_plot(picture, name)
     print_result(made, as_json)
     say_written(output, picture)
