@@ -174,7 +174,7 @@ class LocateResult(Result):
             ),
         )
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw the error of the place over time for each way to stand.
 
         Parameters
