@@ -132,6 +132,13 @@ def test_on_paper_all_is_open_but_the_provenance_and_no_row_is_cut(browser, page
     assert opened and all(is_open is not last for is_open, last in opened)
     assert browser.find_element("css selector", "img.still").is_displayed()
     assert not browser.find_element("css selector", ".globe").is_displayed()
+    caption = browser.find_element("css selector", "figure:has(.globe) figcaption").text
+    assert "slider" not in caption and "Stars" in caption  # of what is on paper
+    sizes = browser.execute_script(
+        "return [...document.querySelectorAll('.answers td, .answers th')]"
+        ".map(e => parseFloat(getComputedStyle(e).fontSize))"
+    )
+    assert max(sizes) <= 10.01  # 7.5 points: the columns of one table
     cut = browser.execute_script(
         "return [...document.querySelectorAll('tr, figure')]"
         ".filter(e => getComputedStyle(e).breakInside !== 'avoid').length"
