@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from compass.contacts.spans import Spans, outside, total
+from compass.core.ranking import nearest_rank
 
 
 @dataclass(frozen=True)
@@ -41,14 +42,13 @@ def gap_statistics(spans: Spans, duration: float) -> GapStatistics:
     gaps = outside(spans, duration)
     length = gaps[:, 1] - gaps[:, 0]
     squares = float((length**2).sum()) / duration
-    rank = int(np.ceil(0.95 * len(length))) - 1
     return GapStatistics(
         count=len(gaps),
         cut=int(((gaps[:, 0] <= 0.0) | (gaps[:, 1] >= duration)).sum()),
         share=total(spans) / duration,
         longest=float(length.max(initial=0.0)),
         mean=float(length.mean()) if len(gaps) else 0.0,
-        p95=float(np.sort(length)[rank]) if len(gaps) else 0.0,
+        p95=float(np.sort(length)[nearest_rank(length.size, 95)]) if len(gaps) else 0.0,
         time_average=squares,
         response=0.5 * squares,
     )

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, TypedDict, Unpack
 from zipfile import BadZipFile
 
 import numpy as np
@@ -31,6 +31,13 @@ from compass.saving import check_writable, replacing
 
 #: How near bounds of a percentile come, relative to it, for a width of those of a share; at most.
 PERCENTILE_PER_SHARE, COARSEST = 100.0, 0.1
+
+
+class _Budget(TypedDict):
+    """What ends a figure early."""
+
+    budget_s: float
+    budget_boxes: float
 
 
 @dataclass
@@ -160,15 +167,12 @@ class Effort:
             start = CertifiedWorst(
                 0.0, np.inf, None, boxes, "", leaves=leaves, best=tuple(best.tolist())
             )
-        timed = self.interrupted or self.budget_s is not None
-        budget = self._budget(budget_boxes) if timed else {"budget_boxes": budget_boxes}
         found = certified_worst(
             constellation,
             precision=precision,
             start=start,
             workers=self.workers,
-            budget_s=budget.get("budget_s", math.inf),
-            budget_boxes=budget["budget_boxes"],
+            **self._budget(budget_boxes, by_width=False),
             **asked,
         )
         if found.leaves is not None:
@@ -195,10 +199,10 @@ class Effort:
         self.interrupted = self.interrupted or found.stopped == "interrupted"
         return found
 
-    def _budget(self, boxes: float) -> dict[str, float]:
-        """Seconds and boxes that a figure may take."""
+    def _budget(self, boxes: float, *, by_width: bool = True) -> _Budget:
+        """Seconds and boxes that a figure may take, any number if a width ends it (`by_width`)."""
         seconds = math.inf if self.budget_s is None else self.budget_s
-        free = self.width is not None or self.budget_s is not None
+        free = self.budget_s is not None or (by_width and self.width is not None)
         return {
             "budget_s": 0.0 if self.interrupted else seconds,
             "budget_boxes": math.inf if free else boxes,

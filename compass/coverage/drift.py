@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from compass.coverage.lasting import Lasting, least_margins, margins_at, prove_span
 from compass.coverage.region import GLOBE, Region
-from compass.coverage.room import Room, SlotBox, has_slots, room_in_slots, slot_box, slots_for
+from compass.coverage.room import Room, SlotBox, covering_slots, room_in_slots
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits import Constellation
 from compass.orbits.trajectory import Trajectory
@@ -100,11 +100,8 @@ def drift_of(
         for ends in progress(spans)
     ]
     room, box = None, None
-    if has_slots(constellation) and constellation.size >= fold:
-        slots = slots_for(constellation, fold, region)
-        if slots.cover:
-            room = room_in_slots(slots, path, times, sphere_radius=sphere_radius, mask=mask)
-            radius = float(constellation.semi_major_axis[0])
-            box = slot_box(radius, slots.covering, sphere_radius, mask)
+    if (slots := covering_slots(constellation, fold, region)) is not None:
+        room = room_in_slots(slots, path, times, sphere_radius=sphere_radius, mask=mask)
+        box = slots.box(sphere_radius, mask)
     margin = margins_at(path, fold, times, **place)
     return Drift(lasting, times, margin, np.array(least), room, box)

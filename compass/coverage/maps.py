@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.coverage_map import empty_histograms, map_row
+from compass.core.ranking import histogram_quantile, nearest_rank
 from compass.coverage.gaps import Gaps
 from compass.coverage.grid import Grid
 from compass.coverage.view import View
@@ -130,11 +131,8 @@ def coverage_map(
 
 
 def nearest_ranks(epochs: int) -> NDArray[np.int64]:
-    """Places of `CELL_PERCENTILES` among sorted values, one an epoch.
-
-    Nearest rank: the smallest value that at least q percent of the epochs do not exceed.
-    """
-    return np.array([max(-(-q * epochs // 100), 1) - 1 for q in CELL_PERCENTILES])
+    """Places of `CELL_PERCENTILES` among sorted values, one an epoch."""
+    return np.array([nearest_rank(epochs, percent) for percent in CELL_PERCENTILES])
 
 
 def by_blocks(
@@ -173,8 +171,6 @@ class _Cells:
     ) -> "xr.Dataset":
         """Name, describe and summarise."""
         import xarray as xr
-
-        from compass.core.ranking import histogram_quantile
 
         grid, weight = self.grid, self.grid.cell_share
         by_cell = ("lat", "lon")

@@ -1,26 +1,17 @@
 """How long what a design wants is kept along real paths, and the room its slots leave for that."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.coverage.claims import Claim, claims_of
+from compass.coverage.claims import claims_of
 from compass.coverage.fold_verdict_over_days import claim_lasts, not_followed
 from compass.coverage.lasting import Lasting
-from compass.coverage.room import (
-    Room,
-    SlotBox,
-    Slots,
-    has_slots,
-    room_in_slots,
-    slot_box,
-    slots_for,
-)
+from compass.coverage.room import SlotBox, covering_slots, room_in_slots
 from compass.design import Design, Requirement
-from compass.orbits import Constellation
 from compass.orbits.trajectory import Trajectory
 
 
@@ -86,24 +77,16 @@ def _follow(
     claims = claims_of(design, requirement)
     found = [(claim_lasts(path, fold, claim, start, stop), claim) for claim in claims]
     lasting, claim = min(found, key=lambda one: one[0].proven_until)
-    c = design.constellation
-    flat = any(each.stretch != 1.0 for each in claims)  # room is known on spheres only
-    if not has_slots(c) or c.size < fold or flat:
-        return Promise(requirement, claim.name, lasting)
-    slots = [slots_for(c, fold, each.region) for each in claims]
-    if not all(each.cover for each in slots):
-        return Promise(requirement, claim.name, lasting)
-    pairs = list(zip(slots, claims, strict=True))
-    room = np.min([_room(s, each, path, times).room for s, each in pairs], axis=0)
-    boxes = [_box(c, s, each) for s, each in pairs]
+    followed = Promise(requirement, claim.name, lasting)
+    if any(each.stretch != 1.0 for each in claims):  # room is known on spheres only
+        return followed
+    rooms, boxes = [], []
+    for each in claims:
+        slots = covering_slots(design.constellation, fold, each.region)
+        if slots is None:
+            return followed
+        on = {"sphere_radius": each.radius, "mask": each.highest}
+        rooms.append(room_in_slots(slots, path, times, **on).room)
+        boxes.append(slots.box(**on))
     box = min(boxes, key=lambda one: one.sideways)
-    return Promise(requirement, claim.name, lasting, room, box)
-
-
-def _room(slots: Slots, claim: Claim, path: Trajectory, times: NDArray[np.float64]) -> Room:
-    return room_in_slots(slots, path, times, sphere_radius=claim.radius, mask=claim.highest)
-
-
-def _box(c: Constellation, slots: Slots, claim: Claim) -> SlotBox:
-    radius = float(c.semi_major_axis[0])
-    return slot_box(radius, slots.covering, claim.radius, claim.highest)
+    return replace(followed, room=np.min(rooms, axis=0), box=box)

@@ -66,6 +66,11 @@ class Slots:
             return np.eye(4)[2:]
         return np.array([[0.0, 0.0, -_SPIN / float(self.pattern.mean_motion[0]), 1.0]])
 
+    def box(self, sphere_radius: float, mask: float) -> "SlotBox":
+        """How far a satellite may leave its slot on a sphere, of a radius in m, above a mask."""
+        radius = float(self.pattern.semi_major_axis[0])
+        return slot_box(radius, self.covering, sphere_radius, mask)
+
 
 #: Rotation of Mars, rad/s.
 _SPIN = MARS_ROTATION_RATE.value
@@ -158,6 +163,14 @@ def slots_for(pattern: Constellation, fold: int, region: Region = GLOBE) -> Slot
     if not region.mars_fixed:
         return Slots(pattern, covering, region)
     return Slots(pattern, covering, region, span.stop, repeat_period(pattern).closure)
+
+
+def covering_slots(pattern: Constellation, fold: int, region: Region = GLOBE) -> Slots | None:
+    """Slots of a pattern; None where its orbits form none, or no caps about them cover a region."""
+    if not has_slots(pattern):
+        return None
+    slots = slots_for(pattern, fold, region)
+    return slots if slots.cover else None
 
 
 def room_in_slots(

@@ -79,8 +79,9 @@ class PatternKind:
 
     def writes(self, satellites: int, planes: int, phasing: int) -> bool:
         """Whether Walker's t/p/f of its layout can be written as one of this kind."""
-        least = least_multiplier(satellites, planes, phasing)
-        return self.third != "multiplier" or least is not None
+        if self.third != "multiplier":
+            return True
+        return least_multiplier(satellites, planes, phasing) is not None
 
 
 def check_counts(satellites: int, planes: int) -> None:

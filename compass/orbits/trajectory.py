@@ -4,7 +4,6 @@ However it came about (by forces, by a formula, from a table), a trajectory answ
 questions: where at a time, from when to when, how far from the truth, and how fast at most.
 """
 
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -19,6 +18,7 @@ from compass.core.collocation import PASS_END, collocate
 from compass.core.path import path_states
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY, mcmf_from_mci, prime_meridian_angle
+from compass.memory import check_fits
 from compass.orbits.forces import ForceModel, Sky, sky_of
 
 #: Nodes of a step. With 16 a quarter of a revolution leaves out less than a micrometre.
@@ -210,7 +210,8 @@ def integrate(
     Raises
     ------
     ArgumentError
-        A satellite falls to Mars's centre, or `stop` is `start`.
+        A satellite falls to Mars's centre, `stop` is `start`, or more steps than this machine has
+        memory for.
     """
     if stop == start:
         raise ArgumentError("motion: a span of 0 days; give a longer one")
@@ -222,9 +223,9 @@ def integrate(
         np.linalg.norm(np.cross(states[:, :3], states[:, 3:]), axis=1)
         / (np.linalg.norm(states[:, :3], axis=1) ** 2)
     ).max(initial=1e-9)
-    tables = forces.tables(sky or sky_of(epoch, 0.5 * (start + stop)), start, stop)
     wish, longest, time = FIRST / turn, 4.0 * FIRST / turn, start
     _check_memory(len(states), start, stop, wish)
+    tables = forces.tables(sky or sky_of(epoch, 0.5 * (start + stop)), start, stop)
     parts: list[tuple[NDArray[np.float64], ...]] = []
     count = max(int(np.ceil(abs(stop - start) / WINDOW)), 1)
     ends = np.linspace(start, stop, count + 1)[1:]
@@ -284,8 +285,10 @@ def through(
     """Trajectory through the positions that a formula gives.
 
     Each stretch takes the polynomial through the formula's positions at Gauss nodes; stretches are
-    halved until its last two terms measure less than `tolerance` on all of them. Their size counts
-    as error: what follows falls off at least as fast as from the one to the other.
+    halved until on all of them its last two terms measure less than `tolerance` above what a
+    phase's rounding makes of them, or little that no halving makes less. Their size, and that of
+    the rounding, counts as error: what follows falls off at least as fast as from the one to the
+    other.
 
     Parameters
     ----------
@@ -355,9 +358,6 @@ def _polynomials(
 def _check_memory(satellites: int, start: float, stop: float, stretch: float) -> None:
     """Refuse a span whose polynomials, held twice while they are joined, do not fit here."""
     needed = 2 * 8 * 3 * (NODES + 2) * satellites * abs(stop - start) / stretch
-    there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    if needed > 0.9 * there:
-        raise ArgumentError(
-            f"days = {abs(stop - start) / SECONDS_PER_DAY:g}: the paths of {satellites} satellites "
-            f"would take {needed / 1e9:.3g} GB, this machine has {there / 1e9:.3g}; ask for fewer"
-        )
+    days = abs(stop - start) / SECONDS_PER_DAY
+    asked = f"days = {days:g}: the paths of {satellites} satellites"
+    check_fits(needed, asked, "ask for fewer")

@@ -19,6 +19,7 @@ from compass.coverage.view import View, view
 from compass.design import PDOP_MAX, Design
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
+from compass.memory import check_fits
 from compass.orbits import RepeatPeriod, repeat_period
 from compass.orbits.motion import Motion, MotionModel
 from compass.signal.ranges import Weighting, range_errors
@@ -226,13 +227,11 @@ def check_memory(
             + ERROR_CELL_BYTES * grid.rows * grid.columns
             + ERROR_ROW_BYTES * threads * grid.columns * epochs
         )
-    there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    if needed > 0.9 * there:
-        raise ArgumentError(
-            f"map: {satellites} satellites at {epochs} epochs on {grid.rows} by {grid.columns} "
-            f"cells would take {needed / 1e9:.3g} GB, this machine has {there / 1e9:.3g}; ask for "
-            "fewer epochs or larger cells"
-        )
+    check_fits(
+        needed,
+        f"map: {satellites} satellites at {epochs} epochs on {grid.rows} by {grid.columns} cells",
+        "ask for fewer epochs or larger cells",
+    )
 
 
 def closes(motion: Motion, repeat: RepeatPeriod) -> bool:

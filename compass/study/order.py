@@ -65,10 +65,13 @@ def order_of(study: Study, figures: Figures, known: NDArray[np.bool_]) -> Order:
     front[chosen] = fronts(low[chosen], high[chosen])
     decided, open_ = np.array(~straddling), np.array(straddling)
     first = np.flatnonzero(front == 0)
-    rivals = may_beat(low[first], high[first])
-    decided[first] = ~rivals.any(axis=0)
+    # who straddles a limit may keep it, and then beat one of the front
+    rivals = np.concatenate([first, np.flatnonzero(straddling)])
+    beats = may_beat(low[rivals], high[first])
+    unsure, may = beats.any(axis=0), beats[: first.size].any(axis=1)
+    decided[first] = ~unsure
     wide = np.array((low < high).any(axis=1))
-    open_[first] |= (rivals.any(axis=0) | rivals.any(axis=1)) & wide[first]
+    open_[first] |= (unsure | may) & wide[first]
     return Order(feasible, straddling, front, decided, open_)
 
 
@@ -92,7 +95,10 @@ def _may_hold(study: Study, figures: Figures) -> NDArray[np.bool_]:
 
 
 def may_beat(low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Whether a may be nowhere larger than b and somewhere smaller, shape (a, b), of brackets."""
+    """Whether a may be nowhere larger than b and somewhere smaller, shape (a, b), of brackets.
+
+    The first of those of `low` are those of `high`: one beats itself nowhere.
+    """
     no_larger = np.all(low[:, np.newaxis] <= high, axis=-1)
     smaller = np.any(low[:, np.newaxis] < high, axis=-1)
     beats = no_larger & smaller

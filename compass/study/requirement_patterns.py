@@ -15,7 +15,7 @@ from compass.orbits.kinds import kind_of
 from compass.orbits.symmetry import shifts
 from compass.study.requirement_question import Found, Question
 from compass.study.requirement_samples import Moments, is_hopeless, moments_of
-from compass.study.search import closest_approach
+from compass.study.search import closest_approach, layouts
 
 #: Step of inclinations and of turns over the ground, degrees.
 STEP, TURN_STEP = 1.0, 3.0
@@ -36,20 +36,17 @@ def grids(question: Question, size: int) -> Iterable[Grid]:
     degrees = np.arange(0.0, 90.0 + 0.5 * STEP, STEP)
     for kind in question.kinds:
         layout = kind_of(kind).layout
-        for planes in (p for p in range(1, size + 1) if size % p == 0):
-            for phasing in range(planes):
-                if not kind_of(kind).writes(size, planes, phasing):
-                    continue
-                if (layout, planes, phasing) in seen:
-                    continue
-                seen.add((layout, planes, phasing))
-                pattern = Pattern(layout, size, planes, phasing, 0.0)
-                nodes = turns(question, pattern)
-                yield Grid(
-                    pattern,
-                    np.tile(np.radians(degrees), len(nodes)),
-                    np.repeat(nodes, len(degrees)),
-                )
+        for planes, phasing in layouts(kind, size):
+            if (layout, planes, phasing) in seen:
+                continue
+            seen.add((layout, planes, phasing))
+            pattern = Pattern(layout, size, planes, phasing, 0.0)
+            nodes = turns(question, pattern)
+            yield Grid(
+                pattern,
+                np.tile(np.radians(degrees), len(nodes)),
+                np.repeat(nodes, len(degrees)),
+            )
 
 
 def sampled(

@@ -84,10 +84,16 @@ def patterns(
     those deltas that a multiplier gives.
     """
     for t in range(smallest, largest + 1):
-        for p in (p for p in range(1, t + 1) if t % p == 0):
-            for f in range(p):
-                if kind_of(kind).writes(t, p, f):
-                    yield _maker(kind, t, p, f, radius)
+        for p, f in layouts(kind, t):
+            yield _maker(kind, t, p, f, radius)
+
+
+def layouts(kind: str, satellites: int) -> Iterator[tuple[int, int]]:
+    """Planes and Walker's F of every pattern of a kind with so many satellites."""
+    for planes in (p for p in range(1, satellites + 1) if satellites % p == 0):
+        for phasing in range(planes):
+            if kind_of(kind).writes(satellites, planes, phasing):
+                yield planes, phasing
 
 
 def _maker(kind: str, t: int, p: int, f: int, radius: float) -> Callable:

@@ -9,7 +9,14 @@ from compass.coverage.cap import cap_radius
 from compass.coverage.lasting import margins_at
 from compass.coverage.margin import covering_radius
 from compass.coverage.region import read_region
-from compass.coverage.room import Slots, has_slots, room_in_slots, slot_box, slots_for
+from compass.coverage.room import (
+    Slots,
+    covering_slots,
+    has_slots,
+    room_in_slots,
+    slot_box,
+    slots_for,
+)
 from compass.errors import ArgumentError
 from compass.frames import prime_meridian_angle
 from compass.orbits import keplerian, walker_delta
@@ -117,6 +124,13 @@ def test_unlike_orbits_have_no_slots():
     assert not has_slots(keplerian(2e7, 0.1, 0.5, 0.0, 0.0, 0.0))
     with pytest.raises(ArgumentError, match="needs circular orbits of one radius"):
         slots_for(c, 1)
+
+
+@pytest.mark.parametrize("part", ["globe", "lat:-30:20", "polygon:-20,30;15,40;25,75;-10,60"])
+def test_a_fold_above_all_satellites_has_no_covering_slots(part):
+    region = read_region(part)
+    assert covering_slots(PATTERN, PATTERN.size + 1, region) is None
+    assert covering_slots(keplerian(2e7, 0.1, 0.5, 0.0, 0.0, 0.0), 1, region) is None
 
 
 BAND = read_region("lat:-30:20")

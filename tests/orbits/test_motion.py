@@ -95,18 +95,29 @@ def test_a_trajectory_passes_where_its_motion_says(model):
     assert path.errors.max() < 1e-3
 
 
-@pytest.mark.parametrize("e", [0.0, 0.7])
-def test_stretches_do_not_shrink_where_only_rounding_is_left(e):
-    """A thousand days and a century on, a stretch is as long as on the first day."""
+@pytest.mark.parametrize(("e", "halved"), [(0.0, 1), (0.7, 1), (0.8, 2)])
+def test_stretches_do_not_shrink_where_only_rounding_is_left(e, halved):
+    """A thousand days and a century on, a stretch is as long as on the first day.
+
+    Near the periapsis of a long ellipse rounding is more than is known beforehand, and found by
+    one halving that is of no use.
+    """
     c = keplerian(2e7, e, 0.7, 0.0, 0.3, 1.0)
     for day in (1000.0, 36525.0):
         first, later = (
             Motion("two-body").trajectory(c, t * DAY, (t + 1) * DAY) for t in (0.0, day)
         )
-        assert len(later.errors) <= len(first.errors)
+        assert len(later.errors) <= halved * len(first.errors)
         times = np.linspace(later.start, later.stop, 50)
         off = np.linalg.norm(later.states(times)[0] - states_mci(c, times, "two-body")[0], axis=-1)
         assert off.max() <= later.errors.max() < 0.1
+
+
+@pytest.mark.parametrize("model", ["two-body", "numerical"])
+def test_paths_that_do_not_fit_are_refused_before_anything_is_followed(model):
+    asked = r"days = 4e\+09: the paths of 1 satellites would take .* GB, this machine has "
+    with pytest.raises(ArgumentError, match=asked):
+        Motion(model).trajectory(one(), 0.0, 4e9 * DAY)
 
 
 def test_an_integration_is_kept_for_who_asks_the_same():

@@ -11,12 +11,14 @@ from hypothesis.extra.numpy import arrays
 from compass.api.trade import TradeResult
 from compass.inputs.study import Constraint, Objective
 from compass.study import stages, trade
-from compass.study.bounds import BOUNDED, LEVELS, bound_columns, ends
+from compass.study.bounds import BOUNDED, LEVELS, bound_columns, bounds, ends
+from compass.study.choice import rows_in
 from compass.study.order import may_beat, order_of
 from compass.study.pareto import fronts
 from compass.study.results import first_front, read_results
 from compass.study.store import Store
 from compass.study.trade import run_trade
+from compass.study.workers import Processes
 from tests.one_process import OneProcess
 from tests.study.test_trade import Bars
 
@@ -64,6 +66,22 @@ def test_what_straddles_a_limit_is_not_counted_and_looked_into(tiny):
     assert found.straddling.tolist() == found.open.tolist() == [False, True, False]
     assert found.front.tolist() == [0, -1, -1]
     assert found.decided.tolist() == [True, False, True]
+
+
+@pytest.mark.parametrize(("rival", "sure"), [((2.0, 2.2), False), ((2.9, 3.1), True)])
+def test_none_is_surely_of_the_front_while_one_that_would_beat_it_may_keep_a_limit(
+    tiny, rival, sure
+):
+    study = study_of(tiny)
+    share = Constraint("availability", 0.9, np.inf, False)
+    study = replace(study, constraints=(*study.constraints, share))
+    known = figures(study, [2.6, rival[0]], [2.8, rival[1]])
+    known |= dict(zip(ends("availability"), np.array([[0.92, 0.8], [0.95, 0.95]]), strict=True))
+    found = order_of(study, known, np.ones(2, bool))
+    assert found.front.tolist() == [0, -1]
+    assert found.straddling.tolist() == [False, True]
+    assert found.decided.tolist() == [sure, False]
+    assert found.open.tolist() == [not sure, True]
 
 
 def test_a_larger_share_is_better(tiny):
@@ -152,8 +170,32 @@ def test_what_cannot_be_told_is_said(tiny, tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
+def test_the_front_that_bounds_decide_is_that_of_figures_known_far_better(
+    tiny, tmp_path, monkeypatch
+):
+    """With the levels and the processes that a user has."""
+    monkeypatch.setattr("compass.study.order.LEVELS", LEVELS)
+    study = study_of(tiny, "availability", -1)
+    team = Processes(study, 1)
+    try:
+        with Store(tmp_path, study) as store:
+            summary = run_trade(study, store, team, Bars())
+    finally:
+        team.close()
+    results = read_results(study, tmp_path)
+    results = results.isel(candidate=np.flatnonzero(results.feasible.values))
+    assert results.decided.all() and not summary.unfinished
+    assert summary.bounded["bounds-1"] == results.sizes["candidate"] > summary.bounded["bounds-2"]
+    better = bounds(LEVELS["bounds-3"], study, rows_in(results))
+    low, high = (better[end] for end in ends("availability"))
+    assert np.all(results.availability_low.values <= high)
+    assert np.all(low <= results.availability_high.values)
+    known = np.column_stack([results.satellites.values, -0.5 * (low + high)])
+    assert np.array_equal(fronts(known) == 0, results.front.values == 0)
+
+
+@pytest.mark.slow
 def test_bounds_are_those_of_the_figures_themselves(tiny):
-    from compass.study.bounds import bounds
     from compass.study.candidates import batches, candidates, make_constellation
     from tests.coverage.test_certified_geometry import samples
 
