@@ -101,20 +101,24 @@ def findings(scenario: Scenario, found: Assessment) -> list[str]:
         words.append(f"Not reached: {'; '.join(flight.missed)}.")
     if scenario.notes:
         words.append(f"Note: {'; '.join(scenario.notes)}.")
+    radio = " by radio alone" if found.readings else ""
     when = f"at {flight.times[found.blind_epoch]:g} s"
     if found.blind.words:
         hidden = "; ".join(found.blind.words)
         words.append(
-            f"Not everything can be seen {when}: the observability matrix has rank "
+            f"Not everything can be seen{radio} {when}: the observability matrix has rank "
             f"{found.blind.rank} of 6. Hidden: {hidden}."
         )
     else:
         words.append(
-            f"Position and velocity are observable throughout; worst {when}, where the weakest "
-            f"direction is {found.blind.weakest}."
+            f"Position and velocity are observable throughout{radio}; worst {when}, where the "
+            f"weakest direction is {found.blind.weakest}."
         )
     if not found.taken.any():
-        words.append("No beacon is ever measured: the errors are those of the first estimate.")
+        left = "the errors are those of the first estimate"
+        if any(count for _, count in found.readings):
+            left = "what is known is from the other instruments"
+        words.append(f"No beacon is ever measured: {left}.")
     return words
 
 

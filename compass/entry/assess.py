@@ -34,7 +34,7 @@ class Assessment:
     seen, taken
         Which are in view, and which are measured, shape (t, n).
     observability, observability_scaled
-        Of what is in view at every epoch, in SI and in nondimensional form.
+        Of beacons in view and strong enough at every epoch, in SI and in nondimensional form.
     blind
         What cannot be seen at the epoch of lowest rank (of these, of lowest degree).
     blind_epoch
@@ -123,16 +123,16 @@ def assess(
     """
     check_apart(beacons, flight.states)
     seen = in_view(beacons, flight.states, flight.model.planet_radius)
-    taken = measurements.taken(seen, flight.times)
+    reaching = measurements.reaching(seen, beacons, flight.path, flight.model)
+    taken = measurements.taken(seen, flight.times) & reaching
     _, variances, _ = measurements.heard(beacons, taken, flight.path, flight.model)
-    taken &= np.isfinite(variances[:, : beacons.size]).any(axis=2)
     ranges, rates = measurements.measures
     degrees = {
         scaling: observability(
             flight.model,
             flight.states,
             beacons,
-            seen,
+            reaching,
             ranges=ranges,
             rates=rates,
             scaling=scaling,
@@ -167,7 +167,7 @@ def assess(
             flight.states[worst],
             beacons,
             worst,
-            seen[worst],
+            reaching[worst],
             ranges=ranges,
             rates=rates,
         ),
@@ -177,7 +177,7 @@ def assess(
         consistency(runs_made.nees, flight.times, 6, runs_made.diverged),
         consistency(runs_made.nees_all, flight.times, runs_made.estimated, runs_made.diverged),
         *_accuracies(flight, bound, layout, settings, deployment),
-        measurements.readings(beacons, taken, flight.path, flight.model),
+        measurements.readings(variances),
         np.sqrt(variances[:, : beacons.size, 0]),
     )
 

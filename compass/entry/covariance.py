@@ -17,16 +17,16 @@ from compass.errors import ArgumentError
 #: less than 2 mm and 0.1 mm/s.
 LONGEST_STEP = 1.0
 
-#: Measurements better than this, m and m/s, would tell: their filters take an eighth of the step,
-#: over which the flight is off by a micrometre.
-FINE_RANGE, FINE_RATE = 1.0, 0.05
+#: Measurements better than this, by their unit, would tell: their filters take an eighth of the
+#: step, over which the flight is off by a micrometre.
+FINE = {"m": 1.0, "m/s": 0.05, "rad": 1e-6}
 
 
 def longest_step(measurements: Measurements) -> float:
     """Longest Runge-Kutta step of filters and covariances that hear these measurements, s."""
-    pairs = ((measurements.range_sigma, FINE_RANGE), (measurements.rate_sigma, FINE_RATE))
-    fine = any(sigma is not None and sigma < least for sigma, least in pairs)
-    fine |= any(one.is_fine for one in measurements.instruments)
+    pairs = [(measurements.range_sigma, "m"), (measurements.rate_sigma, "m/s")]
+    pairs += [(one.sigma, one.unit) for one in measurements.instruments]
+    fine = any(sigma is not None and sigma < FINE[unit] for sigma, unit in pairs)
     return LONGEST_STEP / 8.0 if fine else LONGEST_STEP
 
 

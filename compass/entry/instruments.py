@@ -75,11 +75,6 @@ class Instrument:
         return self.kind in ("two_way_range", "two_way_rate")
 
     @property
-    def is_fine(self) -> bool:
-        """Whether it would tell the filters' longest Runge-Kutta step; see `longest_step`."""
-        return self.sigma < {"m": 1.0, "m/s": 0.05, "rad": 1e-6}[self.unit]
-
-    @property
     def unit(self) -> str:
         """Unit of what it reads."""
         return KINDS[self.names.index(self.kind)].unit

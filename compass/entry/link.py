@@ -81,7 +81,8 @@ class Link:
             return np.zeros(toward.shape[:2])
         axis = path[:, :3] if self.pointing == "zenith" else -path[:, 3:]
         cosine = (toward * (axis / np.linalg.norm(axis, axis=1)[:, None])[:, None]).sum(axis=2)
-        power = np.log(0.5) / np.log(np.cos(self.beamwidth / 2.0))
+        # ln cos of half the width, of a narrow one too
+        power = np.log(0.5) / np.log1p(-2.0 * np.sin(self.beamwidth / 4.0) ** 2)
         with np.errstate(divide="ignore"):
             return np.asarray(-10.0 * power * np.log10(np.maximum(cosine, 0.0)))
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.core.entry.filter import PLAIN, RELINEARISED, UNSCENTED, filter_run
-from compass.core.entry.measure import ideal_values
+from compass.core.entry.measure import RANGE, RATE, ideal_values
 from compass.core.entry.runs import monte_carlo
 from compass.entry.beacons import Beacons
 from compass.entry.covariance import longest_step, noise_roots
@@ -60,7 +60,7 @@ class Filter:
         ):
             raise ArgumentError(
                 "filter: with process noise or a density that wanders there is no one flight to "
-                'look back along; take kind = "unscented"'
+                'look back along; take method = "unscented"'
             )
         if self.iterations < 1:
             raise ArgumentError(f"iterations = {self.iterations}: must be at least 1")
@@ -91,7 +91,7 @@ def ideal_measurements(path: ArrayLike, beacons: Beacons) -> NDArray[np.float64]
     """Ranges (m) and range rates (m/s) without noise, (t, n, 2), from states (t, 6)."""
     out = np.empty((*beacons.r.shape[:2], 2))
     flown = np.ascontiguousarray(path, dtype=float)
-    ideal_values(flown, beacons.states, np.arange(2), out)
+    ideal_values(flown, beacons.states, np.array([RANGE, RATE]), out)
     return out
 
 

@@ -117,11 +117,11 @@ class Measurements:
             self.rate_sigma is not None or "two_way_rate" in kinds,
         )
 
-    def readings(
-        self, beacons: Beacons, taken: ArrayLike, path: NDArray[np.float64], model: EntryModel
-    ) -> tuple[tuple[str, int], ...]:
-        """Title of every instrument beside one-way radio, and how many numbers it reads."""
-        _, variances, _ = self.heard(beacons, taken, path, model)
+    def readings(self, variances: NDArray[np.float64]) -> tuple[tuple[str, int], ...]:
+        """Title of every instrument beside one-way radio, and how many numbers it reads.
+
+        `variances` are those of `heard`.
+        """
         counts = np.isfinite(variances).sum(axis=(0, 1))
         firsts = 2 + np.cumsum([0, *(len(one.numbers) for one in self.instruments)])
         return tuple(
@@ -191,6 +191,19 @@ class Measurements:
             else:
                 mine[:, -1] = square[:, None]
         return sources, variances, np.array(kinds)
+
+    def reaching(
+        self,
+        seen: NDArray[np.bool_],
+        beacons: Beacons,
+        path: NDArray[np.float64],
+        model: EntryModel,
+    ) -> NDArray[np.bool_]:
+        """Of the beacons in view, (t, n), those whose signal is as strong as the link needs."""
+        if self.link is None:
+            return seen
+        loop = self.link.range_variance(beacons, path, model.atmosphere, model.planet_radius)
+        return seen & np.isfinite(loop)
 
     def taken(self, seen: NDArray[np.bool_], times: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Which beacons in view are measured, shape (t, n), given `seen` of that shape.

@@ -14,7 +14,10 @@ from compass.ranging import Receiver
 
 Positive = Annotated[float, Field(gt=0, le=1e15)]
 Share = Annotated[float, Field(ge=0, le=1)]
-Height = Annotated[float, Field(gt=0, le=1e4)]
+Below = Annotated[
+    Annotated[float, Field(gt=0, le=1e4)] | None,
+    Field(description="altitude from which on it works, km; always if left out"),
+]
 
 
 class TwoWayTable(Table):
@@ -62,9 +65,7 @@ class AltimeterTable(Table):
 
     sigma_m: Positive = Field(description="one sigma, m")
     share: Share = Field(0.0, description="one sigma more, as a share of the height")
-    below_km: Height | None = Field(
-        None, description="altitude from which on it works, km; always if left out"
-    )
+    below_km: Below = None
     interval_s: Positive = Field(1.0, description="time between readings, s")
 
 
@@ -73,9 +74,7 @@ class VelocimeterTable(Table):
 
     sigma_m_s: Positive = Field(description="one sigma of each axis, m/s")
     share: Share = Field(0.0, description="one sigma more, as a share of the speed")
-    below_km: Height | None = Field(
-        None, description="altitude from which on it works, km; always if left out"
-    )
+    below_km: Below = None
     interval_s: Positive = Field(1.0, description="time between readings, s")
 
 
@@ -85,9 +84,7 @@ class FeaturesTable(Table):
     sigma_deg: Annotated[float, Field(gt=0, le=10)] = Field(
         description="one sigma of a direction to each side, degrees"
     )
-    below_km: Height | None = Field(
-        None, description="altitude from which on it works, km; always if left out"
-    )
+    below_km: Below = None
     interval_s: Positive = Field(1.0, description="time between pictures, s")
 
 

@@ -40,6 +40,7 @@ def scenario_faults(raw: dict[str, Any]) -> list[str]:
         faults += _exactly_one(vehicle, keys, "vehicle") + _bank_faults(vehicle.get("bank_deg"))
     if isinstance(raw.get("atmosphere"), dict):
         faults += _air_faults(raw["atmosphere"])
+    faults += _wind_faults(raw)
     if isinstance(entry, dict):
         faults += _entry_faults(entry)
     for k, trigger in enumerate(_tables(raw, "trigger"), start=1):
@@ -73,9 +74,10 @@ def _filter_faults(table: dict[str, Any]) -> list[str]:
     if kind != "iterated-ekf" and "iterations" in table:
         problem = 'only for kind = "iterated-ekf"; change the kind or leave it out'
         faults.append(fault("filter.iterations", table["iterations"], problem))
-    density = table.get("density")
+    density, noise = table.get("density"), table.get("process_noise_si")
     wanders = isinstance(density, dict) and ("scale_km" in density or "along_km" in density)
-    if kind == "relinearised-ekf" and (wanders or table.get("process_noise_si")):
+    shaken = isinstance(noise, list) and any(noise)
+    if kind == "relinearised-ekf" and (wanders or shaken):
         problem = (
             "with process noise or a density that wanders there is no one flight to look back "
             'along; take "unscented"'
@@ -85,6 +87,7 @@ def _filter_faults(table: dict[str, Any]) -> list[str]:
         faults += _exactly_one(density, ("sigma", "sigma_by_km"), "filter.density")
         if "sigma_by_km" in density and not wanders:
             faults.append("filter.density.scale_km: missing; needed beside sigma_by_km")
+        faults += _spread_faults(density.get("sigma_by_km"))
     return faults
 
 
@@ -97,6 +100,46 @@ def _air_faults(air: dict[str, Any]) -> list[str]:
         for name in EXPONENTIAL
         if name not in air
     ]
+
+
+def _wind_faults(raw: dict[str, Any]) -> list[str]:
+    """Winds whose rows are not in order, or beside a rotation that knows none."""
+    faults, planet = [], raw.get("planet")
+    rotation = planet.get("rotation") if isinstance(planet, dict) else None
+    for name in ("atmosphere", "truth"):
+        table = raw.get(name)
+        if not isinstance(table, dict) or "winds_by_km" not in table:
+            continue
+        field, rows = f"{name}.winds_by_km", table["winds_by_km"]
+        if not _rises(rows):
+            problem = "winds: altitudes must increase strictly; put the rows in order"
+            faults.append(fault(field, rows, problem))
+        if rotation == "published-coriolis":
+            problem = f"is of air that turns with the planet; leave {field} out"
+            faults.append(fault("planet.rotation", rotation, problem))
+    return faults
+
+
+def _spread_faults(rows: object) -> list[str]:
+    """Sigmas by height that are not in order, or not above 0."""
+    field, faults = "filter.density.sigma_by_km", []
+    if not _rises(rows):
+        problem = "altitudes must increase strictly; put the rows in order"
+        faults.append(fault(field, rows, problem))
+    for k, row in enumerate(rows if isinstance(rows, list) else (), start=1):
+        sigma = row[1] if isinstance(row, list) and len(row) == 2 else None
+        if isinstance(sigma, int | float) and sigma <= 0:
+            faults.append(fault(f"{field}[{k}][2]", sigma, "must be above 0, one sigma"))
+    return faults
+
+
+def _rises(rows: object) -> bool:
+    """Whether the first numbers of rows increase; the model tells what is no row."""
+    if not isinstance(rows, list):
+        return True
+    firsts = [row[0] for row in rows if isinstance(row, list) and row]
+    numbers = [x for x in firsts if isinstance(x, int | float) and not isinstance(x, bool)]
+    return not any(later <= earlier for earlier, later in pairwise(numbers))
 
 
 def _tables(raw: dict[str, Any], key: str) -> list[dict[str, Any]]:
@@ -175,9 +218,7 @@ def _bank_faults(bank: object) -> list[str]:
         return []
     if not bank:
         return ["vehicle.bank_deg = []: must have at least one [time, angle] pair"]
-    times = [pair[0] for pair in bank if isinstance(pair, list) and len(pair) == 2]
-    numbers = [t for t in times if isinstance(t, int | float) and not isinstance(t, bool)]
-    if any(later <= earlier for earlier, later in pairwise(numbers)):
+    if not _rises(bank):
         return [fault("vehicle.bank_deg", bank, "times must increase strictly; put them in order")]
     return []
 
@@ -185,12 +226,13 @@ def _bank_faults(bank: object) -> list[str]:
 def _name_faults(raw: dict[str, Any]) -> list[str]:
     faults, names = [], set()
     for kind in ("beacon", "orbiter", "feature"):
+        what = "feature" if kind == "feature" else "beacon"
         for k, table in enumerate(_tables(raw, kind), start=1):
             name = table.get("name")
             if not isinstance(name, str):
                 continue
             if name in names:
-                used = "used twice; give each beacon its own name"
+                used = f"used twice; give each {what} its own name"
                 faults.append(fault(f"{kind}[{k}].name", name, used))
             names.add(name)
     return faults

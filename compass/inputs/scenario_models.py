@@ -26,6 +26,9 @@ Winds = Annotated[
     ],
     Field(min_length=1),
 ]
+Considered = Annotated[
+    bool, Field(description="let it into the covariance, but do not correct it (Schmidt)")
+]
 Triple = Annotated[list[float], Field(min_length=3, max_length=3)]
 Latitude = Annotated[float, Field(ge=-90, le=90)]
 Longitude = Annotated[float, Field(ge=-180, le=360)]
@@ -217,18 +220,17 @@ class MeasurementsTable(Table):
 class BlockTable(Table):
     """One more quantity that is not known: estimated by the filter, or only considered."""
 
-    sigma: Positive = Field(description="one sigma: of ln density, of L/D, or of ranges in m")
-    considered: bool = Field(
-        False, description="let it into the covariance, but do not correct it (Schmidt)"
-    )
+    sigma: Positive = Field(description="one sigma: of L/D, or of ranges in m")
+    considered: Considered = False
 
 
-class DensityTable(BlockTable):
+class DensityTable(Table):
     """The air's density as a quantity that is not known."""
 
-    sigma: Positive | None = Field(  # type: ignore[assignment]
+    sigma: Positive | None = Field(
         None, description="one sigma of ln density, the same at every height"
     )
+    considered: Considered = False
     sigma_by_km: Literal["mars"] | Annotated[list[Pair], Field(min_length=2)] | None = Field(
         None,
         description="instead, of one that wanders: [altitude in km, sigma] rows, upwards, or "
@@ -249,9 +251,7 @@ class ClockTable(Table):
 
     sigma_m: Positive = Field(description="one sigma of the clock, m")
     drift_sigma_m_s: Positive = Field(description="one sigma of its drift, m/s")
-    considered: bool = Field(
-        False, description="let it into the covariance, but do not correct it (Schmidt)"
-    )
+    considered: Considered = False
 
 
 class AttitudeTable(Table):
@@ -260,9 +260,7 @@ class AttitudeTable(Table):
     sigma_deg: Annotated[float, Field(gt=0, le=10)] = Field(
         description="one sigma of a constant turn about each axis, degrees"
     )
-    considered: bool = Field(
-        False, description="let it into the covariance, but do not correct it (Schmidt)"
-    )
+    considered: Considered = False
 
 
 class FilterTable(Table):

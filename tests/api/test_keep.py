@@ -188,6 +188,9 @@ def test_a_short_simulation_prints_its_costs():
     found = compass.keep(design, years=0.1, box_deg=0.05)
     words = text(found.document())
     assert "m/s an Earth year a satellite" in words
+    worst = np.degrees(np.hypot(found.keeping.worst, found.keeping.tilt).max())
+    assert worst > 0.05  # beyond where they are turned back
+    assert f"turned back 0.05 deg along the track from its slot, {worst:.3g} deg off" in words
     assert found.keeping.burns.sum() > 0
     assert found.years == pytest.approx(0.1, abs=0.002)
     assert found.to_dict()["per_satellite"][0]["days_between_burns"]

@@ -156,6 +156,22 @@ def test_bad_options_are_one_message_and_exit_2(run, seed, tmp_path, arguments, 
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("command", "name", "second"),
+    [
+        ("series", "x.csv", "--figure"),
+        ("determine", "x.toml", "--figure"),
+        ("drift", "x.nc", "--elements"),
+    ],
+)
+def test_no_output_is_written_over_by_another(run, designs, tmp_path, command, name, second):
+    path, design = tmp_path / name, designs / "tracked-15-5-1.toml"
+    code, out, err = run(command, design, "-o", path, second, path)
+    assert (code, out) == (2, "")
+    assert f"{path}: is two outputs at once; give another name" in err
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize("command", ["show", "map", "report"])
 def test_bad_design_is_one_message_and_exit_2(run, tmp_path, command):
     path = tmp_path / "bad.toml"

@@ -95,6 +95,28 @@ def test_no_beacon_is_answered_too(coarse):
     assert "No beacon is ever measured" in unwrapped(result)
 
 
+def test_beacons_too_faint_to_be_heard_are_no_beacons(coarse):
+    """All are in view, none is strong enough; an altimeter still tells something."""
+    faint = """[measurements.link]
+frequency_mhz = 400
+eirp_dbw = -90
+g_over_t_db_k = -25
+required_db_hz = 30
+chip_m = 300
+[measurements.altimeter]
+sigma_m = 10
+[filter]
+"""
+    result = run("land", coarse(filter=("[filter]\n", faint)), "--runs", 2)
+    assert result.exit_code == 0, result.output
+    for words in (
+        "Between 3 and 3 of 3 beacons are in view",
+        "Not everything can be seen by radio alone at 0 s: the observability matrix has rank 0",
+        "No beacon is ever measured: what is known is from the other instruments.",
+    ):
+        assert words in unwrapped(result)
+
+
 def test_a_flight_into_the_ground_says_when_and_where(coarse):
     path = coarse("entry-orbiters", lift=("lift_to_drag = 0.156", "lift_to_drag = 0"))
     result = run("land", path, "--runs", 2)

@@ -125,7 +125,8 @@ def test_all_kinds_turn_with_the_problem(case):
             model, flown.path, heard, taken, measurements, PRIOR, layout=layout
         )
         sigmas.append([found.position_sigma, found.velocity_sigma])
-        count = dict(measurements.readings(heard, taken, flown.path, model))
+        _, variances, _ = measurements.heard(heard, taken, flown.path, model)
+        count = dict(measurements.readings(variances))
         assert (
             count["velocity over the ground"] == 3 * 6 and 0 < count["height over the sphere"] < 11
         )
@@ -231,6 +232,8 @@ def test_ranges_are_as_good_as_their_link(case, make_link):
         lost = level[4, 1] - narrow.carrier_to_noise(beacons, path, air, r0)[4, 1]
         power = np.log(0.5) / np.log(np.cos(0.6))
         assert lost == pytest.approx(-10 * power * np.log10(max(np.cos(off), 0.0)))
+    pin = make_link(beamwidth=1e-9).range_variance(beacons, path, air, r0)
+    assert np.isnan(pin).all()  # nobody stands on the axis itself
     # plasma thick enough lets nothing through where it is denser than the critical density
     dark = make_link(electrons=STAGNATION, thickness=5.0)
     missing = np.isnan(dark.range_variance(beacons, path, air, r0)).all(axis=1)

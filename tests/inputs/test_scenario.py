@@ -312,6 +312,11 @@ def test_a_spread_of_the_air_by_height():
         read(changed("[filter]\n", both))
     assert "filter.density: needs exactly one of sigma, sigma_by_km" in str(told.value)
     assert "filter.density.scale_km: missing; needed beside sigma_by_km" in str(told.value)
+    with pytest.raises(DesignError) as told:
+        read(changed("[filter]\n", more.format("sigma_by_km = [[10, 0.1], [5, 0]]")))
+    field = "filter.density.sigma_by_km"
+    assert f"{field} = [[10, 0.1], [5, 0]]: altitudes must increase strictly" in str(told.value)
+    assert f"{field}[2][2] = 0: must be above 0" in str(told.value)
 
 
 def test_winds_are_flown_as_given_and_as_they_are():
@@ -321,8 +326,15 @@ def test_winds_are_flown_as_given_and_as_they_are():
     assert scenario.model.atmosphere.winds == ((r0, 10.0, 5.0), (r0 + 60e3, -80.0, 0.0))
     assert scenario.truth.atmosphere.winds == ((r0, 0.0, 0.0),)
     assert read(text).truth.atmosphere.winds == scenario.model.atmosphere.winds
-    with pytest.raises(DesignError, match="winds: altitudes must increase"):
+    with pytest.raises(DesignError, match="winds: altitudes must increase") as told:
         read(text.replace("[60, -80, 0]", "[0, -80, 0]"))
+    assert "atmosphere.winds_by_km = [[0, 10, 5], [0, -80, 0]]: winds" in str(told.value)
+    truth = GROUND + "\n[truth]\nwinds_by_km = [[1, 0, 0], [0, 1, 1]]\n"
+    with pytest.raises(DesignError, match=r"truth\.winds_by_km = \[\[1, .* must increase strictly"):
+        read(truth)
+    swapped = changed('rotation = "coriolis"', 'rotation = "published-coriolis"', text)
+    with pytest.raises(DesignError, match=r"planet\.rotation = .*leave atmosphere\.winds_by_km"):
+        read(swapped)
     published = (DESIGNS / "lou2019-recommended.toml").read_text()
     blown = changed("[atmosphere]\n", "[atmosphere]\nwinds_by_km = [[0, 1, 1]]\n", published)
     with pytest.raises(DesignError, match=r"atmosphere\.winds_by_km: not beside \[fusion\]"):

@@ -18,6 +18,10 @@ from compass.core.entry.rates import LIFT as RATIO
 from compass.core.jit import fast_kernel, kernel
 from compass.core.smallmatrix import cholesky, cholesky_solve
 
+#: What a satellite's errors do to what is measured, a number each: its radial, its along and its
+#: cross error; its clock and the bias of its ranges, which no range tells apart.
+WAYS = 4
+
 
 @kernel
 def fly_many(
@@ -163,7 +167,8 @@ def information(
 
     A satellite's own errors p, constant in its radial, along and cross directions, in its clock and
     as a bias of its ranges, are whitened too: ``p = root e``. What it tells about u is what is left
-    after its errors are found out as far as they can be, ``F_uu - F_up (I + F_pp)^-1 F_pu``.
+    after its errors are found out as far as they can be, ``F_uu - F_up (I + F_pp)^-1 F_pu``. Over
+    an entry F_up and F_pp are gathered in p, `WAYS` numbers, and whitened once at its end.
 
     Parameters
     ----------
@@ -201,8 +206,8 @@ def information(
     nodes = r.shape[1] // max(paths.shape[0], 1)
     node, w = np.empty((n, nodes, 6)), np.empty(6)
     gain, h = np.empty((6, motion)), np.zeros(size)
-    here, axes, s, g = np.empty(6), np.empty((3, 3)), np.ones(5), np.empty(errors)
-    cross, own = np.empty((n, size, errors)), np.empty((n, errors, errors))
+    here, axes, s = np.empty(6), np.empty((3, 3)), np.empty(WAYS)
+    cross, own = np.empty((n, size, WAYS)), np.empty((n, WAYS, WAYS))
     ranged, rated = not math.isnan(variances[0]), not math.isnan(variances[1])
     for m in range(paths.shape[0]):
         turn_nodes(r, v, m, nodes, angles[m], omega, step, node)
@@ -249,8 +254,8 @@ def information(
                     if errors > 0:
                         for a in range(3):
                             s[a] = -nx * axes[a, 0] - ny * axes[a, 1] - nz * axes[a, 2]
-                        s[3], s[4] = 1.0, 1.0
-                        _add_errors(h, s, weight / variances[0], roots[i], g, cross[i], own[i])
+                        s[3] = 1.0
+                        _add_errors(h, s, weight / variances[0], cross, own, i)
                 if rated:
                     # R' = n . dv: (dv - R' n) / R on position, n on velocity
                     rate = vx * nx + vy * ny + vz * nz
@@ -271,35 +276,50 @@ def information(
                             moves = nx * (ty * ez - tz * ey) + ny * (tz * ex - tx * ez)
                             moves += nz * (tx * ey - ty * ex)
                             s[a] = -(vx * ex + vy * ey + vz * ez) / distance - moves
-                        s[3], s[4] = 0.0, 0.0
-                        _add_errors(h, s, weight / variances[1], roots[i], g, cross[i], own[i])
+                        s[3] = 0.0
+                        _add_errors(h, s, weight / variances[1], cross, own, i)
         for i in range(n):
-            _eliminate(cross[i], own[i], out[m, i], sums[m])
+            _eliminate(cross[i], own[i], roots[i], out[m, i], sums[m])
 
 
 @fast_kernel
-def _add_errors(h, s, weight, root, g, cross, own):
-    """Add ``weight h^T g`` and ``weight g^T g``, with ``g = s root``."""
-    for k in range(g.size):
-        total = 0.0
-        for a in range(s.size):
-            total += s[a] * root[a, k]
-        g[k] = total
-    for k in range(g.size):
-        scaled = weight * g[k]
-        for a in range(h.size):
-            cross[a, k] += scaled * h[a]
-        for a in range(g.size):
-            own[a, k] += scaled * g[a]
+def _add_errors(h, s, weight, cross, own, i):
+    """Add ``weight h^T s`` and ``weight s^T s`` to those of a satellite."""
+    for a in range(h.size):
+        scaled = weight * h[a]
+        for k in range(WAYS):
+            cross[i, a, k] += scaled * s[k]
+    for a in range(WAYS):
+        scaled = weight * s[a]
+        for k in range(WAYS):
+            own[i, a, k] += scaled * s[k]
 
 
 @kernel
-def _eliminate(cross, own, share, sums):
-    """Take a satellite's own errors out of what it tells, in place; see `information`."""
-    size, errors = cross.shape
-    low = np.empty((errors, errors))
+def _eliminate(told, erring, root, share, sums):
+    """Take a satellite's own errors out of what it tells, in place; see `information`.
+
+    Parameters
+    ----------
+    told, erring
+        ``sum h^T s`` (d, WAYS) and ``sum s^T s`` (WAYS, WAYS), weighted.
+    root
+        Of its errors, (5, k).
+    share, sums
+        Its part of `out` and that of `sums` over all satellites.
+    """
+    size, errors = told.shape[0], root.shape[1]
+    ways = root[:WAYS].copy()
+    ways[WAYS - 1] += root[WAYS]  # clock and bias do the same to a range
+    cross, half = np.empty((size, errors)), np.empty((WAYS, errors))
+    own, low = np.empty((errors, errors)), np.empty((errors, errors))
+    _product(told, ways, cross)
+    _product(erring, ways, half)
     for a in range(errors):
-        own[a, a] += 1.0
+        for b in range(errors):
+            own[a, b] = 1.0 if a == b else 0.0
+            for k in range(WAYS):
+                own[a, b] += ways[k, a] * half[k, b]
     cholesky(own, low)  # at least the unit matrix
     gains = np.empty((size, errors))  # F_up (I + F_pp)^-1
     for j in range(size):
