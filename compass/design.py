@@ -240,6 +240,11 @@ class Requirement:
         )
 
     @property
+    def areas(self) -> tuple[str, ...]:
+        """Its regions; the globe where it names neither a region nor a site."""
+        return self.regions or (() if self.sites else ("globe",))
+
+    @property
     def claim(self) -> str:
         """What must be so, when and where, in words."""
         return f"{self.wanted}, {self.when}, {self.where}"
@@ -263,9 +268,9 @@ class Requirement:
     @property
     def where(self) -> str:
         """Where, in words."""
-        named = [site.name for site in self.sites] + list(self.regions)
+        named = [*(site.name for site in self.sites), *self.areas]
         high = f", {self.altitude / 1e3:g} km above the ground" if self.altitude else ""
-        return (", ".join(named) or "globe") + high
+        return ", ".join(named) + high
 
 
 @dataclass(frozen=True)

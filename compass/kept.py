@@ -1,7 +1,8 @@
 """Answers that took long, kept on disk: the same question is not worked out twice.
 
-A key holds everything an answer depends on, and the program's own sources with it: what another
-version found is never taken for what this one would find.
+A key holds everything an answer depends on, and with it the program's own sources, the packages
+that it computes with and whether kernels are compiled: what another version found is never taken
+for what this one would find.
 """
 
 import hashlib
@@ -30,8 +31,14 @@ def folder() -> Path | None:
 
 @cache
 def version() -> str:
-    """Digest of the program's sources and data."""
-    found, home = hashlib.sha256(), Path(__file__).parent
+    """Digest of the program's sources and data, of what it computes with, and how that runs."""
+    import numba
+    import numpy
+    import scipy
+
+    computing = (numba, numpy, scipy)
+    ran = [bool(numba.config.DISABLE_JIT), *(package.__version__ for package in computing)]
+    found, home = hashlib.sha256(repr(ran).encode()), Path(__file__).parent
     for path in sorted(p for p in home.rglob("*") if p.suffix in (".py", ".csv", ".npz")):
         found.update(str(path.relative_to(home)).encode())
         found.update(path.read_bytes())

@@ -74,8 +74,16 @@ class Mask:
         >>> compass.Mask.of([(0, 5), (180, 12)]).is_constant
         False
         """
-        pairs = [(0.0, mask_deg)] if isinstance(mask_deg, int | float) else mask_deg
-        azimuth, elevation = np.radians(np.array(pairs, dtype=float)).reshape(-1, 2).T
+        try:
+            given = np.array(mask_deg, dtype=float)
+        except (TypeError, ValueError):
+            given = np.empty(0)
+        pairs = np.array([[0.0, float(given)]]) if given.ndim == 0 else given
+        if pairs.ndim != 2 or pairs.shape[1] != 2:
+            raise ArgumentError(
+                f"mask_deg = {mask_deg}: must be an elevation, or pairs of azimuth and elevation"
+            )
+        azimuth, elevation = np.radians(pairs).T
         return cls(tuple(azimuth.tolist()), tuple(elevation.tolist()))
 
     @property

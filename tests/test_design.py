@@ -82,6 +82,9 @@ def test_orbits_and_sites_take_a_figures_name_too():
             lambda: compass.Site.of("x", latitude_deg=0, longitude_deg=0, height_km=3396),
             "height_km = 3396: allowed -10 to 30",
         ),
+        (lambda: compass.Mask.of([5, 12]), "mask_deg = .5, 12.: must be an elevation, or pairs"),
+        (lambda: compass.Mask.of([(0, 5), (1,)]), "must be an elevation, or pairs of azimuth"),
+        (lambda: compass.Mask.of("low"), "mask_deg = low: must be an elevation, or pairs"),
         (lambda: compass.Mask.of(90), "elevations .90.0. deg; allowed 0 up to below 90"),
         (lambda: compass.Requirement.of("r"), "requirement r: asks for nothing; add fold or one"),
         (

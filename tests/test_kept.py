@@ -3,6 +3,7 @@
 import json
 
 import pytest
+from numba import config
 
 from compass import kept as module
 from compass.kept import kept
@@ -27,6 +28,20 @@ def test_another_question_or_version_has_its_own_answer(monkeypatch):
     assert kept(("q", 2.0), lambda: {"x": 2}) == ({"x": 2}, False)
     monkeypatch.setattr(module, "version", lambda: "another")
     assert kept(("q", 1.0), lambda: {"x": 3}) == ({"x": 3}, False)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [("numba.__version__", "another"), ("numba.config.DISABLE_JIT", int(not config.DISABLE_JIT))],
+)
+def test_what_computes_and_how_makes_another_version(monkeypatch, change):
+    before = module.version()
+    monkeypatch.setattr(*change)
+    module.version.cache_clear()
+    try:
+        assert module.version() != before
+    finally:
+        module.version.cache_clear()
 
 
 @pytest.mark.parametrize("content", ["", "[1]", "{"])

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 #: What needs no word: how satellites of most designs move.
 TWO_BODY = Motion().title
 
+#: How well rise and set are known, as `compass.contacts.windows.windows` has it.
+WINDOWS_GOOD_TO = "1 ms of the motion modelled"
+
 #: Kinds of files that windows are written to.
 SUFFIXES = (".nc", ".csv", ".json")
 
@@ -90,8 +93,10 @@ class AccessResult(Result):
         )
 
     def notes(self) -> tuple[str, ...]:
-        """What is left out, and the Sun's part in links to the Earth."""
-        notes = [] if self.record["motion"] == TWO_BODY else [f"Under {self.record['motion']}."]
+        """How well it is known, what is left out, and the Sun's part in links to the Earth."""
+        found = f"Rise and set are found to {WINDOWS_GOOD_TO}"
+        notes = [f"{found}; shares, gaps and waits are of this span alone."]
+        notes += [] if self.record["motion"] == TWO_BODY else [f"Under {self.record['motion']}."]
         if self.record["latency"] is None:
             notes.append("Store and forward between stations is left out: there is too much of it.")
         if clear := [r["node"] for r in self.record["eclipses"] if not r["count"]]:

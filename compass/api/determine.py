@@ -232,12 +232,9 @@ class DetermineResult(Result):
 
     def save_plot(self, path: str | Path) -> None:
         """Write `plot` as a PNG file; a killed run leaves no partial one."""
-        from matplotlib.figure import Figure
+        from compass.pictures.files import save_axes
 
-        drawn = self.plot().figure
-        assert isinstance(drawn, Figure)
-        with replacing(Path(path)) as temporary:
-            drawn.savefig(temporary, format="png", dpi=150)
+        save_axes(self.plot(), path)
 
 
 def determine(

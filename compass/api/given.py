@@ -148,8 +148,10 @@ def given_mask(mask_deg: float | None, design: Design) -> Mask:
     return Mask.constant(radians(mask_deg))
 
 
-def given_site(station: Site | str, design: Design) -> Site:
+def given_site(station: Site | str, design: Design, called: str = "station") -> Site:
     """Return a site, read from ``NAME=LAT,LON[,MASK]`` in degrees if it is a text.
+
+    Refusals name the argument as it is `called`.
 
     Raises
     ------
@@ -165,11 +167,11 @@ def given_site(station: Site | str, design: Design) -> Site:
         numbers = []
     if not (name.strip() and equals) or len(numbers) not in (2, 3):
         raise ArgumentError(
-            f"station {station!r}: not NAME=LAT,LON or NAME=LAT,LON,MASK; "
+            f"{called} {station!r}: not NAME=LAT,LON or NAME=LAT,LON,MASK; "
             "write for example 'Gale=-4.6,137.4,10'"
         )
     latitude, longitude, mask = (*numbers, 0.0)[:3]
-    with said_of(f"station {station!r}"):
+    with said_of(f"{called} {station!r}"):
         return Site.of(
             name.strip(),
             latitude_deg=latitude,

@@ -70,9 +70,9 @@ class JudgeResult(Result):
         rows, goal = record["designs"], record["goal_m"]
         best, unknown = rows[0], unknown_air(record)
         claim = (
-            f"{best['design']} is best of {len(rows)}: position bound at {record['deployment']} "
+            f"{best['design']} is best of {len(rows)}: position bound "
             f"{with_bounds(best['crlb_position_m'], 'p95')} m in 95 % of {record['samples']} "
-            "entries" + "".join(f", {text}" for text in unknown)
+            f"entries, at {record['deployment']}" + "".join(f", {text}" for text in unknown)
         )
         run = [row for row in rows if row["nees"] is not None]
         return Page(

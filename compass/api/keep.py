@@ -93,6 +93,11 @@ def keep(
     mask = given_mask(mask_deg, read).highest
     axis = float(c.semi_major_axis[0])
     margin = slot_box(axis, covering, read.figure.equatorial_radius, mask).sideways
+    if box_deg is None and margin <= 0.0:
+        raise ArgumentError(
+            f"fold = {wanted}: the whole sphere does not have it above {degrees(mask):g} deg, so "
+            f"no slot has any room ({degrees(margin):.3g} deg); give less, a lower mask or box_deg"
+        )
     width = 0.5 * margin if box_deg is None else radians(box_deg)
     found = keep_slots(
         c,

@@ -129,8 +129,9 @@ class KeepResult(Result):
         low, high = (Value(cost, f(self.delta_v_m_s_year)) for f in (min, max))
         mean = Value(cost, out["delta_v_mean_m_s_year"])
         claim = (
-            f"{low} to {high} m/s an Earth year a satellite, mean {mean}, to stay within "
-            f"{degrees(found.half_width):.3g} deg of its slot along the track"
+            f"{low} to {high} m/s an Earth year a satellite, mean {mean}; turned back "
+            f"{degrees(found.half_width):.3g} deg along the track from its slot, "
+            f"{degrees(self._used().max()):.3g} deg off at worst, {self.margin_deg:.3g} allowed"
         )
         names = ("delta_v_keeping_m_s_year", "propellant_kg", "days_between_burns")
         rows = tuple(
@@ -166,8 +167,8 @@ class KeepResult(Result):
                 facts(
                     "Keeping",
                     [
-                        Value(cost, out["delta_v_keeping_m_s_year"], evidence),
-                        Value(quantity("slot_sideways_deg"), self.margin_deg),
+                        Value(cost, out["delta_v_keeping_m_s_year"], evidence, "largest"),
+                        Value(quantity("slot_sideways_deg"), self.margin_deg, whose="allowed"),
                     ],
                 ),
                 Table("Satellite by satellite", header, rows),

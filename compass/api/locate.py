@@ -174,7 +174,7 @@ class LocateResult(Result):
             ),
         )
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw the error of the place over time for each way to stand.
 
         Parameters
@@ -287,7 +287,7 @@ def _until(error: NDArray[np.float64], hours: NDArray[np.float64], goal: float) 
 def _place(site: Site | str, design: Design) -> Site:
     """A site, the station of a name, or the place of ``NAME=LAT,LON[,MASK]`` in degrees."""
     if isinstance(site, Site) or "=" in site:
-        return given_site(site, design)
+        return given_site(site, design, "site")
     known = {station.name: station for station in design.stations}
     if site not in known:
         names = ", ".join(known) or "none"

@@ -23,7 +23,6 @@ from compass.document.blocks import facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.quantities import QUANTITIES, quantity
-from compass.saving import replacing
 from compass.study.mapping import DesignMap
 
 if TYPE_CHECKING:
@@ -72,9 +71,10 @@ class MapResult(Result):
         numbers, attrs = self.numbers(), self.dataset.attrs
         fold, met = attrs["wanted_fold"], numbers["count"]["min"] >= attrs["wanted_fold"]
         p50, p95 = (self._percentile("gdop", numbers, q) for q in ("p50", "p95"))
+        sure = "sampled" + (", the last between proven bounds" if p95.evidence else "")
         claim = (
             f"{numbers['count']['min']} to {numbers['count']['max']} satellites in view, "
-            f"{fold} wanted; GDOP {p50} (median), {p95} (95 % of area and time)"
+            f"{fold} wanted; GDOP {p50} (median), {p95} (95 % of area and time); {sure}"
         )
         others = "the other figures are " if self.certified else ""
         how = (
@@ -219,24 +219,27 @@ class MapResult(Result):
         """Satellites in view, and dilution of precision, over area and time."""
         numbers = self.numbers()
         threshold, fold = self.dataset.attrs["pdop_threshold"], self.dataset.attrs["wanted_fold"]
-        share = quantity("fold_share")
+        share, sampled = quantity("fold_share"), Sampled(how="at cells and epochs")
         count = numbers["count"]
         in_view = facts(
             "Satellites in view, over area and time",
             [
-                *(Value(quantity(f"count.{name}"), count[name]) for name in ("min", "mean", "max")),
                 *(
-                    Value(share, part, whose=f"at least {k} in view")
+                    Value(quantity(f"count.{name}"), count[name], sampled)
+                    for name in ("min", "mean", "max")
+                ),
+                *(
+                    Value(share, part, sampled, f"at least {k} in view")
                     for k, part in numbers["fold_share"].items()
                 ),
                 Value(
                     quantity("availability"),
                     numbers["availability"],
-                    Bracket(*numbers["availability_bracket"]) if self.certified else None,
+                    Bracket(*numbers["availability_bracket"]) if self.certified else sampled,
                     whose=f"{threshold:g} or less",
                 ),
                 *(
-                    Value(quantity(name), numbers[name], whose=f"{fold} in view")
+                    Value(quantity(name), numbers[name], sampled, f"{fold} in view")
                     for name in ("longest_gap_s", "mean_response_time_s")
                     if numbers[name] > 0
                 ),
@@ -304,12 +307,9 @@ class MapResult(Result):
 
     def save_plot(self, path: str | Path, name: str = "gdop", *, percentile: int = 95) -> None:
         """Write `plot` as a PNG file; a killed run leaves no partial one."""
-        from matplotlib.figure import Figure
+        from compass.pictures.files import save_axes
 
-        drawn = self.plot(name, percentile=percentile).figure
-        assert isinstance(drawn, Figure)
-        with replacing(Path(path)) as temporary:
-            drawn.savefig(temporary, format="png", dpi=150)
+        save_axes(self.plot(name, percentile=percentile), path)
 
     def _layer(self, name: str, percentile: int) -> "tuple[xr.DataArray, str]":
         """Values by cell and what they are."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.api.progress import bar
-from compass.coverage.lasting import prove_span
+from compass.coverage.lasting import margins_at, prove_span
 from compass.coverage.region import GLOBE, Region
 from compass.coverage.room import has_slots
 from compass.design import Design
@@ -23,6 +23,9 @@ from compass.orbits.trimming import beat_of, can_trim, trim, with_axes
 
 if TYPE_CHECKING:
     from compass.orbits.constellation import Constellation
+
+#: Moments of what is proven at which the margin is looked at.
+MOMENTS = 100
 
 
 @dataclass(frozen=True)
@@ -125,18 +128,11 @@ def _at_radius(
     chosen = trim(moved, forces_of(motion), stop).constellation if trimmed else moved
     path = motion.trajectory(chosen, 0.0, stop, tolerance=COARSE)
     lasts = prove_span(path, fold, **place, stop=stop)
-    found = drift_margin(path, fold, lasts.proven_until, place)
+    times = np.linspace(0.0, max(lasts.proven_until, 1.0), MOMENTS)
+    found = float(margins_at(path, fold, times, **place).min())
     return RadiusLasts(
         radius_km, lasts.days_proven, lasts.first_loss_days, degrees(found), beat, trimmed
     )
-
-
-def drift_margin(path: Any, fold: int, until: float, place: dict[str, Any]) -> float:
-    """Least margin at a hundred moments up to a time, radians."""
-    from compass.coverage.lasting import margins_at
-
-    times = np.linspace(0.0, max(until, 1.0), 100)
-    return float(margins_at(path, fold, times, **place).min())
 
 
 def read_radii(text: str) -> list[float]:

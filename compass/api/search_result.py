@@ -115,22 +115,27 @@ class SearchResult(Result):
         following = self._notation(self.candidates[1]) if len(self.candidates) > 1 else "none found"
         near = degrees(self.best.closest_approach)
         return (
-            f"Build {self._notation(self.best)}: {self._claim()}; closest approach {near:.1f} deg; "
-            f"geometry was not asked for; next best {following}{kept}."
+            f"Build {self._notation(self.best)}: {self.best.constellation.size} satellites, "
+            f"{self._has()}; closest approach {near:.1f} deg; geometry was not asked for; "
+            f"next best {following}{kept}."
         )
 
     def _claim(self) -> str:
-        wanted = (
+        if not self.holds:
+            none = f"no {self.pattern} of up to {self.max_satellites} satellites"
+            return f"{none} has {self._wanted()}"
+        size = self.best.constellation.size
+        return f"{size} satellites, {self._notation(self.best)}, have {self._has()}"
+
+    def _has(self) -> str:
+        """What the best has: what was wanted, and how high the mask may be."""
+        margin = Value(quantity("mask_margin_deg"), degrees(self.best.mask_margin), Proven())
+        return f"{self._wanted()}; highest mask {margin} deg"
+
+    def _wanted(self) -> str:
+        return (
             f"continuous {self.fold}-fold coverage above {self.mask_deg:g} deg at "
             f"{self.radius_km:.6g} km"
-        )
-        if not self.holds:
-            return f"no {self.pattern} of up to {self.max_satellites} satellites has {wanted}"
-        best = self.best.constellation
-        margin = Value(quantity("mask_margin_deg"), degrees(self.best.mask_margin), Proven())
-        return (
-            f"{best.size} satellites, {self._notation(self.best)}, have {wanted}; highest mask "
-            f"{margin} deg"
         )
 
     def document(self) -> Page:

@@ -2,14 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import compass
-from compass.api.access_result import check_suffix
+from compass.api.access_result import WINDOWS_GOOD_TO, check_suffix
 from compass.api.given import given_site, joined_designs
 from compass.api.results import Result
 from compass.contacts.gaps import GapStatistics, gap_statistics
@@ -52,8 +51,10 @@ class SeriesResult(Result):
         With the stations that were asked for.
     fold
         Satellites wanted in view.
-    days
-        Length of the span.
+    days, start_day
+        Length of the span, and the day after the epoch at which it begins.
+    motion
+        How the satellites move, in words.
     gaps
         By station: when fewer are in view, found by rise and set.
     dataset
@@ -63,6 +64,8 @@ class SeriesResult(Result):
     design: Design = field(repr=False)
     fold: int
     days: float
+    start_day: float
+    motion: str
     gaps: dict[str, GapStatistics]
     dataset: "xr.Dataset" = field(repr=False)
 
@@ -72,7 +75,7 @@ class SeriesResult(Result):
         return not any(one.count for one in self.gaps.values())
 
     def rows(self) -> list[dict[str, Any]]:
-        """Plain values, a station each; dilutions at the moments looked at, infinite ones None."""
+        """Numbers of every station; dilutions at the moments looked at, which may be infinite."""
         found = []
         for name, gaps in self.gaps.items():
             seen = self.dataset.sel(station=name)
@@ -100,6 +103,8 @@ class SeriesResult(Result):
             {
                 "design": self.design.name,
                 "fold": self.fold,
+                "motion": self.motion,
+                "start_day": self.start_day,
                 "days": self.days,
                 "epochs": self.dataset.sizes["time"],
                 "stations": self.rows(),
@@ -114,7 +119,7 @@ class SeriesResult(Result):
             claim = f"fewer than {self.fold} in view at times at {', '.join(lacking)}"
         epochs = self.dataset.sizes["time"]
         how = (
-            "gaps by rise and set, to 1 ms of the motion modelled, each station over its own "
+            f"{self.motion}; gaps by rise and set, to {WINDOWS_GOOD_TO}, each station over its own "
             "horizon; those that the ends of the span cut off count with what lies inside. "
             f"Dilutions at {epochs} moments, {86400 * self.days / epochs:.4g} s apart: what lies "
             "between is not seen; infinite with fewer than four in view, and that counts"
@@ -187,12 +192,9 @@ class SeriesResult(Result):
 
     def save_plot(self, path: str | Path, name: str = "count") -> None:
         """Write `plot` as a PNG file; a killed run leaves no partial one."""
-        from matplotlib.figure import Figure
+        from compass.pictures.files import save_axes
 
-        drawn = self.plot(name=name).figure
-        assert isinstance(drawn, Figure)
-        with replacing(Path(path)) as temporary:
-            drawn.savefig(temporary, format="png", dpi=150, bbox_inches="tight")
+        save_axes(self.plot(name=name), path, bbox_inches="tight")
 
 
 def series(
@@ -271,8 +273,9 @@ def series(
         for site in sites
     }
     times = start + duration * np.arange(epochs) / epochs
-    made = _dataset(replace(read, stations=sites), times, moving)
-    return SeriesResult(replace(read, stations=sites), wanted, days, gaps, made)
+    sited = replace(read, stations=sites)
+    made = _dataset(sited, times, moving)
+    return SeriesResult(sited, wanted, days, start_day, moving.title, gaps, made)
 
 
 def _dataset(design: Design, times: np.ndarray, motion: Any) -> "xr.Dataset":
@@ -292,7 +295,6 @@ def _dataset(design: Design, times: np.ndarray, motion: Any) -> "xr.Dataset":
     return dated(made, "time")
 
 
-def _percentile(values: np.ndarray) -> float | None:
-    """The least value that 95 of 100 moments do not exceed; None where that is infinite."""
-    found = float(np.sort(values)[nearest_rank(values.size, 95)])
-    return found if isfinite(found) else None
+def _percentile(values: np.ndarray) -> float:
+    """The least value that 95 of 100 moments do not exceed."""
+    return float(np.sort(values)[nearest_rank(values.size, 95)])

@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from compass.cli.options import design_argument, json_option, motion_option, path, real
-from compass.cli.shared import announce_compilation, print_result, say
+from compass.cli.shared import announce_compilation, check_outputs, print_result, say_written
 
 
 @click.command()
@@ -27,17 +27,12 @@ def command(
     """
     announce_compilation()
     import compass
-    from compass.saving import check_writable
 
-    for written in (output, picture):
-        if written is not None:
-            check_writable(written, [design])
+    check_outputs(output, picture, inputs=[design])
     found = compass.determine(design, **options)
     if output:
         found.write(output)
     if picture:
         found.save_plot(picture)
     print_result(found, as_json)
-    for written in (output, picture):
-        if written:
-            say(f"wrote {written}")
+    say_written(output, picture)

@@ -6,7 +6,14 @@ from typing import Any
 import click
 
 from compass.cli.options import design_argument, fold_option, json_option, mask_option, real
-from compass.cli.shared import announce_compilation, command_line, print_result, say, watched
+from compass.cli.shared import (
+    announce_compilation,
+    check_outputs,
+    command_line,
+    print_result,
+    say_written,
+    watched,
+)
 
 
 @click.command()
@@ -59,11 +66,9 @@ def command(
     import compass
     from compass.api.drift_files import check_trimmed
     from compass.api.radii import read_radii
-    from compass.saving import check_new_folder, check_writable
+    from compass.saving import check_new_folder
 
-    for written in (output, elements):
-        if written is not None:
-            check_writable(written, [design])
+    check_outputs(output, elements, inputs=[design])
     if elements is not None or oem is not None:
         check_trimmed(options["trimmed"])
     if oem is not None:
@@ -74,8 +79,7 @@ def command(
         found.write_elements(elements)
     if oem is not None:
         found.write_orbits(oem)
-        say(f"wrote {oem}")
     if output is not None:
         found.write(output, command=command_line())
-        say(f"wrote {output}")
+    say_written(elements, oem, output)
     print_result(found, as_json)

@@ -116,7 +116,9 @@ def in_words_of_the_user(message: str, context: click.Context) -> str:
         given = context.get_parameter_source(parameter.name or "") is ParameterSource.COMMANDLINE
         option = max(parameter.opts, key=len)
         words = option.removeprefix("--").replace("-", "_") + "_"
-        if name and given and words.startswith(f"{name[0]}_"):  # with its unit, or without
+        if not (name and given):
+            continue
+        if words.startswith(f"{name[0]}_") or parameter.name == name[0]:  # its unit may be left out
             return option + message[name.end() :]
     files = [
         str(value)

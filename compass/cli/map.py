@@ -9,13 +9,22 @@ from compass.cli.options import (
     certified_options,
     choice,
     design_argument,
+    fold_option,
     json_option,
+    mask_option,
     motion_option,
     path,
     real,
     whole,
 )
-from compass.cli.shared import announce_compilation, command_line, print_result, say, watched
+from compass.cli.shared import (
+    announce_compilation,
+    check_outputs,
+    command_line,
+    print_result,
+    say_written,
+    watched,
+)
 
 
 @click.command("map")
@@ -24,7 +33,7 @@ from compass.cli.shared import announce_compilation, command_line, print_result,
 @path("--figure", "picture", help="PNG map to draw.")
 @click.option(
     "--of",
-    "drawn",
+    "name",
     default="gdop",
     show_default=True,
     help="What the PNG map shows: gdop, error_horizontal_m, count_min, ...",
@@ -36,8 +45,8 @@ from compass.cli.shared import announce_compilation, command_line, print_result,
     default=109,
     help="Epochs in the period, from 1; a prime number meets moments of symmetry least.",
 )
-@real("--mask-deg", help="Elevation mask instead of the design's, degrees.")
-@whole("--fold", help="Satellites wanted instead of the design's.")
+@mask_option
+@fold_option
 @real("--pdop-max", default=6.0, help="Largest PDOP that counts as available.")
 @motion_option
 @real("--start-day", default=0.0, help="Days after the epoch at which the period begins.")
@@ -60,7 +69,7 @@ def command(
     design: Path,
     output: Path | None,
     picture: Path | None,
-    drawn: str,
+    name: str,
     time_series: bool,
     as_json: bool,
     **options: Any,
@@ -73,24 +82,15 @@ def command(
     announce_compilation()
     import compass
     from compass.errors import ArgumentError
-    from compass.saving import check_writable
 
     read = compass.read_design(design)
     if time_series and output is None:
         raise ArgumentError("--time-series: needs a file to write to; add -o FILE.nc")
-    for written in (output, picture):
-        if written is not None:
-            check_writable(written, [design])
-    if options["leaves"] is not None:
-        check_writable(options["leaves"], [design])
-    if output and picture and output == picture:
-        raise ArgumentError(f"--figure = {picture}: is the netCDF file too; give another name")
+    check_outputs(output, picture, options["leaves"], inputs=[design])
     made = compass.map(read, **options, command=command_line(), progress=watched())
     if output:
         made.write(output, time_series=time_series, progress=watched())
     if picture:
-        made.save_plot(picture, drawn)
+        made.save_plot(picture, name)
     print_result(made, as_json)
-    for written in (output, picture):
-        if written:
-            say(f"wrote {written}")
+    say_written(output, picture)

@@ -57,10 +57,11 @@ def certified_options(command: Decorator) -> Decorator:
     for option in (
         path(
             "--leaves",
-            help="File of open boxes: what it holds of the same question is gone on from.",
+            help="File of open boxes: what it holds of the same question is gone on from, and what "
+            "is left open is kept there.",
         ),
         real("--budget-s", help="Seconds for each figure between bounds."),
-        real("--width", help="How near bounds of a share are to come: 1e-5."),
+        real("--width", help="How near bounds of a share are to come, such as 1e-5 for 0.001 %."),
     ):
         command = option(command)
     return command

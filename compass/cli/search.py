@@ -31,7 +31,7 @@ def _radius(text: str | None) -> float | tuple[float, float] | None:
 @click.option("--region", multiple=True, help="globe, lat:MIN:MAX or polygon:LAT,LON;..., degrees.")
 @real("--pdop-at-most", help="Largest PDOP allowed there.")
 @real("--gdop-at-most", help="Largest GDOP allowed there.")
-@real("--share", default=1.0, help="For how much of it.")
+@real("--share", default=1.0, help="For how much of it: 0.95 is 95 %.")
 @choice(
     "--share-of",
     among=["time", "area-time"],
@@ -39,7 +39,7 @@ def _radius(text: str | None) -> float | tuple[float, float] | None:
     help="Of the time at the worst place, or of area and time.",
 )
 @real("--least-approach-deg", default=1.0, help="Least angle between two satellites at any time.")
-@real("--mask-deg", default=0.0, help="Elevation mask.")
+@real("--mask-deg", default=0.0, help="Elevation mask, degrees.")
 @click.option(
     "--radius-km",
     metavar="R or LEAST:MOST",

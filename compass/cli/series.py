@@ -6,7 +6,13 @@ from typing import Any
 import click
 
 from compass.cli.options import choice, fold_option, json_option, motion_option, path, real, whole
-from compass.cli.shared import announce_compilation, command_line, print_result, say
+from compass.cli.shared import (
+    announce_compilation,
+    check_outputs,
+    command_line,
+    print_result,
+    say_written,
+)
 
 
 @click.command("series")
@@ -52,18 +58,14 @@ def command(
     import compass
     from compass.api.access_result import check_suffix
     from compass.api.series import SUFFIXES
-    from compass.saving import check_writable
 
     if output:
-        check_writable(check_suffix(output, SUFFIXES), designs)
-    if picture:
-        check_writable(picture, designs)
+        check_suffix(output, SUFFIXES)
+    check_outputs(output, picture, inputs=designs)
     found = compass.series(*designs, **options)
     if output:
         found.write(output, command=command_line())
     if picture:
         found.save_plot(picture, drawn)
     print_result(found, as_json)
-    for written in (output, picture):
-        if written:
-            say(f"wrote {written}")
+    say_written(output, picture)

@@ -2,12 +2,15 @@
 
 import json
 import sys
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from compass.cli.main import CLAIM_FAILS, QUIET
-from compass.saving import readable
+from compass.errors import ArgumentError
+from compass.saving import check_writable, readable
 
 if TYPE_CHECKING:
     from compass.api.results import Result
@@ -40,6 +43,30 @@ def say(message: str) -> None:
     """Tell the user something that is not a result (stderr), unless they asked for quiet."""
     if watched():
         click.echo(message, err=True)
+
+
+def check_outputs(*outputs: Path | None, inputs: Sequence[Path]) -> None:
+    """Refuse files to write before any work is spent on them; those that are None are not wanted.
+
+    Raises
+    ------
+    ArgumentError
+        Two are the same.
+    OutputError
+        As `compass.saving.check_writable`.
+    """
+    asked = [output for output in outputs if output is not None]
+    for output in asked:
+        if asked.count(output) > 1:
+            raise ArgumentError(f"{output}: is two outputs at once; give another name")
+        check_writable(output, inputs)
+
+
+def say_written(*outputs: Path | None) -> None:
+    """Say which files were written; those that are None were not wanted."""
+    for output in outputs:
+        if output is not None:
+            say(f"wrote {output}")
 
 
 def command_line() -> str:

@@ -165,7 +165,7 @@ def certified_worst(
     precision
         How near bounds are to come, relative to the value.
     budget_s, budget_boxes
-        Stop after so many seconds, or boxes.
+        Stop after so many seconds, or boxes, those of `start` not counted.
     workers
         Threads; the numbers do not depend on them.
     start
@@ -238,7 +238,7 @@ class _Pursuit:
         budget_boxes: float,
         start: CertifiedWorst | None = None,
     ) -> None:
-        self.question, self.workers, self.most = question, workers, budget_boxes
+        self.question, self.workers, self.budget = question, workers, budget_boxes
         self.stopped, self.boxes, self.few = "", 0, FEW
         self.arrays = question.arrays()
         if start is not None and start.leaves is not None:
@@ -247,6 +247,7 @@ class _Pursuit:
             boxes = question.boxes()
             self.leaves, self.best = np.full((len(boxes), LEAF), np.inf), np.zeros(4)
             self.leaves[:, :6], self.leaves[:, 7] = boxes[:, :6], 0.0
+        self.most = self.boxes + budget_boxes
         self._work(self.leaves[:0], 1.0, 0.0, 1.0)  # compiled before the clock runs
         self.end = monotonic() + budget_s
 
@@ -301,7 +302,7 @@ class _Pursuit:
             ratio * ratio,
             enough * enough,
             beyond * beyond,
-            int(min(self.few, max(self.most, 1))),
+            int(min(self.few, max(self.budget, 1))),
             self.question.speed,
             self.question.domain.sides,
             *self.arrays,

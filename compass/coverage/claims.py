@@ -50,10 +50,9 @@ def claims_of(design: Design, requirement: Requirement) -> tuple[Claim, ...]:
     mask = requirement.mask
     low, high = (design.mask.lowest, design.mask.highest) if mask is None else (mask, mask)
     radius = design.figure.equatorial_radius + requirement.altitude
-    regions = requirement.regions or (() if requirement.sites else ("globe",))
     claims = [
         Claim(text, radius, low, high, region, design.figure.stretch)
-        for text in regions
+        for text in requirement.areas
         for region in read_regions(text)
     ]
     users = users_of(design, requirement)

@@ -84,8 +84,7 @@ def users_of(design: Design, requirement: Requirement) -> tuple[Users, ...]:
         below = min(requirement.mask, 0.0)
         mask = Mask.constant(max(requirement.mask, 0.0))
     places = [site_users(site, site.mask.or_higher(mask)) for site in requirement.sites]
-    named = requirement.regions or (() if places else ("globe",))
-    for text in named:
+    for text in requirement.areas:
         for region in read_regions(text):
             users = region_users(
                 region, design.figure, mask, below=below, height=requirement.altitude

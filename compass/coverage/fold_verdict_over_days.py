@@ -53,8 +53,7 @@ def not_followed(design: Design, requirement: Requirement) -> str:
     if requirement.share < 1.0 or requirement.losses:
         what = "shares" if requirement.share < 1.0 else "losses"
         return f"{what} along real paths are not bracketed"
-    regions = requirement.regions or not requirement.sites
-    if regions and requirement.altitude and not design.figure.is_sphere:
+    if requirement.areas and requirement.altitude and not design.figure.is_sphere:
         return "users above an ellipsoid are not looked at along real paths; name a sphere"
     return ""
 

@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 #: At most so many candidates that are not of the first front are shown, evenly taken.
 OTHERS = 2000
 
-#: What counts things: ticks stand at whole numbers.
-_WHOLE = ("satellites", "planes", "phasing")
-
 #: Variables that may stand on an axis, beside the figures of merit.
 _VARIABLES = {
     "phasing": "phasing F",
@@ -71,7 +68,7 @@ def interactive_front(
         groups.append(own | {"label": measure.role, "few": True, **mark})
     second = min(1, len(axes) - 1)
     titles = [
-        {"title": title, "label": label, "whole": name in _WHOLE}
+        {"title": title, "label": label, "whole": _whole(name)}
         for name, (title, label) in axes.items()
     ]
     shown = {"axes": titles, "second": second, "groups": groups}
@@ -104,6 +101,11 @@ def _axes(study: Study, results: "xr.Dataset") -> dict[str, tuple[str, str]]:
     merits = {n: (MERITS[n].title, MERITS[n].heading) for n in [*objectives, *others]}
     known = {name: (label.split(",")[0], label) for name, label in _VARIABLES.items()}
     return merits | {name: label for name, label in known.items() if varies(name)}
+
+
+def _whole(name: str) -> bool:
+    """Whether an axis counts things, so that its ticks stand at whole numbers."""
+    return MERITS[name].quantity.form == "count" if name in MERITS else name == "phasing"
 
 
 def _group(some: "xr.Dataset", axes: dict[str, tuple[str, str]]) -> dict[str, Any]:

@@ -2,10 +2,35 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from compass.document.blocks import Picture
 from compass.errors import OutputError
 from compass.saving import check_writable, replacing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+#: Of pictures that stand alone, finer than those of a page.
+FILE_DPI = 150
+
+
+def save_axes(axes: "Axes", path: str | Path, **options: Any) -> None:
+    """Write the figure of some axes as a PNG file; a killed run leaves no partial one.
+
+    Options are those of its ``savefig``.
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
+    """
+    from matplotlib.figure import Figure
+
+    figure = axes.figure
+    assert isinstance(figure, Figure)
+    with replacing(Path(path)) as temporary:
+        figure.savefig(temporary, format="png", dpi=FILE_DPI, **options)
 
 
 def check_folder(folder: Path) -> None:

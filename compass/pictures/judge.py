@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.colors import LogNorm
+from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from compass.document import Picture
@@ -123,8 +124,10 @@ def draw_distributions(
         ylabel="share of entries not beyond, %",
         ylim=(0, 101),
     )
+    if axes.get_xlim()[1] >= 60:
+        axes.xaxis.set_minor_locator(LogLocator(subs=(2, 5)))
     axes.xaxis.set_major_formatter("{x:g}")
-    axes.xaxis.set_minor_formatter("{x:g}" if axes.get_xlim()[1] < 60 else "")
+    axes.xaxis.set_minor_formatter("{x:g}")
     axes.tick_params(axis="x", which="both", length=4, pad=4)
     axes.grid(True)
     axes.legend(frameon=False, fontsize=8, loc="lower right")

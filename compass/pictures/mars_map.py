@@ -85,10 +85,11 @@ class MarsMap:
             _halo(label)
         for lon in range(-180 + 2 * step_deg, 180, 2 * step_deg):
             x, y = self.project(float(lon), 0.0)
-            self.axes.annotate(
+            label = self.axes.annotate(
                 _degrees(lon, "E", "W"), (float(x), float(y)), (2, 2),
-                textcoords="offset points", fontsize=7.8, color=INK, alpha=0.9, zorder=4,
+                textcoords="offset points", fontsize=7.8, color=INK, zorder=4,
             )  # fmt: skip
+            _halo(label)
         self.axes.add_collection(
             LineCollection(lines, colors="white", linewidths=0.5, alpha=0.55, zorder=3)
         )

@@ -9,7 +9,7 @@ ACCESS = (
     Quantity("station.mask_deg", "deg", "mask", 3, meaning="Lowest elevation that counts."),
     Quantity(
         "station.fewest", "1", "fewest in view", better="more", form="count",
-        meaning="At any epoch of the map.",
+        meaning="At any moment looked at.",
     ),
     Quantity("station.mean", "1", "in view, mean", 3, "more", meaning="Over the map's epochs."),
     Quantity("station.gdop_p95", "1", "GDOP, 95 % below", 3, "less", meaning="In time."),

@@ -182,9 +182,8 @@ def determine_orbits(
 
 def _prior(satellites: int, tracking: Tracking, clock: Clock | None, considered: Array) -> Array:
     """Covariance before the first measurement."""
-    rate = SPEED_OF_LIGHT.value * (
-        clock.frequency_sigma if clock and clock.frequency_sigma else 1e-10
-    )
+    known = clock.frequency_sigma if clock else None
+    rate = SPEED_OF_LIGHT.value * (known or UNKNOWN_FREQUENCY)
     one = [tracking.prior**2] * 3 + [tracking.prior_speed**2] * 3
     one += [tracking.prior_clock**2, rate**2]
     return np.diag(np.concatenate([np.tile(one, satellites), considered]))

@@ -112,7 +112,7 @@ def settle(
     figures: Callable[[NDArray], Figures],
     refine: Callable[[str, NDArray], None],
 ) -> None:
-    """Bring bounds as near as it takes to decide who is on the front; those of the front to begin.
+    """Bring bounds as near as it takes to decide who is on the front: of all, then of the open.
 
     Parameters
     ----------

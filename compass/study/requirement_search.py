@@ -79,10 +79,9 @@ def search_for(
                     one.constellation, f"two satellites come within {angle:.2f} deg of each other"
                 )
         good = _certified(question, apart, finalists if not met else 1, workers, kept)
-        if met and good:
-            return Outcome(tuple(met), good[0], tuple(kept.values()), looked_at)
         if met:
-            return Outcome(tuple(met), None, tuple(kept.values()), looked_at)
+            next_best = good[0] if good else None
+            return Outcome(tuple(met), next_best, tuple(kept.values()), looked_at)
         met = good
     return Outcome(tuple(met), None, tuple(kept.values()), looked_at)
 
@@ -116,7 +115,7 @@ def _folded(question: Question, found: Sequence[Found], workers: int) -> list[Fo
         )
 
     with ThreadPoolExecutor(workers) as pool:
-        kept = list(pool.map(holds, found, chunksize=64))
+        kept = list(pool.map(holds, found))
     return [one for one, keep in zip(found, kept, strict=True) if keep]
 
 

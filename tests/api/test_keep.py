@@ -188,6 +188,9 @@ def test_a_short_simulation_prints_its_costs():
     found = compass.keep(design, years=0.1, box_deg=0.05)
     words = text(found.document())
     assert "m/s an Earth year a satellite" in words
+    worst = np.degrees(np.hypot(found.keeping.worst, found.keeping.tilt).max())
+    assert worst > 0.05  # beyond where they are turned back
+    assert f"turned back 0.05 deg along the track from its slot, {worst:.3g} deg off" in words
     assert found.keeping.burns.sum() > 0
     assert found.years == pytest.approx(0.1, abs=0.002)
     assert found.to_dict()["per_satellite"][0]["days_between_burns"]
@@ -237,3 +240,10 @@ def test_numbers_of_the_law_are_finite():
 def test_a_fold_that_leaves_no_room_is_refused(designs, fold, message):
     with pytest.raises(ArgumentError, match=message):
         compass.keep(designs / "compass-15-5-1.toml", fold=fold, years=0.1)
+
+
+def test_no_box_is_made_of_a_margin_that_is_none(designs):
+    """The design is for five sites; the box would be half of the whole sphere's margin."""
+    said = "fold = 4: the whole sphere does not have it above 10 deg, so no slot has any room"
+    with pytest.raises(ArgumentError, match=said):
+        compass.keep(designs / "five-landing-sites.toml", years=0.1)

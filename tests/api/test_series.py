@@ -30,6 +30,8 @@ def test_gaps_and_counts_are_those_of_dense_samples():
     again = SITE.sees(np.moveaxis(positions_mcmf(RING, found.dataset.time.values), 1, 0))
     assert at.tolist() == again.sum(axis=1).tolist()
     assert found.to_dict()["stations"][0]["gdop_p95"] is None
+    assert row["gdop_p95"] == np.inf
+    assert "∞" in str(found)
 
 
 def test_two_designs_are_one_network(tmp_path):
@@ -75,7 +77,10 @@ def test_what_cannot_be_joined_or_asked_is_told():
     for key, value in {"fold": 0, "days": 0, "start_day": -1, "epochs": 1, "mask_deg": 90}.items():
         with pytest.raises(ArgumentError, match=f"{key} = {value}: allowed"):
             compass.series(one, **{key: value})
-    made = compass.series(one, fold=1, days=0.01, epochs=2, start_day=1)
+    made = compass.series(one, fold=1, days=0.01, epochs=2, start_day=1, motion="j2")
+    told = made.to_dict()
+    assert (told["start_day"], told["motion"]) == (1, made.motion)
+    assert "J2" in made.motion
     with pytest.raises(OutputError, match=r"must end in \.nc, \.csv"):
         made.write("x.txt")
     with pytest.raises(ArgumentError, match="name = 'fold': allowed count"):
@@ -90,4 +95,5 @@ def test_the_command_prints_it_and_writes(run, tmp_path, designs):
     )  # fmt: skip
     assert code == 0
     assert "4 satellites in view at all times" in said
+    assert "two-body motion; gaps by rise and set, to 1 ms" in said
     assert out.exists() and picture.exists()

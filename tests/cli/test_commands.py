@@ -145,6 +145,7 @@ def test_infinite_percentiles_are_null(run, designs):
         (["-o", "{folder}"], "is a directory"),
         (["-o", "{folder}/no/x.nc"], "does not exist"),
         (["-o", "{folder}/x", "--figure", "{folder}/x"], "give another name"),
+        ([*SMALL, "--figure", "{folder}/x", "--of", "dop"], "--of = 'dop': not a map; allowed"),
     ],
 )
 def test_bad_options_are_one_message_and_exit_2(run, seed, tmp_path, arguments, message):
@@ -153,6 +154,22 @@ def test_bad_options_are_one_message_and_exit_2(run, seed, tmp_path, arguments, 
     assert (code, out) == (2, "")
     assert message in err
     assert "Traceback" not in err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("command", "name", "second"),
+    [
+        ("series", "x.csv", "--figure"),
+        ("determine", "x.toml", "--figure"),
+        ("drift", "x.nc", "--elements"),
+    ],
+)
+def test_no_output_is_written_over_by_another(run, designs, tmp_path, command, name, second):
+    path, design = tmp_path / name, designs / "tracked-15-5-1.toml"
+    code, out, err = run(command, design, "-o", path, second, path)
+    assert (code, out) == (2, "")
+    assert f"{path}: is two outputs at once; give another name" in err
     assert list(tmp_path.iterdir()) == []
 
 

@@ -101,6 +101,7 @@ def test_rise_and_set_of_an_integrated_orbit_are_at_the_mask():
         assert np.degrees(np.arcsin(up)) == pytest.approx(5.0, abs=1e-5)
     assert found.found.nodes and find_node(found.found.nodes, "P1S1").states.shape[1] == 6
     assert "Under numerical motion" in " ".join(found.notes())
+    assert "Rise and set are found to 1 ms of the motion modelled" in " ".join(found.notes())
 
 
 def test_a_day_that_is_none_is_refused(tmp_path, run):

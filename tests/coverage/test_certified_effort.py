@@ -43,6 +43,8 @@ def test_finer_goes_on_from_a_file_as_from_the_result(tmp_path):
     fresh = certified_percentile(PATTERN, 50.0, place=PLACE, precision=1e-3)
     assert fine[1].low <= fresh.high and fresh.low <= fine[1].high
     assert fine[2].boxes >= coarse[2].boxes
+    assert coarse[2].stopped == "boxes"  # and as many more come nearer
+    assert fine[2].high - fine[2].low < 0.1 * (coarse[2].high - coarse[2].low)
     # the same steps write the same bytes, whoever works
     file.unlink()
     figures(PATTERN, Effort(1e-3, file=file, workers=2), 2.5)

@@ -1,5 +1,7 @@
 """The report's section on landing navigation."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from compass.inputs import read_design_text
 from compass.inputs.scenario import read_scenario_text
 from compass.pages import judge as module
 from compass.pictures import judge as pictures
+from compass.pictures.style import new_figure
 from compass.study.judge import campaign_of, judge_entries
 from compass.study.judge_filter import NOT_RUN
 from compass.study.ranking import Ranking
@@ -106,6 +109,26 @@ def test_cells_keep_their_largest_bound(scenario):
     row = int((np.sin(latitude[0]) + 1) / 2 * pictures.ROWS)
     column = int((longitude[0] + np.pi) / (2 * np.pi) * pictures.COLUMNS)
     assert cells[row, column] >= found[0].position_sigma[0]
+
+
+@pytest.mark.parametrize("widest", [30.0, 90.0, 4000.0])
+def test_bounds_of_any_width_have_numbers_along_their_axis(widest):
+    found = SimpleNamespace(
+        campaign=SimpleNamespace(size=50), position_sigma=np.geomspace(8, widest, 50),
+        worst_loss=None,
+    )  # fmt: skip
+    figure = new_figure(5.8, 4.0)
+    axes = figure.add_subplot()
+    pictures.draw_distributions(axes, ["one"], [found], 10.0)
+    figure.canvas.draw()
+    low, high = axes.get_xlim()
+    told = [
+        float(text.get_text())
+        for text in axes.get_xticklabels(which="both")
+        if text.get_text() and low <= text.get_position()[0] <= high
+    ]
+    assert {10.0, 20.0} <= set(told) and max(told) > widest / 3
+    assert len(told) == len(set(told)) <= 20
 
 
 def test_the_answer_says_which_is_best_and_whether_to_believe_it():

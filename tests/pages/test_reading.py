@@ -132,6 +132,13 @@ def test_on_paper_all_is_open_but_the_provenance_and_no_row_is_cut(browser, page
     assert opened and all(is_open is not last for is_open, last in opened)
     assert browser.find_element("css selector", "img.still").is_displayed()
     assert not browser.find_element("css selector", ".globe").is_displayed()
+    caption = browser.find_element("css selector", "figure:has(.globe) figcaption").text
+    assert "slider" not in caption and "Stars" in caption  # of what is on paper
+    sizes = browser.execute_script(
+        "return [...document.querySelectorAll('.answers td, .answers th')]"
+        ".map(e => parseFloat(getComputedStyle(e).fontSize))"
+    )
+    assert max(sizes) <= 10.01  # 7.5 points: the columns of one table
     cut = browser.execute_script(
         "return [...document.querySelectorAll('tr, figure')]"
         ".filter(e => getComputedStyle(e).breakInside !== 'avoid').length"
@@ -188,3 +195,19 @@ def test_pictures_say_the_value_under_the_pointer_and_by_the_keys(browser, page)
     assert root.find_element("css selector", ".tip").text == ""
     root.send_keys("\ue014")
     assert root.find_element("css selector", ".tip").text.splitlines()[-1] == "rising: 3"
+
+
+def test_what_the_keys_read_stays_in_sight_where_a_picture_is_wider_than_its_place(browser, page):
+    sized(browser, 360)
+    browser.get(page.as_uri())
+    root = browser.find_element("css selector", "#chart .reading")
+    browser.execute_async_script("arguments[0].reading.ready.then(arguments[1])", root)
+    for key, times in (("\ue014", 45), ("\ue012", 90)):  # to the right end, to the left one
+        root.send_keys(key * times)
+        place, dot = browser.execute_script(
+            "const sides = e => { const b = e.getBoundingClientRect(); return [b.left, b.right]; };"
+            "return [arguments[0], arguments[0].querySelector('span')].map(sides)",
+            root,
+        )
+        assert root.find_element("css selector", "span").is_displayed()
+        assert place[0] <= dot[0] and dot[1] <= place[1]

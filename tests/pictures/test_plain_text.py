@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from matplotlib.text import Text
 
 import compass
+from compass.coverage.grid import equal_angle_grid
+from compass.pictures.maps import map_figure
 from compass.pictures.style import axes_or_new, look, new_figure, picture, without_markup
 
 SIGNS = st.text(st.characters(categories=["L", "N", "P", "S", "Zs"]) | st.just("$"), max_size=20)
@@ -91,3 +93,10 @@ def test_every_figure_is_made_in_one_place():
 
 def test_the_same_figure_gives_the_same_picture():
     assert np.array_equal(*(picture(drawn("$a$"), "x", "t", "c").png for _ in range(2)))
+
+
+def test_letters_over_the_colours_of_a_map_have_a_light_rim():
+    grid = equal_angle_grid(np.radians(30.0))
+    figure = map_figure(np.zeros((6, 12)), grid, "Dark", "x", figure_name="iau-sphere", named=True)
+    written = [text for text in figure.axes[0].texts if text.get_text()]
+    assert len(written) > 10 and all(text.get_path_effects() for text in written)

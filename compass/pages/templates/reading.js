@@ -105,6 +105,8 @@ class Reading {
     e.preventDefault();
     const by = e.shiftKey ? .05 : .01;
     this.show(...this.at.map((v, k) => Math.min(Math.max(v + by * step[k], 0), 1)));
+    // on a narrow page the picture is wider than its place: what is read must not leave it
+    for (const shown of [this.tip, this.dot]) shown.scrollIntoView({block: "nearest", inline: "nearest"});
   }
   show(x, y) {
     this.at = [x, y];
