@@ -145,7 +145,7 @@ class EntryStage:
     doubts: Doubts = NO_DOUBTS
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Study:
     """A study file, read.
 
@@ -196,6 +196,10 @@ class Study:
     digest: str
     label: str
     requirements: tuple[Requirement, ...] = ()
+
+    def __repr__(self) -> str:
+        wanted = ", ".join(f"{one.goal} {one.figure}" for one in self.objectives)
+        return f"Study {self.name}: {wanted}; stages: {', '.join(self.stages)}"
 
     @property
     def stages(self) -> tuple[str, ...]:
