@@ -7,10 +7,10 @@ from compass.errors import near
 from compass.frames import FIGURES
 from compass.inputs.design import place_faults
 from compass.inputs.faults import fault
-from compass.inputs.merit import MERITS
 from compass.inputs.motion import motion_faults
 from compass.inputs.requirements import requirement_faults
 from compass.orbits.patterns import FARTHEST_KM
+from compass.quantities.merits import MERITS
 
 #: Values that one list of a study may come to.
 MOST_VALUES = 100_000
