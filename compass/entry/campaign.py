@@ -8,6 +8,7 @@ from math import isfinite
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.core.entry.dop853 import watched
 from compass.core.entry.many import fly_many
 from compass.entry.arrivals import Arrivals
 from compass.entry.covariance import LONGEST_STEP
@@ -165,13 +166,14 @@ def fly_campaign(
     spreads[:, 6:, 6:] = parameters[:, uncertain]
     watch, level = (-1, 0.0) if trigger is None else watched_level(model, trigger)
     deployment = _deployment(trigger, float(seconds[-1]))
+    p = model.flight_parameters()
     paths = np.zeros((size, seconds.size, 6))
     gains = np.zeros((*paths.shape, spreads.shape[2]))
     stops = np.empty(size, dtype=np.int64)
     fly_many(
         starts,
         spreads,
-        model.flight_parameters(),
+        p,
         model.vehicle.bank_schedule(),
         seconds,
         LONGEST_STEP,
@@ -182,7 +184,7 @@ def fly_campaign(
         gains,
         stops,
     )
-    _check_flights(arrivals, paths, stops, seconds, watch, level, deployment)
+    _check_flights(arrivals, paths, stops, seconds, watch, level, p, deployment)
     flown = int(stops.max()) + 1
     paths = paths[:, :flown]
     if electrons is None:
@@ -267,13 +269,14 @@ def _check_flights(
     times: Array,
     watch: int,
     level: float,
+    p: Array,
     deployment: str,
 ) -> None:
     """Refuse flights that do not come to deployment."""
     late = np.zeros(stops.size, dtype=bool)
     if watch >= 0 and isfinite(level):
-        last = paths[np.arange(stops.size), stops, 3 * watch : 3 * watch + 3]
-        late = ~(np.linalg.norm(last, axis=1) <= level)
+        last = paths[np.arange(stops.size), stops]
+        late = np.array([not watched(state, watch, p) <= level for state in last])
     failed = (stops < 0) | late
     if not failed.any():
         return

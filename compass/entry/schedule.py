@@ -70,7 +70,8 @@ class Measurements:
     Attributes
     ----------
     range_sigma
-        One sigma of the range noise, m; None if ranges are not measured.
+        One sigma of the range noise, m, or 0 for that of the link alone; None if ranges are not
+        measured.
     rate_sigma
         One sigma of the range-rate noise, m/s; None if rates are not measured.
     interval
@@ -100,6 +101,8 @@ class Measurements:
     def __post_init__(self) -> None:
         for name, unit in (("range_sigma", "m"), ("rate_sigma", "m/s")):
             sigma = getattr(self, name)
+            if sigma == 0 and name == "range_sigma" and self.link is not None:
+                continue
             if sigma is not None and not 0 < sigma < float("inf"):
                 raise ArgumentError(f"{name} = {sigma} {unit}: must be positive")
         radio = any(instrument.of_beacons for instrument in self.instruments)
@@ -129,14 +132,18 @@ class Measurements:
             for one, first in zip(self.instruments, firsts, strict=False)
         )
 
-    def variances(self, taken: NDArray[np.bool_]) -> NDArray[np.float64]:
-        """Variances of ranges (m^2) and range rates (m^2/s^2), (t, n, 2); nan where not taken."""
+    def sigmas(self, count: int) -> NDArray[np.float64]:
+        """One sigma of ranges (m) and range rates (m/s) of so many beacons, (n, 2); nan if none."""
         pair = (self.range_sigma, self.rate_sigma)
-        squares = np.array([np.nan if sigma is None else sigma**2 for sigma in pair])
-        return np.where(taken[..., None], squares, np.nan)
+        return np.tile([np.nan if sigma is None else sigma for sigma in pair], (count, 1))
 
     def heard(
-        self, beacons: Beacons, taken: ArrayLike, path: NDArray[np.float64], model: EntryModel
+        self,
+        beacons: Beacons,
+        taken: ArrayLike,
+        path: NDArray[np.float64],
+        model: EntryModel,
+        sigmas: NDArray[np.float64] | None = None,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
         """Sources, variances and kinds of everything that is measured along a flight.
 
@@ -148,6 +155,8 @@ class Measurements:
             The flight, (t, 6).
         model
             The world in which it is flown.
+        sigmas
+            Of one-way ranges and range rates, (n, 2), where they differ from beacon to beacon.
 
         Returns
         -------
@@ -164,7 +173,8 @@ class Measurements:
         if self.link is not None:
             loop = self.link.range_variance(beacons, path, model.atmosphere, planet_radius)
             chosen = chosen & np.isfinite(loop)
-        own = self.variances(chosen)
+        each = self.sigmas(beacons.size) if sigmas is None else sigmas
+        own = np.where(chosen[..., None], np.square(each), np.nan)
         own[..., 0] += np.where(chosen, loop, np.nan)
         if not self.instruments:
             return beacons.states, own, np.array([RANGE, RATE])

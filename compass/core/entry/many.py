@@ -68,10 +68,11 @@ def fly_many(
                 spread[:6] = gain
             else:
                 gain[:] = spread[:6]
-            if not (watched(here, WATCH_RADIUS) > ground and watched(here, WATCH_SPEED) > 0.0):
+            high, fast = watched(here, WATCH_RADIUS, p), watched(here, WATCH_SPEED, p)
+            if not (high > ground and fast > 0.0):
                 stops[m] = -1 - t
                 break
-            if watch >= 0 and watched(here, watch) <= level:
+            if watch >= 0 and watched(here, watch, p) <= level:
                 stops[m] = t
                 break
 
