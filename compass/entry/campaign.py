@@ -97,6 +97,16 @@ class Campaign:
         )
 
     @property
+    def paths_to_stops(self) -> Array:
+        """Position and velocity, (m, t, 6), past deployment those there."""
+        return _held(self.paths, self.stops)
+
+    def turns(self, state: ArrayLike) -> Array:
+        """Rotations (m, 3, 3) that move an entry from state ``[r, lon, lat, ...]`` to each."""
+        own = along_cross_down(cartesian_of(np.asarray(state, dtype=float)[:6]))
+        return np.asarray(np.swapaxes(along_cross_down(self.paths[:, 0]), 1, 2) @ own)
+
+    @property
     def deployment_place(self) -> tuple[Array, Array]:
         """Latitude and east longitude in (-pi, pi] at deployment, radians, shape (m,)."""
         return latitude_longitude(self.paths[np.arange(self.size), self.stops, :3])
@@ -190,8 +200,7 @@ def fly_campaign(
     if electrons is None:
         probability = np.ones(paths.shape[:2])
     else:
-        past = np.arange(flown) > stops[:, None]  # nothing is there: as at deployment
-        whole = np.where(past[..., None], paths[np.arange(size), stops][:, None], paths)
+        whole = _held(paths, stops)
         radius = np.linalg.norm(whole[..., :3], axis=2)
         density = model.atmosphere.density(radius.ravel()).reshape(radius.shape)
         speed = np.linalg.norm(whole[..., 3:], axis=2)
@@ -232,6 +241,13 @@ def check_sigmas(density_sigma: float, lift_sigma: float) -> None:
     for name, sigma in (("density_sigma", density_sigma), ("lift_sigma", lift_sigma)):
         if not 0 <= sigma <= MOST_SIGMA:
             raise ArgumentError(f"{name} = {sigma:g}: allowed 0 to {MOST_SIGMA:g}")
+
+
+def _held(paths: Array, stops: NDArray[np.int64]) -> Array:
+    """Paths (m, t, 6) whose empty rows past the stops are filled with the states there."""
+    past = np.arange(paths.shape[1]) > stops[:, None]
+    last = paths[np.arange(stops.size), stops][:, None]
+    return np.where(past[..., None], last, paths)
 
 
 def vehicle_axes(path: ArrayLike) -> Array:
