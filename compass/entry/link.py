@@ -6,8 +6,6 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.contacts.radio import carrier_to_noise
-from compass.core.entry.loop import carriers, loop_variances
 from compass.design import Radio
 from compass.entry.atmosphere import Atmosphere
 from compass.entry.beacons import Beacons
@@ -64,10 +62,11 @@ class Link:
 
     def numbers(self) -> Array:
         """Numbers as the kernels take them, see `compass.core.entry.loop.NEAR`."""
+        from compass.contacts.radio import carrier_to_noise  # brings kernels with it
+
         # ln cos of half the width, of a narrow one too
-        width = (
-            0.0 if np.isinf(self.beamwidth) else np.log1p(-2.0 * np.sin(self.beamwidth / 4) ** 2)
-        )
+        sine = 0.0 if np.isinf(self.beamwidth) else np.sin(self.beamwidth / 4.0)
+        width = np.log1p(-2.0 * sine**2)
         return np.array(
             [
                 float(carrier_to_noise(self.radio, 1.0)),
@@ -90,6 +89,8 @@ class Link:
         self, beacons: Beacons, path: Array, air: Atmosphere, planet_radius: float
     ) -> Array:
         """C/N0 of every beacon's signal along a flight (t, 6), dB Hz, shape (t, n)."""
+        from compass.core.entry.loop import carriers
+
         flown, out = np.ascontiguousarray(path), np.empty(beacons.r.shape[:2])
         dimmed = self.dimmed(flown, air, planet_radius)
         carriers(self.numbers(), flown, beacons.states, dimmed, out)
@@ -99,6 +100,8 @@ class Link:
         self, beacons: Beacons, path: Array, air: Atmosphere, planet_radius: float
     ) -> Array:
         """Variance of ranges by the code loop, m^2, (t, n); nan below the C/N0 it needs."""
+        from compass.core.entry.loop import loop_variances
+
         decibels = self.carrier_to_noise(beacons, path, air, planet_radius)
         out = np.empty(decibels.shape)
         loop_variances(self.numbers(), decibels, out)
