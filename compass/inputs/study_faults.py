@@ -10,6 +10,7 @@ from compass.inputs.faults import fault
 from compass.inputs.merit import MERITS
 from compass.inputs.motion import motion_faults
 from compass.inputs.requirements import requirement_faults
+from compass.inputs.signal import signal_faults
 
 #: Values that one list of a study may come to.
 MOST_VALUES = 100_000
@@ -61,7 +62,7 @@ def study_faults(raw: dict[str, Any]) -> list[str]:
             if name in seen:
                 faults.append(fault(f"objective[{k}].figure", name, "is an objective already"))
             seen.add(name)
-    return faults + place_faults(raw) + requirement_faults(raw)
+    return faults + place_faults(raw) + requirement_faults(raw) + signal_faults(raw)
 
 
 def _table(raw: dict[str, Any], key: str) -> dict[str, Any]:
