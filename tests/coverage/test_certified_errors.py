@@ -7,10 +7,18 @@ import numpy as np
 import pytest
 
 from compass import Requirement, check
+from compass.coverage.certificate import Outcome
+from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_places import Spot
 from compass.coverage.certified_ranges import ranges_of
-from compass.coverage.certified_share import certified_share
-from compass.coverage.certified_worst import certified_always, certified_worst, dilution_at
+from compass.coverage.certified_share import CertifiedShare, certified_share
+from compass.coverage.certified_worst import (
+    CertifiedAlways,
+    WorstWitness,
+    certified_always,
+    certified_worst,
+    dilution_at,
+)
 from compass.coverage.errors import error_map
 from compass.coverage.geometry_verdict import geometry_verdict
 from compass.coverage.grid import make_grid
@@ -176,7 +184,8 @@ def wanted(**options):
     return Requirement.of("fix", sites=(Site("here", 0.4, 1.0),), **options)
 
 
-def test_a_requirement_in_metres_is_met_missed_or_refused():
+@pytest.mark.slow
+def test_a_requirement_in_metres_is_met_or_missed():
     d = design(24, 3, 1, 56.0)
     met = wanted(error_horizontal_m_at_most=40, share=0.5)
     tight = wanted(error_horizontal_m_at_most=4.0, error_as="95-percent")
@@ -184,7 +193,7 @@ def test_a_requirement_in_metres_is_met_missed_or_refused():
         "horizontal error at most 40 m",
         "horizontal error, 95 % at most 4 m",
     )
-    found = check(replace(d, requirements=(met, tight)))
+    found = check(replace(d, requirements=(met, tight)), width=0.3)
     first, second = found.verdicts
     assert (first.met, second.met, second.evidence) == (True, False, "proven")
     assert second.worst.of == "error_horizontal_m" and second.worst.value > 4.0
@@ -192,6 +201,11 @@ def test_a_requirement_in_metres_is_met_missed_or_refused():
     # the witness is told as it was asked: 1.96 sigma
     plain = geometry_verdict(d, replace(tight, error_as="one-sigma"), "error_horizontal_m", 2.0)
     assert plain.worst.value > 2.0 and FACTOR_95 > 1.9
+
+
+def test_a_requirement_in_metres_is_refused_or_left_open():
+    d = design(24, 3, 1, 56.0)
+    met = wanted(error_horizontal_m_at_most=40, share=0.5)
     with pytest.raises(ArgumentError, match=r"signal: missing; errors in metres follow"):
         check(replace(d, signal=None, requirements=(met,)))
     with pytest.raises(ArgumentError, match="allowed above 0"):
@@ -203,6 +217,7 @@ def test_a_requirement_in_metres_is_met_missed_or_refused():
     assert verdict.met is None and "as well known in all directions" in verdict.reason
 
 
+@pytest.mark.slow
 def test_the_sun_may_stand_anywhere():
     """What only the ionosphere's delay breaks is open; what breaks without it is broken."""
     lit = design(24, 3, 1, 56.0, replace(PLAIN, frequency=2e8, ionosphere=5.0))
@@ -216,6 +231,33 @@ def test_the_sun_may_stand_anywhere():
     assert (asked_of(dark, 30.0), asked_of(lit, 30.0)) == (True, None)
     assert (asked_of(dark, 4.0), asked_of(lit, 4.0)) == (False, False)
     assert asked_of(lit, 4000.0) is True
+
+
+def test_both_skies_are_asked_where_the_ionosphere_delays(monkeypatch):
+    """Refuted overhead and proven with the Sun set is open; then shares of both are the bounds."""
+    d = design(24, 3, 1, 56.0, replace(PLAIN, frequency=2e8, ionosphere=5.0))
+    witness = WorstWitness(1.0, 0.1, 0.2, 9.0, ())
+
+    def always(self, c, limit, **options):
+        lit = options["ranges"].numbers[4] > 0.0
+        outcome = overhead if lit else dark
+        return CertifiedAlways(outcome, limit, witness, 1, "")
+
+    def share(self, c, limit, **options):
+        lit = options["ranges"].numbers[4] > 0.0
+        return CertifiedShare(0.5, 0.6, 1, "") if lit else CertifiedShare(0.8, 1.0, 1, "")
+
+    monkeypatch.setattr(Effort, "always", always)
+    monkeypatch.setattr(Effort, "share", share)
+    found = {}
+    for overhead, dark in ((1, 1), (-1, 1), (-1, -1)):
+        overhead, dark = ({1: Outcome.PROVEN, -1: Outcome.REFUTED}[k] for k in (overhead, dark))
+        asked_of = wanted(error_vertical_m_at_most=8.0, error_as="95-percent")
+        verdict = geometry_verdict(d, asked_of, "error_vertical_m", 8.0)
+        found[overhead, dark] = (verdict.met, verdict.share)
+        if verdict.worst is not None and verdict.worst.of != "share":
+            assert verdict.worst.value == pytest.approx(9.0 * FACTOR_95)
+    assert list(found.values()) == [(True, (1.0, 1.0)), (None, (0.5, 1.0)), (False, None)]
 
 
 def test_questions_in_metres_need_ranges_and_limits_above_nothing():
