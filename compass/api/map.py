@@ -1,6 +1,5 @@
 """Satellite counts and dilution of precision over the sphere and a period."""
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 from compass.api.given import given_design, given_places
 from compass.api.map_result import MapResult
 from compass.api.progress import bar, foretell, parts_bar
+from compass.cores import cores
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_geometry import CertifiedGeometry
 from compass.design import PDOP_MAX, Design
@@ -115,7 +115,7 @@ def map(
     )
     read = given_design(design)
     places = given_places(sites, regions, read)
-    file, threads = None if leaves is None else Path(leaves), workers or os.cpu_count() or 1
+    file, threads = None if leaves is None else Path(leaves), cores(workers)
     effort = Effort(width, budget_s, file, threads)
     with bar(progress, "map", unit="row", leave=False) as rows:
         made = make_map(

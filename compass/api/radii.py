@@ -1,6 +1,5 @@
 """How long a pattern lasts untouched at other radii."""
 
-import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.api.progress import bar
+from compass.cores import cores
 from compass.coverage.lasting import margins_at, prove_span
 from compass.coverage.region import GLOBE, Region
 from compass.coverage.room import has_slots
@@ -106,7 +106,7 @@ def at_radii(
         return _at_radius(design.constellation, radius, motion, fold, stop, place)
 
     # kernels release the interpreter, so that two radii are followed at once on two cores
-    with ThreadPoolExecutor(min(os.cpu_count() or 1, max(len(radius_km), 1))) as pool:
+    with ThreadPoolExecutor(min(cores(), max(len(radius_km), 1))) as pool:
         found = bar(progress and len(radius_km) > 0, "radii", pool.map(look, radius_km))
         return tuple(found)
 

@@ -1,6 +1,6 @@
 """Error maps: how well a user anywhere is told where and when it is, in metres."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -76,7 +76,7 @@ def error_map(
     worth = Ranges(ranges.forms, ranges.sun, ranges.lit, ranges.numbers)
     ranks = nearest_ranks(epochs)
 
-    def one_block(rows: NDArray[np.int64]) -> NDArray[np.float64]:
+    def one_block(rows: Iterable[int]) -> NDArray[np.float64]:
         histograms = empty_error_histograms()
         errors = np.empty((len(ERRORS), grid.columns, epochs), np.float32)
         good = np.empty((len(ERRORS), grid.columns))

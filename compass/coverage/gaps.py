@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from compass.bodies import MARS_ROTATION_RATE
 from compass.core.gaps import finish_gaps, follow_gaps, new_state
 from compass.core.runs import Row
+from compass.cores import cores
 from compass.coverage.cap import cap_radius
 from compass.coverage.grid import Grid
 from compass.coverage.view import View, view
@@ -129,7 +130,7 @@ def coverage_gaps(
     step = span / number
     states = [new_state(grid.columns) for _ in range(grid.rows)]
     piece = max(1, PIECE // max(constellation.size, 1))
-    with ThreadPoolExecutor(workers) as pool:
+    with ThreadPoolExecutor(cores(workers)) as pool:
         for first in range(0, number, piece):
             times = start + np.arange(first, min(first + piece, number)) * step
             seen = view(constellation, times, sphere_radius, mask, model)

@@ -1,9 +1,9 @@
 """What a map's figures are for sure, over all area and time, at sites and in regions."""
 
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 
+from compass.cores import cores
 from compass.coverage.areas import AreaFigures, area_figures
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_geometry import CertifiedGeometry, certified_geometry
@@ -53,7 +53,7 @@ def certified_figures(
         duration=None if hours is None else hours * 3600.0,
         motion=motion,
         worst=True,
-        effort=effort or Effort(workers=os.cpu_count() or 1),
+        effort=effort or Effort(workers=cores()),
     )
 
 
@@ -95,5 +95,5 @@ def certified_areas(
         error_max=options.error_max_m,
         span=(since, since + period),
         limited=bool(since) or hours is not None,
-        effort=effort or Effort(workers=os.cpu_count() or 1),
+        effort=effort or Effort(workers=cores()),
     )

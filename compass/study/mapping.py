@@ -1,6 +1,5 @@
 """From a design to its coverage map, with the provenance that the map carries."""
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -10,6 +9,7 @@ import numpy as np
 
 import compass
 from compass.conventions import epoch_text
+from compass.cores import cores
 from compass.coverage.errors import error_map
 from compass.coverage.gaps import coverage_gaps, shortest_pass
 from compass.coverage.grid import Grid, make_grid
@@ -229,7 +229,7 @@ def map_cost(
     them, where that is not done in pieces), the figures of every cell, and the dilutions of a row
     that each thread sorts.
     """
-    threads = workers or (os.cpu_count() or 1)
+    threads = cores(workers)
     cells = grid.rows * grid.columns
     needed = (
         (POSITION_BYTES if motion.is_closed_form else INTEGRATED_BYTES) * satellites * epochs
