@@ -24,6 +24,7 @@ from compass.orbits import RepeatPeriod, repeat_period
 from compass.orbits.motion import Motion, MotionModel
 from compass.signal.ranges import Weighting, range_errors
 from compass.sites import Mask
+from compass.words import counted
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -229,7 +230,8 @@ def check_memory(
         )
     check_fits(
         needed,
-        f"map: {satellites} satellites at {epochs} epochs on {grid.rows} by {grid.columns} cells",
+        f"map: {counted(satellites, 'satellite')} at {counted(epochs, 'epoch')} on {grid.rows} by "
+        f"{grid.columns} cells",
         "ask for fewer epochs or larger cells",
     )
 

@@ -146,6 +146,7 @@ def test_infinite_percentiles_are_null(run, designs):
         (["-o", "{folder}/no/x.nc"], "does not exist"),
         (["-o", "{folder}/x", "--figure", "{folder}/x"], "give another name"),
         ([*SMALL, "--figure", "{folder}/x", "--of", "dop"], "--of = 'dop': not a map; allowed"),
+        ([*SMALL, "--of", "pdop"], "--of pdop: needs a picture; add --figure FILE.png"),
     ],
 )
 def test_bad_options_are_one_message_and_exit_2(run, seed, tmp_path, arguments, message):
