@@ -7,7 +7,7 @@ import numpy as np
 from compass.document.blocks import Picture, Section, Table, arranged
 from compass.entry.accuracy import error_ellipse
 from compass.entry.faults import Fault
-from compass.entry.fused import Kind
+from compass.entry.fused_kinds import Kind
 from compass.study.fusion import SETTLING, TITLES, FusionRuns
 
 if TYPE_CHECKING:

@@ -5,7 +5,6 @@ Their kernels are in `compass.core.entry.fuse`.
 
 from dataclasses import dataclass
 from math import inf
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,45 +14,16 @@ from compass.core.entry.measure import AXES
 from compass.core.entry.weights import DETERMINANT, EQUAL, FAST, TRACE
 from compass.entry.covariance import longest_step, noise_roots
 from compass.entry.filters import root
-from compass.entry.fusion import Weighting
+from compass.entry.fused_kinds import KINDS_OF_FILTER, Algorithm, Kind, Weighting
 from compass.entry.inertial import InertialCase
 from compass.entry.layout import Layout, Part
 from compass.entry.model import EntryModel
 from compass.errors import ArgumentError
 
 Array = NDArray[np.float64]
-Algorithm = Literal[
-    "ekf", "iterated", "information", "intermittent", "ci", "ci-feedback", "dcifaif", "federated"
-]
 
 _WEIGHTINGS = {"determinant": DETERMINANT, "trace": TRACE, "fast": FAST, "equal": EQUAL}
 
-
-@dataclass(frozen=True)
-class Kind:
-    """An algorithm: what `compass.core.entry.groups.Arrangement` says of it, and its usual rule."""
-
-    apart: bool = False
-    feedback: bool = False
-    divided: bool = False
-    fading: bool = False
-    weighting: Weighting = "equal"
-    iterations: int = 1
-    trusts: bool = False
-
-
-#: All algorithms. An information filter is algebraically the extended Kalman filter that skips
-#: what did not arrive; ``information`` takes a lost range for one that reads 0.
-KINDS_OF_FILTER: dict[Algorithm, Kind] = {
-    "ekf": Kind(),
-    "iterated": Kind(iterations=5),
-    "intermittent": Kind(),
-    "information": Kind(trusts=True),
-    "ci": Kind(apart=True, weighting="determinant"),
-    "ci-feedback": Kind(apart=True, feedback=True, weighting="determinant"),
-    "dcifaif": Kind(apart=True, feedback=True, fading=True, weighting="fast"),
-    "federated": Kind(apart=True, feedback=True, divided=True),
-}
 
 #: States that may be estimated, position and velocity along the true flight, with their units.
 STATE_NAMES = (

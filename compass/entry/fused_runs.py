@@ -111,7 +111,7 @@ def monte_carlo(
             settings.starts(starts),
             p0,
             assumed,
-            settings.kind.trusts,
+            settings.kind.lost_is_zero,
             axes,
             draws[..., : settings.states].copy(),
             noises,

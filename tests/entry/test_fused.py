@@ -1,6 +1,7 @@
 """Fused filters: against each other, against the plain filter and the papers' own, turned."""
 
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -308,3 +309,9 @@ def test_bad_cases_and_settings_are_refused(case, world, table2):
         filter_of(case, known_to=(0.1, 0.0))
     with pytest.raises(ArgumentError, match="runs = 0: allowed"):
         monte_carlo(case, filter_of(case), 0)
+
+
+def test_every_algorithm_of_files_is_one_record():
+    from compass.entry.fused_kinds import KINDS_OF_FILTER, Algorithm
+
+    assert get_args(Algorithm) == tuple(KINDS_OF_FILTER)

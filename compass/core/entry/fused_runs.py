@@ -82,10 +82,10 @@ def true_flight(truth, known, normals, path, further):
 
 
 @kernel
-def measure(truth, known, path, further, normals, uniforms, trusts, z, variances, arrived):
+def measure(truth, known, path, further, normals, uniforms, lost_is_zero, z, variances, arrived):
     """Write what is measured, and as how good the filters take it; nan for what does not come.
 
-    A beacon's lost signal reads 0 to a filter that `trusts`. `variances` comes with those the
+    A beacon's lost signal reads 0 to a filter with `lost_is_zero`. `variances` comes with those the
     filters assume, and leaves with nan where nothing came.
     """
     epochs, m = uniforms.shape
@@ -110,14 +110,14 @@ def measure(truth, known, path, further, normals, uniforms, trusts, z, variances
             if comes:
                 z[t, r] += truth.error[t, r] + truth.sigma[t, r] * normals[t, r]
                 arrived[t, r if r < AXES else AXES + k] = True
-            elif not (trusts and radio):
+            elif not (lost_is_zero and radio):
                 variances[t, r] = np.nan
 
 
 @kernel
 def fused_runs(
-    arrangement, truth, known, starts, p0, assumed, trusts, axes, draws, noises, uniforms, unknown,
-    out,
+    arrangement, truth, known, starts, p0, assumed, lost_is_zero, axes, draws, noises, uniforms,
+    unknown, out,
 ):  # fmt: skip
     """Fly, measure, filter and compare, once for each row of the draws.
 
@@ -129,7 +129,7 @@ def fused_runs(
         First estimate of each run, (runs, s), and the covariance the filters take it to have.
     assumed
         Variances that the filters assume, (t, 3 + n c), nan for what is never measured.
-    trusts
+    lost_is_zero
         Whether a range that does not arrive is taken for one that reads 0.
     axes
         Rows of the directions in which errors are told, (t, 3, 3).
@@ -152,7 +152,7 @@ def fused_runs(
         variances[:, :] = assumed
         out.arrived[run] = False
         measure(
-            truth, known, path, further, noises[run], uniforms[run], trusts, z, variances,
+            truth, known, path, further, noises[run], uniforms[run], lost_is_zero, z, variances,
             out.arrived[run],
         )  # fmt: skip
         end = fuse_run(

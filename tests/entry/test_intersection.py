@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compass.entry.fusion import covariance_intersection, intersection_weights
+from compass.entry.intersection import covariance_intersection, intersection_weights
 from compass.errors import ArgumentError
 
 

@@ -1,6 +1,6 @@
 """Fusing estimates whose correlation is unknown: covariance intersection."""
 
-from typing import Literal, get_args
+from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,10 +11,10 @@ from compass.core.entry.weights import (
     make_scratch,
     optimal_weights,
 )
+from compass.entry.fused_kinds import Weighting
 from compass.errors import ArgumentError
 
 Array = NDArray[np.float64]
-Weighting = Literal["determinant", "trace", "fast", "equal"]
 
 
 def intersection_weights(
