@@ -154,6 +154,7 @@ def search(
             (pattern,),
             max_satellites,
             budget_s,
+            needs.signal,
         )
         outcome = search_for(
             question,

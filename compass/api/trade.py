@@ -267,7 +267,8 @@ def trade(
                 f"{store.path}: {len(store.damaged)} damaged line(s) ignored ({store.damaged[0]}); "
                 "candidates that no other line has are computed again"
             )
-        check_writable(folder / "trade.nc")
+        for suffix in (".nc", ".csv"):
+            check_writable(folder / f"trade{suffix}")
         team = _team(read, workers, scheduler, tls)
         try:
             summary = run_trade(read, store, team, bars)

@@ -6,6 +6,7 @@ from typing import Any
 import click
 
 from compass.cli.options import (
+    area_options,
     certified_options,
     choice,
     design_argument,
@@ -30,6 +31,7 @@ from compass.cli.shared import (
 
 @click.command("map")
 @design_argument
+@area_options
 @path("-o", "--output", help="netCDF file to write.")
 @path("--figure", "picture", help="PNG map to draw.")
 @click.option(

@@ -26,12 +26,6 @@ ERRORS = {
 }
 PERCENTILES = (50, 90, 95, 99)
 
-#: One sigma times this holds 95 % of the errors: exactly of a height or time, and at least of a
-#: horizontal or three-dimensional one, whatever the shape of its ellipse. A weighted sum of squares
-#: of normal numbers, weights adding up to 1, stays below 3.84 least often with all weight on one
-#: (Szekely and Bakirov 2003, Probability Theory and Related Fields 126:184).
-FACTOR_95 = 1.959963984540054
-
 
 def error_map(
     view: View,

@@ -130,16 +130,25 @@ def fold_verdict(
 
 
 def losses_of(
-    c: Constellation, requirement: Requirement, users: Sequence[Users], course: Course
+    c: Constellation,
+    requirement: Requirement,
+    users: Sequence[Users],
+    course: Course,
+    *,
+    alike: bool = True,
 ) -> Iterator[tuple[tuple[str, ...], int, Constellation]]:
-    """Names of lost satellites, how many sets they stand for, and what is left without them."""
+    """Names of lost satellites, how many sets they stand for, and what is left without them.
+
+    Unless satellites are `alike` in all but their places, every set stands for itself.
+    """
     if not requirement.losses:
         yield (), 1, c
         return
-    still = Region("places that turn with Mars", mars_fixed=course.span is not None)
+    turns = course.span is not None or not alike
+    still = Region("places that turn with Mars", mars_fixed=turns)
     turning = all(each.alike_all_around for each in users)
-    alike = unlike_subsets(c, requirement.losses, still, backwards=turning)
-    for subset, number in alike.sets.items():
+    found = unlike_subsets(c, requirement.losses, still, backwards=turning)
+    for subset, number in found.sets.items():
         yield tuple(c.satellite_names[s] for s in subset), number, c.without(subset)
 
 
@@ -266,7 +275,7 @@ def _often(
     met = True if share.low >= wanted else False if high < wanted else None
     reason = "" if met is not None else f"the bounds lie on both sides of {wanted:g}"
     by_time = requirement.share_of == "time"
-    worst = Worst(None, latitude, None, 0.5 * (share.low + high)) if by_time else None
+    worst = Worst(None, latitude, None, 0.5 * (share.low + high), "share") if by_time else None
     bounds = (min(share.low, high), high)
     return Verdict(
         requirement, met, "bracket", course.words, bounds, None, worst, lost, alike, reason

@@ -12,6 +12,7 @@ from compass.core.entry.dop853 import watched
 from compass.core.entry.many import fly_many
 from compass.entry.arrivals import Arrivals
 from compass.entry.covariance import LONGEST_STEP
+from compass.entry.guidance import Dispersion
 from compass.entry.model import EntryModel
 from compass.entry.radio import (
     WAKE,
@@ -49,6 +50,8 @@ class Campaign:
     spreads
         Square roots S of each entry's prior covariance of position, velocity, density and lift,
         (m, 8, d): d is 6, and one more for each of density and L/D that is uncertain.
+    worlds
+        What the logarithm of the density and L/D are more than those of the model, (m, 2).
     arrival_probability
         Of a radio signal through the plasma, (m, t).
     deployment
@@ -64,6 +67,7 @@ class Campaign:
     gains: Array
     stops: NDArray[np.int64]
     spreads: Array
+    worlds: Array
     arrival_probability: Array
     deployment: str
     again: Callable[[Arrivals], "Campaign"] = field(repr=False)
@@ -94,6 +98,7 @@ class Campaign:
             gains=self.gains[part],
             stops=self.stops[part],
             spreads=self.spreads[part],
+            worlds=self.worlds[part],
             arrival_probability=self.arrival_probability[part],
         )
 
@@ -124,6 +129,8 @@ def fly_campaign(
     electrons: ElectronModel | ElectronTable | None = WAKE,
     density_sigma: float = 0.0,
     lift_sigma: float = 0.0,
+    dispersion: Dispersion | None = None,
+    seed: int = 0,
 ) -> Campaign:
     """Move an entry to every site and azimuth of `arrivals`, and fly it there.
 
@@ -152,6 +159,9 @@ def fly_campaign(
     density_sigma, lift_sigma
         Relative uncertainty of the air's density (a sigma of ``ln rho0``) and of L/D, constant
         through an entry and estimated with the state; 0 for known.
+    dispersion, seed
+        How far each entry is from the one that is moved, in the vehicle's axes, and the seed of
+        what is drawn; all alike if left out.
 
     Raises
     ------
@@ -177,12 +187,18 @@ def fly_campaign(
     spreads[:, 6:, 6:] = parameters[:, uncertain]
     watch, level = (-1, 0.0) if trigger is None else watched_level(model, trigger)
     deployment = _deployment(trigger, float(seconds[-1]))
+    worlds = np.zeros((size, 2))
+    if dispersion is not None:
+        drawn = replace(dispersion, entries=size).draws(seed)
+        turned = np.swapaxes(vehicle_axes(starts), -1, -2)
+        starts, worlds = starts + (turned @ drawn[:, :6, None])[..., 0], drawn[:, 6:].copy()
     p = model.flight_parameters()
     paths = np.zeros((size, seconds.size, 6))
     gains = np.zeros((*paths.shape, spreads.shape[2]))
     stops = np.empty(size, dtype=np.int64)
     fly_many(
         starts,
+        worlds,
         spreads,
         p,
         model.vehicle.bank_schedule(),
@@ -215,6 +231,7 @@ def fly_campaign(
         gains[:, :flown],
         stops,
         spreads,
+        worlds,
         probability,
         deployment,
         partial(
@@ -227,6 +244,8 @@ def fly_campaign(
             electrons=electrons,
             density_sigma=density_sigma,
             lift_sigma=lift_sigma,
+            dispersion=dispersion,
+            seed=seed,
         ),
     )
 

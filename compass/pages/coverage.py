@@ -94,7 +94,7 @@ def _parts(mapped: MapResult) -> Picture:
         )  # fmt: skip
     with look():
         threshold = mapped.dataset.attrs["pdop_threshold"]
-        label = f"dilution of precision, grey: none (blue: PDOP {threshold:g})"
+        label = f"dilution of precision (grey: none; line: PDOP {threshold:g})"
         dilution_bar(list(panels), chart.mesh, label, threshold)
     said = "; ".join(f"{name.upper()} {_range(mapped, name)}" for name in names)
     return picture(

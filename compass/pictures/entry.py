@@ -98,7 +98,7 @@ def _flight_picture(flight: Trajectory) -> Picture:
         for event in flight.events:
             axes[0].annotate(
                 event.name, (event.time, 1.0), (2, -9), xycoords=("data", "axes fraction"),
-                textcoords="offset points", fontsize=7.5, color=INK,
+                textcoords="offset points", fontsize=8, color=INK,
             )  # fmt: skip
         for ax in axes[2:]:
             ax.set_xlabel("time after entry, s")

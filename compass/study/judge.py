@@ -79,6 +79,8 @@ def _fly(request: _Request) -> Campaign:
             electrons=request.electrons,
             density_sigma=request.density_sigma,
             lift_sigma=request.lift_sigma,
+            dispersion=scenario.dispersion,
+            seed=request.seed,
         )
     except ArgumentError as error:  # what is left is the lander's fault
         raise ArgumentError(f"{scenario.label}: {error}") from error
@@ -96,7 +98,7 @@ def campaign_of(
     """Entries of the scenario's lander spread over sites, azimuths and time; kept for reuse.
 
     The scenario's own site, its beacons and the bias of its truth play no role. Where its link
-    counts plasma itself, signals are lost by that alone.
+    counts plasma itself, signals are lost by that alone. Each differs by the scenario's dispersion.
 
     Parameters
     ----------

@@ -193,7 +193,11 @@ def _run(
     settings = replace(
         scenario.settings, covariance0=spread @ spread.T, parts=(*parts_of_air, *parts)
     )
-    truth = fly(scenario.truth, spherical_of(campaign.paths[entry, 0]), beacons.times)
+    thicker, lift = campaign.worlds[entry]
+    world = scenario.truth.truth(density_bias=float(np.expm1(thicker)))
+    craft = world.vehicle
+    world = replace(world, vehicle=replace(craft, lift_to_drag=craft.lift_to_drag + float(lift)))
+    truth = fly(world, spherical_of(campaign.paths[entry, 0]), beacons.times)
     if truth.times.size < count:
         raise ArgumentError(
             f"{scenario.label}: entry {entry + 1}: {truth.ending}, before its deployment at "

@@ -12,6 +12,7 @@ from compass.entry.covariance import linear_covariance
 from compass.entry.doubts import NO_DOUBTS, Doubts
 from compass.entry.schedule import in_view
 from compass.entry.start import Trigger
+from compass.entry.trajectory import fly
 from compass.entry.unknowns import NOTHING, Unknowns
 from compass.entry.views import cartesian_of, spherical_of
 from compass.errors import ArgumentError
@@ -23,7 +24,7 @@ from compass.study.judge import _FLOWN, MOST_FLOWN, campaign_of, judge, judge_en
 from compass.study.judge_filter import entry_beacons, judge_filter
 from compass.study.judgement import spectrum_and_floor
 from compass.study.pattern_map import places
-from compass.study.ranking import measured_words
+from compass.study.ranking import dispersed_words, measured_words
 
 FIGURE = FIGURES["iau-sphere"]
 AREOSYNCHRONOUS = 20428e3
@@ -135,6 +136,32 @@ def test_all_that_is_measured_is_judged_as_the_filters_hear_it(equipped, five):
     assert np.hypot.reduce(parts) == pytest.approx(budget["all"], rel=1e-9)
     # without the satellite that counts most the instruments are left
     assert np.all(found.figures()["after_loss"]["unobservable_share"] <= 1)
+
+
+SPREAD = "[dispersion]\nposition_m = {0}\nvelocity_m_s = {1}\ndensity = {1}\nlift_to_drag = {1}\n"
+
+
+def test_dispersed_entries_are_judged(short, five):
+    """Without dispersions the planned ones; with them each flies as its own start and air say."""
+    flat, wide = (
+        short(("[measurements]", SPREAD.format(*size) + "[measurements]"))
+        for size in ((0, 0), (1000, 0.05))
+    )
+    plain, same = (campaign_of(lander, 4) for lander in (short(), flat))
+    np.testing.assert_array_equal(plain.paths, same.paths)
+    flown = campaign_of(wide, 4)
+    off = np.linalg.norm((flown.paths - plain.paths)[:, 0, :3], axis=1)
+    assert np.all((off > 100) & (off < 6000)) and np.ptp(flown.worlds[:, 0]) > 0
+    for path, (thicker, lift) in zip(flown.paths, flown.worlds, strict=True):
+        world = wide.model.truth(density_bias=np.expm1(thicker))
+        craft = replace(world.vehicle, lift_to_drag=world.vehicle.lift_to_drag + lift)
+        again = fly(replace(world, vehicle=craft), spherical_of(path[0]), flown.times).path
+        np.testing.assert_allclose(path, again, atol=1e-3)
+    still = short(("[measurements]", SPREAD.format(1000, 0) + "[measurements]"))
+    place = {"samples": 2, "figure": FIGURE, "mask": Mask(), "threads": 1}
+    assert judge_filter(five, still, runs=8, **place)["believed"]
+    assert "by 1000 m and 0.05 m/s on each axis, 5 % of density" in dispersed_words(wide.dispersion)
+    assert dispersed_words(None) == ""
 
 
 def test_there_and_back_no_clock_enters(short, five):

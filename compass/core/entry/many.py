@@ -27,7 +27,7 @@ WAYS = 4
 
 @kernel
 def fly_many(
-    starts, spreads, p, bank, times, longest, watch, level, ground, paths, gains, stops
+    starts, worlds, spreads, p, bank, times, longest, watch, level, ground, paths, gains, stops
 ):  # fmt: skip
     """Fly every entry to its end, with the derivative of every flight.
 
@@ -35,6 +35,8 @@ def fly_many(
     ----------
     starts
         Positions and velocities at entry, shape (m, 6).
+    worlds
+        What is added to the logarithm of the density and to L/D in each entry, (m, 2).
     spreads
         S at entry, shape (m, 8, d): of position, velocity, logarithm of the density and L/D.
     p, bank, longest
@@ -63,8 +65,8 @@ def fly_many(
             here, gain = paths[m, t], gains[m, t]
             if t > 0:
                 advance_transition(
-                    paths[m, t - 1], 0.0, p[RATIO], p, bank, times[t - 1], times[t], longest, here,
-                    phi,
+                    paths[m, t - 1], worlds[m, 0], p[RATIO] + worlds[m, 1], p, bank, times[t - 1],
+                    times[t], longest, here, phi,
                 )  # fmt: skip
                 _product(phi, spread, gain)
                 spread[:6] = gain
