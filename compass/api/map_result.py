@@ -239,6 +239,7 @@ class MapResult(Result):
                 *(
                     Value(share, part, sampled, f"at least {k} in view")
                     for k, part in numbers["fold_share"].items()
+                    if int(k) >= min(fold, count["min"])  # fewer are in view everywhere
                 ),
                 Value(
                     quantity("availability"),

@@ -20,6 +20,7 @@ from compass.cli.options import (
 )
 from compass.cli.shared import (
     announce_compilation,
+    check_drawn,
     check_outputs,
     command_line,
     print_result,
@@ -88,6 +89,7 @@ def command(
     read = compass.read_design(design)
     if time_series and output is None:
         raise ArgumentError("--time-series: needs a file to write to; add -o FILE.nc")
+    check_drawn(picture, "name")
     check_outputs(output, picture, options["leaves"], inputs=[design])
     made = compass.map(read, **options, command=command_line(), progress=watched())
     if output:

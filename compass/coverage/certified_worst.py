@@ -18,6 +18,7 @@ from compass.frames import mcmf_from_mci, planetocentric_latitude, prime_meridia
 from compass.orbits import Constellation
 from compass.orbits.motion import Motion
 from compass.sites import Site
+from compass.words import counted
 
 #: A dilution above this is called unbounded: near a place where lines of sight lie on a cone it
 #: takes every value, and rounding hides more than this.
@@ -110,7 +111,7 @@ class CertifiedWorst:
             f"deg, {w.time:.3f} s after the epoch"
         )
         if np.isinf(w.value):
-            return f"infinite: {len(w.satellites)} satellites in view at {where}"
+            return f"infinite: {counted(len(w.satellites), 'satellite')} in view at {where}"
         if self.unbounded:
             return f"unbounded near {where}"
         bounds = f"between {self.low:.6g} and {self.high:.6g}"

@@ -73,7 +73,7 @@ def course_of(design: Design, days: float | None, start_day: float) -> Course | 
     alike = one_circle(c) and np.unique(c.inclination).size <= 1
     if not (alike if j2 else one_period(c)):
         return None
-    words = f"for ever, {motion}, on the circle of latitude: tracks not declared closed"
+    words = f"for ever, {motion}, at every longitude: tracks not declared closed"
     return Course(None, True, words)
 
 

@@ -15,7 +15,7 @@ from compass.cores import cores
 from compass.coverage.cap import cap_radius
 from compass.coverage.grid import Grid
 from compass.coverage.view import View, view
-from compass.errors import ArgumentError
+from compass.errors import whole_number
 from compass.orbits import Constellation
 from compass.orbits.motion import AnyMotion
 from compass.sites import Mask
@@ -123,8 +123,7 @@ def coverage_gaps(
     ArgumentError
         `fold` below 1, a satellite that is not above the sphere.
     """
-    if fold < 1:
-        raise ArgumentError(f"fold = {fold}: must be at least 1")
+    whole_number("fold", fold, 1)
     mask = mask or Mask()
     number = epochs or gap_epochs(constellation, sphere_radius, mask, span)
     step = span / number

@@ -16,7 +16,7 @@ from compass.coverage.gaps import Gaps
 from compass.coverage.grid import Grid
 from compass.coverage.view import View
 from compass.design import PDOP_MAX
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, whole_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -88,8 +88,7 @@ def coverage_map(
     ArgumentError
         `fold` below 1 or a threshold that is not positive.
     """
-    if fold < 1:
-        raise ArgumentError(f"fold = {fold}: must be at least 1")
+    whole_number("fold", fold, 1)
     if not pdop_threshold > 0:
         raise ArgumentError(f"pdop_threshold = {pdop_threshold}: must be positive")
     cells = _Cells(view, grid, fold, gaps)

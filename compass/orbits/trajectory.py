@@ -20,6 +20,7 @@ from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY, mcmf_from_mci, prime_meridian_angle
 from compass.memory import check_fits
 from compass.orbits.forces import ForceModel, Sky, sky_of
+from compass.words import counted
 
 #: Nodes of a step. With 16 a quarter of a revolution leaves out less than a micrometre.
 NODES = 16
@@ -359,5 +360,5 @@ def _check_memory(satellites: int, start: float, stop: float, stretch: float) ->
     """Refuse a span whose polynomials, held twice while they are joined, do not fit here."""
     needed = 2 * 8 * 3 * (NODES + 2) * satellites * abs(stop - start) / stretch
     days = abs(stop - start) / SECONDS_PER_DAY
-    asked = f"days = {days:g}: the paths of {satellites} satellites"
+    asked = f"days = {days:g}: the paths of {counted(satellites, 'satellite')}"
     check_fits(needed, asked, "ask for fewer")

@@ -24,6 +24,7 @@ from compass.orbits import RepeatPeriod, repeat_period
 from compass.orbits.motion import Motion, MotionModel
 from compass.signal.ranges import Weighting, range_errors
 from compass.sites import Mask
+from compass.words import counted
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -163,7 +164,8 @@ def make_map(
     cost = map_cost(size, chosen.epochs, grid, workers, motion, in_metres)
     check_fits(
         cost.bytes,
-        f"map: {size} satellites at {chosen.epochs} epochs on {grid.rows} by {grid.columns} cells",
+        f"map: {counted(size, 'satellite')} at {counted(chosen.epochs, 'epoch')} on {grid.rows} by "
+        f"{grid.columns} cells",
         "ask for fewer epochs or larger cells",
     )
     foretell(cost)
