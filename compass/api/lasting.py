@@ -26,12 +26,15 @@ class LastingResult(Result):
         Elevation mask, and under what motion.
     lasting
         What was found, SI.
+    ground
+        What its users stand on, where that is neither the design's figure nor its sphere.
     """
 
     design: Design = field(repr=False)
     mask_deg: float
     motion: str
     lasting: Lasting
+    ground: str = ""
 
     @property
     def outcome(self) -> Outcome:
@@ -51,6 +54,8 @@ class LastingResult(Result):
     @property
     def figure(self) -> str:
         """On what users stand: the design's own, or the sphere of its equatorial radius."""
+        if self.ground:
+            return self.ground
         own = self.design.figure
         if own.stretch == self.lasting.stretch:
             return own.title

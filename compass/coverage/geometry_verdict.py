@@ -27,6 +27,7 @@ def geometry_verdict(
     days: float | None = None,
     start_day: float = 0.0,
     effort: Effort | None = None,
+    width: float = WIDTH,
 ) -> Verdict:
     """Verdict on a dilution of precision of at most a limit, by certified shares.
 
@@ -36,6 +37,8 @@ def geometry_verdict(
         As in `compass.coverage.requirement_verdict.verdict_of`.
     dop, limit
         One of `compass.design.LIMITS` and the largest value allowed.
+    width
+        How near the bounds of each share are to come where `effort` does not say.
 
     Raises
     ------
@@ -69,7 +72,7 @@ def geometry_verdict(
                 claims.append((claim, lost, alike))
                 if claim.outcome != Outcome.UNDECIDED:
                     continue
-            share = effort.share(left, limit, width=WIDTH, **asked)
+            share = effort.share(left, limit, width=width, **asked)
             found.append((share, users, lost, alike))
     settled = _always(requirement, course.words, claims)
     return settled or _verdict(requirement, dop, course.words, found)
