@@ -93,7 +93,12 @@ class DriftResult(Result):
     def lasting(self) -> LastingResult:
         """The claim alone."""
         return LastingResult(
-            self.design, self.mask_deg, self.motion, self.drift.lasting, self.ground
+            self.design,
+            self.drift.lasting.fold,
+            self.mask_deg,
+            self.motion,
+            self.drift.lasting,
+            self.ground,
         )
 
     @property

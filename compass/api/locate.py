@@ -273,7 +273,15 @@ def locate(
             until = _until(np.linalg.norm(sigma, axis=1), since / HOUR, goal_m)
             ways.append(Standing(oscillator is not None, height is not None, sigma, until))
     return LocateResult(
-        used, place, since / HOUR, sights.seen, tuple(ways), goal_m, height_m, doppler_m_s, clock
+        design=used,
+        site=place,
+        hours=since / HOUR,
+        seen=sights.seen,
+        ways=tuple(ways),
+        goal_m=goal_m,
+        height_m=height_m,
+        doppler_m_s=doppler_m_s,
+        clock=clock,
     )
 
 

@@ -275,7 +275,15 @@ def series(
     times = start + duration * np.arange(epochs) / epochs
     sited = replace(read, stations=sites)
     made = _dataset(sited, times, moving)
-    return SeriesResult(sited, wanted, days, start_day, moving.title, gaps, made)
+    return SeriesResult(
+        design=sited,
+        fold=wanted,
+        days=days,
+        start_day=start_day,
+        motion=moving.title,
+        gaps=gaps,
+        dataset=made,
+    )
 
 
 def _dataset(design: Design, times: np.ndarray, motion: Any) -> "xr.Dataset":

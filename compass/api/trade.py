@@ -15,9 +15,9 @@ from compass.document import Bracket, Page, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block
 from compass.document.plain import plain
 from compass.errors import ArgumentError
-from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.quantities import quantity
+from compass.quantities.merits import MERITS
 from compass.saving import check_writable
 from compass.study.candidates import check_space
 from compass.study.cluster import Cluster, Tls

@@ -165,7 +165,15 @@ def _complement(w: Windows) -> Windows:
     edges = np.concatenate([[0.0], w.spans.ravel(), [w.duration]]).reshape(-1, 2)
     edges = edges[edges[:, 1] > edges[:, 0]]
     nothing = np.full(len(edges), np.nan)
-    return Windows(w.first, w.second, edges[:, 0], edges[:, 1], nothing, nothing, w.duration)
+    return Windows(
+        first=w.first,
+        second=w.second,
+        start=edges[:, 0],
+        end=edges[:, 1],
+        culmination=nothing,
+        max_elevation=nothing,
+        duration=w.duration,
+    )
 
 
 def _station_first(pair: Pair) -> Pair:
@@ -244,7 +252,15 @@ def _solve(
         )
         parts = np.split(found, np.cumsum(counts)[:-1])
         return [
-            Windows(pairs[k][0].name, pairs[k][1].name, start, end, peak, highest, duration)
+            Windows(
+                first=pairs[k][0].name,
+                second=pairs[k][1].name,
+                start=start,
+                end=end,
+                culmination=peak,
+                max_elevation=highest,
+                duration=duration,
+            )
             for k, (start, end, peak, highest) in zip(
                 block, (part.T.copy() for part in parts), strict=True
             )

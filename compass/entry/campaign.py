@@ -8,6 +8,7 @@ from math import isfinite
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.core.entry.dop853 import watched
 from compass.core.entry.many import fly_many
 from compass.entry.arrivals import Arrivals
 from compass.entry.covariance import LONGEST_STEP
@@ -19,7 +20,8 @@ from compass.entry.radio import (
     arrival_probability,
     electron_density,
 )
-from compass.entry.trajectory import Trigger, watched_level
+from compass.entry.start import Trigger
+from compass.entry.trajectory import watched_level
 from compass.entry.views import along_cross_down, cartesian_of
 from compass.errors import ArgumentError
 from compass.frames import latitude_longitude
@@ -96,6 +98,16 @@ class Campaign:
         )
 
     @property
+    def paths_to_stops(self) -> Array:
+        """Position and velocity, (m, t, 6), past deployment those there."""
+        return _held(self.paths, self.stops)
+
+    def turns(self, state: ArrayLike) -> Array:
+        """Rotations (m, 3, 3) that move an entry from state ``[r, lon, lat, ...]`` to each."""
+        own = along_cross_down(cartesian_of(np.asarray(state, dtype=float)[:6]))
+        return np.asarray(np.swapaxes(along_cross_down(self.paths[:, 0]), 1, 2) @ own)
+
+    @property
     def deployment_place(self) -> tuple[Array, Array]:
         """Latitude and east longitude in (-pi, pi] at deployment, radians, shape (m,)."""
         return latitude_longitude(self.paths[np.arange(self.size), self.stops, :3])
@@ -165,13 +177,14 @@ def fly_campaign(
     spreads[:, 6:, 6:] = parameters[:, uncertain]
     watch, level = (-1, 0.0) if trigger is None else watched_level(model, trigger)
     deployment = _deployment(trigger, float(seconds[-1]))
+    p = model.flight_parameters()
     paths = np.zeros((size, seconds.size, 6))
     gains = np.zeros((*paths.shape, spreads.shape[2]))
     stops = np.empty(size, dtype=np.int64)
     fly_many(
         starts,
         spreads,
-        model.flight_parameters(),
+        p,
         model.vehicle.bank_schedule(),
         seconds,
         LONGEST_STEP,
@@ -182,14 +195,13 @@ def fly_campaign(
         gains,
         stops,
     )
-    _check_flights(arrivals, paths, stops, seconds, watch, level, deployment)
+    _check_flights(arrivals, paths, stops, seconds, watch, level, p, deployment)
     flown = int(stops.max()) + 1
     paths = paths[:, :flown]
     if electrons is None:
         probability = np.ones(paths.shape[:2])
     else:
-        past = np.arange(flown) > stops[:, None]  # nothing is there: as at deployment
-        whole = np.where(past[..., None], paths[np.arange(size), stops][:, None], paths)
+        whole = _held(paths, stops)
         radius = np.linalg.norm(whole[..., :3], axis=2)
         density = model.atmosphere.density(radius.ravel()).reshape(radius.shape)
         speed = np.linalg.norm(whole[..., 3:], axis=2)
@@ -232,6 +244,13 @@ def check_sigmas(density_sigma: float, lift_sigma: float) -> None:
             raise ArgumentError(f"{name} = {sigma:g}: allowed 0 to {MOST_SIGMA:g}")
 
 
+def _held(paths: Array, stops: NDArray[np.int64]) -> Array:
+    """Paths (m, t, 6) whose empty rows past the stops are filled with the states there."""
+    past = np.arange(paths.shape[1]) > stops[:, None]
+    last = paths[np.arange(stops.size), stops][:, None]
+    return np.where(past[..., None], last, paths)
+
+
 def vehicle_axes(path: ArrayLike) -> Array:
     """Rotation (..., 6, 6) of position and velocity errors to along track, across and down."""
     axes = along_cross_down(path)
@@ -267,13 +286,14 @@ def _check_flights(
     times: Array,
     watch: int,
     level: float,
+    p: Array,
     deployment: str,
 ) -> None:
     """Refuse flights that do not come to deployment."""
     late = np.zeros(stops.size, dtype=bool)
     if watch >= 0 and isfinite(level):
-        last = paths[np.arange(stops.size), stops, 3 * watch : 3 * watch + 3]
-        late = ~(np.linalg.norm(last, axis=1) <= level)
+        last = paths[np.arange(stops.size), stops]
+        late = np.array([not watched(state, watch, p) <= level for state in last])
     failed = (stops < 0) | late
     if not failed.any():
         return

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,12 +14,14 @@ from compass.core.entry.dop853 import (
     EVENT,
     STANDSTILL,
     VERTICAL,
+    WATCH_AIRSPEED,
     WATCH_RADIUS,
     WATCH_SPEED,
     dop853_flight,
 )
 from compass.core.entry.rates import through_air
 from compass.entry.model import EntryModel
+from compass.entry.start import Trigger, check_start
 from compass.entry.state import longitude_degrees
 from compass.entry.views import cartesian_of, spherical_of
 from compass.errors import ArgumentError
@@ -41,25 +43,6 @@ ABSOLUTE_TOLERANCE = np.array([1e-7, 1e-7, 1e-7, 1e-10, 1e-10, 1e-10])
 
 #: Seconds between the points at which loads are looked for, and the most points.
 LOAD_STEP, LOAD_POINTS = 0.25, 40_000
-
-
-@dataclass(frozen=True)
-class Trigger:
-    """Something to be noticed on the way down: the first fall to a level.
-
-    Attributes
-    ----------
-    name
-        What to call it.
-    quantity
-        ``altitude`` (m over the planet's sphere), ``speed`` (m/s) or ``mach``.
-    level
-        In the quantity's unit.
-    """
-
-    name: str
-    quantity: Literal["altitude", "speed", "mach"]
-    level: float
 
 
 @dataclass(frozen=True)
@@ -221,24 +204,6 @@ def _missed(triggers: Sequence[Trigger], happened: Sequence[Event], end: float) 
     )
 
 
-def check_start(model: EntryModel, x: NDArray[np.float64]) -> None:
-    """Raise `ArgumentError` unless a flight can start from state `x`, as said of `fly`."""
-    if not np.isfinite(x).all():
-        raise ArgumentError("entry state: every component must be a finite number")
-    if x[0] <= model.planet_radius:
-        raise ArgumentError(
-            f"entry.radius_km = {x[0] / 1e3:g}: not above the ground; must be more than "
-            f"{model.planet_radius / 1e3:g} km"
-        )
-    if x[3] <= 0:
-        raise ArgumentError(f"entry.speed_m_s = {x[3]:g}: must be above 0")
-    if abs(np.cos(x[4])) < 1e-6:
-        raise ArgumentError(
-            f"entry.flight_path_deg = {np.degrees(x[4]):g}: vertical, the heading is undefined; "
-            "must be strictly between -90 and 90"
-        )
-
-
 def _watch_list(
     model: EntryModel, x0: NDArray[np.float64], triggers: Sequence[Trigger]
 ) -> tuple[list[str], NDArray[np.float64]]:
@@ -259,8 +224,9 @@ def watched_level(model: EntryModel, trigger: Trigger) -> tuple[int, float]:
     """Return what the kernels watch for a trigger, and the level in m or m/s."""
     if trigger.quantity == "altitude":
         return WATCH_RADIUS, model.planet_radius + trigger.level
-    unit = model.atmosphere.speed_of_sound if trigger.quantity == "mach" else 1.0
-    return WATCH_SPEED, trigger.level * unit
+    if trigger.quantity == "speed":
+        return WATCH_SPEED, trigger.level
+    return WATCH_AIRSPEED, trigger.level * model.atmosphere.speed_of_sound
 
 
 def _ending(reason: str, time: float, state: NDArray[np.float64]) -> str:
@@ -360,7 +326,11 @@ def trajectory_dataset(flight: Trajectory) -> "xr.Dataset":
         "drag": (borne.drag[at], "m s-2", "drag acceleration"),
         "lift": (x[:, 7] * borne.drag[at], "m s-2", "lift acceleration"),
         "g_load": (borne.g_load[at], "1", "aerodynamic acceleration in standard gravities"),
-        "mach": (x[:, 3] / model.atmosphere.speed_of_sound, "1", "Mach number"),
+        "mach": (
+            airspeeds(model, flight.path) / model.atmosphere.speed_of_sound,
+            "1",
+            "Mach number through the air",
+        ),
         "dynamic_pressure": (borne.dynamic_pressure[at], "Pa", "dynamic pressure"),
         "heat_flux": (borne.heat_flux[at], "W m-2", "stagnation-point convective heat flux"),
         "heat_load": (borne.heat_load[at], "J m-2", "heat flux integrated"),

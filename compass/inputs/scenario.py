@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,13 +16,13 @@ from compass.conventions import epoch_text
 from compass.entry.atmosphere import Atmosphere, read_atmosphere_table
 from compass.entry.beacons import Beacons, orbiting_beacons, surface_beacons
 from compass.entry.covariance import axes_covariance
+from compass.entry.filters import Filter, Method
 from compass.entry.layout import Part
-from compass.entry.mars_air import PROFILE, SPREAD
+from compass.entry.mars_air import PROFILE, SPREAD, WINDS
 from compass.entry.model import EntryModel
-from compass.entry.navigation import Filter, Method
 from compass.entry.schedule import Measurements
+from compass.entry.start import Trigger, check_start
 from compass.entry.state import azimuth_from_heading, state_from_cartesian
-from compass.entry.trajectory import Trigger, check_start
 from compass.entry.vehicle import Vehicle
 from compass.entry.views import cartesian_of, spherical_jacobian
 from compass.errors import ArgumentError, CompassError, DesignError
@@ -34,6 +35,7 @@ from compass.inputs.scenario_faults import EXPONENTIAL, scenario_faults
 from compass.inputs.scenario_models import (
     EntryTable,
     FilterTable,
+    MeasurementsTable,
     OptimizeTable,
     OrbiterTable,
     ScenarioFile,
@@ -83,7 +85,7 @@ class Orbiters:
     mask: float = float("nan")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Scenario:
     """A scenario file, read.
 
@@ -148,6 +150,13 @@ class Scenario:
     digest: str
     label: str
     notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        satellites = sum(orbiters.constellation.size for orbiters in self.orbiters)
+        return (
+            f"Scenario {self.name}: {self.times[-1]:g} s of flight, beacons: "
+            f"{len(self.surface_names)} on the ground, {satellites} in orbit"
+        )
 
     @property
     def deployment(self) -> Trigger | None:
@@ -254,7 +263,7 @@ def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenar
         orbiters=_orbiters(file, model, folder),
         mask=None if file.beacons.mask_deg is None else float(np.radians(file.beacons.mask_deg)),
         measurements=Measurements(
-            seen.range_sigma_m,
+            _range_sigma(seen),
             seen.range_rate_sigma_m_s,
             seen.interval_s,
             seen.start_s,
@@ -317,9 +326,16 @@ def _model(file: ScenarioFile, folder: Path) -> EntryModel:
     )
 
 
-def _winds(rows: Sequence[Sequence[float]] | None, radius: float) -> Winds:
+def _range_sigma(table: MeasurementsTable) -> float | None:
+    """Own noise of ranges one way: none beside that of a link which is all there is of radio."""
+    alone = table.link is not None and table.range_rate_sigma_m_s is None and not table.two_way
+    return 0.0 if table.range_sigma_m is None and alone else table.range_sigma_m
+
+
+def _winds(rows: Sequence[Sequence[float]] | Literal["mars"] | None, radius: float) -> Winds:
     """Rows of a table of winds over distance from the centre."""
-    return tuple((radius + KM * km, east, north) for km, east, north in rows or ())
+    given = WINDS if rows == "mars" else rows or ()
+    return tuple((radius + KM * float(km), float(e), float(n)) for km, e, n in given)
 
 
 def _truth(model: EntryModel, table: TruthTable) -> EntryModel:

@@ -54,8 +54,8 @@ def scenario_faults(raw: dict[str, Any]) -> list[str]:
     measured = raw.get("measurements")
     if isinstance(measured, dict):
         keys = ("range_sigma_m", "range_rate_sigma_m_s")
-        if not any(key in measured for key in (*keys, "two_way")):
-            faults.append(f"measurements: needs {keys[0]}, {keys[1]} or both, or two_way")
+        if not any(key in measured for key in (*keys, "two_way", "link")):
+            faults.append(f"measurements: needs {keys[0]}, {keys[1]} or both, or two_way or link")
         faults += _schedule_faults(measured, entry)
         faults += instrument_faults(raw, partial(_interval_faults, entry=entry))
     optimize = raw.get("optimize")

@@ -20,12 +20,18 @@ Positive = Annotated[float, Field(gt=0, le=1e15)]
 #: Past Mars's sphere of influence, and short of an entry's radius in metres.
 Distance = Annotated[float, Field(gt=0, le=1e6)]
 #: Winds of Mars stay below 200 m/s up to 120 km.
-Winds = Annotated[
-    list[
-        Annotated[list[Annotated[float, Field(ge=-500, le=500)]], Field(min_length=3, max_length=3)]
-    ],
-    Field(min_length=1),
-]
+Winds = (
+    Literal["mars"]
+    | Annotated[
+        list[
+            Annotated[
+                list[Annotated[float, Field(ge=-500, le=500)]],
+                Field(min_length=3, max_length=3),
+            ]
+        ],
+        Field(min_length=1),
+    ]
+)
 Considered = Annotated[
     bool, Field(description="let it into the covariance, but do not correct it (Schmidt)")
 ]
@@ -89,8 +95,9 @@ class AtmosphereTable(Table):
     )
     winds_by_km: Winds | None = Field(
         None,
-        description="[altitude in km, wind to the east, to the north in m/s] rows, upwards; speeds "
-        "of the entry and of triggers stay those over the ground",
+        description="[altitude in km, wind to the east, to the north in m/s] rows, upwards, or "
+        '"mars" for a sample of Mars-GRAM; speeds of the entry and of triggers stay those over '
+        "the ground, Mach numbers are through the air",
     )
     temperature_k: Positive = Field(200.0, description="for the speed of sound, K")
 

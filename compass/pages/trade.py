@@ -10,7 +10,6 @@ import numpy as np
 import compass
 from compass.document import Bracket, Value
 from compass.document.blocks import Picture, Section, Sentence, Table, arranged
-from compass.inputs.merit import MERITS, STAGES
 from compass.inputs.study import Constraint, Free, Study
 from compass.pages.page import render
 from compass.pages.trade_finalists import (
@@ -32,6 +31,7 @@ from compass.pages.trade_pictures import (
     sensitivity_pictures,
     share_picture,
 )
+from compass.quantities.merits import MERITS, STAGES
 from compass.study.bounds import bounded_figures, ends
 from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, finalists_of, notation, rows_in

@@ -20,9 +20,9 @@ from compass.handover.instants import sample_times
 from compass.handover.oem import oem
 from compass.handover.toml import constellation_toml
 from compass.inputs import read_design_text
-from compass.inputs.merit import MERITS
 from compass.inputs.study import Objective, Study
 from compass.pages.judge import judge_section, landing_answer, surface_section
+from compass.quantities.merits import MERITS
 from compass.sites import Mask
 from compass.study.choice import Finalist
 from compass.study.ranking import Ranking, rank_designs

@@ -20,7 +20,6 @@ from compass.core.papers.yu2018_filter import (
     spread,
 )
 from compass.entry.beacons import Beacons
-from compass.entry.fisher import noise_variances
 from compass.entry.model import EntryModel
 from compass.entry.schedule import Measurements
 from compass.errors import ArgumentError
@@ -103,7 +102,7 @@ def run_published_filter(
         beacons.r,
         beacons.v,
         np.asarray(taken, dtype=bool),
-        noise_variances(measurements),
+        measurements.radio_variances()[:2],
         np.asarray(z, dtype=float),
         settings.iterations,
         states,
@@ -220,7 +219,7 @@ def run_monte_carlo(
         beacons.r,
         beacons.v,
         np.asarray(taken, dtype=bool),
-        noise_variances(measurements),
+        measurements.radio_variances()[:2],
         settings.iterations,
     )
 
@@ -327,7 +326,7 @@ def cramer_rao_bound(
         beacons.r,
         beacons.v,
         np.asarray(taken, dtype=bool),
-        noise_variances(measurements),
+        measurements.radio_variances()[:2],
         covariance,
     )
     sigmas, jacobian = np.empty((len(x), 2)), np.empty((6, 6))

@@ -185,7 +185,11 @@ def _run(
     count = beacons.times.size
     spread = campaign.spreads[entry, :6, :6]
     path = campaign.paths[entry, :count]
-    parts = found.unknowns.parts(beacons, path, campaign.model.omega)
+    measurements = scenario.measurements
+    one_way = measurements.range_sigma is not None or measurements.rate_sigma is not None
+    parts = found.unknowns.parts(beacons, path, campaign.model.omega, one_way=one_way)
+    radius, turn = campaign.model.planet_radius, campaign.turns(scenario.state)[entry]
+    measurements = replace(measurements, features=measurements.features.moved(radius, turn))
     settings = replace(
         scenario.settings, covariance0=spread @ spread.T, parts=(*parts_of_air, *parts)
     )
@@ -206,7 +210,7 @@ def _run(
                 truth,
                 beacons,
                 taken,
-                scenario.measurements,
+                measurements,
                 settings,
                 runs=1,
                 seed=int(own.generate_state(1, np.uint64)[0]),

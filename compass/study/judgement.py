@@ -10,6 +10,7 @@ from compass.entry.campaign import Campaign
 from compass.entry.quantiles import percentiles
 from compass.entry.unknowns import Unknowns
 from compass.orbits import Constellation
+from compass.quantities.merits import median_number
 
 Array = NDArray[np.float64]
 
@@ -32,6 +33,8 @@ class Judgement:
         Without prior, in prior-whitened coordinates, (m, d, d).
     shares
         The same by satellite, packed, (m, n, d (d + 1)/2).
+    own
+        Of what needs no satellite, packed, (m, d (d + 1)/2).
     sigma
         Posterior Cramer-Rao sigma of position (m) and velocity (m/s) at deployment, (m, 1 + n,
         2): with all satellites, then without each of them.
@@ -47,6 +50,7 @@ class Judgement:
     counts: NDArray[np.int64]
     information: Array
     shares: Array
+    own: Array
     sigma: Array
     ends: Array
     sums: Array
@@ -88,6 +92,7 @@ class Judgement:
         """
         place, count = self.ends[:, :3], self.ends.shape[2]
         plain, spoilt, orbits, biases = np.moveaxis(unpacked(self.sums), 1, 0)
+        own = unpacked(self.own)
 
         def rms(matrix: Array, known: Array = self.information) -> float:
             gain = np.linalg.solve(np.eye(count) + known, np.swapaxes(place, 1, 2))
@@ -99,12 +104,30 @@ class Judgement:
             name: rms(np.broadcast_to(np.diag([float(n == name) for n in names]), plain.shape))
             for name in dict.fromkeys(names)
         }
-        parts["noise of the ranges"] = rms(self.information - orbits - biases)
+        parts["noise of the ranges"] = rms(self.information - own - orbits - biases)
+        if own.any():
+            parts["noise of the instruments"] = rms(own)
         parts["satellites' orbits and clocks"] = rms(orbits)
         parts["biases of the ranges"] = rms(biases)
         parts["all"] = float(np.sqrt(np.mean(self.position_sigma**2)))
-        parts["ignored"] = rms(np.eye(count) + plain + spoilt, plain)
+        parts["ignored"] = rms(np.eye(count) + plain + own + spoilt, plain + own)
         return parts
+
+    @property
+    def known(self) -> dict[str, NDArray[Any]]:
+        """What figures of merit are worked out of, each of one candidate, shape (1, ...)."""
+        return {
+            "position_m": self.sigma[None, :, 0, 0],
+            "velocity_m_s": self.sigma[None, :, 0, 1],
+            "counts": self.counts[:1],
+            "blind": self._spectrum(self.information)[1][None],
+        }
+
+    def _spectrum(self, information: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Eigenvalues, ascending, (m, d), and which entries leave a state open, (m,)."""
+        terms = int(self.campaign.stops.max(initial=0)) + 1
+        spectrum, floor = spectrum_and_floor(information, terms)
+        return spectrum, spectrum[:, 0] <= floor
 
     def _figures(self, lost: int | None, goal: float) -> dict[str, Any]:
         column = 0 if lost is None else 1 + lost
@@ -112,9 +135,8 @@ class Judgement:
         counts, f = self.counts[column], self.information
         if lost is not None:
             kept = np.delete(self.shares, lost, axis=1).sum(axis=1)
-            f = unpacked(kept)
-        spectrum, floor = spectrum_and_floor(f, int(self.campaign.stops.max(initial=0)) + 1)
-        blind = spectrum[:, 0] <= floor
+            f = unpacked(kept + self.own)
+        spectrum, blind = self._spectrum(f)
         with np.errstate(divide="ignore"):
             log_det = np.log(np.where(blind[:, None], 0.0, spectrum)).sum(axis=1)
         worst = int(position.argmax())
@@ -159,11 +181,3 @@ def spectrum_and_floor(f: Array, terms: int) -> tuple[Array, Array]:
     values = np.asarray(np.linalg.eigvalsh(f), dtype=np.float64)
     floor = (terms + values.shape[1]) * np.finfo(float).eps * values.sum(axis=1)
     return values, np.asarray(floor, dtype=np.float64)
-
-
-def median_number(counts: NDArray[np.int64]) -> Array:
-    """Median of a number that occurs ``counts[..., number]`` times, shape (...)."""
-    below = counts.cumsum(axis=-1)
-    total = below[..., -1:]
-    middle = [(below <= (total - 1 + k) // 2).sum(axis=-1) for k in (0, 1)]
-    return np.asarray((middle[0] + middle[1]) / 2, dtype=np.float64)

@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.inputs.merit import MERITS, merits_of
 from compass.inputs.study import Study
+from compass.quantities.merits import MERITS, merits_of
 from compass.study.pattern_map import map_figures
 
 

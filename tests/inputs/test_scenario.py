@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compass.core.entry_geometry import cartesian_of
-from compass.entry.views import spherical_jacobian
+from compass.entry.views import cartesian_of, spherical_jacobian
 from compass.errors import ArgumentError, DesignError
+from compass.inputs.fusion import fusion_plan
 from compass.inputs.scenario import provenance, read_scenario, read_scenario_text
 
 DESIGNS = Path(__file__).parents[2] / "designs"
@@ -336,9 +336,19 @@ def test_winds_are_flown_as_given_and_as_they_are():
     with pytest.raises(DesignError, match=r"planet\.rotation = .*leave atmosphere\.winds_by_km"):
         read(swapped)
     published = (DESIGNS / "lou2019-recommended.toml").read_text()
-    blown = changed("[atmosphere]\n", "[atmosphere]\nwinds_by_km = [[0, 1, 1]]\n", published)
-    with pytest.raises(DesignError, match=r"atmosphere\.winds_by_km: not beside \[fusion\]"):
-        read(blown, folder=DESIGNS)
+    blown = changed("[atmosphere]\n", '[atmosphere]\nwinds_by_km = "mars"\n', published)
+    assert len(read(blown, folder=DESIGNS).model.atmosphere.winds) == 9
+
+
+def test_a_link_alone_makes_the_noise_of_ranges():
+    """Left out beside any other radio it stays out; nothing at all is told."""
+    [link] = [line for line in INSTRUMENTS.splitlines() if line.startswith("link")]
+    text = changed("range_sigma_m = 100\n", link + "\n")
+    assert read(text).measurements.range_sigma == 0.0
+    rates = text.replace("[measurements]\n", "[measurements]\nrange_rate_sigma_m_s = 0.1\n")
+    assert read(rates).measurements.range_sigma is None
+    with pytest.raises(DesignError, match="or both, or two_way or link"):
+        read(changed("range_sigma_m = 100\n", ""))
 
 
 def test_faults_of_instruments_are_said_together():
@@ -365,5 +375,5 @@ def test_faults_of_instruments_are_said_together():
     with pytest.raises(DesignError, match=r"measurements\.features: missing; needed beside"):
         read(alone)
     published = (DESIGNS / "lou2019-recommended.toml").read_text()
-    with pytest.raises(DesignError, match=r"measurements\.altimeter: not beside \[fusion\]"):
-        read(published + "\n[measurements.altimeter]\nsigma_m = 10\n", folder=DESIGNS)
+    more = read(published + "\n[measurements.altimeter]\nsigma_m = 10\n", folder=DESIGNS)
+    assert fusion_plan(more).case.instruments == ("own readings",)

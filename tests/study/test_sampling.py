@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compass.inputs.merit import MERITS, merits_of
 from compass.inputs.study import read_study_text
 from compass.pages.trade_finalists import against, verdict
+from compass.quantities.merits import MERITS, merits_of
 from compass.study.candidates import candidates
 from compass.study.choice import Finalist
 from compass.study.pattern_map import map_figures
