@@ -93,7 +93,8 @@ def _row(row: dict[str, Any]) -> tuple[str | Value, ...]:
         None if box is None else box["sideways_deg"],
     )
     figures = (Value(quantity(n), v) for n, v in zip(_FIGURES, values, strict=True))
-    return (row["name"], row["wanted"], row["place"], *figures)
+    place = "" if row["outcome"] == Outcome.PROVEN.value else row["place"]
+    return (row["name"], row["wanted"], place, *figures)
 
 
 def _share(promise: Promise) -> list[float] | None:

@@ -350,6 +350,7 @@ def test_what_a_design_requires_decides_and_not_its_fold_everywhere(wanted):
     assert "UNDECIDED: 1 requirement(s)" in text(unsure.document())
 
 
+@pytest.mark.slow
 def test_without_another_question_the_place_that_is_lost_first_is_followed(wanted):
     """Nobody asked for the whole sphere, which one satellite never sees; radii likewise."""
     design = replace(wanted.design, requirements=wanted.design.requirements[:1])
@@ -376,6 +377,7 @@ def test_losses_are_as_many_more_in_view(wanted):
     assert out.drift.lasting.fold == 2
 
 
+@pytest.mark.slow
 def test_geometry_is_told_stretch_by_stretch(wanted):
     """One satellite never makes a fix: missed from the beginning, always and for a share."""
     places = wanted.design.requirements[0].sites
