@@ -6,7 +6,7 @@ from typing import Any
 
 from compass.api.given import given_design
 from compass.api.map_result import MapResult
-from compass.api.progress import bar, parts_bar
+from compass.api.progress import bar, foretell, parts_bar
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_geometry import CertifiedGeometry
 from compass.design import PDOP_MAX, Design
@@ -108,7 +108,14 @@ def map(
     file, threads = None if leaves is None else Path(leaves), workers or os.cpu_count() or 1
     effort = Effort(width, budget_s, file, threads)
     with bar(progress, "map", unit="row", leave=False) as rows:
-        made = make_map(read, options, command, workers=workers, progress=rows.update)
+        made = make_map(
+            read,
+            options,
+            command,
+            workers=workers,
+            foretell=lambda cost: foretell(progress, "map", cost.seconds, cost.bytes),
+            progress=rows.update,
+        )
     with parts_bar(progress, "bounds") as effort.progress:
         certified = certified_figures(read, options, effort)
     if certified:

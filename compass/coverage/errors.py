@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.error import SAMPLES, empty_error_histograms, error_map_row
+from compass.core.error import SAMPLES, Ranges, empty_error_histograms, error_map_row
 from compass.core.ranking import histogram_quantile
 from compass.coverage.grid import Grid
 from compass.coverage.maps import CELL_PERCENTILES, by_blocks, nearest_ranks
@@ -78,8 +78,8 @@ def error_map(
     shape, epochs = (grid.rows, grid.columns), view.times.size
     share = np.empty((len(ERRORS), *shape), np.float32)
     percentiles = np.empty((len(ERRORS), len(CELL_PERCENTILES), *shape), np.float32)
-    longitude, places, cell_share = grid.longitude, grid.places, grid.cell_share
-    columns = np.cos(longitude), np.sin(longitude), float(longitude[0])
+    users, cell_share = view.rows(grid), grid.cell_share
+    worth = Ranges(ranges.forms, ranges.sun, ranges.lit, ranges.numbers)
     ranks = nearest_ranks(epochs)
 
     def one_block(rows: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -90,14 +90,8 @@ def error_map(
             error_map_row(
                 view.r,
                 view.cos_cap,
-                view.azimuths,
-                view.elevations,
-                places[i],
-                *columns,
-                ranges.forms,
-                ranges.sun,
-                ranges.lit,
-                ranges.numbers,
+                users[i],
+                worth,
                 limit,
                 cell_share[i] / epochs,
                 i,

@@ -3,12 +3,14 @@
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.bodies import MARS_ROTATION_RATE
 from compass.core.gaps import finish_gaps, follow_gaps, new_state
+from compass.core.runs import Row
 from compass.coverage.cap import cap_radius
 from compass.coverage.grid import Grid
 from compass.coverage.view import View, view
@@ -131,9 +133,7 @@ def coverage_gaps(
         for first in range(0, number, piece):
             times = start + np.arange(first, min(first + piece, number)) * step
             seen = view(constellation, times, sphere_radius, mask, model)
-            rows = pool.map(lambda i, seen=seen: _follow(seen, grid, i, fold, states[i]),
-                            range(grid.rows))  # fmt: skip
-            for _ in rows:
+            for _ in pool.map(partial(_follow, seen, fold), seen.rows(grid), states):
                 progress(1)
     gaps = np.empty((3, grid.rows, grid.columns))
     for i, state in enumerate(states):
@@ -142,18 +142,6 @@ def coverage_gaps(
     return Gaps(longest, mean, response, step, ring)
 
 
-def _follow(seen: View, grid: Grid, row: int, fold: int, state: NDArray[np.float64]) -> None:
+def _follow(seen: View, fold: int, row: Row, state: NDArray[np.float64]) -> None:
     """Follow the gaps of a row over the epochs of a view."""
-    longitude = grid.longitude
-    follow_gaps(
-        seen.r,
-        seen.cos_cap,
-        seen.azimuths,
-        seen.elevations,
-        grid.places[row],
-        np.cos(longitude),
-        np.sin(longitude),
-        float(longitude[0]),
-        fold,
-        state,
-    )
+    follow_gaps(seen.r, seen.cos_cap, row, fold, state)

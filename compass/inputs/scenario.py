@@ -17,6 +17,7 @@ from compass.entry.atmosphere import Atmosphere, read_atmosphere_table
 from compass.entry.beacons import Beacons, orbiting_beacons, surface_beacons
 from compass.entry.covariance import axes_covariance
 from compass.entry.filters import Filter, Method
+from compass.entry.guidance import Dispersion, Guidance
 from compass.entry.layout import Part
 from compass.entry.mars_air import PROFILE, SPREAD, WINDS
 from compass.entry.model import EntryModel
@@ -29,6 +30,7 @@ from compass.errors import ArgumentError, CompassError, DesignError
 from compass.frames import prime_meridian_angle
 from compass.inputs.design import read_design
 from compass.inputs.fusion_models import FusionTable
+from compass.inputs.guidance_models import dispersion_of, guidance_of
 from compass.inputs.instrument_models import features_of, instruments_of, link_of
 from compass.inputs.reading import parse, read_text
 from compass.inputs.scenario_faults import EXPONENTIAL, scenario_faults
@@ -126,6 +128,10 @@ class Scenario:
         The file's text, its SHA-256 and its name as given.
     notes
         What is to be told of it before it is flown.
+    guidance
+        Of the bank to a target, or None.
+    dispersion
+        Of entries about the planned one, or None.
     """
 
     name: str
@@ -150,6 +156,8 @@ class Scenario:
     digest: str
     label: str
     notes: tuple[str, ...] = ()
+    guidance: Guidance | None = None
+    dispersion: Dispersion | None = None
 
     def __repr__(self) -> str:
         satellites = sum(orbiters.constellation.size for orbiters in self.orbiters)
@@ -282,6 +290,8 @@ def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenar
         digest=hashlib.sha256(text.encode()).hexdigest(),
         label=label,
         notes=scenario_notes(file),
+        guidance=guidance_of(file.guidance),
+        dispersion=dispersion_of(file.dispersion),
     )
 
 

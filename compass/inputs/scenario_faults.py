@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import Any
 
 from compass.inputs.faults import fault
+from compass.inputs.guidance_models import guidance_faults
 from compass.inputs.instrument_models import instrument_faults
 
 _SPHERICAL = (
@@ -58,6 +59,7 @@ def scenario_faults(raw: dict[str, Any]) -> list[str]:
             faults.append(f"measurements: needs {keys[0]}, {keys[1]} or both, or two_way or link")
         faults += _schedule_faults(measured, entry)
         faults += instrument_faults(raw, partial(_interval_faults, entry=entry))
+    faults += guidance_faults(raw)
     optimize = raw.get("optimize")
     if (
         isinstance(optimize, dict)

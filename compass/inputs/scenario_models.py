@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from compass.inputs.fusion_models import FusionTable
+from compass.inputs.guidance_models import DispersionTable, GuidanceTable
 from compass.inputs.instrument_models import (
     AltimeterTable,
     FeaturesTable,
@@ -350,6 +351,10 @@ class ScenarioFile(Table):
         default_factory=lambda: TruthTable.model_validate({}), description="the air as it really is"
     )
     entry: EntryTable = Field(description="the state at time 0: a table [entry]")
+    guidance: GuidanceTable | None = Field(None, description="guidance of the bank to a target")
+    dispersion: DispersionTable | None = Field(
+        None, description="entries that differ from the planned one, to see where they come down"
+    )
     trigger: list[TriggerTable] = Field(
         default_factory=list, max_length=100, description="one [[trigger]] an event to notice"
     )

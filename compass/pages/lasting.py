@@ -272,7 +272,7 @@ def _radius_picture(found: Outlook) -> Picture:
 
 
 def _bar(axes: "Axes", radius_km: float, days: float, colour: str, said: str) -> None:
-    axes.plot([radius_km] * 2, [0, days], color=colour, lw=5)
+    axes.bar(radius_km, days, width=9.0, color=colour)
     axes.annotate(said, (radius_km, days), (0, 3), textcoords="offset points", ha="center")
 
 

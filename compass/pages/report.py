@@ -145,7 +145,7 @@ def report(
                 chosen, command, MapOptions(**options), progress=lambda part: _step(parts, part)
             )
     path = write_page(folder, page, several)
-    pictures = [f"{p.stem}.png" for section in several for p in section.pictures]
+    pictures = [p.file_name for section in several for p in section.pictures]
     return ReportResult(title, path, {"pictures": [str(folder / name) for name in pictures]})
 
 

@@ -297,12 +297,18 @@ def check_measurements(scenario: Scenario) -> None:
     Raises
     ------
     ArgumentError
-        Measurements in turn, process noise, or further quantities that are not known.
+        Guidance to a target, measurements in turn, process noise, or further quantities that are
+        not known.
     """
     if scenario.measurements.in_turn:
         raise ArgumentError(
             f"{scenario.label}: measurements.in_turn = true: judged is what all satellites in "
             "view tell at once; set it to false"
+        )
+    if scenario.guidance is not None:
+        raise ArgumentError(
+            f"{scenario.label}: guidance: judged are entries anywhere, which fly the bank of the "
+            "vehicle; leave the table out"
         )
     if np.any(scenario.settings.noise):
         raise ArgumentError(

@@ -84,7 +84,7 @@ def test_trade_then_report(study, run, tmp_path, designs, coarse):
     ):
         assert title in page
     assert json.loads((folder / "summary.json").read_text()) | {"page": summary["page"]} == summary
-    pictures = {p.stem for p in folder.glob("*.png")}
+    pictures = {p.stem for p in folder.glob("*.*g")}
     assert {"finalist-maps", "sensitivity-share", "front-satellites-delta-v-total-m-s"} <= pictures
     status, out, _ = run("report", path)
     assert status == 0 and out.startswith("report: reports/tiny")

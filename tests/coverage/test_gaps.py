@@ -75,10 +75,7 @@ def test_following_in_pieces_is_the_history_of_every_cell(seed, fold, ring, piec
     state, gaps = new_state(grid.columns), np.empty((3, grid.columns))
     lat, lon = grid.latitude[row], grid.longitude
     for part in np.array_split(np.arange(23), pieces):
-        follow_gaps(
-            seen.r[part], seen.cos_cap[part], seen.azimuths, seen.elevations, grid.places[row],
-            np.cos(lon), np.sin(lon), float(lon[0]), fold, state,
-        )  # fmt: skip
+        follow_gaps(seen.r[part], seen.cos_cap[part], seen.rows(grid)[row], fold, state)
     finish_gaps(state, 23, ring, gaps)
     for j in range(grid.columns):
         site = Site("cell", float(lat), float(lon[j]), mask=mask, figure=FIGURES["iau-sphere"])
