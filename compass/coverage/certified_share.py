@@ -248,7 +248,8 @@ class _Search:
             leaves = self.question.boxes()
         end, stopped, most = monotonic() + budget_s, "", boxes + budget_boxes
         total = settled.sum() + leaves[:, 6:].sum()
-        eps = 4.0 * min(1e-5 * total, float(leaves[:, 9].max(initial=0.0)))
+        coarse = max(1e-5, 0.1 * width)
+        eps = 4.0 * min(coarse * total, float(leaves[:, 9].max(initial=0.0)))
         while not stopped:
             found = self._result(leaves, settled, boxes, stopped)
             progress(found.width)

@@ -58,7 +58,7 @@ def course_of(design: Design, days: float | None, start_day: float) -> Course | 
     phase take every pair of values, and a place is as good as its circle.
     """
     c, j2 = design.constellation, design.motion.model == "j2"
-    motion = "mean motion under J2" if j2 else "two-body motion"
+    motion = design.motion.title
     if days is not None:
         start = start_day * SECONDS_PER_DAY
         words = f"over {days:g} days from day {start_day:g}, {motion}, at the place"

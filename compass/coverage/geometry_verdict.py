@@ -56,11 +56,16 @@ class _Asked:
     skies: tuple[Ranges | None, ...]
 
     def share(
-        self, effort: Effort, left: Constellation, lost: Sequence[int], where: dict[str, Any]
+        self,
+        effort: Effort,
+        left: Constellation,
+        lost: Sequence[int],
+        where: dict[str, Any],
+        width: float,
     ) -> CertifiedShare:
-        """Share with the figure small enough, wherever the Sun stands."""
+        """Share with the figure small enough, wherever the Sun stands, its bounds so near."""
         found = [
-            effort.share(left, self.limit, width=WIDTH, **self._asked(sky, lost), **where)
+            effort.share(left, self.limit, width=width, **self._asked(sky, lost), **where)
             for sky in self.skies
         ]
         return found[0] if len(found) == 1 else replace(found[0], high=found[1].high)
@@ -100,6 +105,7 @@ def geometry_verdict(
     days: float | None = None,
     start_day: float = 0.0,
     effort: Effort | None = None,
+    width: float = WIDTH,
 ) -> Verdict:
     """Verdict on a dilution of precision, or an error, of at most a limit, by certified shares.
 
@@ -109,6 +115,8 @@ def geometry_verdict(
         As in `compass.coverage.requirement_verdict.verdict_of`.
     name, limit
         One of `compass.design.LIMITS` and the largest value allowed.
+    width
+        How near the bounds of each share are to come where `effort` does not say.
 
     Raises
     ------
@@ -150,7 +158,8 @@ def geometry_verdict(
                 claims.append((claim, lost, alike))
                 if claim.outcome != Outcome.UNDECIDED:
                     continue
-            found.append((asked.share(effort, left, gone, where), users, lost, alike))
+            share = asked.share(effort, left, gone, where, width)
+            found.append((share, users, lost, alike))
     scope = course.words
     if sky is not None:
         scope += "; of a fix that weighs ranges by their variances, wherever the Sun stands"

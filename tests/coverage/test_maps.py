@@ -197,7 +197,8 @@ def test_draims_four_satellites_cover_mars_always_and_just_so(designs):
 
 
 @pytest.mark.parametrize(
-    ("options", "message"), [({"fold": 0}, "whole number from 1 on"), ({"pdop_threshold": 0.0}, "positive")]
+    ("options", "message"),
+    [({"fold": 0}, "whole number from 1 on"), ({"pdop_threshold": 0.0}, "positive")],
 )
 def test_impossible_options_are_refused(options, message):
     with pytest.raises(ArgumentError, match=message):
