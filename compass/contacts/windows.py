@@ -1,6 +1,5 @@
 """Windows: the spans of time in which two nodes see each other."""
 
-import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from compass.bodies import SUN_RADIUS
 from compass.contacts.nodes import Node, check_duration
 from compass.core.events import find_windows
 from compass.core.sight import ECLIPSE, ELEVATION, HORIZON, LIMB
+from compass.cores import cores
 from compass.errors import ArgumentError
 from compass.frames import DEFAULT_FIGURE, Figure
 
@@ -234,7 +234,7 @@ def _solve(
     rates = np.array([node.rate for node in nodes])
     ends = np.array([[index[id(one)], index[id(two)]] for one, two in pairs])
     kind = np.array(kinds, dtype=np.int64)
-    threads = workers or min(os.cpu_count() or 1, len(pairs))
+    threads = workers or min(cores(), len(pairs))
     blocks = np.array_split(np.arange(len(pairs)), min(4 * threads, len(pairs)))
 
     def solve(block: NDArray[np.intp]) -> list[Windows]:

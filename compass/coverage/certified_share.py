@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.certified.shares import BOX, refine
-from compass.coverage.certified_question import Asked, Question, check_limit
+from compass.coverage.certified_question import Asked, Question
 from compass.errors import ArgumentError
 from compass.orbits import Constellation
 
@@ -86,7 +86,7 @@ def certified_share(
     constellation
         The orbits.
     limit
-        From 1.
+        From 1; of an error, above 0 m.
     width, budget_s, budget_boxes
         Stop at bounds so near, after so many seconds, or after so many boxes (which is the same
         on any machine).
@@ -103,10 +103,11 @@ def certified_share(
     Raises
     ------
     ArgumentError
-        A limit below 1, a width that is not positive, or as `Question`.
+        A limit that nothing keeps, a width that is not positive, or as `Question`.
     """
-    check_limit(limit)
-    return _Search(Question(constellation, **asked), workers).share(
+    question = Question(constellation, **asked)
+    question.check(limit)
+    return _Search(question, workers).share(
         limit,
         width,
         budget_s=budget_s,
@@ -247,7 +248,8 @@ class _Search:
             leaves = self.question.boxes()
         end, stopped, most = monotonic() + budget_s, "", boxes + budget_boxes
         total = settled.sum() + leaves[:, 6:].sum()
-        eps = 4.0 * min(1e-5 * total, float(leaves[:, 9].max(initial=0.0)))
+        coarse = max(1e-5, 0.1 * width)
+        eps = 4.0 * min(coarse * total, float(leaves[:, 9].max(initial=0.0)))
         while not stopped:
             found = self._result(leaves, settled, boxes, stopped)
             progress(found.width)

@@ -1,6 +1,6 @@
 """Error maps: how well a user anywhere is told where and when it is, in metres."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,12 +25,6 @@ ERRORS = {
     "error_time_m": "error of the user's time as length",
 }
 PERCENTILES = (50, 90, 95, 99)
-
-#: One sigma times this holds 95 % of the errors: exactly of a height or time, and at least of a
-#: horizontal or three-dimensional one, whatever the shape of its ellipse. A weighted sum of squares
-#: of normal numbers, weights adding up to 1, stays below 3.84 least often with all weight on one
-#: (Szekely and Bakirov 2003, Probability Theory and Related Fields 126:184).
-FACTOR_95 = 1.959963984540054
 
 
 def error_map(
@@ -82,7 +76,7 @@ def error_map(
     worth = Ranges(ranges.forms, ranges.sun, ranges.lit, ranges.numbers)
     ranks = nearest_ranks(epochs)
 
-    def one_block(rows: NDArray[np.int64]) -> NDArray[np.float64]:
+    def one_block(rows: Iterable[int]) -> NDArray[np.float64]:
         histograms = empty_error_histograms()
         errors = np.empty((len(ERRORS), grid.columns, epochs), np.float32)
         good = np.empty((len(ERRORS), grid.columns))

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from compass.bodies import MARS_ROTATION_RATE
 from compass.core.gaps import finish_gaps, follow_gaps, new_state
 from compass.core.runs import Row
+from compass.cores import cores
 from compass.coverage.cap import cap_radius
 from compass.coverage.grid import Grid
 from compass.coverage.view import View, view
-from compass.errors import ArgumentError
+from compass.errors import whole_number
 from compass.orbits import Constellation
 from compass.orbits.motion import AnyMotion
 from compass.sites import Mask
@@ -122,14 +123,13 @@ def coverage_gaps(
     ArgumentError
         `fold` below 1, a satellite that is not above the sphere.
     """
-    if fold < 1:
-        raise ArgumentError(f"fold = {fold}: must be at least 1")
+    whole_number("fold", fold, 1)
     mask = mask or Mask()
     number = epochs or gap_epochs(constellation, sphere_radius, mask, span)
     step = span / number
     states = [new_state(grid.columns) for _ in range(grid.rows)]
     piece = max(1, PIECE // max(constellation.size, 1))
-    with ThreadPoolExecutor(workers) as pool:
+    with ThreadPoolExecutor(cores(workers)) as pool:
         for first in range(0, number, piece):
             times = start + np.arange(first, min(first + piece, number)) * step
             seen = view(constellation, times, sphere_radius, mask, model)

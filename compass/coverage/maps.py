@@ -1,7 +1,9 @@
 """Coverage maps: counts, dilution of precision and gaps over the sphere and a period."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from itertools import takewhile
+from threading import Event
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -9,11 +11,12 @@ from numpy.typing import NDArray
 
 from compass.core.coverage_map import Cells, Tallies, empty_tallies, map_row
 from compass.core.ranking import histogram_quantile, nearest_rank
+from compass.cores import cores
 from compass.coverage.gaps import Gaps
 from compass.coverage.grid import Grid
 from compass.coverage.view import View
 from compass.design import PDOP_MAX
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, whole_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -85,15 +88,14 @@ def coverage_map(
     ArgumentError
         `fold` below 1 or a threshold that is not positive.
     """
-    if fold < 1:
-        raise ArgumentError(f"fold = {fold}: must be at least 1")
+    whole_number("fold", fold, 1)
     if not pdop_threshold > 0:
         raise ArgumentError(f"pdop_threshold = {pdop_threshold}: must be positive")
     cells = _Cells(view, grid, fold, gaps)
     users, cell_share, epochs = view.rows(grid), grid.cell_share, view.times.size
     ranks = nearest_ranks(epochs)
 
-    def one_block(rows: NDArray[np.int64]) -> Tallies:
+    def one_block(rows: Iterable[int]) -> Tallies:
         tallies = empty_tallies(view.r.shape[1], epochs)
         dop = np.empty((len(DOPS), grid.columns, epochs), np.float32)
         for i in rows:
@@ -129,19 +131,29 @@ def nearest_ranks(epochs: int) -> NDArray[np.int64]:
 
 def by_blocks(
     grid: Grid,
-    one_block: Callable[[NDArray[np.int64]], Found],
+    one_block: Callable[[Iterable[int]], Found],
     workers: int | None,
     progress: Callable[[int], None],
 ) -> Iterator[Found]:
     """What is found of each block of a grid's rows, in order.
 
-    Added up so, sums are the same for any number of threads.
+    Added up so, sums are the same for any number of threads. Who goes away before the end waits
+    for the rows at work and no more.
     """
     blocks = np.array_split(np.arange(grid.rows), min(BLOCKS, grid.rows))
-    with ThreadPoolExecutor(workers) as pool:
-        for block, found in zip(blocks, pool.map(one_block, blocks), strict=True):
-            yield found
-            progress(block.size)
+    left = Event()
+
+    def rows_wanted(block: NDArray[np.int64]) -> Iterator[int]:
+        return takewhile(lambda _: not left.is_set(), block)
+
+    with ThreadPoolExecutor(cores(workers)) as pool:
+        try:
+            found = pool.map(lambda block: one_block(rows_wanted(block)), blocks)
+            for block, part in zip(blocks, found, strict=True):
+                yield part
+                progress(block.size)
+        finally:
+            left.set()
 
 
 class _Cells:

@@ -1,6 +1,6 @@
 """Protection maps: how far a fix may be off unnoticed, anywhere, should a satellite fail."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -99,7 +99,7 @@ def protection_map(
         np.array([integrity.alert_horizontal, integrity.alert_vertical]),
     )
 
-    def one_block(rows: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def one_block(rows: Iterable[int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         histograms, total = empty_level_histograms(), np.zeros(len(SHARES))
         levels = np.empty((2, grid.columns, epochs), np.float32)
         within = np.empty((2, grid.columns))

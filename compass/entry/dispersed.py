@@ -1,6 +1,5 @@
 """Entries that differ from the planned one: where they come down, guided or not."""
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -8,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.core.entry.guide import dispersed_flights
+from compass.cores import cores
 from compass.entry.accuracy import Ellipse, error_ellipse
 from compass.entry.covariance import LONGEST_STEP
 from compass.entry.guidance import GROUND, Dispersion, Guidance
@@ -135,7 +135,7 @@ def fly_dispersed(
             level, truth.planet_radius, times[part], ends[part],
         )  # fmt: skip
 
-    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+    with ThreadPoolExecutor(cores(threads)) as pool:
         list(pool.map(work, range(0, len(drawn), BLOCK)))
     if guidance is None and np.isnan(times[0]):
         raise ArgumentError(

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from os import cpu_count
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from compass.core.entry.fused_runs import Outcome, fused_runs
 from compass.core.entry.measure import AXES
+from compass.cores import cores
 from compass.entry.consistency import LOST, nees_bounds
 from compass.entry.faults import Fault
 from compass.entry.fused import STATE_NAMES, STATE_UNITS, FusedFilter
@@ -125,7 +125,7 @@ def monte_carlo(
     lost: list[str] = []
     single: Outcome | None = None
     bar = tqdm(total=runs, unit="run", disable=None if progress else True, leave=False)
-    with bar, ThreadPoolExecutor(threads or cpu_count()) as pool:
+    with bar, ThreadPoolExecutor(cores(threads)) as pool:
         for first, out in zip(
             range(0, runs, BLOCK), pool.map(work, range(0, runs, BLOCK)), strict=True
         ):

@@ -20,16 +20,11 @@ from compass.inputs.table import Table
 Positive = Annotated[float, Field(gt=0, le=1e15)]
 #: Past Mars's sphere of influence, and short of an entry's radius in metres.
 Distance = Annotated[float, Field(gt=0, le=1e6)]
-#: Winds of Mars stay below 200 m/s up to 120 km.
+#: Rows of winds; their bounds differ by column, and `scenario_faults` holds them.
 Winds = (
     Literal["mars"]
     | Annotated[
-        list[
-            Annotated[
-                list[Annotated[float, Field(ge=-500, le=500)]],
-                Field(min_length=3, max_length=3),
-            ]
-        ],
+        list[Annotated[list[float], Field(min_length=3, max_length=3)]],
         Field(min_length=1),
     ]
 )
@@ -96,9 +91,9 @@ class AtmosphereTable(Table):
     )
     winds_by_km: Winds | None = Field(
         None,
-        description="[altitude in km, wind to the east, to the north in m/s] rows, upwards, or "
-        '"mars" for a sample of Mars-GRAM; speeds of the entry and of triggers stay those over '
-        "the ground, Mach numbers are through the air",
+        description="[altitude in km, wind to the east, to the north in m/s] rows, upwards, from "
+        '-10 to 1000 km and up to 500 m/s, or "mars" for a sample of Mars-GRAM; speeds of the '
+        "entry and of triggers stay those over the ground, Mach numbers are through the air",
     )
     temperature_k: Positive = Field(200.0, description="for the speed of sound, K")
 

@@ -4,7 +4,6 @@ One Runge-Kutta step an epoch moves truth and filter alike. It is singular at th
 are navigated by `compass.entry.navigation`.
 """
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -19,6 +18,7 @@ from compass.core.papers.yu2018_filter import (
     posterior_bound,
     spread,
 )
+from compass.cores import cores
 from compass.entry.beacons import Beacons
 from compass.entry.model import EntryModel
 from compass.entry.schedule import Measurements
@@ -237,7 +237,7 @@ def run_monte_carlo(
             sigmas[part],
         )
 
-    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+    with ThreadPoolExecutor(cores(threads)) as pool:
         list(pool.map(work, range(0, runs, BLOCK)))
     finite: NDArray[np.bool_] = np.asarray(np.isfinite(errors).all(axis=(1, 2)))
     return MonteCarlo(errors, nees, sigmas, ~finite)

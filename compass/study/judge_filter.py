@@ -1,6 +1,5 @@
 """Finalists put to the test: the filter itself, run many times on a constellation."""
 
-import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.cores import cores
 from compass.entry.beacons import Beacons, orbiting_beacons
 from compass.entry.consistency import FALSE_ALARM, nees_bounds
 from compass.entry.layout import Part
@@ -109,7 +109,7 @@ def judge_filter(
         constellation, campaign, scenario, figure=figure, mask=mask, unknowns=unknowns
     )
     streams = np.random.SeedSequence(seed).spawn(campaign.size)
-    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+    with ThreadPoolExecutor(cores(threads)) as pool:
         work = pool.map(
             lambda m: _run(found, scenario, m, each, streams[m], parts_of_air), range(campaign.size)
         )

@@ -1,6 +1,5 @@
 """From a design to its coverage map, with the provenance that the map carries."""
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -10,6 +9,7 @@ import numpy as np
 
 import compass
 from compass.conventions import epoch_text
+from compass.cores import cores
 from compass.coverage.errors import error_map
 from compass.coverage.gaps import coverage_gaps, shortest_pass
 from compass.coverage.grid import Grid, make_grid
@@ -24,6 +24,7 @@ from compass.orbits import RepeatPeriod, repeat_period
 from compass.orbits.motion import Motion, MotionModel
 from compass.signal.ranges import Weighting, range_errors
 from compass.sites import Mask
+from compass.words import counted
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -163,7 +164,8 @@ def make_map(
     cost = map_cost(size, chosen.epochs, grid, workers, motion, in_metres)
     check_fits(
         cost.bytes,
-        f"map: {size} satellites at {chosen.epochs} epochs on {grid.rows} by {grid.columns} cells",
+        f"map: {counted(size, 'satellite')} at {counted(chosen.epochs, 'epoch')} on {grid.rows} by "
+        f"{grid.columns} cells",
         "ask for fewer epochs or larger cells",
     )
     foretell(cost)
@@ -229,7 +231,7 @@ def map_cost(
     them, where that is not done in pieces), the figures of every cell, and the dilutions of a row
     that each thread sorts.
     """
-    threads = workers or (os.cpu_count() or 1)
+    threads = cores(workers)
     cells = grid.rows * grid.columns
     needed = (
         (POSITION_BYTES if motion.is_closed_form else INTEGRATED_BYTES) * satellites * epochs

@@ -121,7 +121,7 @@ def test_candidates_that_raise_say_why(study, run, monkeypatch):
 
 
 def test_a_large_pool_is_offered_by_default(study, run, monkeypatch):
-    monkeypatch.setattr("os.cpu_count", lambda: 1)
+    monkeypatch.setattr("compass.api.trade.cores", lambda asked: asked or 1)
     status, out, _ = run("trade", study(), "-o", "elsewhere", "--json")
     assert status == 0 and json.loads(out)["store"] == "elsewhere"
 

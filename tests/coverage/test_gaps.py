@@ -181,6 +181,6 @@ def test_epochs_are_chosen_by_the_quickest_pass():
 
 
 def test_a_fold_below_one_is_told():
-    with pytest.raises(ArgumentError, match="fold = 0: must be at least 1"):
+    with pytest.raises(ArgumentError, match="fold = 0: must be a whole number from 1"):
         coverage_gaps(circular(2e7, 0, [0], [0]), COARSE, sphere_radius=R, span=1.0, ring=False,
                       fold=0)  # fmt: skip

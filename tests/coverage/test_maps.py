@@ -1,3 +1,6 @@
+import os
+import time
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -5,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compass import Design, Mask, Site, walker_delta
+from compass.cores import cores
 from compass.coverage.count import count_map
 from compass.coverage.files import write_map
 from compass.coverage.grid import equal_angle_grid, make_grid
@@ -193,7 +197,8 @@ def test_draims_four_satellites_cover_mars_always_and_just_so(designs):
 
 
 @pytest.mark.parametrize(
-    ("options", "message"), [({"fold": 0}, "at least 1"), ({"pdop_threshold": 0.0}, "positive")]
+    ("options", "message"),
+    [({"fold": 0}, "whole number from 1 on"), ({"pdop_threshold": 0.0}, "positive")],
 )
 def test_impossible_options_are_refused(options, message):
     with pytest.raises(ArgumentError, match=message):
@@ -264,6 +269,31 @@ def test_a_map_that_does_not_fit_is_refused_with_how_much_it_would_take():
     with pytest.raises(ArgumentError, match=r"3600 by 7200 cells would take .* GB, this machine"):
         make_map(many, MapOptions(step_deg=0.05, epochs=100_000), foretell=told.append)
     assert not told  # it is not begun
+
+
+def test_who_leaves_a_map_waits_for_the_rows_at_work_and_no_more():
+    from compass.coverage.maps import by_blocks
+
+    begun = []
+
+    def one_block(rows):
+        for i in rows:
+            begun.append(i)
+            time.sleep(0.001)
+
+    parts = by_blocks(make_grid("equal-angle", 1), one_block, 2, lambda rows: None)
+    next(parts)
+    parts.close()
+    assert 6 <= len(begun) < 60  # of 180
+
+
+def test_a_thread_a_core_that_may_be_used_unless_asked_otherwise(monkeypatch):
+    monkeypatch.setattr(os, "sched_getaffinity", lambda process: {3, 5, 7}, raising=False)
+    assert cores() == cores(None) == 3
+    assert cores(1) == 1
+    monkeypatch.delattr(os, "sched_getaffinity")
+    monkeypatch.setattr(os, "cpu_count", lambda: None)
+    assert cores() == 1
 
 
 def test_what_a_map_takes_is_told_before_it_is_begun(capsys):

@@ -320,14 +320,14 @@ def test_a_spread_of_the_air_by_height():
 
 
 def test_winds_are_flown_as_given_and_as_they_are():
-    text = changed("[atmosphere]\n", "[atmosphere]\nwinds_by_km = [[0, 10, 5], [60, -80, 0]]\n")
+    text = changed("[atmosphere]\n", "[atmosphere]\nwinds_by_km = [[0, 10, 5], [700, -80, 0]]\n")
     scenario = read(text + "\n[truth]\nwinds_by_km = [[0, 0, 0]]\n")
     r0 = scenario.model.planet_radius
-    assert scenario.model.atmosphere.winds == ((r0, 10.0, 5.0), (r0 + 60e3, -80.0, 0.0))
+    assert scenario.model.atmosphere.winds == ((r0, 10.0, 5.0), (r0 + 700e3, -80.0, 0.0))
     assert scenario.truth.atmosphere.winds == ((r0, 0.0, 0.0),)
     assert read(text).truth.atmosphere.winds == scenario.model.atmosphere.winds
     with pytest.raises(DesignError, match="winds: altitudes must increase") as told:
-        read(text.replace("[60, -80, 0]", "[0, -80, 0]"))
+        read(text.replace("[700, -80, 0]", "[0, -80, 0]"))
     assert "atmosphere.winds_by_km = [[0, 10, 5], [0, -80, 0]]: winds" in str(told.value)
     truth = GROUND + "\n[truth]\nwinds_by_km = [[1, 0, 0], [0, 1, 1]]\n"
     with pytest.raises(DesignError, match=r"truth\.winds_by_km = \[\[1, .* must increase strictly"):
@@ -377,3 +377,20 @@ def test_faults_of_instruments_are_said_together():
     published = (DESIGNS / "lou2019-recommended.toml").read_text()
     more = read(published + "\n[measurements.altimeter]\nsigma_m = 10\n", folder=DESIGNS)
     assert fusion_plan(more).case.instruments == ("own readings",)
+
+
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        ("[-11, 0, 0]", "[1][1] = -11: allowed -10 to 1000 km"),
+        ("[5, 0, -501]", "[1][3] = -501: allowed -500 to 500 m/s"),
+        ("[5, 0]", "[1] = [5, 0]: must have at least 3 values"),
+        ("5", "[1] = 5: must be a list"),
+    ],
+)
+def test_a_wrong_row_of_winds_gets_one_message_with_the_bounds_of_its_column(row, said):
+    text = changed("[atmosphere]\n", f"[atmosphere]\nwinds_by_km = [{row}]\n")
+    with pytest.raises(DesignError) as told:
+        read(text)
+    (fault,) = told.value.faults
+    assert f"atmosphere.winds_by_km{said}" in fault
