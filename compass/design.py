@@ -1,18 +1,19 @@
 """A design: a constellation, who uses it, and the stations and radios around it. No files."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from hashlib import sha256
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from compass.bodies import SOLAR_DAY
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, whole_number
 from compass.frames import BY_NAME, FigureByName
 from compass.integrity import Integrity
 from compass.orbits.constellation import Constellation
 from compass.orbits.motion import Motion
+from compass.orbits.patterns import with_changes, worded
 from compass.ranging import Signal
 from compass.sites import Mask, Site
 from compass.tracking import Tracking
@@ -273,7 +274,7 @@ class Requirement:
         return ", ".join(named) + high
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Design:
     """A constellation and what it is for. Two are equal if all their values are.
 
@@ -284,6 +285,8 @@ class Design:
     >>> design = compass.Design(pattern, figure="kelly2018-sphere", mask=compass.Mask.of(5))
     >>> design.name, design.figure.name
     ('45°: 15/5/1', 'kelly2018-sphere')
+    >>> design.varied(inclination_deg=50).name
+    '50°: 15/5/1'
 
     Attributes
     ----------
@@ -350,17 +353,104 @@ class Design:
     signal: Signal | None = None
     tracking: Tracking | None = None
     integrity: Integrity | None = None
-    text: str = ""
-    label: str = "design"
+    text: str = field(default="", compare=False)
+    label: str = field(default="design", compare=False)
 
     def __post_init__(self) -> None:
-        """Take a name from the constellation if there is no other, and lists as tuples."""
+        """Take a name from the constellation if there is no other, and lists as tuples.
+
+        Raises
+        ------
+        ArgumentError
+            A field holds something else than it must, or the fold is no whole number from 1 on.
+        """
         for several in ("stations", "radios", "requirements"):
             object.__setattr__(self, several, tuple(getattr(self, several)))
+        for name, kind, remedy in (
+            ("constellation", Constellation, "make it by walker_delta or from_elements, say"),
+            ("mask", Mask, "make it of degrees, Mask.of(5)"),
+        ):
+            _check_kind(name, getattr(self, name), kind, remedy)
+        for site in self.stations:
+            _check_kind("stations", site, Site, "make it of degrees, Site.of(...)")
+        for wanted in self.requirements:
+            _check_kind("requirements", wanted, Requirement, "make it by Requirement.of(...)")
+        object.__setattr__(self, "fold", whole_number("fold", self.fold, 1))
         if not self.name:
             object.__setattr__(self, "name", self.constellation.name)
+
+    def __repr__(self) -> str:
+        mask = f"{np.degrees(self.mask.lowest):g}"
+        if not self.mask.is_constant:
+            mask += f" to {np.degrees(self.mask.highest):g}"
+        counted = [("station", self.stations), ("requirement", self.requirements)]
+        beside = "".join(
+            f", {len(several)} {word}{'s' if len(several) > 1 else ''}"
+            for word, several in counted
+            if several
+        )
+        return (
+            f"Design {self.name}: {self.constellation.words}; {self.fold} wanted in view above "
+            f"{mask} deg, {self.motion.title}, {self.figure.words}{beside}"
+        )
 
     @property
     def digest(self) -> str:
         """SHA-256 of the text in hexadecimal, for provenance."""
         return sha256(self.text.encode()).hexdigest()
+
+    def varied(
+        self, *, mask_deg: float | None = None, fold: int | None = None, **changes: Any
+    ) -> "Design":
+        """Return the design with some of its numbers changed, by their keys in design files.
+
+        Parameters
+        ----------
+        mask_deg
+            As `compass.Mask.of`.
+        fold
+            Satellites wanted in view at once.
+        **changes
+            Of its pattern: ``satellites``, ``planes``, ``phasing``, ``inclination_deg``,
+            ``raan_deg``, ``phase_deg``, and one of ``radius_km``, ``altitude_km``, ``orbit`` and
+            ``repeat``. A design so changed is another: it is no longer compared with a paper.
+
+        Raises
+        ------
+        ArgumentError
+            A number that is not allowed or has another name; a pattern is to be changed where
+            the orbits form none.
+
+        Examples
+        --------
+        >>> import compass
+        >>> design = compass.read_design("designs/walker-15-15-6.toml")
+        >>> design.varied(inclination_deg=50, mask_deg=5).constellation.pattern.notation
+        '50°: 15/15/6'
+        """
+        made = replace(
+            self,
+            mask=self.mask if mask_deg is None else Mask.of(mask_deg),
+            fold=self.fold if fold is None else fold,
+            text="",
+        )
+        if not changes:
+            return made
+        if self.motion.table is not None:
+            raise ArgumentError(
+                f"{next(iter(changes))}: the paths of {self.name} are given by a table; change that"
+            )
+        moved = with_changes(self.constellation, changes, self.figure)
+        named = self.name == self.constellation.name
+        return replace(
+            made,
+            constellation=moved,
+            name=moved.name if named else f"{self.name}, {worded(changes)}",
+            paper=None,
+        )
+
+
+def _check_kind(name: str, value: object, kind: type, remedy: str) -> None:
+    """Refuse what a field cannot hold."""
+    if not isinstance(value, kind):
+        raise ArgumentError(f"{name} = {value!r}: must be a {kind.__name__}; {remedy}")

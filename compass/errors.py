@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
+from math import isfinite
+from numbers import Real
 
 
 class CompassError(Exception):
@@ -39,6 +41,38 @@ LIKENESS = 0.8
 def near(name: str, known: Iterable[str], most: int = 1) -> list[str]:
     """Names that someone who wrote `name` may have meant, nearest first; often none."""
     return get_close_matches(name, list(known), n=most, cutoff=LIKENESS)
+
+
+def whole_number(
+    name: str, value: object, least: int | None = None, most: int | None = None
+) -> int:
+    """Return a number that must be whole, as 15 or 15.0, within its range if it has one.
+
+    Raises
+    ------
+    ArgumentError
+        It is something else.
+    """
+    if isinstance(value, Real) and not isinstance(value, bool) and isfinite(value):
+        whole = int(float(value))
+        low, high = whole if least is None else least, whole if most is None else most
+        if whole == value and low <= whole <= high:
+            return whole
+    words = "" if least is None else f" from {least} " + ("on" if most is None else f"to {most}")
+    raise ArgumentError(f"{name} = {value!r}: must be a whole number{words}")
+
+
+def real_number(name: str, value: object) -> float:
+    """Return a number that must be finite.
+
+    Raises
+    ------
+    ArgumentError
+        It is something else.
+    """
+    if not isinstance(value, Real) or isinstance(value, bool) or not isfinite(value):
+        raise ArgumentError(f"{name} = {value!r}: must be a finite number")
+    return float(value)
 
 
 @contextmanager

@@ -10,7 +10,6 @@ from compass.bodies import (
     MARS_GM,
     PHOBOS_SEMI_MAJOR_AXIS,
 )
-from compass.core.motion import ELLIPSE, WIDTH
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY, mci_from_icrf
 
@@ -74,6 +73,8 @@ def moon_row(
     (Deimos) of the numerical ephemeris of Lainey, Dehant and Paetzold 2007 in 2000, and within
     32 and 45 km of JPL Horizons in 2024 (tests).
     """
+    from compass.core.motion import ELLIPSE, WIDTH
+
     if model not in get_args(MoonModel):
         raise ArgumentError(f"model = {model!r}: allowed {', '.join(get_args(MoonModel))}")
     days = (epoch + middle) / SECONDS_PER_DAY - _EPOCH_DAYS
@@ -115,8 +116,8 @@ def _circle(row: NDArray[np.float64], middle: float) -> NDArray[np.float64]:
 
     x, y = mover_state(row, np.zeros((1, 6)), middle)[:2]
     motion = np.sqrt(MARS_GM.value / row[1] ** 3)
-    circle = np.zeros(WIDTH)
-    circle[:4] = ELLIPSE, row[1], 0.0, 1.0
+    circle = np.zeros_like(row)
+    circle[:4] = row[0], row[1], 0.0, 1.0
     circle[7], circle[10] = np.mod(np.arctan2(y, x) - motion * middle, 2 * np.pi), motion
     circle[11:] = np.eye(3).ravel()
     return circle

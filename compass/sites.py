@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, real_number
 from compass.frames import (
     BY_NAME,
     DEFAULT_FIGURE,
@@ -125,7 +125,7 @@ class Mask:
         return np.interp(np.asarray(azimuth), self.azimuth, self.elevation, period=2 * np.pi)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Site:
     """A place on the surface; `Site.of` makes it of degrees and kilometres.
 
@@ -158,6 +158,13 @@ class Site:
                 f"latitude = {self.latitude:g} rad: allowed -pi/2 to pi/2; "
                 "Site.of takes degrees (latitude_deg)"
             )
+
+    def __repr__(self) -> str:
+        latitude, longitude = np.degrees([self.latitude, self.longitude])
+        return (
+            f"Site {self.name}: latitude {latitude:.6g} deg, longitude {longitude:.6g} deg, height "
+            f"{self.height / 1e3:g} km, {self.figure.words}"
+        )
 
     @classmethod
     def of(
@@ -202,7 +209,7 @@ class Site:
             ("longitude_deg", longitude_deg, (-180, 360)),
             ("height_km", height_km, (-10, 30)),
         ):
-            if not low <= value <= high:
+            if not low <= real_number(field_name, value) <= high:
                 raise ArgumentError(f"{field_name} = {value:g}: allowed {low} to {high}")
         place = float(np.radians(latitude_deg)), float(np.radians(longitude_deg))
         return cls(name, *place, height_km * 1e3, Mask.of(mask_deg), figure)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, whole_number
 from compass.frames import Figure, direction, planetographic_latitude
 from compass.sites import Mask, Site
 
@@ -185,8 +185,7 @@ def horizon(site: Site, terrain: Terrain, azimuths: int = 360) -> Horizon:
     """
     from compass.core.terrain import raise_horizon
 
-    if azimuths < 4:
-        raise ArgumentError(f"azimuths = {azimuths}: must be a whole number from 4 on")
+    whole_number("azimuths", azimuths, 4)
     if terrain.figure != site.figure:
         raise ArgumentError(
             f"{terrain.label}: heights over {terrain.figure.name}, but {site.name} stands on "

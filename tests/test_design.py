@@ -125,3 +125,94 @@ share = 0.9
     made = compass.Design(three(), mask=compass.Mask.of(5), stations=[gale], requirements=[work])
     assert hash(made) == hash(replace(made, stations=(gale,)))  # lists will do
     assert replace(read_design_text(TEXT + table), text="") == made
+
+
+def test_a_number_of_a_design_is_varied_by_its_key_in_files():
+    """As if it had been written so: laid out anew by the constructor, the rest as it was."""
+    made = compass.Design(three(), "Mine", fold=2, paper="kelly2018", stations=[
+        compass.Site.of("x", latitude_deg=1, longitude_deg=2)
+    ])  # fmt: skip
+    moved = made.varied(inclination_deg=40, mask_deg=5)
+    assert moved.constellation == compass.walker_delta(
+        3, 3, 1, inclination_deg=40, altitude_km=17000, raan_deg=12,
+        name="Three, inclination_deg = 40",
+    )  # fmt: skip
+    assert moved.mask == compass.Mask.of(5) and moved.fold == 2 and moved.stations == made.stations
+    assert moved.name == "Mine, inclination_deg = 40" and moved.paper is None
+    assert made.varied(fold=3, mask_deg=0) == replace(made, fold=3)
+    higher = made.varied(orbit="areosynchronous", planes=1, phasing=0).constellation
+    assert higher.repeat == (1, 1) and higher.pattern.planes == 1
+    unnamed = compass.Design(compass.walker_delta(3, 3, 1, inclination_deg=50, radius_km=2e4))
+    assert unnamed.varied(radius_km=21000).name == unnamed.name == "50°: 3/3/1"
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"inclination": 40}, "inclination: unknown; did you mean inclination_deg?"),
+        ({"colour": 1}, "colour: unknown; allowed satellites, planes, phasing"),
+        ({"planes": 2}, "3 satellites do not divide into 2 planes"),
+        ({"inclination_deg": "40"}, "inclination_deg = '40': must be a finite number"),
+        ({"radius_km": 2e7}, "radius_km = 2e.07: allowed up to 1e.06 km"),
+        ({"mask_deg": 95}, "elevations .* allowed 0 up to below 90"),
+        ({"fold": 1.5}, "fold = 1.5: must be a whole number from 1 on"),
+    ],
+)
+def test_what_cannot_be_varied_is_refused(changes, message):
+    with pytest.raises(ArgumentError, match=message):
+        compass.Design(three()).varied(**changes)
+
+
+def test_orbits_of_their_own_have_no_number_to_vary():
+    single = compass.from_elements(semi_major_axis_km=9000, eccentricity=0.1, inclination_deg=1)
+    with pytest.raises(ArgumentError, match="radius_km: the orbits of constellation form no patt"):
+        compass.Design(single).varied(radius_km=9500)
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"mask": 5}, r"mask = 5: must be a Mask; make it of degrees, Mask.of\(5\)"),
+        ({"fold": 0}, "fold = 0: must be a whole number from 1 on"),
+        ({"fold": "4"}, "fold = '4': must be a whole number"),
+        ({"stations": ["Gale=1,2"]}, "stations = 'Gale=1,2': must be a Site"),
+        ({"requirements": [4]}, "requirements = 4: must be a Requirement"),
+    ],
+)
+def test_a_design_refuses_what_it_cannot_hold(fields, message):
+    with pytest.raises(ArgumentError, match=message):
+        compass.Design(three(), **fields)
+    with pytest.raises(ArgumentError, match="constellation = 'x': must be a Constellation"):
+        compass.Design("x")
+
+
+def test_things_say_in_a_line_what_they_are(designs):
+    pattern = compass.walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
+    words = "walker-delta 45°: 15/5/1, 15 satellites in 5 planes at 20427 km"
+    assert repr(pattern) == f"Constellation {words}"
+    assert repr(pattern.without([0])) == (
+        "Constellation 45°: 15/5/1: 14 satellites on orbits of their own, 20427 to 20427 km from "
+        "the centre"
+    )
+    assert pattern.without(range(15)).words == "0 satellites"
+    gale = compass.Site.of("Gale", latitude_deg=-4.6, longitude_deg=137.4, mask_deg=10)
+    mask = compass.Mask.of([(0, 5), (180, 12)])
+    assert repr(compass.Design(pattern, "Mine", mask=mask, stations=[gale])) == (
+        f"Design Mine: {words}; 4 wanted in view above 5 to 12 deg, two-body motion, IAU 2015 "
+        "sphere, 1 station"
+    )
+    assert repr(gale).startswith("Site Gale: latitude -4.6 deg, longitude 137.4 deg, height 0 km")
+    for read, name in ((compass.read_scenario, "landing"), (compass.read_study, "study-small")):
+        line = repr(read(designs / f"{name}.toml"))
+        assert "\n" not in line and "array" not in line and len(line) < 200
+
+
+def test_a_design_of_python_has_the_text_of_a_file():
+    """What a result was made from stands in it, and tells one design from another."""
+    one, other = (compass.Design(three(), name) for name in ("one", "other"))
+    shown, again = compass.show(one).design, compass.show(other).design
+    assert shown.digest != again.digest and read_design_text(shown.text) == replace(
+        shown, constellation=replace(shown.constellation, name="one")
+    )
+    heavier = compass.Design(replace(three(), gm=4e13))  # which no file can say
+    assert compass.show(heavier).design.text == ""

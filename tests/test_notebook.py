@@ -4,6 +4,7 @@ import ast
 from pathlib import Path
 
 import numpy as np
+import pandas
 import pytest
 
 import compass
@@ -27,12 +28,12 @@ def test_a_design_made_in_a_notebook():
 
 def test_a_students_sweep_over_inclination():
     """Which inclination leaves the highest mask? Second way: the search finds the same."""
-    margins = {}
+    pattern = compass.walker_delta(5, 5, 1, inclination_deg=45, orbit="areosynchronous")
+    design, margins = compass.Design(pattern, fold=1), {}
     for inclination in (40.0, 43.66, 47.0):
-        pattern = compass.walker_delta(
-            5, 5, 1, inclination_deg=inclination, orbit="areosynchronous"
-        )
-        margins[inclination] = compass.fold(compass.Design(pattern), fold=1).mask_margin_deg
+        margins[inclination] = compass.fold(
+            design.varied(inclination_deg=inclination)
+        ).mask_margin_deg
     assert max(margins, key=margins.get) == 43.66
     assert margins[43.66] == pytest.approx(11.5, abs=0.05)
 
@@ -46,6 +47,11 @@ def test_the_readmes_jobs(tmp_path, monkeypatch):
     assert best.constellation.size == found.best.constellation.size == 5
     seen = compass.access(best, stations=["Gale=-4.6,137.4"], duration_sols=1)
     assert seen.plot().get_title() == "Satellites in sight of Gale"
+    table = pandas.DataFrame(seen.windows)
+    assert table.duration_s.sum() == pytest.approx(
+        float((seen.dataset.end - seen.dataset.start).sum())
+    )
+    assert set(table.columns) >= {"first", "second", "start_s", "max_elevation_deg"}
     flown = compass.land(DESIGNS / "entry-ground-beacons.toml", runs=3)
     assert np.isfinite(flown.to_dict()["navigation"]["position_rms_m"]).all()
     made = compass.export(best, format="czml", output="best.czml")

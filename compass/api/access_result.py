@@ -4,7 +4,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import compass
 from compass.api.results import Result
@@ -33,6 +33,18 @@ WINDOWS_GOOD_TO = "1 ms of the motion modelled"
 SUFFIXES = (".nc", ".csv", ".json")
 
 
+class Window(NamedTuple):
+    """When two nodes see each other; seconds after the epoch."""
+
+    first: str
+    second: str
+    start_s: float
+    end_s: float
+    duration_s: float
+    culmination_s: float
+    max_elevation_deg: float
+
+
 @dataclass(frozen=True, repr=False)
 class AccessResult(Result):
     """Windows of all pairs, and what they come to.
@@ -53,6 +65,15 @@ class AccessResult(Result):
     found: Survey = field(repr=False)
     record: dict[str, Any] = field(repr=False)
     pairs: bool = False
+
+    @property
+    def windows(self) -> tuple[Window, ...]:
+        """Every window, a row each: ``pandas.DataFrame(found.windows)`` is the table of them."""
+        return tuple(
+            Window(pair["first"], pair["second"], **window)
+            for pair in self.record["pairs"]
+            for window in pair["windows"]
+        )
 
     @property
     def dataset(self) -> "xr.Dataset":
@@ -139,7 +160,7 @@ class AccessResult(Result):
                 text = json.dumps(self.to_dict(), indent=2, allow_nan=False)
                 temporary.write_text(text + "\n", encoding="utf-8")
             else:
-                _write_csv(temporary, self.record["pairs"])
+                write_csv(temporary, list(Window._fields), self.windows)
 
     def plot(self, name: str | None = None, *, axes: "Axes | None" = None) -> "Axes":
         """Draw when a node sees each satellite: a row a satellite, a bar a window.
@@ -216,16 +237,3 @@ def _cell(row: dict[str, Any], name: str) -> object:
     if name in _WORDS:
         return value
     return "–" if value is None else Value(quantity(f"access.{name}"), value)
-
-
-def _write_csv(path: Path, pairs: Sequence[dict[str, Any]]) -> None:
-    names = ["start_s", "end_s", "duration_s", "culmination_s", "max_elevation_deg"]
-    write_csv(
-        path,
-        ["first", "second", *names],
-        (
-            [pair["first"], pair["second"], *(window[name] for name in names)]
-            for pair in pairs
-            for window in pair["windows"]
-        ),
-    )

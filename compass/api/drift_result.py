@@ -88,7 +88,9 @@ class DriftResult(Result):
     @property
     def lasting(self) -> LastingResult:
         """The claim alone."""
-        return LastingResult(self.design, self.mask_deg, self.motion, self.drift.lasting)
+        return LastingResult(
+            self.design, self.drift.lasting.fold, self.mask_deg, self.motion, self.drift.lasting
+        )
 
     @property
     def days_proven(self) -> float:

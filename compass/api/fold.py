@@ -3,6 +3,7 @@
 from math import degrees, inf
 from pathlib import Path
 
+from compass.api.fold_claim import FoldClaim
 from compass.api.fold_result import FoldResult
 from compass.api.given import given_design, given_fold, given_mask
 from compass.api.lasting import LastingResult
@@ -32,7 +33,7 @@ def fold(
     start_day: float = 0.0,
     motion: MotionModel | None = None,
     progress: bool = False,
-) -> FoldResult | LastingResult:
+) -> FoldClaim:
     """Prove continuous k-fold coverage, or refute it with a witness; no grid, no time steps.
 
     Parameters
@@ -54,6 +55,11 @@ def fold(
         ``two-body``, ``j2`` or ``numerical``; else the design's.
     progress
         Show bars on stderr.
+
+    Returns
+    -------
+    claim
+        A `FoldResult`, with margins and shares; along paths a `LastingResult`, with the days.
 
     Raises
     ------
@@ -152,4 +158,4 @@ def _over_days(
         stop=stop,
         progress=lambda days: bar(progress, "fold: days", days, leave=False),
     )
-    return LastingResult(design, degrees(mask.highest), motion.title, found)
+    return LastingResult(design, wanted, degrees(mask.highest), motion.title, found)

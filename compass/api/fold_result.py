@@ -1,14 +1,13 @@
 """Continuous coverage of a design, proven or refuted, as text, numbers and picture."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any
 
-from compass.api.results import Result
+from compass.api.fold_claim import FoldClaim
 from compass.coverage.certificate import Outcome
 from compass.coverage.clearance import Clearance
 from compass.coverage.continuous import ContinuousCoverage
-from compass.design import Design
 from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block, facts
 from compass.document.plain import plain
@@ -24,16 +23,15 @@ LISTED = 20
 
 
 @dataclass(frozen=True, repr=False)
-class FoldResult(Result):
+class FoldResult(FoldClaim):
     """Whether a design has continuous k-fold coverage, and its margins.
 
     Attributes
     ----------
-    design
-        What was asked about.
-    fold, mask_deg, region
-        The claim: so many satellites above so many degrees, where; of a mask by azimuth its
-        highest.
+    design, fold, mask_deg
+        As of `FoldClaim`.
+    region
+        Where.
     coverage
         What was found, in SI units and radians.
     sites
@@ -41,9 +39,6 @@ class FoldResult(Result):
         for the whole globe and all time, of orbits of one period.
     """
 
-    design: Design = field(repr=False)
-    fold: int
-    mask_deg: float
     region: str
     coverage: ContinuousCoverage
     sites: tuple[tuple[Site, Clearance], ...] = ()
@@ -52,11 +47,6 @@ class FoldResult(Result):
     def outcome(self) -> Outcome:
         """Proven, refuted or undecided."""
         return self.coverage.outcome
-
-    @property
-    def holds(self) -> bool:
-        """Whether the claim is proven."""
-        return self.outcome is Outcome.PROVEN
 
     @property
     def mask_margin_deg(self) -> float | None:

@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from math import radians
-from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from compass.design import Design
-from compass.errors import ArgumentError, said_of
+from compass.errors import ArgumentError, real_number, said_of, whole_number
 from compass.inputs import read_design
+from compass.orbits.constellation import Constellation
 from compass.sites import Mask, Site
 
 if TYPE_CHECKING:
@@ -28,12 +28,23 @@ def given_design(design: Design | str | Path) -> Design:
         It is something else.
     """
     if isinstance(design, Design):
-        return design
+        return design if design.text else _written(design)
     if isinstance(design, str | Path):
         return read_design(design)
+    hint = "; make it one, Design(...)" if isinstance(design, Constellation) else ""
     raise ArgumentError(
-        f"design = {type(design).__name__}: must be a Design or the path of a design file"
+        f"design = {type(design).__name__}: must be a Design or the path of a design file{hint}"
     )
+
+
+def _written(design: Design) -> Design:
+    """Return a design that is of no file with the text of one, by which results are told apart."""
+    from compass.handover.toml import design_toml
+
+    try:
+        return replace(design, text=design_toml(design))
+    except ArgumentError:  # about a Mars of another mass, which no file can say
+        return design
 
 
 def joined_designs(designs: Sequence[Design | str | Path]) -> Design:
@@ -126,11 +137,7 @@ def given_fold(fold: int | None, design: Design) -> int:
     ArgumentError
         It is no whole number from 1 on.
     """
-    if fold is None:
-        return design.fold
-    if isinstance(fold, bool) or not isinstance(fold, Integral) or fold < 1:
-        raise ArgumentError(f"fold = {fold}: must be a whole number from 1 on")
-    return int(fold)
+    return design.fold if fold is None else whole_number("fold", fold, 1)
 
 
 def given_mask(mask_deg: float | None, design: Design) -> Mask:
@@ -143,7 +150,7 @@ def given_mask(mask_deg: float | None, design: Design) -> Mask:
     """
     if mask_deg is None:
         return design.mask
-    if not 0 <= mask_deg < 90:
+    if not 0 <= real_number("mask_deg", mask_deg) < 90:
         raise ArgumentError(f"mask_deg = {mask_deg:g}: allowed 0 up to below 90 degrees")
     return Mask.constant(radians(mask_deg))
 

@@ -29,6 +29,7 @@ from compass.frames import SECONDS_PER_DAY
 from compass.inputs import read_design
 from compass.inputs.scenario import Scenario
 from compass.orbits.motion import Motion
+from compass.orbits.patterns import FARTHEST_KM
 from compass.orbits.touching import touching
 from compass.saving import check_writable, replacing
 from compass.study.judge import campaign_of
@@ -294,8 +295,9 @@ def _rival_radius(
     if rival is None:
         raise ArgumentError("rival_radius_km: says where --rival is to look; give --rival too")
     surface = designs[0].figure.equatorial_radius / 1e3
-    if not surface < radius_km <= 1e7:
+    if not surface < radius_km <= FARTHEST_KM:
         raise ArgumentError(
-            f"rival_radius_km = {radius_km:g}: allowed above the surface ({surface:g} km) to 1e7 km"
+            f"rival_radius_km = {radius_km:g}: allowed above the surface ({surface:g} km) to "
+            f"{FARTHEST_KM:g} km"
         )
     return radius_km * 1e3

@@ -1,35 +1,35 @@
 """Coverage over a span of real paths: proven for so many days, or lost at a moment and a place."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import atan, degrees
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from compass.api.results import Result
+from compass.api.fold_claim import FoldClaim
 from compass.coverage.certificate import Outcome
 from compass.coverage.lasting import RESOLUTION, Lasting
-from compass.design import Design
 from compass.document import Page, Proven, Sentence, Value, Verdict
 from compass.document.blocks import Block, facts
 from compass.document.plain import plain
 from compass.quantities import quantity
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 
 @dataclass(frozen=True, repr=False)
-class LastingResult(Result):
+class LastingResult(FoldClaim):
     """Whether a design keeps its fold for so many days.
 
     Attributes
     ----------
-    design
-        What was asked about.
-    mask_deg, motion
-        Elevation mask, and under what motion.
+    design, fold, mask_deg
+        As of `FoldClaim`.
+    motion
+        Under what motion.
     lasting
         What was found, SI.
     """
 
-    design: Design = field(repr=False)
-    mask_deg: float
     motion: str
     lasting: Lasting
 
@@ -37,11 +37,6 @@ class LastingResult(Result):
     def outcome(self) -> Outcome:
         """Proven, refuted or undecided."""
         return self.lasting.outcome
-
-    @property
-    def holds(self) -> bool:
-        """Whether the claim is proven for the whole span."""
-        return self.outcome is Outcome.PROVEN
 
     @property
     def days(self) -> float:
@@ -115,6 +110,35 @@ class LastingResult(Result):
             facts("How long", numbers),
             Sentence(how),
         )
+
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
+        """Draw the days as a bar: proven, open, and where the fold is lost.
+
+        Parameters
+        ----------
+        axes
+            Where to; new ones without.
+        """
+        from compass.pictures.style import CYCLE, FAINT, MARS, axes_or_new, look
+
+        found, drawn = self.lasting, axes_or_new(axes, 8.0, 1.8)
+        day = 86400.0
+        with look():
+            for start, stop, colour, word in (
+                (found.start, found.proven_until, CYCLE[2], "proven"),
+                *((*piece, FAINT, "open") for piece in found.unsettled),
+            ):
+                drawn.barh(0, (stop - start) / day, left=start / day, color=colour, label=word)
+            if found.lost_at is not None:
+                drawn.axvline(found.lost_at / day, color=MARS, label="lost")
+            drawn.set(
+                xlabel="days after the epoch", xlim=(found.start / day, found.stop / day),
+                ylim=(-1.0, 1.0), yticks=(),
+                title=f"{self.design.name}: {found.fold}-fold above {self.mask_deg:g} deg",
+            )  # fmt: skip
+            told = dict(zip(*reversed(drawn.get_legend_handles_labels()), strict=True))
+            drawn.legend(told.values(), told.keys(), loc="upper left", ncols=3)
+        return drawn
 
     def _loss(self) -> str:
         found = self.lasting

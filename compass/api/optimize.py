@@ -10,7 +10,6 @@ import numpy as np
 from compass.api.given import given_scenario
 from compass.api.progress import bar
 from compass.api.results import Result
-from compass.core.entry_geometry import cartesian_of
 from compass.document import Page, Picture, Sentence, Table, Verdict
 from compass.document.plain import plain
 from compass.entry.best_directions import best_directions_found
@@ -19,6 +18,7 @@ from compass.entry.best_orbiters import best_orbiters
 from compass.entry.fisher import best_determinant
 from compass.entry.search import Optimum
 from compass.entry.trajectory import Trajectory, fly
+from compass.entry.views import cartesian_of
 from compass.errors import ArgumentError
 from compass.inputs.scenario import Scenario, provenance
 

@@ -18,6 +18,7 @@ from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.forces import ForceModel
 from compass.orbits.motion import Motion
+from compass.orbits.patterns import FARTHEST_KM
 from compass.orbits.trajectory import COARSE
 from compass.orbits.trimming import beat_of, can_trim, trim, with_axes
 
@@ -153,7 +154,7 @@ def read_radii(text: str) -> list[float]:
             found = [float(part) for part in text.split(",")]
     except (ValueError, ZeroDivisionError, OverflowError):
         found = []
-    if not 0 < len(found) <= 1000 or not all(0 < radius < 1e7 for radius in found):
+    if not 0 < len(found) <= 1000 or not all(0 < radius <= FARTHEST_KM for radius in found):
         raise ArgumentError(
             f"radius_km = {text!r}: write FIRST..LAST:STEP or A,B,C in km, at most 1000 radii"
         )

@@ -20,6 +20,7 @@ from compass.saving import replacing, save_netcdf, write_csv
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
 
 #: Papers with figures drawn from data.
 DRAWN = ("kelly2018",)
@@ -60,6 +61,42 @@ class ReproduceResult(Result):
         """Plain values for JSON."""
         rows = [row.as_dict() for row in self.rows]
         return plain({"paper": self.paper, "title": self.title, "rows": rows} | self.counts)
+
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
+        """Draw how far each number found is from the printed one, in its tolerances.
+
+        Numbers within one tolerance agree. Statements, and rows without a printed number, have no
+        place.
+
+        Parameters
+        ----------
+        axes
+            Where to; new ones without.
+        """
+        from compass.pictures.style import CYCLE, MARS, axes_or_new, look
+
+        rows = [(row, off) for row in self.rows if (off := row.off) is not None]
+        drawn = axes_or_new(axes, 8.0, 1.8 + 0.16 * len(rows))
+        colours = {Verdict.DIFFERS: MARS, Verdict.ERRATUM: CYCLE[4]}
+        with look():
+            drawn.axvspan(-1.0, 1.0, color=CYCLE[2], alpha=0.15)
+            for verdict in Verdict:
+                places = [k for k, (row, _) in enumerate(rows) if row.verdict is verdict]
+                if places:
+                    drawn.plot(
+                        [rows[k][1] for k in places], places, "o", markersize=4,
+                        color=colours.get(verdict, CYCLE[0]), label=str(verdict),
+                    )  # fmt: skip
+            drawn.set_xscale("symlog", linthresh=1.0)
+            drawn.set_yticks(range(len(rows)), [row.item for row, _ in rows], fontsize=7)
+            drawn.set_ylim(max(len(rows), 4) - 0.5, -0.5)
+            drawn.set(
+                xlabel="found less printed, in tolerances",
+                title=f"{self.paper}: {len(rows)} numbers",
+            )
+            if rows:
+                drawn.legend(loc="lower right")
+        return drawn
 
     def pictures(self) -> tuple[Picture, ...]:
         """Draw the figures of the paper that have data here; none for a paper without any."""

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import degrees, inf, radians, sin
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from compass.api.results import Result
 from compass.design import Design, Requirement
@@ -21,6 +21,9 @@ from compass.saving import replacing
 from compass.sites import Mask
 from compass.study.requirement_question import Found, Outcome, Question
 from compass.study.requirement_search import MOST_CERTIFIED
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, repr=False)
@@ -143,6 +146,34 @@ class RequirementSearchResult(Result):
         if self.holds:
             blocks.append(self._table())
         return Page("Search for requirements", (*blocks, Sentence(how)))
+
+    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
+        """Draw the margin of every constellation found; of several radii the smallest size of each.
+
+        Parameters
+        ----------
+        axes
+            Where to; new ones without.
+        """
+        from compass.pictures.bars import draw_bars
+
+        if self.heights:
+            return draw_bars(
+                axes,
+                [f"{one.question.radius / 1e3:.6g} km" for one in self.heights],
+                [one.size if one.holds else None for one in self.heights],
+                quantity("satellites"),
+                "Smallest constellation by orbit radius",
+            )
+        following = self.found.next_best
+        shown = [*self.found.met, *([following] if following else [])]
+        return draw_bars(
+            axes,
+            [f"{one.constellation.size}: {_name(one.constellation)}" for one in shown],
+            [None if one.margin is None else degrees(one.margin) for one in shown],
+            quantity("requirement_margin_deg"),
+            "Constellations that meet all requirements",
+        )
 
     def _table(self) -> Table:
         near, margin = quantity("closest_approach_deg"), quantity("requirement_margin_deg")

@@ -15,7 +15,7 @@ from compass.api.search_result import SearchResult
 from compass.coverage.certified_effort import Effort
 from compass.design import Requirement
 from compass.errors import ArgumentError
-from compass.frames import FIGURES, Figure
+from compass.frames import FIGURES
 from compass.orbits.patterns import orbit_radius
 from compass.study import search as engine
 from compass.study.requirement_question import Question
@@ -23,9 +23,6 @@ from compass.study.requirement_search import search_for
 
 #: Radii tried of a range, evenly apart, its ends among them.
 RADII = 9
-
-#: Orbits are of less than this, metres.
-MOST_RADIUS = 1e10
 
 
 def search(
@@ -124,7 +121,7 @@ def search(
         return _covering(
             fold,
             mask_deg,
-            _radius(_one(radius_km), altitude_km, orbit, repeat, FIGURES[figure])[0],
+            orbit_radius(_one(radius_km), altitude_km, orbit, repeat, FIGURES[figure])[0],
             figure,
             pattern,
             max_satellites,
@@ -146,7 +143,7 @@ def search(
     )
     found = []
     for one_km in _radii(radius_km):
-        radius, closed = _radius(one_km, altitude_km, orbit, repeat, needs.figure)
+        radius, closed = orbit_radius(one_km, altitude_km, orbit, repeat, needs.figure)
         question = Question(
             needs.requirements,
             needs.figure,
@@ -241,17 +238,3 @@ def _radii(radius_km: float | tuple[float, float] | None) -> list[float | None]:
     if not low < high:
         raise ArgumentError(f"radius_km = {low:g} to {high:g}: the least first, below the greatest")
     return [float(each) for each in np.linspace(low, high, RADII)]
-
-
-def _radius(
-    radius_km: float | None,
-    altitude_km: float | None,
-    orbit: str | None,
-    repeat: Sequence[int] | None,
-    figure: Figure,
-) -> tuple[float, tuple[int, int] | None]:
-    """Orbit radius, metres, of the one that is given, and how tracks close if that is said."""
-    radius, closed = orbit_radius(radius_km, altitude_km, orbit, repeat, figure)
-    if not radius < MOST_RADIUS:
-        raise ArgumentError(f"radius_km = {radius / 1e3:g}: allowed below {MOST_RADIUS / 1e3:g} km")
-    return radius, closed

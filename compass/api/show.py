@@ -70,15 +70,11 @@ class ShowResult(Result):
         return Page(self.design.name, tuple(blocks))
 
     def _in_a_sentence(self) -> str:
-        c, pattern = self.design.constellation, self.design.constellation.pattern
-        if pattern is None or self.geometry is None:
-            return f"{c.size} satellites on orbits of their own"
+        words = self.design.constellation.words
+        if self.geometry is None:
+            return words
         share = Value(quantity("cap.fraction"), self.geometry.cap.fraction)
-        planes = f"{pattern.planes} plane{'s' if pattern.planes > 1 else ''}"
-        return (
-            f"{pattern.kind} {pattern.notation}, {c.size} satellites in {planes} at "
-            f"{c.semi_major_axis[0] / KM:.6g} km; each sees {share} % of Mars"
-        )
+        return f"{words}; each sees {share} % of Mars"
 
     def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw where the satellites stand: node against mean argument of latitude.

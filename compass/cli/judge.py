@@ -1,15 +1,12 @@
 """``compass judge``: candidate constellations ranked by landing-navigation quality."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from compass.cli.options import json_option, path, real, whole
 from compass.cli.shared import announce_compilation, command_line, print_result, say, watched
-
-if TYPE_CHECKING:
-    from compass.api.judge import JudgeResult
 
 
 @click.command()
@@ -56,13 +53,6 @@ def command(designs: tuple[Path, ...], folder: Path | None, as_json: bool, **opt
     if options["rival"] is not None:
         say(f"wrote {options['rival']}")
     if folder is not None:
-        _write_page(folder, found)
+        made = compass.report(found, output=folder, command=command_line(), progress=watched())
+        say(f"report: {made.page}")
     print_result(found, as_json)
-
-
-def _write_page(folder: Path, found: "JudgeResult") -> None:
-    from compass.pages.judge import judge_report
-    from compass.pages.page import write_page
-
-    page, sections = judge_report(found.ranking, found.designs, found.scenario, command_line())
-    say(f"report: {write_page(folder, page, sections)}")

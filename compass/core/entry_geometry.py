@@ -6,8 +6,6 @@ and velocities relative to the rotating planet.
 
 import math
 
-import numpy as np
-
 from compass.core.jit import fast_kernel
 
 
@@ -91,18 +89,3 @@ def range_rows(c, beacon, beacon_velocity, jacobian, range_row, rate_row):
             + nz * jacobian[5, j]
         )
     return distance, rate
-
-
-@fast_kernel
-def cartesian_states(states, out):
-    """`cartesian` of many states: (t, >= 6) to (t, 6)."""
-    for k in range(states.shape[0]):
-        cartesian(states[k], out[k])
-
-
-def cartesian_of(states):
-    """Positions and velocities, shape (..., 6), of states (..., >= 6)."""
-    flat = np.ascontiguousarray(np.asarray(states, dtype=float).reshape(-1, np.shape(states)[-1]))
-    out = np.empty((flat.shape[0], 6))
-    cartesian_states(flat, out)
-    return out.reshape(*np.shape(states)[:-1], 6)

@@ -30,12 +30,26 @@ def compile_for_types_alone(compiled: Any) -> None:
     compiled.get_call_template = get_call_template
 
 
+def compile_once_among_processes(compiled: Any) -> None:
+    """Let a process wait for another that compiles the same kernel, and take what it keeps."""
+    compile_here = compiled.compile
+
+    def compile(sig: Any) -> Any:
+        try:
+            return compile_here(sig)
+        finally:
+            compiled._cache.let_others_compile()
+
+    compiled.compile = compile
+
+
 def _compiler(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     def compile_cached(function: Callable[..., Any]) -> Any:
         compiled = njit(nogil=True, error_model="numpy", **options)(function)
         if not config.DISABLE_JIT:
             compiled._cache = KernelCache(function)
             compile_for_types_alone(compiled)
+            compile_once_among_processes(compiled)
         return compiled
 
     return compile_cached

@@ -10,12 +10,14 @@ import hashlib
 import os
 import re
 import stat
+import sys
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
+from importlib import import_module
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import IO, Any, ClassVar
 
 from numba import config
 from numba.core.caching import (
@@ -24,6 +26,7 @@ from numba.core.caching import (
     _CacheLocator,
     _SourceFileBackedLocatorMixin,
 )
+from numba.np import linalg
 
 SOURCES = Path(__file__).parent
 
@@ -170,6 +173,45 @@ def _kept_in(place: Path) -> Callable[[Callable[..., Any]], Any]:
     return Kept
 
 
+def spare_linear_algebra() -> None:
+    """Have Numba load kernels without SciPy's linear algebra, which takes longer than they do.
+
+    At its first kernel Numba imports it only to learn whether it is there, and for us it is. A
+    kernel that solves equations imports it when it is called.
+    """
+    if "numba.np.arraymath" not in sys.modules:
+        asked, linalg.ensure_blas = linalg.ensure_blas, lambda: None
+        try:
+            vars(import_module("numba.np.arraymath"))["ensure_blas"] = asked
+        finally:
+            linalg.ensure_blas = asked
+
+
+class Turn:
+    """One process at a time in a folder, as far as its file system can tell them apart.
+
+    It ends with the process at the latest, however that ends.
+    """
+
+    def __init__(self) -> None:
+        self._file: IO[bytes] | None = None
+
+    def take(self, path: Path) -> None:
+        """Wait until nobody else has it; a place without locks is everybody's."""
+        with suppress(OSError, ImportError):
+            import fcntl  # not on Windows
+
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = path.open("ab")
+            fcntl.flock(self._file, fcntl.LOCK_EX)
+
+    def end(self) -> None:
+        """Let the next one in."""
+        if self._file:
+            self._file.close()
+            self._file = None
+
+
 class KernelCache:
     """A kernel's compiled forms on disk, as Numba's dispatchers ask for them.
 
@@ -187,9 +229,26 @@ class KernelCache:
             config.CACHE_LOCATOR_CLASSES = theirs
         self._new = None if new is None else self._all[readable.index(new)]
         self.cache_path = None if self._new is None else self._new.cache_path
+        self._turn, self._name = Turn(), function.__qualname__
 
     def load_overload(self, signature: Any, context: Any) -> Any:
-        """Return what is kept for a signature, or None."""
+        """Return what is kept for a signature, or None: then it is this process's to compile.
+
+        Where several ask at once, one compiles and the others wait here. Kernels are waited for
+        in the order of calls, from the outer to the inner, so nobody waits in a circle.
+        """
+        spare_linear_algebra()
+        found = self._load(signature, context)
+        if found is None and self.cache_path is not None:
+            self._turn.take(Path(self.cache_path) / f"{self._name}.lock")
+            found = self._load(signature, context)
+        return found
+
+    def let_others_compile(self) -> None:
+        """End this process's turn to compile, if it has it."""
+        self._turn.end()
+
+    def _load(self, signature: Any, context: Any) -> Any:
         for kept in self._all:
             with suppress(Exception):  # a damaged file may say anything
                 if (found := kept.load_overload(signature, context)) is not None:

@@ -16,7 +16,7 @@ from compass.coverage.region import GLOBE, Region
 from compass.coverage.stretches import revolutions
 from compass.coverage.symmetry import Span, shortest_span
 from compass.coverage.witness import Witness, find_witness
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, whole_number
 from compass.frames import mcmf_from_mci, prime_meridian_angle
 from compass.orbits import Constellation
 
@@ -272,8 +272,7 @@ def _settle(
 
 
 def _check(constellation: Constellation, fold: int, sphere_radius: float, mask: float) -> None:
-    if fold < 1:
-        raise ArgumentError(f"fold = {fold}: must be a whole number from 1 on")
+    whole_number("fold", fold, 1)
     if not -np.pi / 2 < mask < np.pi / 2:
         raise ArgumentError(f"mask_deg = {np.degrees(mask):g}: allowed above -90 up to below 90")
     cap_radius(constellation.periapsis_radius, sphere_radius, mask)

@@ -10,7 +10,7 @@ from compass.bodies import MARS_ROTATION_RATE
 from compass.coverage.region import Region
 from compass.coverage.symmetry import deciding_part
 from compass.coverage.users import Users, centric
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, whole_number
 from compass.frames import prime_meridian_angle
 from compass.orbits import Constellation
 from compass.orbits.symmetry import one_circle, one_period
@@ -21,8 +21,7 @@ MOST_REVOLUTIONS = 5000.0
 
 def check_users(c: Constellation, users: Users, fold: int) -> None:
     """Refuse a fold below 1, users above the satellites, and those who look through Mars."""
-    if fold < 1:
-        raise ArgumentError(f"fold = {fold}: must be a whole number from 1 on")
+    whole_number("fold", fold, 1)
     surface = users.figure.equatorial_radius
     if c.size and c.periapsis_radius.min() <= surface + users.height:
         lowest = (c.periapsis_radius.min() - surface) / 1e3

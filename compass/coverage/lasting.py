@@ -27,7 +27,7 @@ from compass.coverage.certificate import Outcome
 from compass.coverage.region import GLOBE, Region
 from compass.coverage.stretches import between_breaks
 from compass.coverage.witness import Witness, witness_among
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, whole_number
 from compass.frames import SECONDS_PER_DAY, mcmf_from_mci, prime_meridian_angle
 from compass.orbits.motion import check_span
 from compass.orbits.trajectory import Trajectory
@@ -282,8 +282,7 @@ def _span(path: Trajectory, start: float | None, stop: float | None) -> tuple[fl
 def _check(
     path: Trajectory, fold: int, sphere_radius: float, mask: float, start: float, stop: float
 ) -> None:
-    if fold < 1:
-        raise ArgumentError(f"fold = {fold}: must be a whole number from 1 on")
+    whole_number("fold", fold, 1)
     if not -np.pi / 2 < mask < np.pi / 2:
         raise ArgumentError(f"mask_deg = {np.degrees(mask):g}: allowed above -90 up to below 90")
     times = 0.5 * (path.breaks[1:] + path.breaks[:-1])

@@ -9,7 +9,8 @@ from compass.core.entry.filter import covariance_run
 from compass.core.entry.rates import acceleration
 from compass.entry.covariance import LONGEST_STEP, Bound, noise_roots
 from compass.entry.layout import Layout
-from compass.entry.trajectory import Event, Trajectory, Trigger
+from compass.entry.start import Trigger
+from compass.entry.trajectory import Event, Trajectory
 from compass.entry.views import along_cross_down, cartesian_of, local_axes
 
 Array = NDArray[np.float64]

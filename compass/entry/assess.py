@@ -10,12 +10,14 @@ from compass.entry.accuracy import Accuracy, accuracy
 from compass.entry.beacons import Beacons
 from compass.entry.consistency import Consistency, consistency
 from compass.entry.covariance import Bound, linear_covariance
+from compass.entry.filters import Filter
 from compass.entry.layout import Layout
 from compass.entry.model import EntryModel
-from compass.entry.navigation import Filter, MonteCarlo, run_monte_carlo
+from compass.entry.navigation import MonteCarlo, run_monte_carlo
 from compass.entry.observability import BlindSpots, Observability, blind_spots, observability
 from compass.entry.schedule import Measurements, check_apart, in_view
-from compass.entry.trajectory import Trajectory, Trigger, trajectory_dataset
+from compass.entry.start import Trigger
+from compass.entry.trajectory import Trajectory, trajectory_dataset
 
 if TYPE_CHECKING:
     import xarray as xr

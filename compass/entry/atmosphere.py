@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.bodies import Constant
-from compass.core.entry_dynamics import log_density_ratio
 from compass.errors import ArgumentError, DesignError
 
 CO2_GAS_CONSTANT = Constant(
@@ -68,10 +67,8 @@ class Atmosphere:
         if any(not 0 < density < float("inf") for density in self.table_density):
             raise ArgumentError("atmosphere table: every density must be positive")
         if self.table_radius:
-            head = np.zeros(7)
-            tail = [*self.table_radius, *np.log(self.table_density)]
-            here, _ = log_density_ratio(self.reference_radius, np.concatenate([head, tail]))
-            object.__setattr__(self, "reference_density", float(np.exp(here)))
+            here = float(np.exp(self._log_density(self.reference_radius)))
+            object.__setattr__(self, "reference_density", here)
 
     @property
     def log_reference_density(self) -> float:
@@ -87,20 +84,22 @@ class Atmosphere:
         """Tail of the kernel's parameter array: radii, then ``ln(rho/rho(r0))``; may be empty."""
         if not self.table_radius:
             return np.empty(0)
-        radius, logs = np.array(self.table_radius), np.log(self.table_density)
-        tail = np.concatenate([radius, logs])
-        head = np.zeros(7)
-        at_reference, _ = log_density_ratio(self.reference_radius, np.concatenate([head, tail]))
-        return np.concatenate([radius, logs - at_reference])
+        logs = np.log(self.table_density) - self._log_density(self.reference_radius)
+        return np.concatenate([self.table_radius, logs])
 
     def density(self, radius: ArrayLike) -> NDArray[np.float64]:
         """Density at distances from Mars's centre (m, any shape), kg/m^3."""
-        head = np.zeros(7)
-        head[1], head[2] = self.reference_radius, self.scale_height
-        p = np.concatenate([head, self.table_parameters()])
+        return np.exp(self._log_density(np.asarray(radius, dtype=float)))
+
+    def _log_density(self, radius: ArrayLike) -> NDArray[np.float64]:
+        """``ln rho``; linear between the rows of a table, its end layers going on for ever."""
         r = np.asarray(radius, dtype=float)
-        ratio = np.array([log_density_ratio(value, p)[0] for value in r.ravel()])
-        return self.reference_density * np.exp(ratio).reshape(r.shape)
+        if not self.table_radius:
+            return self.log_reference_density + (self.reference_radius - r) / self.scale_height
+        rows, logs = np.array(self.table_radius), np.log(self.table_density)
+        low = np.clip(np.searchsorted(rows, r, side="right") - 1, 0, rows.size - 2)
+        slope = np.diff(logs) / np.diff(rows)
+        return np.asarray(logs[low] + slope[low] * (r - rows[low]))
 
     def of_density(self, reference_density: float) -> "Atmosphere":
         """Return the atmosphere with another density at its reference radius, a table scaled."""

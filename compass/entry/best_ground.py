@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import Bounds, OptimizeResult, minimize
 
-from compass.core.entry_geometry import cartesian_of
 from compass.core.entry_search import determinants, minimum_degree, position_series
 from compass.entry.beacons import Beacons
 from compass.entry.covariance import linear_covariance
 from compass.entry.schedule import Measurements
 from compass.entry.search import Optimum, Start, multistart
 from compass.entry.trajectory import Trajectory
+from compass.entry.views import cartesian_of
 from compass.entry.visible_area import VisibleArea
 from compass.errors import ArgumentError
 from compass.frames import latitude_longitude

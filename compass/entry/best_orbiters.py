@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from scipy.integrate import simpson
 from scipy.optimize import OptimizeResult, minimize
 
-from compass.core.entry_geometry import cartesian_of
 from compass.core.entry_search import circle_positions, determinants, view_margins
 from compass.entry.search import Optimum, multistart
 from compass.entry.trajectory import Trajectory
+from compass.entry.views import cartesian_of
 from compass.errors import ArgumentError
 from compass.frames import mcmf_from_mci
 

@@ -19,7 +19,8 @@ from compass.entry.radio import (
     arrival_probability,
     electron_density,
 )
-from compass.entry.trajectory import Trigger, watched_level
+from compass.entry.start import Trigger
+from compass.entry.trajectory import watched_level
 from compass.entry.views import along_cross_down, cartesian_of
 from compass.errors import ArgumentError
 from compass.frames import latitude_longitude

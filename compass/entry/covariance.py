@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.entry.filter import covariance_run
 from compass.entry.beacons import Beacons
 from compass.entry.layout import Layout
 from compass.entry.model import EntryModel
@@ -93,6 +92,8 @@ def linear_covariance(
     ----------
     Tichavsky, Muravchik and Nehorai 1998, IEEE Trans. Signal Process. 46:1386, eq. 21.
     """
+    from compass.core.entry.filter import covariance_run
+
     flown = np.ascontiguousarray(path, dtype=float)
     blocks = layout or Layout(beacons=beacons.size)
     out = np.empty((len(flown), blocks.size, blocks.size))

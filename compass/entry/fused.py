@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from compass.core.entry.groups import Arrangement, Knowledge
 from compass.core.entry.weights import DETERMINANT, EQUAL, FAST, TRACE
 from compass.entry.covariance import LONGEST_STEP, noise_roots
+from compass.entry.filters import root
 from compass.entry.fusion import Weighting
 from compass.entry.inertial import InertialCase
 from compass.entry.layout import Layout, Part
 from compass.entry.model import EntryModel
-from compass.entry.navigation import root
 from compass.errors import ArgumentError
 
 Array = NDArray[np.float64]

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry.fused_runs import Outcome, fused_runs
-from compass.core.entry.measure import AXES, KINDS
+from compass.core.entry.kinds import KINDS
+from compass.core.entry.measure import AXES
 from compass.entry.consistency import LOST, nees_bounds
 from compass.entry.faults import Fault
 from compass.entry.fused import STATE_NAMES, STATE_UNITS, FusedFilter

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry.fused_runs import Truth
-from compass.core.entry.measure import AXES, KINDS
+from compass.core.entry.kinds import KINDS
+from compass.core.entry.measure import AXES
 from compass.entry.beacons import Beacons
 from compass.entry.covariance import noise_roots
 from compass.entry.faults import Fault, fault_tables

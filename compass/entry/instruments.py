@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.measure import BEARING, ECHO, ECHO_RATE, HEIGHT, VELOCITY
+from compass.core.entry.kinds import BEARING, ECHO, ECHO_RATE, HEIGHT, VELOCITY
 from compass.errors import ArgumentError
 from compass.frames import direction
 

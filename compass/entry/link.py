@@ -6,7 +6,6 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.contacts.radio import carrier_to_noise
 from compass.design import Radio
 from compass.entry.atmosphere import Atmosphere
 from compass.entry.beacons import Beacons
@@ -65,6 +64,8 @@ class Link:
         self, beacons: Beacons, path: Array, air: Atmosphere, planet_radius: float
     ) -> Array:
         """C/N0 of every beacon's signal along a flight (t, 6), dB Hz, shape (t, n)."""
+        from compass.contacts.radio import carrier_to_noise
+
         line = beacons.r - path[:, None, :3]
         distance = np.linalg.norm(line, axis=2)
         free = carrier_to_noise(self.radio, distance)

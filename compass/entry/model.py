@@ -13,20 +13,11 @@ from compass.bodies import (
     MARS_J2_RADIUS,
     MARS_ROTATION_RATE,
 )
-from compass.core.entry.rates import TABLE
-from compass.core.entry_dynamics import CENTRIFUGAL, CORIOLIS, SWAPPED
 from compass.entry.atmosphere import Atmosphere
 from compass.entry.vehicle import Vehicle
 from compass.errors import ArgumentError
 
 Rotation = Literal["none", "coriolis", "full", "published-coriolis"]
-
-_TERMS = {
-    "none": CORIOLIS,
-    "coriolis": CORIOLIS,
-    "full": CENTRIFUGAL,
-    "published-coriolis": SWAPPED,
-}
 
 
 @dataclass(frozen=True)
@@ -61,7 +52,7 @@ class EntryModel:
     j2: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.rotation not in _TERMS:
+        if self.rotation not in get_args(Rotation):
             allowed = ", ".join(get_args(Rotation))
             raise ArgumentError(f"rotation = {self.rotation!r}: allowed {allowed}")
         if self.atmosphere.winds and self.rotation == "published-coriolis":
@@ -80,6 +71,13 @@ class EntryModel:
         """Rate at which the Mars-fixed axes turn, rad/s: zero for a planet at rest."""
         return 0.0 if self.rotation == "none" else self.rotation_rate
 
+    @property
+    def _terms(self) -> float:
+        """Number by which kernels know the terms of the rotation."""
+        from compass.core.entry_dynamics import CENTRIFUGAL, CORIOLIS, SWAPPED
+
+        return {"full": CENTRIFUGAL, "published-coriolis": SWAPPED}.get(self.rotation, CORIOLIS)
+
     def parameters(self, bank: float = 0.0) -> NDArray[np.float64]:
         """Parameter array of `compass.core.entry_dynamics`, for one bank angle (radians)."""
         air = self.atmosphere
@@ -90,19 +88,18 @@ class EntryModel:
             self.vehicle.drag_area_per_mass,
             bank,
             self.omega,
-            _TERMS[self.rotation],
+            self._terms,
         ]
         return np.concatenate([head, air.table_parameters()])
 
     def flight_parameters(self) -> NDArray[np.float64]:
         """Parameter array of `compass.core.entry.rates`."""
         air, craft = self.atmosphere, self.vehicle
-        head = np.zeros(TABLE)
-        head[:] = [
+        head = [
             self.gm,
             1.5 * self.j2 * self.gm * MARS_J2_RADIUS.value**2,
             self.omega,
-            _TERMS[self.rotation],
+            self._terms,
             air.log_reference_density,
             air.reference_radius,
             air.scale_height,

@@ -3,88 +3,28 @@
 import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.core.entry.filter import PLAIN, RELINEARISED, UNSCENTED, filter_run
-from compass.core.entry.measure import RANGE, RATE, ideal_values
+from compass.core.entry.kinds import RANGE, RATE
+from compass.core.entry.measure import ideal_values
 from compass.core.entry.runs import monte_carlo
 from compass.entry.beacons import Beacons
 from compass.entry.covariance import longest_step, noise_roots
-from compass.entry.layout import Layout, Part
+from compass.entry.filters import Filter, root
 from compass.entry.model import EntryModel
 from compass.entry.schedule import Measurements
 from compass.entry.trajectory import Trajectory, fly
 from compass.entry.views import spherical_of
 from compass.errors import ArgumentError
 
-Method = Literal["plain", "unscented", "relinearised"]
+#: Numbers by which the kernel knows the methods.
 _METHODS = {"plain": PLAIN, "unscented": UNSCENTED, "relinearised": RELINEARISED}
 
 #: Runs handed to a thread at once.
 BLOCK = 20
-
-
-@dataclass(frozen=True)
-class Filter:
-    """An extended Kalman filter on Mars-fixed position and velocity, and on further blocks.
-
-    Attributes
-    ----------
-    covariance0
-        Covariance of the first position and velocity, (6, 6), SI.
-    noise
-        Process noise variance per second of the six spherical numbers, (6,).
-    iterations
-        Passes of each update: 1 is the plain filter, more the iterated one.
-    parts
-        Further blocks, estimated or considered.
-    method
-        ``plain``: extended; ``unscented``: moved on through spread points; ``relinearised``: looks
-        back when density or L/D is known twice as well; see `compass.core.entry.filter`.
-    """
-
-    covariance0: NDArray[np.float64]
-    noise: NDArray[np.float64]
-    iterations: int = 1
-    parts: tuple[Part, ...] = ()
-    method: Method = "plain"
-
-    def __post_init__(self) -> None:
-        if self.method not in _METHODS:
-            raise ArgumentError(f"method = {self.method!r}: allowed {', '.join(_METHODS)}")
-        if self.method == "relinearised" and (
-            np.any(self.noise) or any(part.scales for part in self.parts)
-        ):
-            raise ArgumentError(
-                "filter: with process noise or a density that wanders there is no one flight to "
-                'look back along; take method = "unscented"'
-            )
-        if self.iterations < 1:
-            raise ArgumentError(f"iterations = {self.iterations}: must be at least 1")
-        if np.any(~(np.asarray(self.noise) >= 0)):
-            raise ArgumentError("process noise: every variance must be 0 or more")
-        try:
-            root(np.asarray(self.covariance0, dtype=float))
-        except np.linalg.LinAlgError as error:
-            raise ArgumentError(
-                "initial covariance: not positive definite; every sigma must be above 0"
-            ) from error
-
-    def layout(self, beacons: int) -> Layout:
-        """Where the blocks of the state stand, for so many beacons."""
-        return Layout(self.parts, beacons)
-
-
-def root(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Cholesky factor, of the correlation matrix scaled back: metres beside radians cost none."""
-    scale = np.sqrt(np.diag(covariance))
-    if not np.all(scale > 0):
-        raise np.linalg.LinAlgError("a variance is not positive")
-    factor: NDArray[np.float64] = np.linalg.cholesky(covariance / np.outer(scale, scale))
-    return scale[:, None] * factor
 
 
 def ideal_measurements(path: ArrayLike, beacons: Beacons) -> NDArray[np.float64]:

@@ -7,7 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.entry_geometry import cartesian_jacobian, cartesian_of
+from compass.core.entry_geometry import cartesian_jacobian
 from compass.core.entry_observability import (
     EXACT,
     LINEAR,
@@ -19,6 +19,7 @@ from compass.core.entry_observability import (
 from compass.core.jacobi_svd import jacobi_svd
 from compass.entry.beacons import Beacons
 from compass.entry.model import EntryModel
+from compass.entry.views import cartesian_of
 from compass.errors import ArgumentError
 
 Method = Literal["exact", "quadratic", "published-quadratic", "linear"]

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.entry.measure import RANGE, RATE
-from compass.core.entry_geometry import cartesian_of
+from compass.core.entry.kinds import RANGE, RATE
 from compass.entry.beacons import Beacons
 from compass.entry.instruments import Features, Instrument
 from compass.entry.link import Link
 from compass.entry.model import EntryModel
+from compass.entry.views import cartesian_of
 from compass.errors import ArgumentError
 
 #: Of a lander that knows nothing by sight.

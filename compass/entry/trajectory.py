@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,7 @@ from compass.core.entry.dop853 import (
 )
 from compass.core.entry.rates import through_air
 from compass.entry.model import EntryModel
+from compass.entry.start import Trigger, check_start
 from compass.entry.state import longitude_degrees
 from compass.entry.views import cartesian_of, spherical_of
 from compass.errors import ArgumentError
@@ -41,25 +42,6 @@ ABSOLUTE_TOLERANCE = np.array([1e-7, 1e-7, 1e-7, 1e-10, 1e-10, 1e-10])
 
 #: Seconds between the points at which loads are looked for, and the most points.
 LOAD_STEP, LOAD_POINTS = 0.25, 40_000
-
-
-@dataclass(frozen=True)
-class Trigger:
-    """Something to be noticed on the way down: the first fall to a level.
-
-    Attributes
-    ----------
-    name
-        What to call it.
-    quantity
-        ``altitude`` (m over the planet's sphere), ``speed`` (m/s) or ``mach``.
-    level
-        In the quantity's unit.
-    """
-
-    name: str
-    quantity: Literal["altitude", "speed", "mach"]
-    level: float
 
 
 @dataclass(frozen=True)
@@ -219,24 +201,6 @@ def _missed(triggers: Sequence[Trigger], happened: Sequence[Event], end: float) 
         for trigger in triggers
         if trigger.name not in met
     )
-
-
-def check_start(model: EntryModel, x: NDArray[np.float64]) -> None:
-    """Raise `ArgumentError` unless a flight can start from state `x`, as said of `fly`."""
-    if not np.isfinite(x).all():
-        raise ArgumentError("entry state: every component must be a finite number")
-    if x[0] <= model.planet_radius:
-        raise ArgumentError(
-            f"entry.radius_km = {x[0] / 1e3:g}: not above the ground; must be more than "
-            f"{model.planet_radius / 1e3:g} km"
-        )
-    if x[3] <= 0:
-        raise ArgumentError(f"entry.speed_m_s = {x[3]:g}: must be above 0")
-    if abs(np.cos(x[4])) < 1e-6:
-        raise ArgumentError(
-            f"entry.flight_path_deg = {np.degrees(x[4]):g}: vertical, the heading is undefined; "
-            "must be strictly between -90 and 90"
-        )
 
 
 def _watch_list(

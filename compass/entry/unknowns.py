@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.many import directions
 from compass.entry.beacons import Beacons
 from compass.entry.layout import Part
 from compass.errors import ArgumentError
@@ -74,6 +73,8 @@ class Unknowns:
 
     def range_sigmas(self, beacons: Beacons, path: Array, omega: float) -> Array:
         """One sigma of the error of the range to every satellite, m, (n,), in mid-flight."""
+        from compass.core.entry.many import directions
+
         k = len(path) // 2
         axes = np.empty((3, 3))
         out = np.empty(beacons.size)

@@ -3,12 +3,31 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.entry_geometry import cartesian_jacobian, cartesian_of
 from compass.frames import east_north_up, latitude_longitude
 
 Array = NDArray[np.float64]
 
-__all__ = ["along_cross_down", "cartesian_of", "local_axes", "spherical_jacobian", "spherical_of"]
+
+def cartesian_of(states: ArrayLike) -> Array:
+    """Mars-fixed positions and velocities, shape (..., 6), of spherical states (..., 6 or more).
+
+    The other way round as `spherical_of`.
+    """
+    radius, lon, lat, speed, gamma, psi = np.moveaxis(np.asarray(states, dtype=float), -1, 0)[:6]
+    axes = east_north_up(lat, lon)
+    position = radius[..., None] * axes[..., 2, :]
+    return np.concatenate([position, _along(axes, *_parts(speed, gamma, psi))], axis=-1)
+
+
+def _parts(speed: Array, gamma: Array, psi: Array) -> tuple[Array, Array, Array]:
+    """Velocity to the east, to the north and up."""
+    level = speed * np.cos(gamma)
+    return level * np.sin(psi), level * np.cos(psi), speed * np.sin(gamma)
+
+
+def _along(axes: Array, east: Array, north: Array, up: Array) -> Array:
+    """Vectors of their parts along local axes (..., 3, 3)."""
+    return (np.stack([east, north, up], axis=-1)[..., None] * axes).sum(axis=-2)
 
 
 def spherical_of(path: ArrayLike) -> Array:
@@ -32,11 +51,30 @@ def spherical_jacobian(path: ArrayLike) -> Array:
     A covariance S of the spherical numbers is ``J S J^T`` in Cartesian ones. Finite everywhere;
     singular on the polar axis and for vertical flight.
     """
-    flat = spherical_of(path).reshape(-1, 6)
-    out = np.empty((len(flat), 6, 6))
-    for state, jacobian in zip(flat, out, strict=True):  # a few hundred epochs at most
-        cartesian_jacobian(state, jacobian)
-    return out.reshape(*np.shape(path)[:-1], 6, 6)
+    radius, lon, lat, speed, gamma, psi = np.moveaxis(spherical_of(path), -1, 0)
+    axes = east_north_up(lat, lon)
+    (x, y), zero = np.moveaxis(np.asarray(path, dtype=float)[..., 3:5], -1, 0), np.zeros_like(lon)
+    east, north, up = _parts(speed, gamma, psi)
+    climb, level = speed * np.cos(gamma), -speed * np.sin(gamma)
+    moved = (
+        (zero, zero, np.ones_like(lon)),
+        (radius * np.cos(lat), zero, zero),
+        (zero, radius, zero),
+        *((zero, zero, zero),) * 3,
+    )
+    turned = (
+        np.zeros((*lon.shape, 3)),
+        np.stack([-y, x, zero], axis=-1),  # about the pole
+        _along(axes, zero, up, -north),  # about the east
+        _along(axes, *_parts(np.ones_like(lon), gamma, psi)),
+        _along(axes, level * np.sin(psi), level * np.cos(psi), climb),
+        _along(axes, north, -east, zero),
+    )
+    columns = [
+        np.concatenate([_along(axes, *parts), change], axis=-1)
+        for parts, change in zip(moved, turned, strict=True)
+    ]
+    return np.stack(columns, axis=-1)
 
 
 def local_axes(position: ArrayLike) -> Array:

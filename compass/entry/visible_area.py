@@ -4,9 +4,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize
 
-from compass.core.entry_geometry import cartesian_of
 from compass.entry.trajectory import Trajectory
-from compass.entry.views import local_axes
+from compass.entry.views import cartesian_of, local_axes
 from compass.errors import ArgumentError
 
 #: Beacons are placed this fraction of the way to the edge at most, to be strictly in view.

@@ -1,6 +1,7 @@
 """Design files: a constellation written down so that reading it gives the same one back."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from datetime import timedelta
 
 import numpy as np
@@ -28,7 +29,7 @@ def design_toml(design: Design) -> str:
     Stations get planetocentric latitudes; comments of the file it was read from are lost.
     """
     written = constellation_toml(
-        design.constellation,
+        replace(design.constellation, name=design.name),
         design.figure,
         mask=design.mask,
         fold=design.fold,

@@ -12,12 +12,13 @@ from compass.inputs.signal import SignalTable
 from compass.inputs.table import Table
 from compass.inputs.tracking import TrackingTable
 from compass.orbits.kinds import KINDS, PatternKind
+from compass.orbits.patterns import FARTHEST_KM
 
 SatelliteCount = Annotated[int, Field(ge=1, le=10_000)]
 Inclination = Annotated[float, Field(ge=0, le=180)]
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 Rotations = Annotated[int, Field(ge=1, le=1000)]
-Kilometres = Annotated[float, Field(gt=0, le=1e7)]
+Kilometres = Annotated[float, Field(gt=0, le=FARTHEST_KM)]
 
 
 class CircularOrbit(Table):

@@ -15,13 +15,13 @@ from compass.conventions import epoch_text
 from compass.entry.atmosphere import Atmosphere, read_atmosphere_table
 from compass.entry.beacons import Beacons, orbiting_beacons, surface_beacons
 from compass.entry.covariance import axes_covariance
+from compass.entry.filters import Filter, Method
 from compass.entry.layout import Part
 from compass.entry.mars_air import PROFILE, SPREAD
 from compass.entry.model import EntryModel
-from compass.entry.navigation import Filter, Method
 from compass.entry.schedule import Measurements
+from compass.entry.start import Trigger, check_start
 from compass.entry.state import azimuth_from_heading, state_from_cartesian
-from compass.entry.trajectory import Trigger, check_start
 from compass.entry.vehicle import Vehicle
 from compass.entry.views import cartesian_of, spherical_jacobian
 from compass.errors import ArgumentError, CompassError, DesignError
@@ -83,7 +83,7 @@ class Orbiters:
     mask: float = float("nan")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Scenario:
     """A scenario file, read.
 
@@ -148,6 +148,13 @@ class Scenario:
     digest: str
     label: str
     notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        satellites = sum(orbiters.constellation.size for orbiters in self.orbiters)
+        return (
+            f"Scenario {self.name}: {self.times[-1]:g} s of flight, beacons: "
+            f"{len(self.surface_names)} on the ground, {satellites} in orbit"
+        )
 
     @property
     def deployment(self) -> Trigger | None:

@@ -15,7 +15,6 @@ from compass.entry.doubts import NO_DOUBTS, Doubts
 from compass.errors import ArgumentError, CompassError, DesignError
 from compass.frames import FIGURES, Figure
 from compass.inputs.design import launching_of, read_design, site_of
-from compass.inputs.merit import MERITS, STAGES
 from compass.inputs.motion import motion_of_table
 from compass.inputs.reading import parse, read_text
 from compass.inputs.requirements import requirements_of
@@ -35,6 +34,7 @@ from compass.inputs.study_models import (
 )
 from compass.orbits import areosynchronous_radius
 from compass.orbits.motion import Motion
+from compass.quantities.merits import MERITS, STAGES
 from compass.saving import readable
 
 FileKind = TypeVar("FileKind", Scenario, Design)
@@ -145,7 +145,7 @@ class EntryStage:
     doubts: Doubts = NO_DOUBTS
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Study:
     """A study file, read.
 
@@ -196,6 +196,10 @@ class Study:
     digest: str
     label: str
     requirements: tuple[Requirement, ...] = ()
+
+    def __repr__(self) -> str:
+        wanted = ", ".join(f"{one.goal} {one.figure}" for one in self.objectives)
+        return f"Study {self.name}: {wanted}; stages: {', '.join(self.stages)}"
 
     @property
     def stages(self) -> tuple[str, ...]:

@@ -7,9 +7,10 @@ from compass.errors import near
 from compass.frames import FIGURES
 from compass.inputs.design import place_faults
 from compass.inputs.faults import fault
-from compass.inputs.merit import MERITS
 from compass.inputs.motion import motion_faults
 from compass.inputs.requirements import requirement_faults
+from compass.orbits.patterns import FARTHEST_KM
+from compass.quantities.merits import MERITS
 
 #: Values that one list of a study may come to.
 MOST_VALUES = 100_000
@@ -30,8 +31,8 @@ def study_faults(raw: dict[str, Any]) -> list[str]:
         faults += _range_faults(space, "inclination_deg", 0, 180)
         faults += _range_faults(space, "mask_deg", 0, 89.999)
         surface = figure.equatorial_radius / 1e3
-        allowed = f"allowed from 1 m above the surface ({surface:g} km) to 1e7 km"
-        faults += _range_faults(space, "radius_km", surface + 1e-3, 1e7, allowed=allowed)
+        allowed = f"allowed from 1 m above the surface ({surface:g} km) to {FARTHEST_KM:g} km"
+        faults += _range_faults(space, "radius_km", surface + 1e-3, FARTHEST_KM, allowed=allowed)
         if ("orbits" in space) == ("radius_km" in space):
             found = "both" if "orbits" in space else "neither"
             faults.append(f"study: needs either orbits or radius_km; found {found}")

@@ -13,12 +13,13 @@ from compass.errors import ArgumentError
 from compass.orbits.pattern import Pattern, find_pattern
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Constellation:
     """Orbits of n satellites about Mars: osculating or mean elements at an epoch.
 
     Constellations compare and hash by value: elements, epoch, names and GM. Two of them join
-    by ``+``. The arrays are read-only copies.
+    by ``+``; satellites of one name then get that of their constellation before it. The arrays
+    are read-only copies.
 
     Examples
     --------
@@ -27,6 +28,8 @@ class Constellation:
     >>> polar = compass.from_elements(
     ...     semi_major_axis_km=9000, inclination_deg=90, satellite_names=["polar"]
     ... )
+    >>> ring
+    Constellation walker-delta 0°: 3/1/0, 3 satellites in 1 plane at 20427.7 km
     >>> (ring + polar).size, ring.without([0]).size, (ring + polar).pattern is None
     (4, 2, True)
 
@@ -84,7 +87,8 @@ class Constellation:
         Raises
         ------
         ArgumentError
-            Different epochs or gravitational parameters, or a satellite's name twice.
+            Different epochs or gravitational parameters, or both of one name and with satellites
+            of one name.
         """
         if not isinstance(other, Constellation):
             return NotImplemented
@@ -95,10 +99,12 @@ class Constellation:
             )
         names = self.satellite_names + other.satellite_names
         if len(set(names)) < len(names):
+            names = tuple(f"{c.name} {name}" for c in (self, other) for name in c.satellite_names)
+        if len(set(names)) < len(names):
             twice = next(name for name in names if names.count(name) > 1)
             raise ArgumentError(
-                f"{self.name} + {other.name}: two satellites are called {twice}; give each its "
-                "own name"
+                f"{self.name} + {other.name}: two satellites are called {twice}; give each "
+                "constellation its own name"
             )
         both: dict[str, Any] = {
             e: np.concatenate([getattr(self, e), getattr(other, e)]) for e in ELEMENTS
@@ -106,6 +112,23 @@ class Constellation:
         repeat = self.repeat if self.repeat == other.repeat else None
         name = f"{self.name} + {other.name}"
         return replace(self, name=name, satellite_names=names, repeat=repeat, **both)
+
+    def __repr__(self) -> str:
+        known = self.pattern is not None and self.name == self.pattern.notation
+        return f"Constellation {'' if known else f'{self.name}: '}{self.words}"
+
+    @property
+    def words(self) -> str:
+        """What it is, in words: its pattern, or how many and how far out."""
+        count = f"{self.size} satellite{'s' if self.size != 1 else ''}"
+        if (pattern := self.pattern) is not None:
+            planes = f"{pattern.planes} plane{'s' if pattern.planes > 1 else ''}"
+            radius = f"{self.semi_major_axis[0] / 1e3:.6g} km"
+            return f"{pattern.kind} {pattern.notation}, {count} in {planes} at {radius}"
+        if not self.size:
+            return count
+        low, high = self.periapsis_radius.min() / 1e3, self.apoapsis_radius.max() / 1e3
+        return f"{count} on orbits of their own, {low:.6g} to {high:.6g} km from the centre"
 
     @property
     def size(self) -> int:

@@ -18,7 +18,6 @@ from compass.bodies import (
     SUN_IRRADIANCE,
     SUN_RADIUS,
 )
-from compass.core import forces as places
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY, prime_meridian_angle
 from compass.moons import moon_row
@@ -124,6 +123,8 @@ class ForceModel:
         start, stop
             Seconds after the epoch.
         """
+        from compass.core import forces as places
+
         low, high = min(start, stop), max(start, stop)
         pieces = max(int(np.ceil((high - low) / PIECE)), 1)
         length = max(high - low, 1.0) / pieces

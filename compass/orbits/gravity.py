@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.gravity import COLUMNS
 from compass.errors import ArgumentError, DesignError
 
 #: The highest degree that is read; recursion and time grow with its square.
@@ -97,6 +96,8 @@ class GravityField:
         (n + 1, m +- 1) in the acceleration (Montenbruck and Gill 2000, eq. 3.33), here times the
         ratio of the normalisations.
         """
+        from compass.core.gravity import COLUMNS
+
         top = self.degree + 1
         table = np.zeros((top + 1, top + 1, COLUMNS))
         for m in range(top + 1):

@@ -11,7 +11,7 @@ from fractions import Fraction
 from math import gcd, pi
 from typing import Any, Literal
 
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, real_number, whole_number
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,20 @@ class Parameter:
     least: float | None = None
     most: float | None = None
     default: float | None = None
+
+    def check(self, value: object) -> None:
+        """Raise `ArgumentError` unless the value is of the form and in the range.
+
+        Ratios, and ranges that depend on others, are for the kind to judge.
+        """
+        bounds = () if self.least is None or self.most is None else (self.least, self.most)
+        if self.form == "whole":
+            whole_number(self.name, value, *map(int, bounds))
+        elif self.form == "real":
+            number = real_number(self.name, value)
+            if bounds and not bounds[0] <= number <= bounds[1]:
+                allowed = f"allowed {bounds[0]:g} to {bounds[1]:g} degrees"
+                raise ArgumentError(f"{self.name} = {number:g}: {allowed}")
 
 
 @dataclass(frozen=True)
@@ -130,7 +144,7 @@ def walker_phasing(satellites: int, planes: int, multiplier: Fraction | float | 
         m is not a multiple of P/N, or two satellites would share a place.
     """
     check_counts(satellites, planes)
-    steps = Fraction(multiplier).limit_denominator(10**6) * satellites / planes
+    steps = ratio_of(multiplier) * satellites / planes
     per_plane = satellites // planes
     if steps.denominator != 1:
         raise ArgumentError(
@@ -143,6 +157,21 @@ def walker_phasing(satellites: int, planes: int, multiplier: Fraction | float | 
             f"its numerator over {per_plane} must have no factor in common with {per_plane}"
         )
     return int(steps) % planes
+
+
+def ratio_of(multiplier: Fraction | float | str) -> Fraction:
+    """Ballard's m as a fraction.
+
+    Raises
+    ------
+    ArgumentError
+        It is no finite number.
+    """
+    try:
+        return Fraction(multiplier).limit_denominator(10**6)
+    except (TypeError, ValueError, ZeroDivisionError, OverflowError):
+        allowed = 'must be a finite number or a fraction such as "1/4"'
+        raise ArgumentError(f"multiplier = {multiplier!r}: {allowed}") from None
 
 
 def least_multiplier(satellites: int, planes: int, phasing: int) -> Fraction | None:

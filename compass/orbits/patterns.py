@@ -1,21 +1,34 @@
 """Constellations as people write them: patterns and elements in degrees and kilometres."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.bodies import MARS_GM
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, near, real_number
 from compass.frames import DEFAULT_FIGURE, Figure, figure_of
 from compass.orbits.anomaly import mean_of_true
 from compass.orbits.constellation import Constellation, from_pattern, keplerian
-from compass.orbits.kinds import ROSETTE, WALKER_DELTA, WALKER_STAR, PatternKind
+from compass.orbits.kinds import (
+    ROSETTE,
+    WALKER_DELTA,
+    WALKER_STAR,
+    PatternKind,
+    kind_of,
+    ratio_of,
+)
 from compass.orbits.pattern import Pattern, rosette_notation
 from compass.orbits.period import areosynchronous_radius, repeat_radius
 
 KM = 1e3
+
+#: Farthest that an orbit may reach, kilometres: beyond its Hill radius, ``a (1 - e) (m/3M)^(1/3)``
+#: = 983,000 km, the Sun takes a satellite from Mars. Metres given for kilometres are farther.
+FARTHEST_KM = 1e6
 
 
 def walker_delta(
@@ -169,8 +182,7 @@ def rosette(
     radius, closed = orbit_radius(radius_km, altitude_km, orbit, repeat, figure)
     counts = satellites, planes, multiplier
     pattern = laid_out(ROSETTE, *counts, inclination_deg, raan_deg, phase_deg)
-    exact = Fraction(multiplier).limit_denominator(10**6)
-    called = name or rosette_notation(satellites, planes, exact)
+    called = name or rosette_notation(satellites, planes, ratio_of(multiplier))
     return from_pattern(pattern, radius, name=called, epoch=epoch, gm=gm, repeat=closed)
 
 
@@ -234,6 +246,12 @@ def from_elements(
         gm=gm,
     )
     surface = figure_of(figure).equatorial_radius
+    for k in np.flatnonzero(made.apoapsis_radius > FARTHEST_KM * KM):
+        raise ArgumentError(
+            f"semi_major_axis_km = {made.semi_major_axis[k] / KM:g}: apoapsis radius "
+            f"{made.apoapsis_radius[k] / KM:g} km; allowed up to {FARTHEST_KM:g} km, where Mars "
+            "loses its satellites to the Sun"
+        )
     for k in np.flatnonzero(made.periapsis_radius <= surface):
         raise ArgumentError(
             f"semi_major_axis_km = {made.semi_major_axis[k] / KM:g}: periapsis radius "
@@ -283,8 +301,14 @@ def orbit_radius(
                 f"km, which is not above the surface ({surface / KM:g} km); ask for fewer"
             )
         return radius, closed
-    radius = radius_km * KM if radius_km is not None else (altitude_km or 0.0) * KM + surface
-    if not (np.isfinite(radius) and radius > surface):
+    height = real_number(given[0], options[given[0]]) * KM
+    radius = height if radius_km is not None else height + surface
+    if height > FARTHEST_KM * KM:
+        raise ArgumentError(
+            f"{given[0]} = {options[given[0]]:g}: allowed up to {FARTHEST_KM:g} km, where Mars "
+            "loses its satellites to the Sun; give kilometres"
+        )
+    if not radius > surface:
         least = surface / KM if radius_km is not None else 0.0
         hint = " (an altitude goes under altitude_km)" if radius_km is not None else ""
         raise ArgumentError(
@@ -321,8 +345,11 @@ def laid_out(
     ArgumentError
         As `walker_delta`, for what the kind does not allow.
     """
+    numbers = (satellites, planes, third, inclination_deg, raan_deg, phase_deg)
+    for parameter, value in zip(kind.parameters, numbers, strict=True):
+        parameter.check(value)
+    satellites, planes = int(satellites), int(planes)
     phasing = kind.phasing(satellites, planes, third)
-    _check_inclination(np.asarray(inclination_deg, dtype=float))
     return Pattern(
         kind.layout,
         satellites,
@@ -332,6 +359,75 @@ def laid_out(
         float(np.radians(raan_deg)),
         float(np.mod(np.radians(phase_deg), 2 * np.pi)),
     )
+
+
+def with_changes(
+    constellation: Constellation,
+    changes: Mapping[str, Any],
+    figure: Figure | str = DEFAULT_FIGURE,
+) -> Constellation:
+    """Lay the pattern that a constellation forms out again, with some of its numbers changed.
+
+    Parameters
+    ----------
+    constellation
+        Whose orbits form a pattern.
+    changes
+        By the keys of design files: numbers of the pattern's kind, and one of ``radius_km``,
+        ``altitude_km``, ``orbit`` and ``repeat``. What is not named stays as it is.
+    figure
+        From whose equator altitudes count.
+
+    Raises
+    ------
+    ArgumentError
+        The orbits form no pattern, a key is not of its kind, a value is not allowed.
+    """
+    pattern = constellation.pattern
+    if pattern is None:
+        raise ArgumentError(
+            f"{next(iter(changes))}: the orbits of {constellation.name} form no pattern; "
+            "make them anew from elements"
+        )
+    kind = kind_of(pattern.kind)
+    angles = ("inclination", "raan", "phase")
+    numbers: dict[str, Any] = {
+        "satellites": pattern.satellites,
+        "planes": pattern.planes,
+        "phasing": pattern.phasing,
+        **{f"{angle}_deg": float(np.degrees(getattr(pattern, angle))) for angle in angles},
+    }
+    height = ("radius_km", "altitude_km", "orbit", "repeat")
+    for key in changes:
+        if key not in numbers and key not in height:
+            guess = near(key, [*numbers, *height])
+            allowed = f"did you mean {guess[0]}?" if guess else ", ".join([*numbers, *height])
+            raise ArgumentError(f"{key}: unknown; {'' if guess else 'allowed '}{allowed}")
+    laid = laid_out(kind, *(changes.get(key, value) for key, value in numbers.items()))
+    kept = {a: getattr(pattern, a) for a in angles if f"{a}_deg" not in changes}
+    radius, closed = float(constellation.semi_major_axis[0]), constellation.repeat
+    if any(key in changes for key in height):
+        radius, closed = orbit_radius(
+            changes.get("radius_km"),
+            changes.get("altitude_km"),
+            changes.get("orbit"),
+            changes.get("repeat"),
+            figure,
+        )
+    named = constellation.name == pattern.notation
+    return from_pattern(
+        replace(laid, **kept),
+        radius,
+        name="" if named else f"{constellation.name}, {worded(changes)}",
+        epoch=constellation.epoch,
+        gm=constellation.gm,
+        repeat=closed,
+    )
+
+
+def worded(changes: Mapping[str, Any]) -> str:
+    """What was changed, in words."""
+    return ", ".join(f"{key} = {value}" for key, value in changes.items())
 
 
 def _check_inclination(degrees: NDArray[np.float64]) -> None:

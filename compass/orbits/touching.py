@@ -4,7 +4,6 @@ from compass.frames import mci_from_icrf
 from compass.orbits.constellation import Constellation
 from compass.orbits.motion import Motion
 from compass.orbits.states import from_states
-from compass.orbits.trajectory import Trajectory
 
 #: Seconds past the moment to which a path must reach: a table may end there.
 AFTER = 1.0
@@ -31,7 +30,7 @@ def touching(constellation: Constellation, motion: Motion, start: float) -> Cons
     c = constellation
     if motion.is_closed_form and start == 0.0:
         return c
-    path: Trajectory = motion.trajectory(c, start, start + AFTER)
+    path = motion.trajectory(c, start, start + AFTER)
     r, v = (a[:, 0] for a in path.states([start]))
     # the frame of another moment is another one: the pole precesses
     turn = mci_from_icrf(c.epoch + start) @ mci_from_icrf(c.epoch).T

@@ -1,8 +1,10 @@
 """The page of designs judged: ranked for a lander, their bounds over the globe and as CDFs."""
 
+import os
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from compass.api.judge import JudgeResult
 from compass.api.judge_tables import (
     budget_table,
     filter_table,
@@ -15,40 +17,20 @@ from compass.design import PDOP_MAX, Design
 from compass.document import Answer, Answers, Section, Sentence
 from compass.document.blocks import Picture, arranged
 from compass.document.numbers import significant
-from compass.entry.arrivals import draw_arrivals
-from compass.entry.campaign import Campaign
-from compass.entry.unknowns import Unknowns
 from compass.inputs.scenario import Scenario
 from compass.pages.landing import scenario_provenance
 from compass.pages.page import render
 from compass.pictures.judge import bound_distributions, bound_map
-from compass.study.judge import judge_entries
-from compass.study.judgement import Judgement
-from compass.study.ranking import Ranking
+from compass.study.ranking import Ranking, judge_more
 
 #: How many of the best are mapped, and on how many times the ranking's entries.
 MAPPED, BATCHES = 4, 4
 
 
-def judge_report(
-    ranking: Ranking,
-    designs: Sequence[Design],
-    scenario: Scenario,
-    command: str = "",
-    *,
-    threads: int = 1,
-    progress: Callable[[str], None] = lambda step: None,
-) -> tuple[str, list[Section]]:
-    """Make the page (HTML text) and the sections of a ranking's report.
-
-    Parameters
-    ----------
-    ranking, designs, scenario, threads, progress
-        As in `judge_section`.
-    command
-        The command line, for provenance.
-    """
-    judged = judge_section(ranking, designs, scenario, threads=threads, progress=progress)
+def judge_report(found: JudgeResult, command: str = "") -> tuple[str, list[Section]]:
+    """Make the page (HTML text) and the sections of designs judged, with the command line."""
+    ranking, designs, scenario = found.ranking, found.designs, found.scenario
+    judged = judge_section(ranking, designs, scenario, threads=os.cpu_count() or 1)
     world, carrying = judged.pictures
     sections = [
         answer_section(ranking.record, carrying),
@@ -129,27 +111,9 @@ def judge_section(
         Told the name of each part before it is made.
     """
     record, found = ranking.record, ranking.judgements
-    samples, seed, goal = record["samples"], record["seed"], record["goal_m"]
-    campaign = found[0].campaign
-    ranked = [designs[row["given"] - 1] for row in record["designs"]]
-
-    def judged(design: Design, on: Campaign, unknowns: Unknowns) -> Judgement:
-        return judge_entries(
-            design.constellation,
-            on,
-            scenario,
-            figure=design.figure,
-            mask=design.mask,
-            unknowns=unknowns,
-            threads=threads,
-        )
-
+    goal, campaign = record["goal_m"], found[0].campaign
     progress("bounds over the globe")
-    more: list[list[Judgement]] = [[one] for one in found[:MAPPED]]
-    for k in range(1, BATCHES):
-        again = campaign.again(draw_arrivals(samples, seed + k))
-        for own, design in zip(more, ranked, strict=False):
-            own.append(judged(design, again, own[0].unknowns))
+    more = judge_more(ranking, designs, scenario, best=MAPPED, times=BATCHES, threads=threads)
     unknown = ", ".join(unknown_air(record))
     paragraphs = (
         f'{campaign.size:,} entries of the lander of "{scenario.name}" to {campaign.deployment}, '
@@ -159,7 +123,7 @@ def judge_section(
         f"plasma{'; ' + unknown if unknown else ''}. {record['counted']}",
         *(f"{row['design']}: within {goal:g} m? {row['answer']}." for row in record["designs"]),
     )
-    names = [design.name for design in ranked]
+    names = [designs[row["given"] - 1].name for row in record["designs"]]
     pictures = (
         bound_map([(name, own) for name, own in zip(names, more, strict=False)], goal),
         bound_distributions(names, found, goal),

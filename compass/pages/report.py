@@ -1,4 +1,4 @@
-"""One self-contained HTML page about a design, a scenario, a study or a paper."""
+"""One self-contained HTML page about a design, a scenario, a study, a paper or a result."""
 
 import json
 import tomllib
@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from compass.api.given import given_design, given_scenario, given_study
-from compass.api.land import land
+from compass.api.judge import JudgeResult
+from compass.api.land import LandResult, land
 from compass.api.progress import bar
-from compass.api.reproduce import reproduce
+from compass.api.reproduce import ReproduceResult, reproduce
 from compass.api.results import Result
 from compass.design import Design
 from compass.document import Page, Section, Verdict
@@ -20,6 +21,7 @@ from compass.inputs.reading import read_text
 from compass.inputs.scenario import Scenario
 from compass.inputs.study import Study
 from compass.pages.design import PARTS, design_report
+from compass.pages.judge import judge_report
 from compass.pages.landing import landing_report
 from compass.pages.page import check_page_folder, write_page
 from compass.pages.paper import paper_report
@@ -57,7 +59,7 @@ class ReportResult(Result):
 
 
 def report(
-    thing: Design | Scenario | Study | str | Path,
+    thing: Design | Scenario | Study | JudgeResult | LandResult | ReproduceResult | str | Path,
     *,
     output: str | Path | None = None,
     step_deg: float | None = None,
@@ -66,7 +68,7 @@ def report(
     command: str = "",
     progress: bool = False,
 ) -> ReportResult:
-    """Report on a design, a scenario, a study or a paper: one HTML page that needs no network.
+    """Report on a design, a scenario, a study, a paper or a result: one page, without a network.
 
     A file with a table [study] is a study, and its page is made from the store of
     `compass.trade`; one with a table [vehicle] is a scenario of landing; all else is a
@@ -75,7 +77,8 @@ def report(
     Parameters
     ----------
     thing
-        What to report on, or the path of its file, or the name of a paper.
+        What to report on, or the path of its file, or the name of a paper; or what `compass.judge`,
+        `compass.land` or `compass.reproduce` found, which is then shown as it is.
     output
         Folder for the page and its pictures; by default ``reports/`` and the name of the file.
     step_deg, epochs
@@ -103,9 +106,9 @@ def report(
     """
     read: Any = thing
     if isinstance(thing, str | Path):
-        kind = _kind(Path(thing))
+        kind, name = _kind(Path(thing)), str(thing)
     else:
-        kind = {Study: "study", Scenario: "scenario"}.get(type(thing), "design")
+        kind, name = _KINDS.get(type(thing), "design"), _name(thing)
     if output is not None:
         folder = Path(output)
     elif isinstance(thing, str | Path):
@@ -113,7 +116,6 @@ def report(
     else:
         raise ArgumentError("output: needed for what is not read from a file; name a folder")
     check_page_folder(folder)
-    name = str(thing) if isinstance(thing, str | Path) else thing.name
     finer = {"step_deg": step_deg, "epochs": epochs}
     options: dict[str, Any] = {key: value for key, value in finer.items() if value is not None}
     if options and kind != "design":
@@ -127,11 +129,14 @@ def report(
         return _study(given_study(read), folder, _store(thing, store), command, progress)
     several: Sequence[Section]
     if kind == "paper":
-        compared = reproduce(str(thing))
+        compared = read if isinstance(read, ReproduceResult) else reproduce(str(read))
         title, (page, several) = compared.title, paper_report(compared, command)
     elif kind == "scenario":
-        flown = land(given_scenario(read), command=command, progress=progress)
+        is_flown = isinstance(read, LandResult)
+        flown = read if is_flown else land(given_scenario(read), command=command, progress=progress)
         title, (page, several) = flown.scenario.name, landing_report(flown)
+    elif kind == "ranking":
+        title, (page, several) = name, judge_report(read, command)
     else:
         chosen = given_design(read)
         with bar(progress, "report", total=PARTS, unit="part", leave=False) as parts:
@@ -142,6 +147,23 @@ def report(
     path = write_page(folder, page, several)
     pictures = [f"{p.stem}.png" for section in several for p in section.pictures]
     return ReportResult(title, path, {"pictures": [str(folder / name) for name in pictures]})
+
+
+#: What a page is about, by the type of what is given; else a design.
+_KINDS: dict[type, str] = {
+    Study: "study",
+    Scenario: "scenario",
+    LandResult: "scenario",
+    ReproduceResult: "paper",
+    JudgeResult: "ranking",
+}
+
+
+def _name(thing: object) -> str:
+    """What something that is no path is called."""
+    if isinstance(thing, JudgeResult | LandResult):
+        return thing.scenario.name
+    return str(getattr(thing, "title", "") or getattr(thing, "name", thing))
 
 
 def _kind(path: Path) -> str:

@@ -20,9 +20,9 @@ from compass.handover.instants import sample_times
 from compass.handover.oem import oem
 from compass.handover.toml import constellation_toml
 from compass.inputs import read_design_text
-from compass.inputs.merit import MERITS
 from compass.inputs.study import Objective, Study
 from compass.pages.judge import judge_section, landing_answer, surface_section
+from compass.quantities.merits import MERITS
 from compass.sites import Mask
 from compass.study.choice import Finalist
 from compass.study.ranking import Ranking, rank_designs
@@ -155,7 +155,7 @@ def answer_section(
             if measure is None
             else f"; {measure.role} has {worth(o.figure, measure.figures[o.figure])}"
         )
-        sure = f"sampled over {how}" + (f", ± {error:.2g}" if error else "") if how else "exact"
+        sure = f"sampled over {how}" + (f", ± {error:.2g}" if error else "") if how else _exactly(o)
         if o.figure in first.brackets:
             bracket = Bracket(*first.brackets[o.figure])
             known = Value(MERITS[o.figure].quantity, first.figures[o.figure], bracket)
@@ -170,6 +170,11 @@ def answer_section(
     return Section(
         "The answer", (Sentence(lead), Answers("What it is worth", tuple(rows)), carrying)
     )
+
+
+def _exactly(objective: Objective) -> str:
+    """How well a figure that is not sampled is known."""
+    return "proven" if MERITS[objective.figure].stage in ("requirements", "orbits") else "exact"
 
 
 def _lasts(one: Entrant) -> Answer:

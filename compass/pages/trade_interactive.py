@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.document.blocks import Interactive, Picture
-from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.pages.page import script, templates
 from compass.pictures.style import CYCLE, FAINT, MARS
+from compass.quantities.merits import MERITS
 from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, notation, rows_in
 from compass.study.results import known_figures

@@ -13,12 +13,12 @@ from compass.coverage.grid import equal_angle_grid
 from compass.coverage.maps import coverage_map
 from compass.coverage.view import view
 from compass.document.blocks import Picture
-from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.orbits import repeat_period
 from compass.pictures.front import draw_front, label
 from compass.pictures.mars_map import MarsMap
 from compass.pictures.style import CYCLE, INK, MARS, look, new_figure, picture
+from compass.quantities.merits import MERITS
 from compass.sites import Mask
 from compass.study.choice import Finalist
 from compass.study.yardstick import Yardstick

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry_geometry import cartesian_of
 from compass.entry.faults import Fault
 from compass.entry.radio import (
     BROWNOUT_DENSITY,
@@ -19,6 +18,7 @@ from compass.entry.radio import (
     plasma_frequency,
     published_critical_density,
 )
+from compass.entry.views import cartesian_of
 from compass.papers import lou2017_case as paper
 from compass.papers.line_of_sight import misses
 from compass.papers.lou_filters import FilterSettings

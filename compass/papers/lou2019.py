@@ -5,9 +5,9 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry_geometry import cartesian_of
 from compass.core.papers.lou_measurement import predict_measurements
 from compass.core.papers.lou_montecarlo import make_trace, track
+from compass.entry.views import cartesian_of
 from compass.papers import lou2019_case as paper
 from compass.papers.line_of_sight import misses
 from compass.papers.lou2019_runs import fault_rows, published_runs, recommended_runs

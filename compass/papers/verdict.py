@@ -123,6 +123,13 @@ class Row:
         return _near(self.found[0], self.published, self.tolerance)
 
     @property
+    def off(self) -> float | None:
+        """Number found less the printed one, in tolerances; None of statements and of nan."""
+        if self.published is None or not self.tolerance or not isfinite(self.found[0]):
+            return None
+        return (self.found[0] - float(self.published)) / self.tolerance
+
+    @property
     def verdict(self) -> Verdict:
         """What the row comes to."""
         if self.published is None:

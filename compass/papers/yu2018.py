@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from compass.core.entry_geometry import cartesian_of
 from compass.entry.schedule import in_view
 from compass.entry.trajectory import fly
+from compass.entry.views import cartesian_of
 from compass.entry.visible_area import VisibleArea
 from compass.papers import yu2018_case as paper
 from compass.papers.verdict import Erratum, Row, claim, computed

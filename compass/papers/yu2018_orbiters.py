@@ -4,13 +4,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import simpson
 
-from compass.core.entry_geometry import cartesian_of
 from compass.entry.beacons import Beacons
 from compass.entry.best_ground import best_ground_beacons
 from compass.entry.best_orbiters import best_orbiters
 from compass.entry.observability import observability
 from compass.entry.schedule import Measurements, in_view
 from compass.entry.trajectory import Trajectory, fly
+from compass.entry.views import cartesian_of
 from compass.papers import yu2018_case as paper
 from compass.papers.verdict import Erratum, Row, claim, compare
 from compass.papers.yu2018_filter import Filter, MonteCarlo, initial_covariance, run_monte_carlo

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 
-from compass.inputs.merit import MERITS
 from compass.pictures.style import CYCLE, FAINT
+from compass.quantities.merits import MERITS
 from compass.study.bounds import ends
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from compass.quantities.coverage import CONTINUOUS, MAPS
 from compass.quantities.design import DESIGN
 from compass.quantities.geometry import GEOMETRY
 from compass.quantities.lasting import LASTING
-from compass.quantities.merits import MERIT_QUANTITIES
+from compass.quantities.merits import MERITS
 from compass.quantities.program import PROGRAM
 from compass.quantities.record import Quantity
 from compass.quantities.signal import SIGNAL
@@ -24,8 +24,8 @@ __all__ = ["QUANTITIES", "Quantity", "quantity"]
 QUANTITIES: Mapping[str, Quantity] = {
     q.name: q
     for q in (
-        *DESIGN, *GEOMETRY, *CONTINUOUS, *MAPS, *ACCESS, *LASTING, *SIGNAL, *MERIT_QUANTITIES,
-        *PROGRAM,
+        *DESIGN, *GEOMETRY, *CONTINUOUS, *MAPS, *ACCESS, *LASTING, *SIGNAL, *PROGRAM,
+        *(merit.quantity for merit in MERITS.values()),
     )
 }  # fmt: skip
 

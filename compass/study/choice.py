@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.orbits import Constellation
+from compass.quantities.merits import MERITS
 from compass.study.bounds import bounded_figures, ends
 from compass.study.candidates import PATTERNS, ROW, make_constellation
 from compass.study.sampling import map_errors

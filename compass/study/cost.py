@@ -14,6 +14,7 @@ from compass.orbits.deployment import WEIGHED, cheapest_drift
 from compass.orbits.impulses import hohmann, node_change
 from compass.orbits.kinds import WALKER_STAR
 from compass.orbits.period import secular_rates
+from compass.quantities.merits import worked_out
 from compass.study.candidates import PATTERNS
 
 YEAR = 365.25 * 86400.0
@@ -53,14 +54,15 @@ def cost_figures(
         plane_sum[chosen] = moved.sum(axis=1)
     waits = _waiting(t, p, spread, radius, inclination, sphere_radius, launching or Launching())
     drift, _, _ = secular_rates(radius, 0.0, inclination)
-    return {
+    known = {
         "satellites": t,
         "planes": p,
         "delta_v_transfer_m_s": transfer,
         "delta_v_planes_m_s": node_change(radius, inclination, farthest),
-        "delta_v_total_m_s": t * transfer + t / p * plane_sum,
+        "turns_m_s": plane_sum,  # of one satellite of each plane, together
         "node_drift_deg_year": np.abs(np.degrees(drift) * YEAR),
-    } | waits
+    }
+    return worked_out("cost", known | waits)
 
 
 def _waiting(

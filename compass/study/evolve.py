@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.errors import ArgumentError
-from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
+from compass.quantities.merits import MERITS
 from compass.study.candidates import blocks, identities, pick
 from compass.study.stages import passing
 from compass.study.store import Store, read_lines

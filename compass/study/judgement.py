@@ -10,6 +10,7 @@ from compass.entry.campaign import Campaign
 from compass.entry.quantiles import percentiles
 from compass.entry.unknowns import Unknowns
 from compass.orbits import Constellation
+from compass.quantities.merits import median_number
 
 Array = NDArray[np.float64]
 
@@ -106,6 +107,22 @@ class Judgement:
         parts["ignored"] = rms(np.eye(count) + plain + spoilt, plain)
         return parts
 
+    @property
+    def known(self) -> dict[str, NDArray[Any]]:
+        """What figures of merit are worked out of, each of one candidate, shape (1, ...)."""
+        return {
+            "position_m": self.sigma[None, :, 0, 0],
+            "velocity_m_s": self.sigma[None, :, 0, 1],
+            "counts": self.counts[:1],
+            "blind": self._spectrum(self.information)[1][None],
+        }
+
+    def _spectrum(self, information: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Eigenvalues, ascending, (m, d), and which entries leave a state open, (m,)."""
+        terms = int(self.campaign.stops.max(initial=0)) + 1
+        spectrum, floor = spectrum_and_floor(information, terms)
+        return spectrum, spectrum[:, 0] <= floor
+
     def _figures(self, lost: int | None, goal: float) -> dict[str, Any]:
         column = 0 if lost is None else 1 + lost
         position, velocity = self.sigma[:, column].T
@@ -113,8 +130,7 @@ class Judgement:
         if lost is not None:
             kept = np.delete(self.shares, lost, axis=1).sum(axis=1)
             f = unpacked(kept)
-        spectrum, floor = spectrum_and_floor(f, int(self.campaign.stops.max(initial=0)) + 1)
-        blind = spectrum[:, 0] <= floor
+        spectrum, blind = self._spectrum(f)
         with np.errstate(divide="ignore"):
             log_det = np.log(np.where(blind[:, None], 0.0, spectrum)).sum(axis=1)
         worst = int(position.argmax())
@@ -159,11 +175,3 @@ def spectrum_and_floor(f: Array, terms: int) -> tuple[Array, Array]:
     values = np.asarray(np.linalg.eigvalsh(f), dtype=np.float64)
     floor = (terms + values.shape[1]) * np.finfo(float).eps * values.sum(axis=1)
     return values, np.asarray(floor, dtype=np.float64)
-
-
-def median_number(counts: NDArray[np.int64]) -> Array:
-    """Median of a number that occurs ``counts[..., number]`` times, shape (...)."""
-    below = counts.cumsum(axis=-1)
-    total = below[..., -1:]
-    middle = [(below <= (total - 1 + k) // 2).sum(axis=-1) for k in (0, 1)]
-    return np.asarray((middle[0] + middle[1]) / 2, dtype=np.float64)

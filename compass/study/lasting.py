@@ -20,6 +20,7 @@ from compass.orbits.motion import Motion
 from compass.orbits.resonance import slow_pushes
 from compass.orbits.trajectory import COARSE
 from compass.orbits.trimming import can_trim, trim
+from compass.quantities.merits import worked_out
 from compass.study.candidates import make_constellation, pattern_columns
 
 #: A year here, s.
@@ -79,7 +80,7 @@ def orbits_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]
         )
         for row in rows
     ]
-    return {"days_proven": np.array(days, dtype=float)}
+    return worked_out("orbits", {"days_proven": days})
 
 
 def proven_days(

@@ -9,34 +9,29 @@ from compass.entry.doubts import NO_DOUBTS
 from compass.entry.fisher import noise_variances
 from compass.errors import ArgumentError
 from compass.frames import prime_meridian_angle
-from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.orbits import Constellation
 from compass.orbits.period import closing_days
+from compass.quantities.merits import merits_of, worked_out
 from compass.sites import Mask
 from compass.study.candidates import make_constellation, pattern_columns
-from compass.study.judge import campaign_of, check_measurements, due, judge
-from compass.study.judgement import median_number
-
-#: Figures of merit that landers give.
-MERITS_OF_ENTRY = tuple(name for name, merit in MERITS.items() if merit.stage == "entry")
+from compass.study.judge import campaign_of, check_measurements, due, judge_entries
 
 
 def judged(study: Study, c: Constellation, mask_deg: float) -> dict[str, float]:
     """Landing navigation on any orbits, with all that is not known; one number a figure."""
     entry = study.entry
     assert entry is not None
-    found = judge(
-        c, entry.scenario, samples=entry.samples, seed=study.seed, figure=study.figure,
-        mask=Mask.constant(float(np.radians(mask_deg))), goal=entry.goal,
-        unknowns=entry.doubts.of(None), density_sigma=entry.density_sigma,
+    campaign = campaign_of(
+        entry.scenario, entry.samples, study.seed, density_sigma=entry.density_sigma,
         lift_sigma=entry.lift_sigma,
     )  # fmt: skip
-    split = {name: name.partition(".") for name in MERITS_OF_ENTRY}
-    return {
-        name: float(found[group][key] if key else found[group])
-        for name, (group, _, key) in split.items()
-    }
+    found = judge_entries(
+        c, campaign, entry.scenario, figure=study.figure,
+        mask=Mask.constant(float(np.radians(mask_deg))), unknowns=entry.doubts.of(None),
+    )  # fmt: skip
+    figures = worked_out("entry", {**found.known, "goal_m": entry.goal})
+    return {name: float(values[0]) for name, values in figures.items()}
 
 
 def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
@@ -53,7 +48,7 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
     assert study.entry is not None
     if study.entry.doubts != NO_DOUBTS:  # what the kernel of many patterns does not carry
         each = [judged(study, make_constellation(row), float(row["mask_deg"])) for row in rows]
-        return {name: np.array([one[name] for one in each]) for name in MERITS_OF_ENTRY}
+        return {name: np.array([one[name] for one in each]) for name in merits_of("entry")}
     scenario, sphere = study.entry.scenario, study.figure.equatorial_radius
     check_measurements(scenario)
     radius, mask = rows["radius_km"] * 1e3, np.radians(rows["mask_deg"])
@@ -94,14 +89,11 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         blind,
         counts,
     )
-    (p50, v50), (p95, v95) = np.percentile(sigma, (50, 95), axis=1).transpose(0, 2, 1)
-    return {
-        "in_view.min": (counts > 0).argmax(axis=1).astype(float),
-        "in_view.median": median_number(counts),
-        "crlb_position_m.p50": p50,
-        "crlb_position_m.p95": p95,
-        "crlb_velocity_m_s.p50": v50,
-        "crlb_velocity_m_s.p95": v95,
-        "share_within_goal": (sigma[..., 0] <= study.entry.goal).mean(axis=1),
-        "unobservable_share": blind.mean(axis=1),
+    known = {
+        "position_m": sigma[..., 0],
+        "velocity_m_s": sigma[..., 1],
+        "counts": counts,
+        "blind": blind,
+        "goal_m": study.entry.goal,
     }
+    return worked_out("entry", known)

@@ -9,6 +9,7 @@ from compass.core.pattern_map import FIGURES, map_patterns
 from compass.coverage.grid import make_grid
 from compass.frames import direction
 from compass.inputs.study import Study
+from compass.quantities.merits import worked_out
 from compass.study.candidates import pattern_columns
 
 
@@ -32,7 +33,7 @@ def map_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
         study.map.pdop_max,
         figures,
     )
-    return dict(zip(FIGURES, figures.T, strict=True))
+    return worked_out("map", dict(zip(FIGURES, figures.T, strict=True)))
 
 
 @lru_cache(maxsize=8)

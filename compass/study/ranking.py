@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from compass.design import Design
+from compass.entry.arrivals import draw_arrivals
 from compass.entry.doubts import NO_DOUBTS, Doubts
 from compass.errors import ArgumentError, said_of
 from compass.inputs.scenario import Scenario
@@ -207,3 +208,49 @@ def _answer(figures: dict[str, Any], goal: float) -> str:
     if missed > 0:
         return f"no: not in {missed:.3g} % of entries; worst {where}"
     return f"not quite: in all entries judged, but a search finds {where}"
+
+
+def judge_more(
+    ranking: Ranking,
+    designs: Sequence[Design],
+    scenario: Scenario,
+    *,
+    best: int,
+    times: int,
+    threads: int = 1,
+) -> list[list[Judgement]]:
+    """Judge the best of a ranking on further entries, drawn with the seeds that follow.
+
+    Parameters
+    ----------
+    ranking, designs, scenario
+        Who was ranked, in the order given, for which lander.
+    best
+        How many of the best.
+    times
+        How often its number of entries, the ranking's own included.
+    threads
+        Threads; the numbers do not depend on them.
+
+    Returns
+    -------
+    judgements
+        Of each of the best, the ranking's own first.
+    """
+    record, more = ranking.record, [[one] for one in ranking.judgements[:best]]
+    for k in range(1, times):
+        drawn = draw_arrivals(record["samples"], record["seed"] + k)
+        campaign = ranking.judgements[0].campaign.again(drawn)
+        for own, row in zip(more, record["designs"], strict=False):
+            design = designs[row["given"] - 1]
+            judged = judge_entries(
+                design.constellation,
+                campaign,
+                scenario,
+                figure=design.figure,
+                mask=design.mask,
+                unknowns=own[0].unknowns,
+                threads=threads,
+            )
+            own.append(judged)
+    return more

@@ -9,9 +9,9 @@ from compass.coverage.certified_effort import Effort
 from compass.coverage.requirement_verdict import verdict_of
 from compass.coverage.verdict import Verdict
 from compass.design import Design, Requirement
-from compass.inputs.merit import merits_of
 from compass.inputs.study import Study
 from compass.orbits import Constellation
+from compass.quantities.merits import merits_of, worked_out
 from compass.sites import Mask
 from compass.study.candidates import make_constellation
 
@@ -29,7 +29,8 @@ def requirement_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.flo
         repeat = study.space.repeat(float(row["radius_km"]))
         c = replace(make_constellation(row), repeat=repeat)
         found.append(settled(study, c, float(np.radians(row["mask_deg"]))))
-    return {name: np.array([one[name] for one in found]) for name in merits_of("requirements")}
+    names = found[0] if found else merits_of("requirements")
+    return worked_out("requirements", {name: [one[name] for one in found] for name in names})
 
 
 def settled(study: Study, c: Constellation, mask: float) -> dict[str, float]:

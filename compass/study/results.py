@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 import compass
 from compass.errors import ArgumentError
-from compass.inputs.merit import MERITS, STAGES, merits_of
 from compass.inputs.study import Study
 from compass.quantities import quantity
+from compass.quantities.merits import MERITS, STAGES, merits_of
 from compass.study.bounds import BOUNDED, bound_columns, bounded_figures, ends
 from compass.study.candidates import PATTERNS, ROW, identities
 from compass.study.order import order_of

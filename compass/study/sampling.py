@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.inputs.merit import MERITS, merits_of
 from compass.inputs.study import Study
+from compass.quantities.merits import MERITS, merits_of
 from compass.study.bounds import bounded_figures
 from compass.study.pattern_map import map_figures
 
@@ -32,6 +32,17 @@ def rests_on_samples(study: Study) -> list[str]:
     """Figures that a study sorts by or limits, and that are known from samples alone."""
     proven = bounded_figures(study)
     return [f for f in MERITS if f in study.named and f not in proven and sampling_of(study, f)]
+
+
+def front_known(study: Study, undecided: int) -> str:
+    """Return how well it is known who is on the front, in words."""
+    if sampled := rests_on_samples(study):
+        titles = ", ".join(MERITS[name].title for name in sampled)
+        return f"who is on the front is not proven: it rests on samples of {titles}"
+    told = f"of {undecided} it is not decided within the budget" if undecided else "decided"
+    if study.sampling.method == "nsga2":
+        told += ", among those that evolution by samples came upon"
+    return f"who is on the front: {told}"
 
 
 def sampled_over(study: Study, figures: list[str]) -> str:

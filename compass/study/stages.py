@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from compass.core.screen import screen_patterns
 from compass.coverage.cap import cap_radius, mask_for_cap
-from compass.inputs.merit import merits_of
 from compass.inputs.study import Study
+from compass.quantities.merits import merits_of, worked_out
 from compass.study.bounds import LEVELS, bound_columns, bounds
 from compass.study.candidates import pattern_columns
 from compass.study.cost import cost_figures
@@ -133,7 +133,7 @@ def screen(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
     figures["mask_margin_deg"][kept] = np.degrees(mask_for_cap(bounded, radius, sphere))
     figures["closest_approach_deg"][kept] = np.degrees(closest)
     figures["delta_v_keeping_m_s_year"][kept] = keeping_law(some, caps - bounded, study.motion)
-    return figures
+    return costs | worked_out("screen", figures)
 
 
 #: What finds the figures of each stage; it may raise for a batch, and is then asked one by one.

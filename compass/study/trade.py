@@ -12,8 +12,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
+from compass.quantities.merits import MERITS
 from compass.study.bounds import LEVELS, bound_columns, limited_figures
 from compass.study.candidates import ROW, batches, candidates, described, identities
 from compass.study.order import bound_limits, may_hold, settle

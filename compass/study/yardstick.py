@@ -13,9 +13,9 @@ from compass.coverage.margin import highest_mask
 from compass.coverage.symmetry import Span, shortest_span
 from compass.coverage.view import view
 from compass.design import Design
-from compass.inputs.merit import MERITS
 from compass.inputs.study import Study
 from compass.orbits import Constellation
+from compass.quantities.merits import MERITS
 from compass.study.candidates import PATTERNS, ROW
 from compass.study.choice import notation
 from compass.study.lasting import proven_days

@@ -11,11 +11,15 @@ import compass
 from compass.api.check import CheckResult
 from compass.api.horizon import HorizonResult
 from compass.api.keep_result import KeepResult
+from compass.api.lasting import LastingResult
 from compass.api.optimize import OptimizeResult
+from compass.api.reproduce import ReproduceResult
+from compass.api.requirement_search import RequirementSearchResult
 from compass.api.search_result import SearchResult
 from compass.api.trade import TradeResult
 from compass.conventions import dated
 from compass.design import Upkeep
+from compass.papers.verdict import claim, compare, computed
 
 
 def bars(axes):
@@ -112,3 +116,42 @@ def test_times_that_say_their_epoch_become_dates():
     later = xr.decode_cf(dated(made)).time.values[1]
     assert later == np.datetime64("2030-01-01T00:01:00")
     assert made.time.attrs == {"units": "s"}  # the one given stays as it is
+
+
+def test_days_proven_are_a_bar_up_to_the_loss(design, axes):
+    day = 86400.0
+    lasting = SimpleNamespace(
+        fold=4, start=day, stop=31 * day, proven_until=20 * day, lost_at=25 * day,
+        unsettled=((20 * day, 22 * day), (23 * day, 25 * day)),
+    )  # fmt: skip
+    drawn = LastingResult(design, 4, 5.0, "j2", lasting).plot(axes=axes)
+    assert bars(drawn) == pytest.approx([19.0, 2.0, 2.0])
+    assert [line.get_xdata()[0] for line in drawn.lines] == [25.0]
+    told = [text.get_text() for text in drawn.get_legend().get_texts()]
+    assert sorted(told) == ["lost", "open", "proven"]
+
+
+def test_constellations_that_meet_requirements_are_bars_and_radii_by_size(design, axes):
+    pattern = design.constellation
+    met = SimpleNamespace(constellation=pattern, margin=0.1)
+    none = SimpleNamespace(met=(), next_best=None)
+    question = SimpleNamespace(radius=2e7)
+    one = RequirementSearchResult(question, SimpleNamespace(met=(met,), next_best=met))
+    assert bars(one.plot(axes=axes)) == pytest.approx([np.degrees(0.1)] * 2)
+    several = RequirementSearchResult(
+        question, one.found, (one, RequirementSearchResult(question, none))
+    )
+    assert bars(several.plot(axes=Figure().add_subplot())) == [6, 0]
+
+
+def test_numbers_of_a_paper_stand_where_their_tolerances_put_them(axes):
+    rows = (
+        compare("Half", "Table 2", "9.5", 9.525, "deg"),
+        compare("Period", "Table 1", "20", 22.0, "h"),
+        claim("Most", "Section 3", "over 7", 6.0, "1", "above 7", lambda most: most > 7),
+        computed("Other", "none", 24.6, "h"),
+    )
+    drawn = ReproduceResult("x", "A paper", rows).plot(axes=axes)
+    places = {float(line.get_ydata()[0]): float(line.get_xdata()[0]) for line in drawn.lines}
+    assert places == pytest.approx({0.0: 0.5, 1.0: 4.0})
+    assert not list(ReproduceResult("x", "A paper", rows[2:]).plot().lines)

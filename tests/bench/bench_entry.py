@@ -10,8 +10,9 @@ from compass.core.entry_geometry import cartesian, cartesian_jacobian
 from compass.entry.atmosphere import Atmosphere
 from compass.entry.beacons import surface_beacons
 from compass.entry.covariance import axes_covariance
+from compass.entry.filters import Filter
 from compass.entry.model import EntryModel
-from compass.entry.navigation import Filter, run_monte_carlo
+from compass.entry.navigation import run_monte_carlo
 from compass.entry.observability import observability
 from compass.entry.schedule import Measurements
 from compass.entry.trajectory import fly

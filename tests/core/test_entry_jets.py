@@ -6,9 +6,10 @@ import pytest
 
 from compass.core import jets
 from compass.core.entry_dynamics import CENTRIFUGAL, CORIOLIS, SWAPPED, rk4_step
-from compass.core.entry_geometry import cartesian, cartesian_jacobian, cartesian_of, range_rows
+from compass.core.entry_geometry import cartesian, cartesian_jacobian, range_rows
 from compass.core.entry_jets import X, Z, flow_series, orbit_series, range_series
 from compass.core.jacobi_svd import jacobi_svd, singular_values
+from compass.entry.views import cartesian_of, spherical_jacobian
 
 ORDERS, DUALS = 6, 3
 
@@ -133,6 +134,19 @@ def test_range_series_starts_with_range_and_range_rate():
     np.testing.assert_allclose(out[0], [distance, *row], rtol=1e-12, atol=1e-12)
     # range rate = next coefficient; the velocity of the jet is that of the dynamics
     np.testing.assert_allclose(out[1], [rate, *rate_row], rtol=1e-11, atol=1e-12)
+
+
+def test_states_of_numpy_are_those_of_the_kernels():
+    rng, kernel = np.random.default_rng(3), (np.empty((20, 6)), np.empty((20, 6, 6)))
+    low = [3.4e6, -np.pi, -1.5, 10.0, -1.5, -np.pi]
+    states = rng.uniform(low, [3.6e6, np.pi, 1.5, 6e3, 1.5, np.pi], (20, 6))
+    for k, state in enumerate(states):
+        cartesian(state, kernel[0][k])
+        cartesian_jacobian(state, kernel[1][k])
+    found = cartesian_of(states)
+    np.testing.assert_allclose(found, kernel[0], rtol=1e-12, atol=1e-9)
+    scale = np.abs(kernel[1]).max(axis=(0, 2))[:, None]  # metres and metres per second
+    assert np.abs((spherical_jacobian(found) - kernel[1]) / scale).max() < 1e-12
 
 
 def test_cartesian_jacobian_is_the_derivative():

@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,7 +14,7 @@ from numba import config
 
 from compass.cli.shared import announce_compilation
 from compass.core import kernel_cache
-from compass.core.kernel_cache import KernelCache
+from compass.core.kernel_cache import KernelCache, Turn
 
 INNER = "from compass.core.jit import kernel\n\n@kernel\ndef inner():\n    return {}\n"
 OUTER = (
@@ -42,20 +43,28 @@ def package(tmp_path):
     (core / "outer.py").write_text(OUTER)
     (core / "other.py").write_text(OTHER)
 
-    def call(value, **environment):
+    def start(value, **environment):
         (core / "inner.py").write_text(INNER.format(value))
         where = {k: v for k, v in os.environ.items() if k not in OWN}
         where |= {"PYTHONPATH": str(tmp_path / "site"), "HOME": str(tmp_path / "home")}
         # Python itself takes a file for unchanged that is as long and written in the same second
         where["PYTHONDONTWRITEBYTECODE"] = "1"
-        done = subprocess.run(
+        return subprocess.Popen(
             [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path / 'site')!r})\n"
-             + CALL], env=where | environment, capture_output=True, text=True,
+             + CALL], env=where | environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            text=True,
         )  # fmt: skip
-        assert done.returncode == 0, done.stderr
-        result, place, lasting, *hits = done.stdout.split()
+
+    def end(started):
+        out, err = started.communicate()
+        assert started.returncode == 0, err
+        result, place, lasting, *hits = out.split()
         return int(result), Path(place), lasting == "True", *map(int, hits)
 
+    def call(value, **environment):
+        return end(start(value, **environment))
+
+    call.start, call.end = start, end
     call.core = core
     return call
 
@@ -82,6 +91,29 @@ def test_an_edit_of_what_is_compiled_in_is_seen_wherever_kernels_are(package, tm
     assert first == (1, root / "kernels", taken != "passing", 0, 0)
     assert package(1, **environment) == (*first[:3], 1, 1)  # and kept
     assert package(2, **environment) == (2, *first[1:3], 0, 1)  # what was not edited is kept
+
+
+@pytest.mark.slow
+def test_of_processes_that_ask_at_once_one_compiles_and_the_others_take_what_it_kept(package):
+    started = [package.start(1) for _ in range(3)]
+    done = [package.end(process) for process in started]
+    assert [sum(hits) for hits in zip(*(found[3:] for found in done), strict=True)] == [2, 2]
+
+
+def test_a_turn_ends_where_compiling_fails_and_a_place_without_locks_has_none(tmp_path):
+    first, second, nowhere = Turn(), Turn(), Turn()
+    (tmp_path / "file").touch()
+    nowhere.take(tmp_path / "file" / "x.lock")
+    nowhere.end()
+    first.take(tmp_path / "x.lock")
+    waiting = threading.Thread(target=second.take, args=(tmp_path / "x.lock",))
+    waiting.start()
+    waiting.join(0.2)
+    assert waiting.is_alive()
+    first.end()
+    waiting.join(10)
+    assert not waiting.is_alive()
+    second.end()
 
 
 @pytest.mark.slow
@@ -171,6 +203,7 @@ def test_a_place_that_is_full_or_damaged_costs_a_compilation_only(tmp_path, monk
     kept.save_overload(None, None)
     kept._all[0].load_overload = full
     assert kept.load_overload(None, None) is None
+    kept.let_others_compile()
     assert not kernel_cache.can_be_written(Path("/dev/null/x"))
 
 

@@ -8,7 +8,8 @@ from compass.entry.consistency import consistency, nees_bounds
 from compass.entry.covariance import axes_covariance, linear_covariance
 from compass.entry.layout import Layout
 from compass.entry.schedule import Measurements
-from compass.entry.trajectory import Trigger, fly
+from compass.entry.start import Trigger
+from compass.entry.trajectory import fly
 from compass.entry.views import along_cross_down, cartesian_of, local_axes, spherical_of
 from compass.errors import ArgumentError
 

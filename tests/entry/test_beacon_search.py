@@ -45,7 +45,7 @@ def test_the_visible_area_is_where_all_epochs_see_the_lander(ground_flight):
 
 
 def test_the_horizon_is_where_the_lander_is_at_zero_elevation(ground_flight):
-    from compass.core.entry_geometry import cartesian_of
+    from compass.entry.views import cartesian_of
 
     rim = horizon(ground_flight, 0) * RADIUS
     line = cartesian_of(ground_flight.states[0])[:3] - rim

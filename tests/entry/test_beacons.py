@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compass.core.entry_geometry import cartesian_of
 from compass.entry.beacons import Beacons, orbiting_beacons, surface_beacons
 from compass.entry.schedule import Measurements, above_horizon, check_apart, in_view
+from compass.entry.views import cartesian_of
 from compass.errors import ArgumentError
 from compass.orbits import keplerian, states_mci
 

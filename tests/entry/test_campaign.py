@@ -6,7 +6,8 @@ import pytest
 from compass.entry.arrivals import Arrivals, draw_arrivals
 from compass.entry.campaign import fly_campaign, vehicle_axes
 from compass.entry.covariance import axes_covariance
-from compass.entry.trajectory import Trigger, fly
+from compass.entry.start import Trigger
+from compass.entry.trajectory import fly
 from compass.entry.views import spherical_of
 from compass.errors import ArgumentError
 

@@ -11,10 +11,11 @@ from compass.entry.beacons import surface_beacons
 from compass.entry.consistency import nees_bounds
 from compass.entry.covariance import axes_covariance
 from compass.entry.faults import Fault
+from compass.entry.filters import Filter
 from compass.entry.fused import FusedFilter
 from compass.entry.fused_runs import BLOCK, monte_carlo
 from compass.entry.inertial import InertialCase
-from compass.entry.navigation import Filter, ideal_measurements, run_filter
+from compass.entry.navigation import ideal_measurements, run_filter
 from compass.entry.radio import ElectronTable
 from compass.entry.schedule import Measurements
 from compass.entry.trajectory import fly

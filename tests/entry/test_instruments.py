@@ -3,26 +3,17 @@
 import numpy as np
 import pytest
 
-from compass.core.entry.measure import (
-    BEARING,
-    BIAS,
-    CLOCK,
-    ECHO,
-    HEIGHT,
-    PLACES,
-    RANGE,
-    VELOCITY,
-    ideal_values,
-    measured,
-)
+from compass.core.entry.kinds import BEARING, ECHO, HEIGHT, RANGE, VELOCITY
+from compass.core.entry.measure import BIAS, CLOCK, PLACES, ideal_values, measured
 from compass.design import Radio
 from compass.entry.beacons import Beacons
 from compass.entry.consistency import consistency
 from compass.entry.covariance import axes_covariance, linear_covariance
+from compass.entry.filters import Filter
 from compass.entry.instruments import KINDS, Features, Instrument
 from compass.entry.layout import Layout, Part
 from compass.entry.link import Link
-from compass.entry.navigation import Filter, run_filter, run_monte_carlo
+from compass.entry.navigation import run_filter, run_monte_carlo
 from compass.entry.radio import STAGNATION, critical_density
 from compass.entry.schedule import Measurements
 from compass.entry.trajectory import fly

@@ -11,14 +11,9 @@ from compass.entry import navigation
 from compass.entry.beacons import Beacons
 from compass.entry.consistency import consistency
 from compass.entry.covariance import axes_covariance, linear_covariance
+from compass.entry.filters import Filter
 from compass.entry.layout import Layout, Part
-from compass.entry.navigation import (
-    Filter,
-    MonteCarlo,
-    ideal_measurements,
-    run_filter,
-    run_monte_carlo,
-)
+from compass.entry.navigation import MonteCarlo, ideal_measurements, run_filter, run_monte_carlo
 from compass.entry.schedule import Measurements
 from compass.entry.trajectory import fly
 from compass.errors import ArgumentError

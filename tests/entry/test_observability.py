@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
-from compass.core.entry_geometry import cartesian_of
 from compass.entry.beacons import surface_beacons
 from compass.entry.observability import blind_spots, observability
+from compass.entry.views import cartesian_of
 from compass.errors import ArgumentError
 
 RADIUS = 3397.2e3

@@ -8,11 +8,11 @@ from scipy.integrate import solve_ivp
 
 from compass.bodies import MARS_J2, MARS_J2_RADIUS
 from compass.core.entry.rates import acceleration, acceleration_partials
-from compass.core.entry_geometry import cartesian_of
 from compass.entry.model import EntryModel
+from compass.entry.start import Trigger
 from compass.entry.state import azimuth_from_heading, longitude_degrees, state_from_cartesian
-from compass.entry.trajectory import Trigger, fly, loads, trajectory_dataset
-from compass.entry.views import spherical_of
+from compass.entry.trajectory import fly, loads, trajectory_dataset
+from compass.entry.views import cartesian_of, spherical_of
 from compass.errors import ArgumentError
 
 AT_240_S = {

@@ -5,8 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compass.core.entry_geometry import cartesian_of
-from compass.entry.views import spherical_jacobian
+from compass.entry.views import cartesian_of, spherical_jacobian
 from compass.errors import ArgumentError, DesignError
 from compass.inputs.scenario import provenance, read_scenario, read_scenario_text
 

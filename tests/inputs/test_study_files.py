@@ -6,9 +6,9 @@ import pytest
 from compass.entry.arrivals import MOST_SAMPLES
 from compass.entry.doubts import Doubts
 from compass.errors import DesignError
-from compass.inputs.merit import MERITS, STAGES, merits_of
 from compass.inputs.study import Free, read_study, read_study_text
 from compass.orbits import areosynchronous_radius, orbital_period
+from compass.quantities.merits import MERITS, STAGES, merits_of
 
 GOOD = """
 name = "t"
@@ -217,3 +217,24 @@ def test_faults_of_what_is_no_table():
 def test_every_merit_belongs_to_a_stage():
     assert {m.stage for m in MERITS.values()} == set(STAGES)
     assert sum(len(merits_of(stage)) for stage in STAGES) == len(MERITS)
+
+
+def test_a_figure_of_merit_is_one_record(monkeypatch, designs):
+    """One more record, worked out of what its stage knows, and studies take it as any other."""
+    from compass.quantities import merits
+    from compass.study.candidates import batches, candidates
+    from compass.study.cost import cost_figures
+
+    record = merits.Merit(
+        merits.Quantity("delta_v_a_plane_m_s", "m s-1", "delta-v of a plane", 4, "less"),
+        "cost",
+        of=lambda k: k["satellites"] / k["planes"] * k["delta_v_transfer_m_s"],
+    )
+    monkeypatch.setitem(merits.MERITS, "delta_v_a_plane_m_s", record)
+    text = (designs / "study-small.toml").read_text()
+    study = read_study_text(text.replace('"gdop_p95"', '"delta_v_a_plane_m_s"'), folder=designs)
+    assert study.objectives[-1].figure == "delta_v_a_plane_m_s" and study.objectives[-1].sign == 1
+    rows = next(batches(candidates(study), 1000))
+    found = cost_figures(rows, study.cost, study.figure.equatorial_radius)
+    one_plane = found["delta_v_transfer_m_s"] * rows["satellites"] / rows["planes"]
+    assert found["delta_v_a_plane_m_s"] == pytest.approx(one_plane)

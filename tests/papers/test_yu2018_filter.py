@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from compass.core.entry_dynamics import rk4_step_transition
-from compass.core.entry_geometry import cartesian_jacobian, cartesian_of, range_rows
+from compass.core.entry_geometry import cartesian_jacobian, range_rows
 from compass.entry.beacons import Beacons
 from compass.entry.schedule import Measurements
+from compass.entry.views import cartesian_of
 from compass.errors import ArgumentError
 from compass.papers import yu2018_case as paper
 from compass.papers.yu2018_filter import (

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from compass.inputs.merit import MERITS
 from compass.inputs.study import Objective
+from compass.quantities.merits import MERITS
 from compass.study.candidates import ROW
 from compass.study.choice import finalists_of
 

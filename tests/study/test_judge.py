@@ -11,7 +11,7 @@ from compass.entry.campaign import fly_campaign
 from compass.entry.covariance import linear_covariance
 from compass.entry.doubts import NO_DOUBTS, Doubts
 from compass.entry.schedule import in_view
-from compass.entry.trajectory import Trigger
+from compass.entry.start import Trigger
 from compass.entry.unknowns import Unknowns
 from compass.entry.views import spherical_of
 from compass.errors import ArgumentError

@@ -14,10 +14,10 @@ from compass.errors import ArgumentError
 from compass.frames import FIGURES, direction
 from compass.inputs.study import EntryStage, read_study_text
 from compass.orbits import positions_mci
+from compass.quantities.merits import median_number
 from compass.sites import Mask
 from compass.study.candidates import ROW, make_constellation
 from compass.study.judge import judge
-from compass.study.judgement import median_number
 from compass.study.pattern_judging import entry_figures
 from compass.study.pattern_map import map_figures
 

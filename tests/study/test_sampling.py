@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compass.inputs.merit import MERITS, merits_of
 from compass.inputs.study import read_study_text
 from compass.pages.trade_finalists import against, verdict
+from compass.quantities.merits import MERITS, merits_of
 from compass.study.candidates import candidates
 from compass.study.choice import Finalist
 from compass.study.pattern_map import map_figures
@@ -69,10 +69,7 @@ def test_what_is_sampled_says_over_what(study):
         "share of area and time with a good PDOP; GDOP, 95th percentile: over "
         "15 deg cells, 4 epochs"
     )
-    assert all(
-        bool(sampling_of(study, name)) == (MERITS[name].stage in ("map", "orbits"))
-        for name in MERITS
-    )
+    assert all(bool(sampling_of(study, name)) == (MERITS[name].stage == "map") for name in MERITS)
 
 
 def one(value, error):

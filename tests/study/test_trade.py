@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from compass.errors import CompassError
-from compass.inputs.merit import MERITS
 from compass.inputs.study import Objective
+from compass.quantities.merits import MERITS
 from compass.study import stages, trade, workers
 from compass.study import store as store_module
 from compass.study.candidates import candidates, identities

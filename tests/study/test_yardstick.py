@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from compass.inputs import read_design
-from compass.inputs.merit import merits_of
 from compass.orbits import keplerian
+from compass.quantities.merits import merits_of
 from compass.study.yardstick import yardstick
 
 

@@ -12,17 +12,8 @@ import math
 from compass.core.entry.filter import absorb, added, moved_covariance
 from compass.core.entry.flow import advance_transition, bank_at
 from compass.core.entry.groups import make_estimates, make_room
-from compass.core.entry.measure import (
-    AIR,
-    AXES,
-    CLOCK,
-    KINDS,
-    LIFT,
-    RANGE,
-    RATE,
-    acceleration_rows,
-    measured,
-)
+from compass.core.entry.kinds import KINDS, RANGE, RATE
+from compass.core.entry.measure import AIR, AXES, CLOCK, LIFT, acceleration_rows, measured
 from compass.core.entry.node import fuse, sound, weigh
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.entry.weights import make_scratch

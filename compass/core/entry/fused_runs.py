@@ -10,15 +10,8 @@ from compass.core.entry.filter import added
 from compass.core.entry.flow import advance, bank_at
 from compass.core.entry.fuse import fuse_run
 from compass.core.entry.groups import Array
-from compass.core.entry.measure import (
-    AIR,
-    AXES,
-    KINDS,
-    LIFT,
-    PLACES,
-    acceleration_rows,
-    ideal_values,
-)
+from compass.core.entry.kinds import KINDS
+from compass.core.entry.measure import AIR, AXES, LIFT, PLACES, acceleration_rows, ideal_values
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.entry.runs import normalised_square
 from compass.core.jit import kernel

@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.measure import AXES, KINDS
+from compass.core.entry.kinds import KINDS
+from compass.core.entry.measure import AXES
 from compass.core.entry.rates import COLUMNS
 from compass.core.jit import kernel
 

@@ -8,16 +8,9 @@ import math
 
 import numpy as np
 
+from compass.core.entry.kinds import BEARING, ECHO, HEIGHT, RANGE, RATE, VELOCITY
 from compass.core.entry.rates import DRAG, log_density
 from compass.core.jit import fast_kernel
-
-#: Kinds of measurement, a number each: range and its rate by radio one way; both ways, where no
-#: clock of the lander enters; distance from the centre; direction to a source (three components)
-#: and velocity relative to it (three).
-RANGE, RATE, ECHO, ECHO_RATE, HEIGHT, BEARING, VELOCITY = 0, 1, 2, 3, 4, 5, 8
-
-#: Kinds that fused filters hear of each beacon: range and range rate.
-KINDS = 2
 
 #: Columns of `places`: how many states are estimated (the rest is considered), then the first
 #: state of each further block, -1 where it is left out.
