@@ -32,7 +32,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.version import version
     from compass.api.warm import warm
     from compass.design import Design, Requirement
-    from compass.entry.fusion import covariance_intersection, intersection_weights
+    from compass.entry.intersection import covariance_intersection, intersection_weights
     from compass.inputs import read_design
     from compass.inputs.scenario import read_scenario
     from compass.inputs.study import read_study
@@ -131,10 +131,10 @@ _HOMES = {
     "Requirement": "compass.design",
     "Site": "compass.sites",
     "areosynchronous_radius_km": "compass.orbits",
-    "covariance_intersection": "compass.entry.fusion",
+    "covariance_intersection": "compass.entry.intersection",
     "ephemeris": "compass.orbits",
     "from_elements": "compass.orbits",
-    "intersection_weights": "compass.entry.fusion",
+    "intersection_weights": "compass.entry.intersection",
     "read_design": "compass.inputs",
     "read_scenario": "compass.inputs.scenario",
     "read_study": "compass.inputs.study",

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -124,8 +124,13 @@ class Radio:
         return sorted(self.between) == sorted((one, two))
 
 
-#: What a requirement may limit from above.
-LIMITS = ("pdop", "gdop", "hdop", "vdop", "tdop")
+#: What a requirement may limit from above: dilutions of precision, and errors of a fix in metres.
+DILUTIONS = ("pdop", "gdop", "hdop", "vdop", "tdop")
+ERRORS = ("error_horizontal_m", "error_vertical_m", "error_position_m", "error_time_m")
+LIMITS = DILUTIONS + ERRORS
+
+#: What an error in metres is meant as.
+ErrorAs = Literal["one-sigma", "95-percent"]
 
 
 @dataclass(frozen=True)
@@ -148,6 +153,9 @@ class Requirement:
         Elevation mask, radians; None for the design's.
     limits
         Names of `LIMITS` and the largest values allowed.
+    error_as
+        Whether errors are one sigma, or what 95 % of them stay below: 1.96 sigma, which holds at
+        least so many of a horizontal or position error.
     share
         Part of the time, or of area and time, for which it must be so; 1 means always.
     share_of
@@ -168,6 +176,7 @@ class Requirement:
     share_of: Literal["time", "area-time"] = "time"
     altitude: float = 0.0
     losses: int = 0
+    error_as: ErrorAs = "one-sigma"
 
     @classmethod
     def of(
@@ -182,20 +191,23 @@ class Requirement:
         share_of: Literal["time", "area-time"] = "time",
         altitude_km: float = 0.0,
         losses: int = 0,
+        error_as: ErrorAs = "one-sigma",
         **at_most: float,
     ) -> "Requirement":
         """Make a requirement of degrees and kilometres, by the keys of design files.
 
         Parameters
         ----------
-        name, sites, regions, fold, share, share_of, losses
+        name, sites, regions, fold, share, share_of, losses, error_as
             As of the class.
         mask_deg
             Elevation mask, above -90 to below 90; the design's if left out.
         altitude_km
             Height of the users of regions above the figure, from 0.
         **at_most
-            ``pdop_at_most``, ``gdop_at_most``, ...: the largest dilutions allowed, from 1.
+            ``pdop_at_most``, ``gdop_at_most``, ...: the largest dilutions allowed, from 1;
+            ``error_horizontal_m_at_most``, ...: the largest errors of a fix, above 0 m, of designs
+            with a signal.
 
         Raises
         ------
@@ -222,11 +234,14 @@ class Requirement:
             ("share", share, 0 < share <= 1, "above 0 to 1"),
             ("altitude_km", altitude_km, 0 <= altitude_km <= 1e6, "0 to 1e6"),
             ("losses", losses, losses >= 0, "from 0"),
-            *((key, limit, limit >= 1, "from 1") for key, limit in at_most.items()),
+            *_limit_ranges(at_most, known),
         )
         for key, value, allowed, words in ranges:
             if not allowed:
                 raise ArgumentError(f"{key} = {value:g}: allowed {words}")
+        if error_as not in get_args(ErrorAs):
+            known_as = ", ".join(get_args(ErrorAs))
+            raise ArgumentError(f"error_as = {error_as!r}: allowed {known_as}")
         return cls(
             name,
             tuple(sites),
@@ -238,6 +253,7 @@ class Requirement:
             share_of,
             altitude_km * 1e3,
             losses,
+            error_as,
         )
 
     @property
@@ -254,9 +270,23 @@ class Requirement:
     def wanted(self) -> str:
         """What is wanted, in words."""
         parts = [f"{self.fold} satellites"] if self.fold is not None else []
-        parts += [f"{name.upper()} at most {limit:g}" for name, limit in self.limits]
+        parts += [
+            f"{self.titled(name)} at most {limit:g}{self.unit(name)}" for name, limit in self.limits
+        ]
         after = f" without any {self.losses}" if self.losses else ""
         return " and ".join(parts) + after
+
+    def titled(self, limited: str) -> str:
+        """One of its limits' names in words."""
+        if limited in DILUTIONS:
+            return limited.upper()
+        way = "" if self.error_as == "one-sigma" else ", 95 %"
+        return f"{limited.split('_')[1]} error{way}"
+
+    @staticmethod
+    def unit(limited: str) -> str:
+        """Unit of one of its limits, behind a number."""
+        return " m" if limited in ERRORS else ""
 
     @property
     def when(self) -> str:
@@ -272,6 +302,18 @@ class Requirement:
         named = [*(site.name for site in self.sites), *self.areas]
         high = f", {self.altitude / 1e3:g} km above the ground" if self.altitude else ""
         return ", ".join(named) + high
+
+
+def _limit_ranges(
+    at_most: dict[str, float], known: dict[str, str]
+) -> list[tuple[str, float, bool, str]]:
+    """Limits with whether they are allowed, and what is."""
+    return [
+        (key, limit, limit > 0, "above 0")
+        if known[key] in ERRORS
+        else (key, limit, limit >= 1, "from 1")
+        for key, limit in at_most.items()
+    ]
 
 
 @dataclass(frozen=True, repr=False)

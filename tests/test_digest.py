@@ -2,7 +2,8 @@
 
 import subprocess
 import sys
-from dataclasses import dataclass, fields, replace
+from copy import copy
+from dataclasses import dataclass, fields
 from enum import Enum
 from fractions import Fraction
 from pathlib import Path
@@ -97,8 +98,10 @@ def test_every_field_of_a_file_counts(designs, read, name):
     base = digest_of(thing)
     assert base == digest_of(read(designs / ".." / "designs" / f"{name}.toml"))
     for field in fields(thing):
-        other = "iau-ellipsoid" if field.name == "figure" else ("another",)
-        changed = digest_of(replace(thing, **{field.name: other}))
+        value = "iau-ellipsoid" if field.name == "figure" else ("another",)
+        other = copy(thing)
+        object.__setattr__(other, field.name, value)  # past what the field may hold
+        changed = digest_of(other)
         assert (changed == base) == (field.name in PROVENANCE), field.name
 
 

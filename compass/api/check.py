@@ -141,11 +141,12 @@ def _said(verdict: Answer) -> str:
 def _value(verdict: Answer) -> str:
     worst = verdict.worst
     assert worst is not None
-    if worst.time is None:
+    if worst.of == "share":
         return f"{100 * worst.value:.4f} % of the time"
-    if verdict.requirement.fold is not None:
+    if worst.of == "fold":
         return f"{worst.value:.0f} in view"
-    return f"{verdict.requirement.limits[0][0].upper()} {worst.value:.6g}"
+    wanted = verdict.requirement
+    return f"{wanted.titled(worst.of)} {worst.value:.6g}{wanted.unit(worst.of)}"
 
 
 def check(

@@ -1,6 +1,7 @@
 """A design left alone on real orbits: how long it lasts, and which radius keeps itself."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import degrees
 from pathlib import Path
 
@@ -9,9 +10,9 @@ import numpy as np
 from compass.api.drift_result import DriftResult
 from compass.api.given import given_design, given_fold, given_mask
 from compass.api.progress import bar
-from compass.api.radii import at_radii, forces_of, real_motion
+from compass.api.radii import Asked, at_radii, forces_of, real_motion
 from compass.coverage.drift import drift_of
-from compass.coverage.promises import promises_of
+from compass.coverage.promises import lead_of, promises_of, with_rooms
 from compass.coverage.region import GLOBE, read_region
 from compass.design import Design
 from compass.errors import ArgumentError
@@ -36,6 +37,9 @@ def drift(
 ) -> DriftResult:
     """Follow a design that is left alone: margin and room over time, and the first loss, proven.
 
+    Of a design with requirements the place is followed that is lost first, unless another fold,
+    mask or region is asked for.
+
     A design of two-body motion is followed under the default forces: GMM-3 to degree 8, Sun,
     Phobos, Deimos and radiation on 0.026 m^2/kg with shadow.
 
@@ -50,8 +54,8 @@ def drift(
     fold, mask_deg
         Satellites in view at once and elevation mask, degrees; else the design's.
     region
-        Where: ``lat:MIN:MAX`` or ``polygon:LAT,LON;LAT,LON;...``, degrees; else everywhere. The
-        design's requirements are followed besides.
+        Where: ``globe``, ``lat:MIN:MAX`` or ``polygon:LAT,LON;LAT,LON;...``, degrees; else where
+        the design's requirements say, or everywhere. Requirements are followed in any case.
     trimmed
         Whether to trim the initial axes first.
     radius_km
@@ -86,15 +90,21 @@ def drift(
     mask = given_mask(mask_deg, read).highest
     where = GLOBE if region is None else read_region(region)
     motion = real_motion(read)
-    stop = (start_day + days) * SECONDS_PER_DAY
-    sphere = read.figure.equatorial_radius
+    start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY
     c, done = read.constellation, None
     if trimmed:
         done = trim(c, forces_of(motion), stop, progress=lambda x: bar(progress, "trim", x))
         c = done.constellation
-    path = motion.trajectory(
-        c, start_day * SECONDS_PER_DAY, stop, progress=lambda x: bar(progress, "orbits", x)
-    )
+    path = motion.trajectory(c, start, stop, progress=lambda x: bar(progress, "orbits", x))
+    kept = promises_of(read, path, start, stop, lambda x: bar(progress, "requirements", x))
+    sphere, highest, ground, lasting = read.figure.equatorial_radius, mask, "", None
+    own = bool(kept) and fold is None and mask_deg is None and region is None
+    if own:
+        lead = lead_of(read, kept, path, start, stop)
+        where = replace(lead.claim.region, name=lead.claim.name)
+        wanted, lasting = lead.fold, replace(lead.lasting, region=where)
+        sphere, highest = lead.claim.radius, lead.claim.highest
+        mask, ground = lead.claim.mask, lead.claim.ground
     found = drift_of(
         read.constellation,
         path,
@@ -102,20 +112,21 @@ def drift(
         days=days,
         start_day=start_day,
         sphere_radius=sphere,
-        mask=mask,
+        mask=highest,
         region=where,
         step_days=step_days,
+        lasting=lasting,
         progress=lambda x: bar(progress, "margins", x),
     )
     radii = at_radii(
         read,
         radius_km,
         days=start_day + days,
-        fold=wanted,
-        mask=mask,
-        region=where,
+        asked=None if own else Asked(wanted, mask, where),
         progress=progress,
     )
-    kept = promises_of(read, path, found.times, lambda x: bar(progress, "requirements", x))
-    near = closest_approaches(path, start_day * SECONDS_PER_DAY, stop)
-    return DriftResult(read, degrees(mask), motion.title, found, done, radii, kept, near, avoid_km)
+    kept = with_rooms(kept, read, path, found.times)
+    near = closest_approaches(path, start, stop)
+    return DriftResult(
+        read, degrees(mask), motion.title, found, done, radii, kept, near, avoid_km, ground
+    )

@@ -58,6 +58,8 @@ class DriftResult(Result):
         The closest approach of any satellite to each moon.
     avoid_km
         Distance that is to be kept from their centres, if any.
+    ground
+        What the users followed stand on, where that is neither the design's figure nor its sphere.
     """
 
     design: Design = field(repr=False)
@@ -69,6 +71,7 @@ class DriftResult(Result):
     promises: tuple[Promise, ...] = ()
     approaches: tuple[Approach, ...] = ()
     avoid_km: float | None = None
+    ground: str = ""
 
     @property
     def holds(self) -> bool:
@@ -76,8 +79,9 @@ class DriftResult(Result):
 
         Wanted is what the design requires, as far as it can be followed; without that the fold.
         """
-        wanted = followed(self.promises) or [self.drift.lasting]
-        return all(one.outcome is Outcome.PROVEN for one in wanted) and self.avoids
+        wanted = [each.outcome for each in followed(self.promises)]
+        kept = all(outcome is Outcome.PROVEN for outcome in wanted or [self.lasting.outcome])
+        return kept and self.avoids
 
     @property
     def avoids(self) -> bool:
@@ -89,7 +93,12 @@ class DriftResult(Result):
     def lasting(self) -> LastingResult:
         """The claim alone."""
         return LastingResult(
-            self.design, self.drift.lasting.fold, self.mask_deg, self.motion, self.drift.lasting
+            self.design,
+            self.drift.lasting.fold,
+            self.mask_deg,
+            self.motion,
+            self.drift.lasting,
+            self.ground,
         )
 
     @property

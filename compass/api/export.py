@@ -138,7 +138,9 @@ def export(
     files, span = _written(read, format, duration_h, step_s, motion)
     place = None if output is None else Path(output)
     lacks = not_kept(read) if format == "toml" else ()
-    made = ExportResult(read, format, files, span, place, lacks)
+    made = ExportResult(
+        design=read, format=format, files=files, span=span, output=place, not_kept=lacks
+    )
     if output is not None:
         made.write(output)
     return made

@@ -6,6 +6,7 @@ from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from compass.coverage.region import read_regions
 from compass.design import Design
 from compass.errors import ArgumentError, real_number, said_of, whole_number
 from compass.inputs import read_design
@@ -153,6 +154,42 @@ def given_mask(mask_deg: float | None, design: Design) -> Mask:
     if not 0 <= real_number("mask_deg", mask_deg) < 90:
         raise ArgumentError(f"mask_deg = {mask_deg:g}: allowed 0 up to below 90 degrees")
     return Mask.constant(radians(mask_deg))
+
+
+def given_places(
+    sites: Site | str | Sequence[Site | str], regions: str | Sequence[str], design: Design
+) -> tuple[tuple[Site, ...], tuple[str, ...]]:
+    """Sites and regions of the options that all commands share.
+
+    A site is a `Site`, the name of one of the design's stations, or as `given_site` reads it; a
+    region a text as of a requirement.
+
+    Raises
+    ------
+    ArgumentError
+        There is no such station, a name is used twice, or a region cannot be read.
+    """
+    known = {site.name: site for site in design.stations}
+    found = []
+    for site in (sites,) if isinstance(sites, Site | str) else sites:
+        if isinstance(site, str) and "=" not in site:
+            if site not in known:
+                named = ", ".join(known) or "none"
+                raise ArgumentError(
+                    f"site {site!r}: no [[station]] of that name; there are {named}; or write "
+                    "NAME=LAT,LON[,MASK]"
+                )
+            found.append(known[site])
+        else:
+            found.append(given_site(site, design, "site"))
+    names = [site.name for site in found]
+    for name in names:
+        if names.count(name) > 1:
+            raise ArgumentError(f"site {name!r}: given twice; leave one out")
+    texts = (regions,) if isinstance(regions, str) else tuple(regions)
+    for text in texts:
+        read_regions(text)
+    return tuple(found), texts
 
 
 def given_site(station: Site | str, design: Design, called: str = "station") -> Site:

@@ -1,6 +1,5 @@
 """Candidate constellations ranked by landing-navigation quality."""
 
-import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -20,6 +19,7 @@ from compass.api.judge_tables import (
 )
 from compass.api.progress import bar
 from compass.api.results import Result
+from compass.cores import cores
 from compass.design import Design
 from compass.document import Page, Sentence, Verdict
 from compass.document.plain import plain
@@ -213,7 +213,7 @@ def judge(
     doubts = Doubts(
         clock_m, clock_drift_m_s, (radial, along, cross), satellite_clock_m, range_bias_m
     )
-    threads = workers or os.cpu_count() or 1
+    threads = cores(workers)
 
     def bars(work: Iterable[Any], total: int, desc: str) -> Iterable[Any]:
         return bar(progress, desc, work, total=total)

@@ -8,9 +8,10 @@ from pathlib import Path
 from compass.api.given import given_design, given_fold, given_mask
 from compass.api.keep_result import YEAR, KeepResult
 from compass.api.progress import bar
-from compass.api.radii import at_radii, forces_of, real_motion
+from compass.api.radii import Asked, at_radii, forces_of, real_motion
 from compass.coverage.margin import covering_radius
-from compass.coverage.room import has_slots, slot_box
+from compass.coverage.promises import box_of
+from compass.coverage.room import SlotBox, has_slots, slot_box
 from compass.design import Design, Upkeep
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
@@ -45,7 +46,8 @@ def keep(
     box_deg
         Half width of the box along the track, degrees; else half of what the margin allows.
     fold, mask_deg
-        Satellites in view at once and elevation mask, degrees; else the design's.
+        Satellites in view at once everywhere and elevation mask, degrees; else what the design
+        requires, or its fold everywhere.
     radius_km
         Radii at which to look how long the pattern lasts untouched, for as long.
     specific_impulse_s, dry_mass_kg
@@ -84,18 +86,15 @@ def keep(
         raise ArgumentError(
             "keep: slots need circular orbits of one radius and inclination; this design has others"
         )
-    wanted = given_fold(fold, read)
-    covering = covering_radius(c, wanted, tolerance=1e-5).radius
-    if not isfinite(covering):
-        raise ArgumentError(
-            f"fold = {wanted}: the pattern has it at no mask, so no slot has any room; give less"
-        )
-    mask = given_mask(mask_deg, read).highest
-    axis = float(c.semi_major_axis[0])
-    margin = slot_box(axis, covering, read.figure.equatorial_radius, mask).sideways
+    wanted, mask = given_fold(fold, read), given_mask(mask_deg, read).highest
+    own = fold is None and mask_deg is None
+    box, where = box_of(read) if own and read.requirements else None, "what is required"
+    if box is None:
+        box, where = _everywhere(read, wanted, mask), "the whole sphere"
+    margin = box.sideways
     if box_deg is None and margin <= 0.0:
         raise ArgumentError(
-            f"fold = {wanted}: the whole sphere does not have it above {degrees(mask):g} deg, so "
+            f"fold = {wanted}: {where} does not have it above {degrees(mask):g} deg, so "
             f"no slot has any room ({degrees(margin):.3g} deg); give less, a lower mask or box_deg"
         )
     width = 0.5 * margin if box_deg is None else radians(box_deg)
@@ -112,8 +111,26 @@ def keep(
         progress=lambda parts: bar(progress, "keeping", parts),
     )
     days = upkeep.duration / SECONDS_PER_DAY
-    radii = at_radii(read, radius_km, days=days, fold=wanted, mask=mask, progress=progress)
+    asked = None if own else Asked(wanted, mask)
+    radii = at_radii(read, radius_km, days=days, asked=asked, progress=progress)
     return KeepResult(read, motion.title, found, degrees(margin), upkeep, radii)
+
+
+def _everywhere(design: Design, fold: int, mask: float) -> SlotBox:
+    """Box with which a fold is kept on the whole sphere.
+
+    Raises
+    ------
+    ArgumentError
+        No mask has it.
+    """
+    covering = covering_radius(design.constellation, fold, tolerance=1e-5).radius
+    if not isfinite(covering):
+        raise ArgumentError(
+            f"fold = {fold}: the pattern has it at no mask, so no slot has any room; give less"
+        )
+    axis = float(design.constellation.semi_major_axis[0])
+    return slot_box(axis, covering, design.figure.equatorial_radius, mask)
 
 
 #: Options: field of `Upkeep`, factor to SI, least and most.

@@ -10,6 +10,9 @@ from compass.api.land_flight import (
     assess_scenario,
     check_cost,
     claim_sentence,
+    disperse_scenario,
+    dispersed_facts,
+    dispersed_sentence,
     entry_facts,
     entry_section,
 )
@@ -19,6 +22,7 @@ from compass.conventions import dated
 from compass.document import Page, Picture, Section, Verdict
 from compass.document.plain import plain
 from compass.entry.assess import Assessment, assessment_dataset
+from compass.entry.dispersed import Dispersed
 from compass.errors import ArgumentError
 from compass.inputs.fusion import fusion_plan
 from compass.inputs.scenario import Scenario, provenance
@@ -47,6 +51,8 @@ class LandResult(Result):
         Flight, view, observability, bound and filter.
     fused
         The filters compared, if the scenario has a table [fusion].
+    dispersed
+        Entries about the planned one, if it has a table [dispersion].
     command
         For the provenance.
     strict
@@ -58,6 +64,7 @@ class LandResult(Result):
     fused: FusionRuns | None = field(repr=False, default=None)
     command: str = ""
     strict: bool = False
+    dispersed: Dispersed | None = field(repr=False, default=None)
 
     @property
     def holds(self) -> bool:
@@ -77,17 +84,27 @@ class LandResult(Result):
         known = entry_facts(self.scenario, self.assessment)
         if self.fused:
             known["fusion"] = fusion_facts(self.fused)
+        if self.dispersed:
+            known["dispersed"] = dispersed_facts(self.dispersed)
         return plain(known | {"provenance": provenance(self.scenario, self.command)})
 
     def document(self) -> Page:
         """Knowledge and delivery in a sentence, then the flight and the filters."""
-        words = Verdict("", claim_sentence(self.assessment))
+        words = Verdict("", self.claim)
         flight, *fused = self.sections(pictures=False, claim=False)
         return Page(self.scenario.name, (words, *flight.blocks, *fused))
 
+    @property
+    def claim(self) -> str:
+        """Knowledge and delivery, and where dispersed entries come down."""
+        guided = self.scenario.guidance is not None
+        words = claim_sentence(self.assessment, guided=guided)
+        return f"{words} {dispersed_sentence(self.dispersed)}" if self.dispersed else words
+
     def sections(self, *, pictures: bool = True, claim: bool = True) -> tuple[Section, ...]:
         """The flight with one filter on it, then the filters compared if there are any."""
-        flight = entry_section(self.scenario, self.assessment, pictures=pictures, claim=claim)
+        words = self.claim if claim else ""
+        flight = entry_section(self.scenario, self.assessment, pictures=pictures, claim=words)
         if self.fused is None:
             return (flight,)
         return flight, fusion_section(self.fused, pictures=pictures)
@@ -174,4 +191,4 @@ def land(
         notice(f"filter runs: about {seconds:.0f} s")
     found = assess_scenario(read, runs)
     fused = run_fusion(plan, runs, progress=progress) if plan else None
-    return LandResult(read, found, fused, command, strict)
+    return LandResult(read, found, fused, command, strict, disperse_scenario(read))

@@ -10,6 +10,8 @@ from compass.document.blocks import Picture, Section, Table, arranged
 from compass.document.numbers import significant
 from compass.entry.accuracy import Accuracy, Spread
 from compass.entry.assess import Assessment, assess
+from compass.entry.dispersed import Dispersed, fly_dispersed
+from compass.entry.guidance import guided, with_bank
 from compass.entry.state import longitude_degrees
 from compass.entry.trajectory import Trajectory, fly, loads
 from compass.errors import ArgumentError
@@ -31,11 +33,18 @@ def assess_scenario(scenario: Scenario, runs: int | None = None) -> Assessment:
     """
     many = scenario.runs if runs is None else runs
     check_cost(scenario, many)
-    flight = fly(scenario.truth, scenario.state, scenario.times, triggers=scenario.triggers)
+    model, truth = scenario.model, scenario.truth
+    if scenario.guidance is not None:
+        bank = guided(
+            truth, model, scenario.state, scenario.guidance, scenario.deployment,
+            float(scenario.times[-1]),
+        )  # fmt: skip
+        model, truth = with_bank(model, bank), with_bank(truth, bank)
+    flight = fly(truth, scenario.state, scenario.times, triggers=scenario.triggers)
     if flight.times.size < 2:
         raise ArgumentError(f"{scenario.label}: {flight.ending}; nothing to navigate")
     return assess(
-        scenario.model,
+        model,
         flight,
         scenario.beacons(flight.times),
         scenario.measurements,
@@ -44,6 +53,73 @@ def assess_scenario(scenario: Scenario, runs: int | None = None) -> Assessment:
         runs=many,
         seed=scenario.seed,
     )
+
+
+def disperse_scenario(scenario: Scenario) -> Dispersed | None:
+    """Fly the entries of a scenario's [dispersion]; None if it has none.
+
+    Raises
+    ------
+    ArgumentError
+        The planned entry does not come to deployment.
+    """
+    if scenario.dispersion is None:
+        return None
+    return fly_dispersed(
+        scenario.truth,
+        scenario.model,
+        scenario.state,
+        scenario.dispersion,
+        float(scenario.times[-1]),
+        trigger=scenario.deployment,
+        guidance=scenario.guidance,
+        seed=scenario.seed,
+    )
+
+
+def dispersed_sentence(found: Dispersed) -> str:
+    """Where dispersed entries come down."""
+    count, came = found.times.size, int(found.reached.sum())
+    lost = f"; {count - came} do not come to it" if came < count else ""
+    of = "the target" if found.guided else "where the planned one does"
+    how = "guided " if found.guided else ""
+    if came < 3:
+        return f"Of {count} dispersed {how}entries {came} come to {found.event}."
+    ellipse = found.ellipse
+    half, most = (_kilometres(found.within(share)) for share in (50.0, 95.0))
+    return (
+        f"Of {count} dispersed {how}entries half come to {found.event} within {half} of {of}, 95 % "
+        f"within {most} (95 % ellipse {_kilometres(ellipse.semi_major)} by "
+        f"{_kilometres(ellipse.semi_minor)}, half axes){lost}."
+    )
+
+
+def _kilometres(metres: float) -> str:
+    return f"{significant(metres / KM, 3)} km" if math.isfinite(metres) else "no distance"
+
+
+def dispersed_facts(found: Dispersed) -> dict[str, Any]:
+    """Where dispersed entries come down, as plain values."""
+    enough = int(found.reached.sum()) >= 3
+    ellipse = found.ellipse if enough else None
+    return {
+        "at": found.event,
+        "guided": found.guided,
+        "entries": found.times.size,
+        "reached": int(found.reached.sum()),
+        "within_m": {"p50": found.within(50.0), "p95": found.within(95.0)},
+        "offsets_east_north_m": found.offsets,
+        "ellipse": None
+        if ellipse is None
+        else {
+            "east_m": ellipse.east,
+            "north_m": ellipse.north,
+            "semi_major_m": ellipse.semi_major,
+            "semi_minor_m": ellipse.semi_minor,
+            "azimuth_deg": np.degrees(ellipse.azimuth),
+            "level": ellipse.level,
+        },
+    }
 
 
 def check_cost(scenario: Scenario, runs: int) -> float:
@@ -67,16 +143,17 @@ def check_cost(scenario: Scenario, runs: int) -> float:
 
 
 def entry_section(
-    scenario: Scenario, found: Assessment, *, pictures: bool = True, claim: bool = True
+    scenario: Scenario, found: Assessment, *, pictures: bool = True, claim: str | None = None
 ) -> Section:
-    """Text, pictures and tables of one scenario; `claim` puts the answer first."""
+    """Text, pictures and tables of one scenario, the answer first: `claim`, or that of `found`."""
     drawn: tuple[Picture, ...] = ()
     if pictures:
         from compass.pictures.entry import entry_pictures
 
         drawn = entry_pictures(found)
     paragraphs = [" ".join(scenario.source.split())] if scenario.source.strip() else []
-    words = [*([claim_sentence(found)] if claim else []), *paragraphs, *findings(scenario, found)]
+    first = claim_sentence(found) if claim is None else claim
+    words = [*([first] if first else []), *paragraphs, *findings(scenario, found)]
     return arranged(f"Entry: {scenario.name}", tuple(words), drawn, entry_tables(found))
 
 
@@ -135,8 +212,11 @@ def _whole_words(found: Assessment) -> list[str]:
     ]
 
 
-def claim_sentence(found: Assessment) -> str:
-    """What a landing comes to: knowledge, if it may be claimed, and delivery."""
+def claim_sentence(found: Assessment, *, guided: bool = False) -> str:
+    """What a landing comes to: knowledge, if it may be claimed, and delivery.
+
+    Of a `guided` one delivery is that of its bank flown as planned, whatever happens.
+    """
     at, claim = found.accuracy, found.claim_m
     where = f"At {at.name} ({at.time:.1f} s)"
     if claim is None:
@@ -146,10 +226,11 @@ def claim_sentence(found: Assessment) -> str:
             f"{where} the lander knows its place to {significant(claim, 3)} m (1 sigma, all axes)."
         )
     ellipse = at.delivery.ellipse
+    how = "By the planned bank alone" if guided else "Unguided"
+    half = (significant(axis / KM, 3) for axis in (ellipse.semi_major, ellipse.semi_minor))
     return (
-        f"{known} Unguided it comes down within {significant(ellipse.semi_major / KM, 3)} by "
-        f"{significant(ellipse.semi_minor / KM, 3)} km (95 % ellipse, half axes, major axis "
-        f"{np.degrees(ellipse.azimuth):.0f} deg from north), half of the time within "
+        f"{known} {how} it comes down within {' by '.join(half)} km (95 % ellipse, half axes, "
+        f"major axis {np.degrees(ellipse.azimuth):.0f} deg from north), half of the time within "
         f"{significant(at.delivery.cep / KM, 3)} km."
     )
 

@@ -7,6 +7,7 @@ import numpy as np
 from compass.document.blocks import Picture, Section, Table, arranged
 from compass.entry.accuracy import error_ellipse
 from compass.entry.faults import Fault
+from compass.entry.fused_kinds import Kind
 from compass.study.fusion import SETTLING, TITLES, FusionRuns
 
 if TYPE_CHECKING:
@@ -58,7 +59,24 @@ def fusion_words(found: FusionRuns) -> tuple[str, ...]:
 
 def too_sure(found: FusionRuns) -> list[str]:
     """Filters that claim too much where nothing is at fault; a cautious one claims what holds."""
-    return [f"{name}, {how}" for name, data in found.clear.items() if (how := _vain(data))]
+    alone = [kind.algorithm for kind in found.plan.filters if _each_alone(kind.kind)]
+    return [
+        f"{name}, {how}{_ALONE if name in alone else ''}"
+        for name, data in found.clear.items()
+        if (how := _vain(data))
+    ]
+
+
+#: Why a filter without feedback strays.
+_ALONE = (
+    ", for its subsystems hear one beacon each and never the fused estimate: each is sure of "
+    "where its own linearisation led it"
+)
+
+
+def _each_alone(kind: Kind) -> bool:
+    """Whether subsystems go their own way throughout."""
+    return kind.apart and not kind.feedback
 
 
 def _vain(data: "xr.Dataset") -> str:

@@ -28,10 +28,13 @@ class LastingResult(FoldClaim):
         Under what motion.
     lasting
         What was found, SI.
+    ground
+        What its users stand on, where that is neither the design's figure nor its sphere.
     """
 
     motion: str
     lasting: Lasting
+    ground: str = ""
 
     @property
     def outcome(self) -> Outcome:
@@ -46,6 +49,8 @@ class LastingResult(FoldClaim):
     @property
     def figure(self) -> str:
         """On what users stand: the design's own, or the sphere of its equatorial radius."""
+        if self.ground:
+            return self.ground
         own = self.design.figure
         if own.stretch == self.lasting.stretch:
             return own.title

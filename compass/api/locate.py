@@ -19,6 +19,7 @@ from compass.frames import SECONDS_PER_DAY
 from compass.quantities import quantity
 from compass.signal.standing import SIDEWAYS, UPWARDS, sights_from, standing_covariance
 from compass.sites import Site
+from compass.words import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -137,9 +138,11 @@ class LocateResult(Result):
             if held is None
             else f"to {self.goal_m:g} m after {Value(until, held)} h"
         )
+        few, many = self.seen.min(), self.seen.max()
+        in_view = f"{few}" if few == many else f"{few} to {many}"
         claim = (
-            f"{self.site.name}, standing still, {n} satellite(s), {self.seen.min()} to "
-            f"{self.seen.max()} in view at once: place known {known}, clock held and height known"
+            f"{self.site.name}, standing still, {counted(n, 'satellite')}, {in_view} in view at "
+            f"once: place known {known}, clock held and height known"
         )
         shown = [k for k in (10 / 60, 1.0, 3.0) if k < self.hours[-1]] + [float(self.hours[-1])]
         at = [int(np.searchsorted(self.hours, hour - 1e-9)) for hour in shown]
@@ -273,7 +276,15 @@ def locate(
             until = _until(np.linalg.norm(sigma, axis=1), since / HOUR, goal_m)
             ways.append(Standing(oscillator is not None, height is not None, sigma, until))
     return LocateResult(
-        used, place, since / HOUR, sights.seen, tuple(ways), goal_m, height_m, doppler_m_s, clock
+        design=used,
+        site=place,
+        hours=since / HOUR,
+        seen=sights.seen,
+        ways=tuple(ways),
+        goal_m=goal_m,
+        height_m=height_m,
+        doppler_m_s=doppler_m_s,
+        clock=clock,
     )
 
 

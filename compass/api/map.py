@@ -1,24 +1,28 @@
 """Satellite counts and dilution of precision over the sphere and a period."""
 
-import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from compass.api.given import given_design
+from compass.api.given import given_design, given_places
 from compass.api.map_result import MapResult
-from compass.api.progress import bar, parts_bar
+from compass.api.progress import bar, foretell, parts_bar
+from compass.cores import cores
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_geometry import CertifiedGeometry
 from compass.design import PDOP_MAX, Design
 from compass.orbits.motion import MotionModel
 from compass.signal.ranges import Weighting
-from compass.study.certified import certified_figures
+from compass.sites import Site
+from compass.study.certified import certified_areas, certified_figures
 from compass.study.mapping import MapOptions, make_map
 
 
 def map(
     design: Design | str | Path,
     *,
+    sites: Site | str | Sequence[Site | str] = (),
+    regions: str | Sequence[str] = (),
     step_deg: float = 1.0,
     grid: str = "equal-angle",
     epochs: int = 109,
@@ -48,6 +52,11 @@ def map(
     ----------
     design
         A design, or the path of its file.
+    sites, regions
+        Where figures are wanted besides those of the whole surface: sites, names of the design's
+        stations, or ``NAME=LAT,LON[,MASK]``; ``lat:MIN:MAX`` or ``polygon:LAT,LON;...``, degrees.
+        Fold, availability, GDOP and, with a signal, errors there are proven or bracketed, not
+        read off cells.
     step_deg, grid
         Size of the cells, degrees, and their kind: ``equal-angle`` or ``equal-area``.
     epochs
@@ -105,15 +114,24 @@ def map(
         weights=weights,
     )
     read = given_design(design)
-    file, threads = None if leaves is None else Path(leaves), workers or os.cpu_count() or 1
+    places = given_places(sites, regions, read)
+    file, threads = None if leaves is None else Path(leaves), cores(workers)
     effort = Effort(width, budget_s, file, threads)
     with bar(progress, "map", unit="row", leave=False) as rows:
-        made = make_map(read, options, command, workers=workers, progress=rows.update)
+        made = make_map(
+            read,
+            options,
+            command,
+            workers=workers,
+            foretell=lambda cost: foretell(progress, "map", cost.seconds, cost.bytes),
+            progress=rows.update,
+        )
     with parts_bar(progress, "bounds") as effort.progress:
         certified = certified_figures(read, options, effort)
+        areas = certified_areas(read, options, *places, effort)
     if certified:
         made.dataset.attrs |= _attributes(certified)
-    return MapResult(read, made, certified)
+    return MapResult(read, made, certified, areas)
 
 
 def _attributes(certified: CertifiedGeometry) -> dict[str, Any]:

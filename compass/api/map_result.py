@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from compass.api.map_areas import area_blocks, with_areas
 from compass.api.map_statistics import protection_statistics, statistics
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.conventions import dated
+from compass.coverage.areas import AreaFigures
 from compass.coverage.certified_geometry import CertifiedGeometry
-from compass.coverage.errors import ERRORS, FACTOR_95
+from compass.coverage.errors import ERRORS
 from compass.coverage.files import write_map
 from compass.coverage.gaps import next_prime
 from compass.coverage.maps import DOPS
@@ -23,6 +25,7 @@ from compass.document.blocks import facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.quantities import QUANTITIES, quantity
+from compass.ranging import FACTOR_95
 from compass.study.mapping import DesignMap
 
 if TYPE_CHECKING:
@@ -43,20 +46,24 @@ class MapResult(Result):
     certified
         What is certain of availability and GDOP over all area and time; None where the motion
         has no bounds or none were asked for.
+    areas
+        Figures at the sites and in the regions that were asked for.
     """
 
     design: Design = field(repr=False)
     made: DesignMap = field(repr=False)
     certified: CertifiedGeometry | None = None
+    areas: tuple[AreaFigures, ...] = ()
 
     @property
     def dataset(self) -> "xr.Dataset":
-        """Everything by cell, zone and epoch, and over the whole sphere, with CF attributes."""
-        return dated(self.made.dataset)
+        """Everything by cell, zone and epoch, area, and over the whole sphere, CF attributes."""
+        return dated(with_areas(self.made.dataset, self.areas))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        return plain(self.numbers() | {"provenance": self.dataset.attrs})
+        areas = [area.as_dict() for area in self.areas]
+        return plain(self.numbers() | {"areas": areas, "provenance": self.dataset.attrs})
 
     def numbers(self) -> dict[str, Any]:
         """Numbers over all area and time; certified ones are the middle of their brackets."""
@@ -87,6 +94,7 @@ class MapResult(Result):
             self.design.name,
             (
                 Verdict("" if met else "missed", claim, met),
+                *area_blocks(self.areas),
                 *self.tables(),
                 *self.error_blocks(),
                 *self.protection_blocks(),
@@ -231,6 +239,7 @@ class MapResult(Result):
                 *(
                     Value(share, part, sampled, f"at least {k} in view")
                     for k, part in numbers["fold_share"].items()
+                    if int(k) >= min(fold, count["min"])  # fewer are in view everywhere
                 ),
                 Value(
                     quantity("availability"),

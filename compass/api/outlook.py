@@ -12,17 +12,19 @@ from typing import Any
 import numpy as np
 
 from compass.api.drift import drift
-from compass.api.given import given_mask
 from compass.api.keep import keep
+from compass.api.promises import promise_dict
 from compass.api.radii import RadiusLasts, at_radii, real_motion
 from compass.coverage.certificate import Outcome
 from compass.coverage.lasting import Lasting, prove_span
+from compass.coverage.promises import Promise, promises_of
 from compass.coverage.room import has_slots
 from compass.design import Design
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.kept import kept
+from compass.orbits.trajectory import Trajectory
 from compass.orbits.trimming import beat_of
 
 #: A Mars year, days: how far a page looks ahead, and the look before that.
@@ -44,8 +46,10 @@ class Outlook:
 
     Attributes
     ----------
-    fold, mask_deg, motion
-        What was asked of it, and under what motion.
+    asked, motion
+        What was asked of it, in words, and under what motion.
+    requirements
+        What becomes of each of its requirements, as `compass.drift` lists it.
     horizon_days
         How far was looked.
     outcome, days_proven, first_loss_days, loss
@@ -65,9 +69,9 @@ class Outlook:
         Whether it was kept from an earlier run.
     """
 
-    fold: int
-    mask_deg: float
+    asked: str
     motion: str
+    requirements: tuple[dict[str, Any], ...]
     horizon_days: float
     outcome: str
     days_proven: float
@@ -94,8 +98,9 @@ class Outlook:
 def outlook(design: Design) -> Outlook:
     """Find out what becomes of a design, or recall it.
 
-    Looked at: the fold over `HORIZON` days from the epoch, less for many satellites; if it is not
-    proven for all of it, other radii of `STEPS`, trimmed, and a year of station-keeping.
+    Looked at: what it requires, or its fold everywhere, over `HORIZON` days from the epoch, less
+    for many satellites; if that is not proven for all of it, other radii of
+    `STEPS`, trimmed, and a year of station-keeping.
 
     Parameters
     ----------
@@ -104,11 +109,11 @@ def outlook(design: Design) -> Outlook:
     """
     bounds = (HORIZON, GLANCE, STEPS, SATELLITE_DAYS)
     flown = (design.constellation, design.motion, design.figure, design.upkeep)
-    question = ("outlook", *bounds, *flown, design.fold, design.mask)
+    question = ("outlook", *bounds, *flown, design.fold, design.mask, design.requirements)
     found, known = kept(question, lambda: _look(design))
     radii = tuple(RadiusLasts(**row) for row in found.pop("radii"))
-    notes = tuple(found.pop("notes"))
-    return Outlook(**found, radii=radii, notes=notes, known=known)
+    notes, rows = tuple(found.pop("notes")), tuple(found.pop("requirements"))
+    return Outlook(**found, notes=notes, requirements=rows, radii=radii, known=known)
 
 
 def commands(design: Design, found: Outlook) -> dict[str, str]:
@@ -124,19 +129,19 @@ def commands(design: Design, found: Outlook) -> dict[str, str]:
 
 
 def _look(design: Design) -> dict[str, Any]:
-    c, mask = design.constellation, given_mask(None, design).highest
+    c = design.constellation
     motion, notes = real_motion(design), []
     horizon = min(HORIZON, SATELLITE_DAYS / max(c.size, 1))
     if motion.table is not None:
         horizon = min(horizon, motion.table.stop / SECONDS_PER_DAY)
     if horizon < HORIZON:
         notes.append(f"looked {horizon:.4g} days ahead, which is as far as was affordable or known")
-    lasting = _claim(design, horizon)
-    lost = lasting.outcome is not Outcome.PROVEN
+    claim = _claim(design, horizon)
+    lost = claim.outcome is not Outcome.PROVEN
     over_time, keeping = None, None
     radii: tuple[RadiusLasts, ...] = ()
-    if lasting.days_proven > 0.0:
-        end = min(horizon, max(1.25 * lasting.days_proven, 1.0)) if lost else horizon
+    if claim.days_proven > 0.0:
+        end = min(horizon, max(1.25 * claim.days_proven, 1.0)) if lost else horizon
         over_time = _over_time(design, end)
     if lost and over_time is not None:
         if not has_slots(c) or motion.forces is None or c.size > MOST_SATELLITES:
@@ -145,20 +150,15 @@ def _look(design: Design) -> dict[str, Any]:
                 f"{MOST_SATELLITES} satellites under forces on circles of one radius"
             )
         else:
-            radii = _other_radii(design, horizon, mask)
+            radii = _other_radii(design, horizon)
             try:
                 keeping = keep(design).to_dict()
             except ArgumentError as error:
                 notes.append(f"keeping: {error}")
     found = {
-        "fold": design.fold,
-        "mask_deg": float(np.degrees(mask)),
         "motion": motion.title,
         "horizon_days": horizon,
-        "outcome": lasting.outcome,
-        "days_proven": lasting.days_proven,
-        "first_loss_days": lasting.first_loss_days,
-        "loss": _place(lasting),
+        **vars(claim),
         "drift": over_time,
         "radius_km": float(c.semi_major_axis[0]) / 1e3 if has_slots(c) else None,
         "radii": [r.as_dict() for r in radii],
@@ -169,22 +169,82 @@ def _look(design: Design) -> dict[str, Any]:
     return result
 
 
-def _claim(design: Design, horizon: float) -> Lasting:
-    """Settle the fold over a glance and, if it held, over the horizon."""
+@dataclass(frozen=True)
+class Settled:
+    """What is asked of a design and how long that is kept: fields of `Outlook`."""
+
+    asked: str
+    outcome: Outcome
+    days_proven: float
+    first_loss_days: float | None
+    loss: str
+    requirements: tuple[dict[str, Any], ...] = ()
+
+
+def _claim(design: Design, horizon: float) -> Settled:
+    """Settle what is asked of a design over a glance and, if it held, over the horizon."""
     motion = real_motion(design)
     for days in sorted({min(GLANCE, horizon), horizon}):
         stop = days * SECONDS_PER_DAY
-        found = prove_span(
-            motion.trajectory(design.constellation, 0.0, stop),
-            design.fold,
-            sphere_radius=design.figure.equatorial_radius,
-            mask=design.mask.highest,
-            start=0.0,
-            stop=stop,
-        )
+        path = motion.trajectory(design.constellation, 0.0, stop)
+        found = _required(design, path, stop) or _everywhere(design, path, stop)
         if found.outcome is not Outcome.PROVEN:
             break
     return found
+
+
+def _everywhere(design: Design, path: Trajectory, stop: float) -> Settled:
+    """Its fold on the whole sphere."""
+    mask = design.mask.highest
+    found = prove_span(
+        path,
+        design.fold,
+        sphere_radius=design.figure.equatorial_radius,
+        mask=mask,
+        start=0.0,
+        stop=stop,
+    )
+    return Settled(
+        f"{design.fold} or more satellites above {np.degrees(mask):g} deg everywhere",
+        found.outcome,
+        found.days_proven,
+        found.first_loss_days,
+        _place(found),
+    )
+
+
+def _required(design: Design, path: Trajectory, stop: float) -> Settled | None:
+    """Its requirements, the one that is lost first before the others; None if none is followed."""
+    promises = promises_of(design, path, 0.0, stop)
+    known = [(each, lasts) for each in promises if (lasts := each.decides) is not None]
+    if not known:
+        return None
+    first, lasts = min(known, key=lambda one: one[1].proven_until)
+    outcomes = {each.outcome for each, _ in known}
+    order = (Outcome.REFUTED, Outcome.UNDECIDED, Outcome.PROVEN)
+    asked = (
+        "all that is required"
+        if len(known) == len(promises) > 1
+        else (f"what is required: {'; '.join(each.requirement.claim for each, _ in known)}")
+    )
+    return Settled(
+        asked,
+        next(outcome for outcome in order if outcome in outcomes),
+        lasts.days_proven,
+        first.first_loss_days,
+        _loss_of(first),
+        tuple(promise_dict(each) for each in promises),
+    )
+
+
+def _loss_of(promise: Promise) -> str:
+    """What a requirement loses first, in words; empty if it does not."""
+    if promise.first_loss_days is None:
+        return ""
+    name, lasting = promise.requirement.name, promise.lasting
+    if lasting is not None and promise.decides is lasting:
+        return f"{_place(lasting)} ({name})"
+    return f"{promise.requirement.wanted} at {promise.place} ({name})"
 
 
 def _over_time(design: Design, days: float) -> dict[str, Any]:
@@ -203,7 +263,7 @@ def _over_time(design: Design, days: float) -> dict[str, Any]:
     }
 
 
-def _other_radii(design: Design, horizon: float, mask: float) -> tuple[RadiusLasts, ...]:
+def _other_radii(design: Design, horizon: float) -> tuple[RadiusLasts, ...]:
     """How long the pattern lasts, trimmed, at its own radius if it can be trimmed, and others."""
     c = design.constellation
     own = float(c.semi_major_axis[0]) / 1e3
@@ -212,7 +272,7 @@ def _other_radii(design: Design, horizon: float, mask: float) -> tuple[RadiusLas
     tried = [(0.0,)] if beat_of(c) < RESONANT * SECONDS_PER_DAY else []
     for steps in (*tried, *STEPS):
         radii = [own + step for step in steps if own + step > lowest]
-        found += at_radii(design, radii, days=horizon, fold=design.fold, mask=mask)
+        found += at_radii(design, radii, days=horizon)
         if any(r.days_proven >= horizon for r in found):
             break
     return tuple(sorted(found, key=lambda r: r.radius_km))

@@ -1,15 +1,26 @@
 """Bars on stderr for what takes time; silent where nobody watches."""
 
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 from tqdm import tqdm
 
+#: Seconds from which on a user wants to know beforehand.
+LONG_S = 10.0
+
 
 def bar(wanted: bool, title: str, items: Any = None, **options: Any) -> tqdm:
     """Return a bar (of items, if given); shown only if wanted and stderr is a terminal."""
     return tqdm(items, desc=title, disable=None if wanted else True, **options)
+
+
+def foretell(wanted: bool, title: str, seconds: float, size: float) -> None:
+    """Say on stderr what something will take, if that is wanted and long enough to be told."""
+    if wanted and seconds > LONG_S:
+        minutes = f"{seconds / 60:.2g} minutes" if seconds >= 120 else f"{seconds:.2g} s"
+        tqdm.write(f"{title}: about {minutes} and {size / 1e9:.2g} GB", file=sys.stderr)
 
 
 @contextmanager

@@ -7,20 +7,21 @@ from typing import Any
 import numpy as np
 
 from compass.coverage.certificate import Outcome
-from compass.coverage.lasting import Lasting
+from compass.coverage.geometry_over_days import STRETCH
 from compass.coverage.promises import Promise
 from compass.coverage.room import SlotBox
 from compass.document import Sentence, Table, Value, Verdict
 from compass.document.blocks import Block
+from compass.frames import SECONDS_PER_DAY
 from compass.quantities import quantity
 
 #: Figures of a requirement in the table.
 _FIGURES = ("days_proven", "first_loss_days", "room_deg", "slot_sideways_deg")
 
 
-def followed(promises: Sequence[Promise]) -> list[Lasting]:
-    """How long those requirements last that could be followed."""
-    return [each.lasting for each in promises if each.lasting is not None]
+def followed(promises: Sequence[Promise]) -> list[Promise]:
+    """Those requirements that could be followed."""
+    return [each for each in promises if each.outcome is not None]
 
 
 def box_dict(box: SlotBox | None) -> dict[str, float] | None:
@@ -32,14 +33,15 @@ def box_dict(box: SlotBox | None) -> dict[str, float] | None:
 
 def promise_dict(promise: Promise) -> dict[str, Any]:
     """Plain values of what became of a requirement."""
-    lasting, room = promise.lasting, promise.room
+    decides, room = promise.decides, promise.room
     return {
         "name": promise.requirement.name,
         "wanted": promise.requirement.claim,
         "place": promise.place,
-        "outcome": None if lasting is None else lasting.outcome,
-        "days_proven": None if lasting is None else lasting.days_proven,
-        "first_loss_days": None if lasting is None else lasting.first_loss_days,
+        "outcome": promise.outcome,
+        "days_proven": None if decides is None else decides.days_proven,
+        "first_loss_days": promise.first_loss_days,
+        "share": _share(promise),
         "room_deg": None if room is None else np.degrees(room).tolist(),
         "slot_box": box_dict(promise.box),
         "reason": promise.reason,
@@ -59,15 +61,15 @@ def promise_blocks(promises: Sequence[Promise]) -> list[Block]:
         f"{len(promises)} requirement(s): {proven} proven for the whole span, {lost} lost, "
         f"{len(promises) - len(wanted)} not followed"
     )
-    header = ("", "wanted", "first lost at", *(quantity(name).heading for name in _FIGURES))
     return [
         Verdict(word, told, holds),
-        Table("Requirements, left alone", header, tuple(_row(each) for each in promises)),
+        promise_table([promise_dict(each) for each in promises]),
         *(
             Sentence(f"{each.requirement.name} is not followed: {each.reason}")
             for each in promises
             if each.reason
         ),
+        *(Sentence(said) for each in promises if (said := _geometry(each))),
         Sentence(
             "room: the least of the span; places that turn with Mars are given it at one time of "
             "the pattern's own where its tracks are declared closed, else as all on their "
@@ -76,13 +78,54 @@ def promise_blocks(promises: Sequence[Promise]) -> list[Block]:
     ]
 
 
-def _row(promise: Promise) -> tuple[str | Value, ...]:
-    lasting, room, box = promise.lasting, promise.room, box_dict(promise.box)
+def promise_table(rows: Sequence[dict[str, Any]]) -> Table:
+    """Requirements as `promise_dict` has them: how long each is proven, and where it is lost."""
+    header = ("", "wanted", "first lost at", *(quantity(name).heading for name in _FIGURES))
+    return Table("Requirements, left alone", header, tuple(_row(each) for each in rows))
+
+
+def _row(row: dict[str, Any]) -> tuple[str | Value, ...]:
+    room, box = row["room_deg"], row["slot_box"]
     values = (
-        None if lasting is None else lasting.days_proven,
-        None if lasting is None else lasting.first_loss_days,
-        None if room is None else degrees(float(room.min())),
+        row["days_proven"],
+        row["first_loss_days"],
+        None if room is None else min(room),
         None if box is None else box["sideways_deg"],
     )
     figures = (Value(quantity(n), v) for n, v in zip(_FIGURES, values, strict=True))
-    return (promise.requirement.name, promise.requirement.wanted, promise.place, *figures)
+    place = "" if row["outcome"] == Outcome.PROVEN.value else row["place"]
+    return (row["name"], row["wanted"], place, *figures)
+
+
+def _share(promise: Promise) -> list[float] | None:
+    """Bounds of the share with good geometry in the stretch that was looked at last."""
+    geometry = promise.geometry
+    if geometry is None or geometry.verdict.share is None:
+        return None
+    return list(geometry.verdict.share)
+
+
+def _geometry(promise: Promise) -> str:
+    """How its geometry was settled, and what was found where that ended; empty if none."""
+    geometry = promise.geometry
+    if geometry is None:
+        return ""
+    name, share, worst = promise.requirement.name, _share(promise), geometry.verdict.worst
+    days = f"stretches of up to {STRETCH / SECONDS_PER_DAY:g} days"
+    each = "always" if promise.requirement.share == 1.0 else "a share of each"
+    said = f"{name}: geometry is settled in {days} between proven bounds, {each}"
+    if geometry.outcome is Outcome.UNDECIDED:
+        return f"{said}; open from day {geometry.proven_until / SECONDS_PER_DAY:.5g}: " + (
+            geometry.verdict.reason
+        )
+    if geometry.lost_at is None:
+        return said
+    begin, end = (t / SECONDS_PER_DAY for t in (geometry.proven_until, geometry.lost_at))
+    if share is not None:
+        low, high = (100 * bound for bound in share)
+        return f"{said}; {low:.5g} to {high:.5g} % in the days {begin:.5g} to {end:.5g}"
+    if worst is None:
+        return said
+    return (
+        f"{said}; {worst.value:.4g} on day {end:.6g} at latitude {degrees(worst.latitude):.4g} deg"
+    )

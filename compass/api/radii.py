@@ -1,16 +1,17 @@
 """How long a pattern lasts untouched at other radii."""
 
-import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import degrees
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from compass.api.progress import bar
+from compass.cores import cores
 from compass.coverage.lasting import margins_at, prove_span
+from compass.coverage.promises import lead_of, promises_of
 from compass.coverage.region import GLOBE, Region
 from compass.coverage.room import has_slots
 from compass.design import Design
@@ -21,9 +22,6 @@ from compass.orbits.motion import Motion
 from compass.orbits.patterns import FARTHEST_KM
 from compass.orbits.trajectory import COARSE
 from compass.orbits.trimming import beat_of, can_trim, trim, with_axes
-
-if TYPE_CHECKING:
-    from compass.orbits.constellation import Constellation
 
 #: Moments of what is proven at which the margin is looked at.
 MOMENTS = 100
@@ -61,6 +59,21 @@ class RadiusLasts:
         return vars(self).copy()
 
 
+@dataclass(frozen=True)
+class Asked:
+    """What is asked of a pattern where that is not what its design requires.
+
+    Attributes
+    ----------
+    fold, mask, region
+        Satellites in view at once, above what, radians, and where.
+    """
+
+    fold: int
+    mask: float
+    region: Region = GLOBE
+
+
 def real_motion(design: Design) -> Motion:
     """Return the design's motion, or that under the default forces where it says two-body."""
     return Motion("numerical") if design.motion.model == "two-body" else design.motion
@@ -86,40 +99,40 @@ def at_radii(
     radius_km: Sequence[float],
     *,
     days: float,
-    fold: int,
-    mask: float,
-    region: Region = GLOBE,
+    asked: Asked | None = None,
     progress: bool = False,
 ) -> tuple[RadiusLasts, ...]:
-    """How long a design's pattern lasts at other radii, km, from the epoch on; `mask` in radians.
+    """How long a design's pattern lasts at other radii, km, from the epoch on.
+
+    Parameters
+    ----------
+    design, radius_km, days
+        Whose pattern, where and how far to look.
+    asked
+        What of; else what the design requires, or its fold everywhere.
+    progress
+        Show a bar on stderr.
 
     Raises
     ------
     ArgumentError
         Orbits that form no slots, or a motion without forces.
     """
-    motion = real_motion(design)
-    place = {"sphere_radius": design.figure.equatorial_radius, "mask": mask, "region": region}
+    if asked is None and not design.requirements:
+        asked = Asked(design.fold, design.mask.highest)
 
     def look(radius: float) -> RadiusLasts:
-        stop = days * SECONDS_PER_DAY
-        return _at_radius(design.constellation, radius, motion, fold, stop, place)
+        return _at_radius(design, radius, days * SECONDS_PER_DAY, asked)
 
     # kernels release the interpreter, so that two radii are followed at once on two cores
-    with ThreadPoolExecutor(min(os.cpu_count() or 1, max(len(radius_km), 1))) as pool:
+    with ThreadPoolExecutor(min(cores(), max(len(radius_km), 1))) as pool:
         found = bar(progress and len(radius_km) > 0, "radii", pool.map(look, radius_km))
         return tuple(found)
 
 
-def _at_radius(
-    c: "Constellation",
-    radius_km: float,
-    motion: Motion,
-    fold: int,
-    stop: float,
-    place: dict[str, Any],
-) -> RadiusLasts:
+def _at_radius(design: Design, radius_km: float, stop: float, asked: Asked | None) -> RadiusLasts:
     """How long the same pattern lasts on another radius."""
+    c, motion = design.constellation, real_motion(design)
     if not has_slots(c):
         raise ArgumentError(
             "radius_km: a sweep needs a design of circular orbits of one radius and inclination"
@@ -128,12 +141,25 @@ def _at_radius(
     beat, trimmed = beat_of(moved) / SECONDS_PER_DAY, can_trim(moved)
     chosen = trim(moved, forces_of(motion), stop).constellation if trimmed else moved
     path = motion.trajectory(chosen, 0.0, stop, tolerance=COARSE)
-    lasts = prove_span(path, fold, **place, stop=stop)
-    times = np.linspace(0.0, max(lasts.proven_until, 1.0), MOMENTS)
-    found = float(margins_at(path, fold, times, **place).min())
-    return RadiusLasts(
-        radius_km, lasts.days_proven, lasts.first_loss_days, degrees(found), beat, trimmed
-    )
+    if asked is None:
+        flown = replace(design, constellation=chosen)
+        found = promises_of(flown, path, 0.0, stop)
+        lead = lead_of(flown, found, path, 0.0, stop)
+        fold, region = lead.fold, lead.claim.region
+        sphere, mask = lead.claim.radius, lead.claim.highest
+        known = [one for each in found if (one := each.decides) is not None] or [lead.lasting]
+        until = min(one.proven_until for one in known)
+        losses = [one.first_loss_days for one in known if one.first_loss_days is not None]
+        lost = min(losses, default=None)
+    else:
+        fold, mask, region = asked.fold, asked.mask, asked.region
+        sphere = design.figure.equatorial_radius
+        lasts = prove_span(path, fold, sphere_radius=sphere, mask=mask, region=region, stop=stop)
+        until, lost = lasts.proven_until, lasts.first_loss_days
+    times = np.linspace(0.0, max(until, 1.0), MOMENTS)
+    margins = margins_at(path, fold, times, sphere_radius=sphere, mask=mask, region=region)
+    days = until / SECONDS_PER_DAY
+    return RadiusLasts(radius_km, days, lost, degrees(float(margins.min())), beat, trimmed)
 
 
 def read_radii(text: str) -> list[float]:

@@ -103,7 +103,7 @@ class ReproduceResult(Result):
         return tuple(image for image, _ in self._figures())
 
     def write(self, folder: str | Path) -> None:
-        """Write the rows as CSV and every figure as picture (PNG) and data (netCDF).
+        """Write the rows as CSV and every figure as picture (SVG, maps PNG) and data (netCDF).
 
         Parameters
         ----------

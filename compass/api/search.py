@@ -1,6 +1,5 @@
 """The smallest constellations with continuous k-fold coverage, every pattern of every size."""
 
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from math import radians
@@ -12,6 +11,7 @@ import numpy as np
 from compass.api.progress import bar
 from compass.api.requirement_search import RequirementSearchResult, needs_of
 from compass.api.search_result import SearchResult
+from compass.cores import cores
 from compass.coverage.certified_effort import Effort
 from compass.design import Requirement
 from compass.errors import ArgumentError
@@ -113,7 +113,7 @@ def search(
     if not 0 <= mask_deg < 90:
         raise ArgumentError(f"mask_deg = {mask_deg:g}: allowed 0 up to below 90")
     Effort(budget_s=budget_s)  # refuses what is no budget before anything is looked for
-    least, threads = radians(least_approach_deg), workers or os.cpu_count() or 1
+    least, threads = radians(least_approach_deg), cores(workers)
     regions = (region,) if isinstance(region, str) else tuple(region)
     named = (("pdop", pdop_at_most), ("gdop", gdop_at_most))
     limits = [(name, limit) for name, limit in named if limit is not None]
@@ -154,6 +154,7 @@ def search(
             (pattern,),
             max_satellites,
             budget_s,
+            needs.signal,
         )
         outcome = search_for(
             question,

@@ -113,10 +113,12 @@ class SearchResult(Result):
         if not self.holds:
             return f"{self._claim()}{kept}."
         following = self._notation(self.candidates[1]) if len(self.candidates) > 1 else "none found"
-        near = degrees(self.best.closest_approach)
+        near = Value(
+            quantity("closest_approach_deg"), degrees(self.best.closest_approach), Proven()
+        )
         return (
             f"Build {self._notation(self.best)}: {self.best.constellation.size} satellites, "
-            f"{self._has()}; closest approach {near:.1f} deg; geometry was not asked for; "
+            f"{self._has()}; closest approach {near} deg; "
             f"next best {following}{kept}."
         )
 
@@ -153,8 +155,8 @@ class SearchResult(Result):
         )
         if self.tried < self.max_satellites:
             how += (
-                f". Larger ones, up to {self.max_satellites}, were not tried: ask how many sizes "
-                "beyond the smallest to try (beyond)"
+                f". Larger ones, up to {self.max_satellites}, were not tried: beyond says how many "
+                "sizes past the smallest to try (--beyond)"
             )
         found = Verdict("found", self._claim(), True)
         return Page(title, (found, self._table(), Sentence(how), Sentence(self.sentence)))

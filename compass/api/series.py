@@ -9,7 +9,7 @@ import numpy as np
 
 import compass
 from compass.api.access_result import WINDOWS_GOOD_TO, check_suffix
-from compass.api.given import given_site, joined_designs
+from compass.api.given import given_fold, given_site, joined_designs
 from compass.api.results import Result
 from compass.contacts.gaps import GapStatistics, gap_statistics
 from compass.contacts.spans import at_least
@@ -240,9 +240,8 @@ def series(
     (True, 0)
     """
     read = joined_designs((design, *others))
-    wanted = read.fold if fold is None else fold
+    wanted = given_fold(fold, read)
     ranges = (
-        ("fold", wanted, wanted >= 1, "from 1"),
         ("days", days, 0 < days <= 1000, "above 0 to 1000"),
         ("start_day", start_day, 0 <= start_day <= 36525, "0 to 36525, a century"),
         ("epochs", epochs, 2 <= epochs <= MOST_EPOCHS, f"2 to {MOST_EPOCHS}"),
@@ -275,7 +274,15 @@ def series(
     times = start + duration * np.arange(epochs) / epochs
     sited = replace(read, stations=sites)
     made = _dataset(sited, times, moving)
-    return SeriesResult(sited, wanted, days, start_day, moving.title, gaps, made)
+    return SeriesResult(
+        design=sited,
+        fold=wanted,
+        days=days,
+        start_day=start_day,
+        motion=moving.title,
+        gaps=gaps,
+        dataset=made,
+    )
 
 
 def _dataset(design: Design, times: np.ndarray, motion: Any) -> "xr.Dataset":

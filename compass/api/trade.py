@@ -1,6 +1,5 @@
 """A study over many candidates, resumable, on a cluster if asked."""
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,6 +10,7 @@ from tqdm import tqdm
 from compass.api.given import given_study
 from compass.api.progress import bar
 from compass.api.results import Result
+from compass.cores import cores
 from compass.document import Bracket, Page, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block
 from compass.document.plain import plain
@@ -271,7 +271,8 @@ def trade(
                 f"{store.path}: {len(store.damaged)} damaged line(s) ignored ({store.damaged[0]}); "
                 "candidates that no other line has are computed again"
             )
-        check_writable(folder / "trade.nc")
+        for suffix in (".nc", ".csv"):
+            check_writable(folder / f"trade{suffix}")
         team = _team(read, workers, scheduler, tls)
         try:
             summary = run_trade(read, store, team, bars)
@@ -309,5 +310,5 @@ def _team(study: Study, workers: int | None, scheduler: str | None, tls: Tls | N
     """Who works on the study."""
     if scheduler is not None:
         return Cluster(study, scheduler, tls)
-    count = workers or os.cpu_count() or 1
+    count = cores(workers)
     return Processes(study, count)  # one too: a candidate may kill whoever looks at it

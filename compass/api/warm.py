@@ -1,6 +1,5 @@
 """The commands' kernels compiled at once, before the first question: for images and clusters."""
 
-import os
 import subprocess
 import sys
 import tempfile
@@ -15,6 +14,7 @@ from compass.api.new import new
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.core.kernel_cache import REMEDY, compiled, is_lasting, places
+from compass.cores import cores
 from compass.document import Page, Sentence, Verdict
 from compass.document.blocks import columns, values
 from compass.document.plain import plain
@@ -140,7 +140,7 @@ def warm(*, workers: int | None = None, progress: bool = False) -> WarmResult:
     begin = perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         write_files(Path(folder))
-        with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
+        with ThreadPoolExecutor(cores(workers)) as pool:
             started = [pool.submit(_run, command, Path(folder)) for command in COMMANDS]
             try:
                 for done in bar(progress, "warm", as_completed(started), total=len(started)):

@@ -11,7 +11,7 @@ from compass.cli.shared import announce_compilation, command_line, print_result,
 @click.command("land")
 @click.argument("scenario", type=click.Path(path_type=Path))
 @path("-o", "--output", help="netCDF file to write.")
-@path("--figures", help="Folder to write the pictures (PNG) into.")
+@path("--figures", help="Folder to write the pictures (SVG, maps PNG) into.")
 @click.option("--runs", type=click.IntRange(1, 100_000), help="Monte Carlo runs, 1 to 100000.")
 @click.option("--strict", is_flag=True, help="Exit with 1 if a filter is inconsistent.")
 @json_option

@@ -32,5 +32,5 @@ def command(design: Path, satellites: str | None, as_json: bool, **options: Any)
     announce_compilation()
     import compass
 
-    names = satellites.split(",") if satellites else ()
+    names = [name.strip() for name in (satellites or "").split(",") if name.strip()]
     print_result(compass.locate(design, satellites=names, **options), as_json)

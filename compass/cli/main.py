@@ -119,7 +119,8 @@ def in_words_of_the_user(message: str, context: click.Context) -> str:
         if not (name and given):
             continue
         if words.startswith(f"{name[0]}_") or parameter.name == name[0]:  # its unit may be left out
-            return option + message[name.end() :]
+            message = option + message[name.end() :]
+            break
     files = [
         str(value)
         for parameter in context.command.params
@@ -137,7 +138,12 @@ def _with_options(message: str, parameters: list[click.Parameter]) -> str:
     first = re.match(r"\w+(?=[ :])", message)
     if first and first[0] in names:
         message = names[first[0]] + message[first.end() :]
-    return re.sub(r"(?<![-\w])\w+_\w+\b", lambda word: names.get(word[0], word[0]), message)
+    name = "|".join(sorted(map(str, names), key=len, reverse=True))
+    # names that are words of the language as well are taken for names in a list of such alone
+    told = rf"(?<![-\w])(?:(?:{name})(?:(?:, | and )(?:{name}))+|\w+_\w+)\b"
+    return re.sub(
+        told, lambda part: re.sub(r"\w+", lambda w: names.get(w[0], w[0]), part[0]), message
+    )
 
 
 @click.command(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})

@@ -6,6 +6,7 @@ from typing import Any
 import click
 
 from compass.cli.options import (
+    area_options,
     certified_options,
     choice,
     design_argument,
@@ -19,6 +20,7 @@ from compass.cli.options import (
 )
 from compass.cli.shared import (
     announce_compilation,
+    check_drawn,
     check_outputs,
     command_line,
     print_result,
@@ -29,6 +31,7 @@ from compass.cli.shared import (
 
 @click.command("map")
 @design_argument
+@area_options
 @path("-o", "--output", help="netCDF file to write.")
 @path("--figure", "picture", help="PNG map to draw.")
 @click.option(
@@ -86,6 +89,7 @@ def command(
     read = compass.read_design(design)
     if time_series and output is None:
         raise ArgumentError("--time-series: needs a file to write to; add -o FILE.nc")
+    check_drawn(picture, "name")
     check_outputs(output, picture, options["leaves"], inputs=[design])
     made = compass.map(read, **options, command=command_line(), progress=watched())
     if output:

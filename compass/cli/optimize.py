@@ -10,7 +10,7 @@ from compass.cli.shared import announce_compilation, command_line, print_result,
 
 @click.command("optimize")
 @click.argument("scenario", type=click.Path(path_type=Path))
-@path("--figures", help="Folder to write the pictures (PNG) into.")
+@path("--figures", help="Folder to write the pictures (SVG, maps PNG) into.")
 @json_option
 def command(scenario: Path, figures: Path | None, as_json: bool) -> None:
     """Search for the best beacons or orbits, as the SCENARIO's [optimize] table asks."""

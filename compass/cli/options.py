@@ -52,6 +52,28 @@ motion_option = choice(
 )
 
 
+def area_options(command: Decorator) -> Decorator:
+    """Add the options that say at which sites and in which regions figures are wanted."""
+    for option in (
+        click.option(
+            "--region",
+            "regions",
+            multiple=True,
+            metavar="REGION",
+            help="A region: globe, lat:MIN:MAX or polygon:LAT,LON;LAT,LON;..., degrees; also many.",
+        ),
+        click.option(
+            "--site",
+            "sites",
+            multiple=True,
+            metavar="SITE",
+            help="A site: the name of a [[station]], or NAME=LAT,LON[,MASK], degrees; also many.",
+        ),
+    ):
+        command = option(command)
+    return command
+
+
 def certified_options(command: Decorator) -> Decorator:
     """Add the options of whatever is found between proven bounds."""
     for option in (

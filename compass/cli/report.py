@@ -5,12 +5,13 @@ from typing import Any
 
 import click
 
-from compass.cli.options import design_argument, json_option, path, real, whole
+from compass.cli.options import area_options, design_argument, json_option, path, real, whole
 from compass.cli.shared import announce_compilation, command_line, print_result, watched
 
 
 @click.command("report")
 @design_argument
+@area_options
 @path(
     "-o",
     "--output",

@@ -8,6 +8,7 @@ import click
 from compass.cli.options import choice, fold_option, json_option, motion_option, path, real, whole
 from compass.cli.shared import (
     announce_compilation,
+    check_drawn,
     check_outputs,
     command_line,
     print_result,
@@ -61,6 +62,7 @@ def command(
 
     if output:
         check_suffix(output, SUFFIXES)
+    check_drawn(picture, "drawn")
     check_outputs(output, picture, inputs=designs)
     found = compass.series(*designs, **options)
     if output:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from compass.cli.main import CLAIM_FAILS, QUIET
 from compass.errors import ArgumentError
@@ -60,6 +61,22 @@ def check_outputs(*outputs: Path | None, inputs: Sequence[Path]) -> None:
         if asked.count(output) > 1:
             raise ArgumentError(f"{output}: is two outputs at once; give another name")
         check_writable(output, inputs)
+
+
+def check_drawn(picture: Path | None, parameter: str) -> None:
+    """Refuse a choice of what a picture shows where no picture is asked for.
+
+    Raises
+    ------
+    ArgumentError
+        The user gave ``--of`` without ``--figure``.
+    """
+    context = click.get_current_context()
+    given = context.get_parameter_source(parameter) is ParameterSource.COMMANDLINE
+    if given and picture is None:
+        raise ArgumentError(
+            f"--of {context.params[parameter]}: needs a picture; add --figure FILE.png"
+        )
 
 
 def say_written(*outputs: Path | None) -> None:

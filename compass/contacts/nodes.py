@@ -202,7 +202,7 @@ def _table_node(name: str, kind: NodeKind, states: NDArray[np.float64], step: fl
     row = np.zeros(WIDTH)
     row[:5] = TABLE, 0.0, len(states), 0.0, step
     row[5:9] = low, high, speed, acceleration
-    return Node(name, kind, row, speed / low, low, states)
+    return Node(name=name, kind=kind, row=row, rate=speed / low, lowest=low, states=states)
 
 
 def find_node(nodes: Sequence[Node], name: str) -> Node:

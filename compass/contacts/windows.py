@@ -1,6 +1,5 @@
 """Windows: the spans of time in which two nodes see each other."""
 
-import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from compass.bodies import SUN_RADIUS
 from compass.contacts.nodes import Node, check_duration
 from compass.core.events import find_windows
 from compass.core.sight import ECLIPSE, ELEVATION, HORIZON, LIMB
+from compass.cores import cores
 from compass.errors import ArgumentError
 from compass.frames import DEFAULT_FIGURE, Figure
 
@@ -165,7 +165,15 @@ def _complement(w: Windows) -> Windows:
     edges = np.concatenate([[0.0], w.spans.ravel(), [w.duration]]).reshape(-1, 2)
     edges = edges[edges[:, 1] > edges[:, 0]]
     nothing = np.full(len(edges), np.nan)
-    return Windows(w.first, w.second, edges[:, 0], edges[:, 1], nothing, nothing, w.duration)
+    return Windows(
+        first=w.first,
+        second=w.second,
+        start=edges[:, 0],
+        end=edges[:, 1],
+        culmination=nothing,
+        max_elevation=nothing,
+        duration=w.duration,
+    )
 
 
 def _station_first(pair: Pair) -> Pair:
@@ -226,7 +234,7 @@ def _solve(
     rates = np.array([node.rate for node in nodes])
     ends = np.array([[index[id(one)], index[id(two)]] for one, two in pairs])
     kind = np.array(kinds, dtype=np.int64)
-    threads = workers or min(os.cpu_count() or 1, len(pairs))
+    threads = workers or min(cores(), len(pairs))
     blocks = np.array_split(np.arange(len(pairs)), min(4 * threads, len(pairs)))
 
     def solve(block: NDArray[np.intp]) -> list[Windows]:
@@ -244,7 +252,15 @@ def _solve(
         )
         parts = np.split(found, np.cumsum(counts)[:-1])
         return [
-            Windows(pairs[k][0].name, pairs[k][1].name, start, end, peak, highest, duration)
+            Windows(
+                first=pairs[k][0].name,
+                second=pairs[k][1].name,
+                start=start,
+                end=end,
+                culmination=peak,
+                max_elevation=highest,
+                duration=duration,
+            )
             for k, (start, end, peak, highest) in zip(
                 block, (part.T.copy() for part in parts), strict=True
             )

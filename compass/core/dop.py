@@ -7,11 +7,13 @@ With unit vectors u_i from the user to n satellites, ``s = sum u`` and
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.jit import fused_kernel, inline_kernel, kernel
-from compass.core.runs import HIGH, OUT, SQUARE, UP_OUT, UP_Z, sight_runs
+from compass.core.runs import HIGH, OUT, SQUARE, UP_OUT, UP_Z, Row, sight_runs
 
 #: Order of the DOPs in every array.
 GDOP, PDOP, HDOP, VDOP, TDOP = range(5)
@@ -124,8 +126,16 @@ def _solve(tile, slant, up_z):
         tile[XZ + j] = t
 
 
+class Scratch(NamedTuple):
+    """Working space of a row: a tile of columns, runs of columns in sight, whose they are."""
+
+    tile: NDArray[np.float64]
+    runs: NDArray[np.int64]
+    owners: NDArray[np.int64]
+
+
 @kernel
-def row_runs(r, cos_cap, azimuths, elevations, place, cos_lon, sin_lon, lon0, runs, owners):
+def row_runs(r, cos_cap, row, runs, owners):
     """Fill the runs of columns of a row that see a satellite, and whose they are; their number.
 
     Parameters are those of `dop_row`.
@@ -133,30 +143,13 @@ def row_runs(r, cos_cap, azimuths, elevations, place, cos_lon, sin_lon, lon0, ru
     found = 0
     for s in range(r.shape[0]):
         before = found
-        found += sight_runs(
-            r[s, 0], r[s, 1], r[s, 2], cos_cap[s], azimuths, elevations, place,
-            cos_lon, sin_lon, lon0, runs[found:],
-        )  # fmt: skip
+        found += sight_runs(r[s, 0], r[s, 1], r[s, 2], cos_cap[s], row, runs[found:])
         owners[before:found] = s
     return found
 
 
 @kernel
-def dop_row(
-    r,
-    cos_cap,
-    azimuths,
-    elevations,
-    place,
-    cos_lon,
-    sin_lon,
-    lon0,
-    tile,
-    runs,
-    owners,
-    counts,
-    out,
-):
+def dop_row(r, cos_cap, row, scratch, counts, out):
     """Counts and DOPs in every column of one row at one epoch.
 
     Parameters
@@ -164,29 +157,27 @@ def dop_row(
     r
         Satellite positions in units of the equatorial radius, Mars-fixed, shape (satellite, 3).
     cos_cap
-        Cosines of the cap radii on a sphere, shape (satellite,).
-    azimuths, elevations
-        The mask; with more than one azimuth, and off the sphere, the caps are not used.
-    place
-        How a user stands in the row, shape (5,): see `compass.core.runs`.
-    cos_lon, sin_lon, lon0
-        Of the columns, shape (column,); longitude of column 0.
-    tile, runs, owners
-        Scratch from `row_scratch`.
+        Cosines of the cap radii on a sphere, shape (satellite,); with a mask of more than one
+        azimuth, and off the sphere, the caps are not used.
+    row
+        The users, see `compass.core.runs.Row`.
+    scratch
+        From `row_scratch`.
     counts
         Filled; shape (column,).
     out
         Filled; shape (5, column), in the order GDOP, PDOP, HDOP, VDOP, TDOP.
     """
-    m = cos_lon.size
-    found = row_runs(r, cos_cap, azimuths, elevations, place, cos_lon, sin_lon, lon0, runs, owners)
+    place, tile, runs, owners = row.place, scratch.tile, scratch.runs, scratch.owners
+    m = row.cos_lon.size
+    found = row_runs(r, cos_cap, row, runs, owners)
     out_from_axis, high, square = place[OUT], place[HIGH], place[SQUARE]
     for start in range(0, m, TILE):
         width = min(TILE, m - start)
         tile[:PX] = 0.0
         for j in range(width):
-            tile[PX + j] = out_from_axis * cos_lon[start + j]
-            tile[PY + j] = out_from_axis * sin_lon[start + j]
+            tile[PX + j] = out_from_axis * row.cos_lon[start + j]
+            tile[PY + j] = out_from_axis * row.sin_lon[start + j]
         for k in range(found):
             s = owners[k]
             # a run that goes on past the last column continues at column 0
@@ -203,9 +194,9 @@ def dop_row(
 
 @kernel
 def row_scratch(satellites, columns, azimuths):
-    """Scratch arrays for `dop_row`: tile, runs and their owners."""
+    """Working space for `dop_row`."""
     runs = satellites * (columns // 2 + 1) if azimuths > 1 else satellites
-    return np.zeros(12 * TILE), np.empty((runs, 2), np.int64), np.empty(runs, np.int64)
+    return Scratch(np.zeros(12 * TILE), np.empty((runs, 2), np.int64), np.empty(runs, np.int64))
 
 
 @kernel
@@ -217,7 +208,7 @@ def dop_rows(r, cos_cap, azimuths, elevations, places, cos_lon, sin_lon, lon0, c
     r, cos_cap
         As in `dop_row`, with a leading epoch axis.
     azimuths, elevations, cos_lon, sin_lon, lon0
-        As in `dop_row`.
+        As in `compass.core.runs.Row`.
     places
         How a user stands in each row, shape (row, 5).
     counts
@@ -225,13 +216,11 @@ def dop_rows(r, cos_cap, azimuths, elevations, places, cos_lon, sin_lon, lon0, c
     out
         Filled; shape (epoch, row, 5, column).
     """
-    tile, runs, owners = row_scratch(r.shape[1], cos_lon.size, azimuths.size)
+    scratch = row_scratch(r.shape[1], cos_lon.size, azimuths.size)
     for t in range(r.shape[0]):
         for i in range(places.shape[0]):
-            dop_row(
-                r[t], cos_cap[t], azimuths, elevations, places[i],
-                cos_lon, sin_lon, lon0, tile, runs, owners, counts[t, i], out[t, i],
-            )  # fmt: skip
+            row = Row(azimuths, elevations, places[i], cos_lon, sin_lon, lon0)
+            dop_row(r[t], cos_cap[t], row, scratch, counts[t, i], out[t, i])
 
 
 @kernel

@@ -9,14 +9,18 @@ A range's variance is that of the satellite's position and clock along the line 
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from compass.core.dop import TILE, quadratic, row_runs, weighted_dops
+from compass.core.dop import TILE, Scratch, quadratic, row_runs, weighted_dops
 from compass.core.ionosphere import sunlit
 from compass.core.jit import fused_kernel, inline_kernel, kernel
 from compass.core.ranking import BINS, add_to_histogram
 from compass.core.runs import HIGH, OUT, SQUARE, UP_OUT, UP_Z
+
+Array = NDArray[np.float64]
 
 #: Order of the errors in every array.
 HORIZONTAL, VERTICAL, POSITION, TIME = range(4)
@@ -221,30 +225,38 @@ def _solve_equal(tile, width, slant, up_z, shared, shared_time):
         tile[XY + j] = math.sqrt(max(t2, 0.0) + shared_time)
 
 
+class Ranges(NamedTuple):
+    """What ranges are worth over time.
+
+    `q` (epoch, satellite, 10), m^2, see `range_variance`; `sun` (epoch, 3): direction of the Sun,
+    Mars-fixed; `lit`: from `compass.core.ionosphere.sunlit_table`; `numbers` (`NUMBERS`,): shared.
+    """
+
+    q: Array
+    sun: Array
+    lit: Array
+    numbers: Array
+
+
 @kernel
-def error_row(
-    r, cos_cap, azimuths, elevations, place, cos_lon, sin_lon, lon0, tile, runs, owners,
-    q, sun, lit, numbers, out,
-):  # fmt: skip
+def error_row(r, cos_cap, row, scratch, ranges, t, out):
     """Errors of a fix in every column of one row at one epoch.
 
     Parameters
     ----------
-    r ... owners
-        As in `compass.core.dop.dop_row`; tile, runs and owners from `error_scratch`.
-    q
-        Of the satellites, see `range_variance`, shape (satellite, 10), m^2.
-    sun
-        Direction of the Sun, Mars-fixed, shape (3,).
-    lit
-        From `compass.core.ionosphere.sunlit_table`.
-    numbers
-        Shared, shape (`NUMBERS`,).
+    r, cos_cap, row
+        As in `compass.core.dop.dop_row`.
+    scratch
+        From `error_scratch`.
+    ranges, t
+        What they are worth, and at which of its epochs.
     out
         Filled; shape (4, column): horizontal, vertical, position, time; m, one sigma.
     """
-    m = cos_lon.size
-    found = row_runs(r, cos_cap, azimuths, elevations, place, cos_lon, sin_lon, lon0, runs, owners)
+    place, tile, runs, owners = row.place, scratch.tile, scratch.runs, scratch.owners
+    q, sun, lit, numbers = ranges.q[t], ranges.sun[t], ranges.lit, ranges.numbers
+    m = row.cos_lon.size
+    found = row_runs(r, cos_cap, row, runs, owners)
     out_from_axis, high, square = place[OUT], place[HIGH], place[SQUARE]
     slant, up_z = place[UP_OUT] / out_from_axis, place[UP_Z]
     equal = numbers[EQUAL] > 0.0
@@ -252,7 +264,7 @@ def error_row(
         width = min(TILE, m - start)
         tile[:] = 0.0
         for j in range(width):
-            x, y = cos_lon[start + j], sin_lon[start + j]
+            x, y = row.cos_lon[start + j], row.sin_lon[start + j]
             tile[PX + j], tile[PY + j] = out_from_axis * x, out_from_axis * y
             if numbers[DELAY2] > 0.0:
                 up = (x * sun[0] + y * sun[1]) * place[UP_OUT] + sun[2] * up_z
@@ -283,26 +295,21 @@ def error_row(
 
 @kernel
 def error_scratch(satellites, columns, azimuths):
-    """Scratch arrays for `error_row`: tile, runs and their owners."""
+    """Working space for `error_row`."""
     runs = satellites * (columns // 2 + 1) if azimuths > 1 else satellites
-    return np.zeros(PARTS * TILE), np.empty((runs, 2), np.int64), np.empty(runs, np.int64)
+    return Scratch(np.zeros(PARTS * TILE), np.empty((runs, 2), np.int64), np.empty(runs, np.int64))
 
 
 @kernel
 def error_map_row(
-    r, cos_cap, azimuths, elevations, place, cos_lon, sin_lon, lon0,
-    q, sun, lit, numbers, limit, weight, row_number, good, errors, histograms,
+    r, cos_cap, row, ranges, limit, weight, row_number, good, errors, histograms
 ):  # fmt: skip
     """Errors of one row over all epochs.
 
     Parameters
     ----------
-    r ... lon0
-        As in `error_row`, r and cos_cap with a leading epoch axis.
-    q, sun
-        As in `error_row`, with a leading epoch axis.
-    lit, numbers
-        As in `error_row`.
+    r, cos_cap, row, ranges
+        As in `error_row`, the first two with a leading epoch axis.
     limit
         Largest error that counts as within.
     weight
@@ -316,19 +323,16 @@ def error_map_row(
     histograms
         Added to; shape (`SAMPLES`, 4, BINS + 1).
     """
-    epochs, m = r.shape[0], cos_lon.size
-    tile, runs, owners = error_scratch(r.shape[1], m, azimuths.size)
-    row, within = np.empty((4, m)), np.zeros((4, m))
+    epochs, m = r.shape[0], row.cos_lon.size
+    scratch = error_scratch(r.shape[1], m, row.azimuths.size)
+    found, within = np.empty((4, m)), np.zeros((4, m))
     for t in range(epochs):
-        error_row(
-            r[t], cos_cap[t], azimuths, elevations, place, cos_lon, sin_lon, lon0,
-            tile, runs, owners, q[t], sun[t], lit, numbers, row,
-        )  # fmt: skip
+        error_row(r[t], cos_cap[t], row, scratch, ranges, t, found)
         for d in range(4):
             for j in range(m):
-                errors[d, j, t] = row[d, j]
-                within[d, j] += 1.0 if row[d, j] <= limit else 0.0
-            add_to_histogram(row[d], weight, histograms[(t + row_number) % SAMPLES, d])
+                errors[d, j, t] = found[d, j]
+                within[d, j] += 1.0 if found[d, j] <= limit else 0.0
+            add_to_histogram(found[d], weight, histograms[(t + row_number) % SAMPLES, d])
     for d in range(4):
         for j in range(m):
             good[d, j] = within[d, j] / epochs

@@ -17,28 +17,26 @@ STATES = 6
 
 
 @kernel
-def follow_gaps(r, cos_cap, azimuths, elevations, place, cos_lon, sin_lon, lon0, fold, state):
+def follow_gaps(r, cos_cap, row, fold, state):
     """Follow the gaps of one row over more epochs.
 
     Parameters
     ----------
-    r, cos_cap, azimuths, elevations, place, cos_lon, sin_lon, lon0
+    r, cos_cap, row
         As in `compass.core.dop.dop_row`, the first two with a leading epoch axis.
     fold
         Satellites wanted.
     state
         Updated; shape (STATES, column), from `new_state`.
     """
-    m = cos_lon.size
+    m = row.cos_lon.size
     counts = np.empty(m, np.int16)
     runs = np.empty((m // 2 + 1, 2), np.int64)
     for t in range(r.shape[0]):
         counts[:] = 0
         for s in range(r.shape[1]):
             x, y, z = r[t, s, 0], r[t, s, 1], r[t, s, 2]
-            found = sight_runs(
-                x, y, z, cos_cap[t, s], azimuths, elevations, place, cos_lon, sin_lon, lon0, runs
-            )
+            found = sight_runs(x, y, z, cos_cap[t, s], row, runs)
             for k in range(found):
                 for j in range(runs[k, 0], runs[k, 1]):
                     counts[j if j < m else j - m] += 1

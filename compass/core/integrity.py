@@ -11,8 +11,10 @@ with the thresholds ``T_k = K s_ss,k`` and Q the tail of the normal distribution
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.dop import row_runs
 from compass.core.error import DELAY2, range_variance
@@ -141,23 +143,31 @@ def protect(g, variances, numbers, unmonitored, levels):
     return True
 
 
+class Promise(NamedTuple):
+    """What users are promised.
+
+    `numbers`: of the promise, as `protect` takes them; `unmonitored` (satellite + 1,): share of the
+    risk that two faults use up, by number in view; `alerts` (2,): largest useful levels, horizontal
+    and vertical, m.
+    """
+
+    numbers: NDArray[np.float64]
+    unmonitored: NDArray[np.float64]
+    alerts: NDArray[np.float64]
+
+
 @kernel
 def protection_row(
-    r, cos_cap, azimuths, elevations, place, cos_lon, sin_lon, lon0,
-    q, sun, lit, numbers, promise, unmonitored, alerts, weight, levels, shares, histograms, total,
+    r, cos_cap, row, ranges, promise, weight, levels, shares, histograms, total
 ):  # fmt: skip
     """Protection levels of one row of users over all epochs.
 
     Parameters
     ----------
-    r ... numbers
+    r, cos_cap, row, ranges
         As in `compass.core.error.error_map_row`.
     promise
-        Numbers of the promise.
-    unmonitored
-        Share of the risk that two faults use up, by number in view, shape (satellite + 1,).
-    alerts
-        Largest useful levels, horizontal and vertical, m, shape (2,).
+        What is promised, see `Promise`.
     weight
         Weight of a cell at an epoch.
     levels
@@ -169,25 +179,24 @@ def protection_row(
     total
         Added to: shares of area and time detectable, horizontal, vertical, both; shape (4,).
     """
-    m, n = cos_lon.size, r.shape[1]
-    runs = np.empty((n * (m // 2 + 1) if azimuths.size > 1 else n, 2), np.int64)
+    place, sun, alerts, numbers = row.place, ranges.sun, promise.alerts, ranges.numbers
+    m, n = row.cos_lon.size, r.shape[1]
+    runs = np.empty((n * (m // 2 + 1) if row.azimuths.size > 1 else n, 2), np.int64)
     owners, seen = np.empty(len(runs), np.int64), np.zeros((m, n), np.bool_)
     g, variances, found = np.empty((n, 4)), np.empty(n), np.empty(3)
-    row = np.empty((2, m))
+    level = np.empty((2, m))
     up_out, up_z, out, high = place[UP_OUT], place[UP_Z], place[OUT], place[HIGH]
     shares[:] = 0.0
     for t in range(r.shape[0]):
-        count = row_runs(
-            r[t], cos_cap[t], azimuths, elevations, place, cos_lon, sin_lon, lon0, runs, owners
-        )
+        count = row_runs(r[t], cos_cap[t], row, runs, owners)
         seen[:] = False
         for k in range(count):
             for j in range(runs[k, 0], runs[k, 1]):
                 seen[j % m, owners[k]] = True
         for j in range(m):
-            c, s = cos_lon[j], sin_lon[j]
+            c, s = row.cos_lon[j], row.sin_lon[j]
             shade = (
-                sunlit((c * sun[t, 0] + s * sun[t, 1]) * up_out + sun[t, 2] * up_z, lit)
+                sunlit((c * sun[t, 0] + s * sun[t, 1]) * up_out + sun[t, 2] * up_z, ranges.lit)
                 if (numbers[DELAY2] > 0.0)
                 else 0.0
             )
@@ -201,21 +210,25 @@ def protection_row(
                     sine = outward * up_out + z * up_z
                     g[size, 0], g[size, 1] = s * x - c * y, outward * up_z - z * up_out
                     g[size, 2], g[size, 3] = -sine, 1.0
-                    variances[size] = range_variance(x, y, z, w, sine, shade, q[t, k], numbers)
+                    variances[size] = range_variance(
+                        x, y, z, w, sine, shade, ranges.q[t, k], numbers
+                    )
                     size += 1
-            able = protect(g[:size], variances[:size], promise, unmonitored[size], found)
-            row[0, j] = math.sqrt(found[0] * found[0] + found[1] * found[1])
-            row[1, j] = found[2]
-            flat, tall = row[0, j] <= alerts[0], row[1, j] <= alerts[1]
+            able = protect(
+                g[:size], variances[:size], promise.numbers, promise.unmonitored[size], found
+            )
+            level[0, j] = math.sqrt(found[0] * found[0] + found[1] * found[1])
+            level[1, j] = found[2]
+            flat, tall = level[0, j] <= alerts[0], level[1, j] <= alerts[1]
             shares[0, j] += able
             shares[1, j] += flat and tall
             total[0] += weight * able
             total[1] += weight * flat
             total[2] += weight * tall
             total[3] += weight * (flat and tall)
-            levels[0, j, t], levels[1, j, t] = row[0, j], row[1, j]
+            levels[0, j, t], levels[1, j, t] = level[0, j], level[1, j]
         for d in range(2):
-            add_to_histogram(row[d], weight, histograms[d])
+            add_to_histogram(level[d], weight, histograms[d])
     for d in range(2):
         for j in range(m):
             shares[d, j] /= r.shape[0]

@@ -10,8 +10,14 @@ distance from the centre. On a sphere the first four are twice the same two.
 """
 
 import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.jit import kernel
+
+Array = NDArray[np.float64]
 
 TWO_PI = 2.0 * math.pi
 
@@ -21,6 +27,21 @@ UP_OUT, UP_Z, OUT, HIGH, SQUARE = range(5)
 #: Below this reach rounding (1e-16 / reach, under a square root) could move an end of the interval
 #: by more than a column of 0.05 degree.
 FLAT = 1e-8
+
+
+class Row(NamedTuple):
+    """The users of one latitude row, and the mask about each of them.
+
+    `azimuths`, `elevations`: the mask, radians; constant with one azimuth. `place` (5,): how a user
+    stands in the row. `cos_lon`, `sin_lon` (m,) of the columns; `lon0`: longitude of column 0.
+    """
+
+    azimuths: Array
+    elevations: Array
+    place: Array
+    cos_lon: Array
+    sin_lon: Array
+    lon0: float
 
 
 @kernel
@@ -94,9 +115,7 @@ def _inside(ux, uy, uz, cos_cap, sin_lat, cos_lat, cos_lon, sin_lon, column):
 
 
 @kernel
-def sight_runs(
-    rx, ry, rz, cos_cap, azimuths, elevations, row, cos_lon, sin_lon, lon0, runs
-):  # fmt: skip
+def sight_runs(rx, ry, rz, cos_cap, row, runs):
     """Columns of a row that see a satellite above the mask.
 
     Parameters
@@ -105,12 +124,8 @@ def sight_runs(
         Satellite position in units of the equatorial radius.
     cos_cap
         Cosine of the cap's radius, which a constant mask and a sphere have.
-    azimuths, elevations
-        The mask; constant with one azimuth.
     row
-        How a user stands in the row, shape (5,).
-    cos_lon, sin_lon, lon0
-        Of the columns, shape (m,); longitude of column 0.
+        Its users, see `Row`.
     runs
         Filled with (first, stop), shape (k, 2): k at least 1, m/2 + 1 with more than one azimuth.
 
@@ -119,17 +134,18 @@ def sight_runs(
     int
         Number of runs.
     """
-    if azimuths.size > 1:
-        return horizon_runs(rx, ry, rz, row, cos_lon, sin_lon, azimuths, elevations, runs)
+    place, cos_lon, sin_lon, lon0 = row.place, row.cos_lon, row.sin_lon, row.lon0
+    if row.azimuths.size > 1:
+        return horizon_runs(rx, ry, rz, place, cos_lon, sin_lon, row.azimuths, row.elevations, runs)
     away, longitude = math.sqrt(rx * rx + ry * ry), math.atan2(ry, rx)
     w = 1.0 / math.sqrt(rx * rx + ry * ry + rz * rz)
-    if row[UP_OUT] == row[OUT] and row[UP_Z] == row[HIGH]:
+    if place[UP_OUT] == place[OUT] and place[UP_Z] == place[HIGH]:
         runs[0, 0], runs[0, 1] = cap_run(
             rx * w, ry * w, rz * w, away * w, longitude, cos_cap,
-            row[UP_Z], row[UP_OUT], cos_lon, sin_lon, lon0,
+            place[UP_Z], place[UP_OUT], cos_lon, sin_lon, lon0,
         )  # fmt: skip
         return 1
-    least = least_out(away * away + rz * rz, rz, math.sin(elevations[0]), row)
+    least = least_out(away * away + rz * rz, rz, math.sin(row.elevations[0]), place)
     runs[0, 0], runs[0, 1] = cap_run(
         rx * w, ry * w, 0.0, away * w, longitude, least * w, 0.0, 1.0, cos_lon, sin_lon, lon0
     )
@@ -153,7 +169,7 @@ def least_out(square, rz, sin_mask, row):
     sin_mask
         Sine of the mask, not below 0.
     row
-        As in `sight_runs`, away from the poles.
+        How a user stands in it, shape (5,), away from the poles.
     """
     slant = row[OUT] / row[UP_OUT]
     level = rz * row[UP_Z] - (row[OUT] * row[UP_OUT] + row[HIGH] * row[UP_Z])

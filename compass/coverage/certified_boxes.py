@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from compass.core.certified.cuts import CUT, EXPANSION, SCRATCH
 from compass.core.certified.shares import BOX, look, measure, split
 from compass.core.certified.sights import WIDTH
-from compass.coverage.certified_question import Asked, Question, check_limit
+from compass.coverage.certified_question import Asked, Question
 from compass.errors import ArgumentError
 from compass.orbits import Constellation
 
@@ -70,12 +70,12 @@ def boxes_at(
     Raises
     ------
     ArgumentError
-        A limit below 1, a smallest box that is none, or as `Question`.
+        A limit that nothing keeps, a smallest box that is none, or as `Question`.
     """
-    check_limit(limit)
     if not smallest > 0.0:
         raise ArgumentError(f"smallest = {smallest:g} rad: must be positive")
     question = Question(constellation, **asked)
+    question.check(limit)
     n, (south, north) = question.satellites, question.domain.sides[0]
     work = (
         np.empty(25),

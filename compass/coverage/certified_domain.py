@@ -150,7 +150,18 @@ def domain_of(
         pace = float(c.mean_motion[0])
         orbits, circles = orbit_rows(c, figure, pace, 0.0, 0.0, False)
         scope = f"{title}; one revolution, no symmetry"
-        return Domain(sides, orbits, circles, normals, e2, high, 1e-13, scope, pace, motion=moved)
+        return Domain(
+            sides=sides,
+            orbits=orbits,
+            circles=circles,
+            normals=normals,
+            flattening=e2,
+            height=high,
+            slack=1e-13,
+            scope=scope,
+            pace=pace,
+            motion=moved,
+        )
     span = Span(
         since, since + (repeat_period(c).duration if duration is None else duration), False, ""
     )
@@ -174,7 +185,18 @@ def domain_of(
     late = 4.4e-16 * (span.stop * pace + 8.0) / (1.0 - c.eccentricity.max()) ** 2
     slack = float(reach * (error + late))
     return Domain(
-        sides, orbits, circles, normals, e2, high, slack, scope, pace, 0.0, turning, moved
+        sides=sides,
+        orbits=orbits,
+        circles=circles,
+        normals=normals,
+        flattening=e2,
+        height=high,
+        slack=slack,
+        scope=scope,
+        pace=pace,
+        drift=0.0,
+        turning=turning,
+        motion=moved,
     )
 
 
@@ -226,20 +248,20 @@ def _along(
     orbits[:, 11] = (pull + 2 * w * speed + w * w * high) / (radius * pace**2) * (1 + 1e-12)
     slack = float((path.errors[first:last].max() + error * high.max()) / radius) + 1e-14
     return Domain(
-        sides,
-        orbits,
-        np.empty((0, 6)),
-        normals,
-        e2,
-        height,
-        slack,
-        scope + (f"; paths {path.estimated}" if path.estimated else ""),
-        pace,
-        0.0,
-        angle != 0.0 or rate != 0.0,
-        motion,
-        np.ascontiguousarray(path.breaks[first : last + 1] * pace),
-        np.ascontiguousarray(path.paths[first:last] / radius),
+        sides=sides,
+        orbits=orbits,
+        circles=np.empty((0, 6)),
+        normals=normals,
+        flattening=e2,
+        height=height,
+        slack=slack,
+        scope=scope + (f"; paths {path.estimated}" if path.estimated else ""),
+        pace=pace,
+        drift=0.0,
+        turning=angle != 0.0 or rate != 0.0,
+        motion=motion,
+        breaks=np.ascontiguousarray(path.breaks[first : last + 1] * pace),
+        paths=np.ascontiguousarray(path.paths[first:last] / radius),
     )
 
 
@@ -264,4 +286,14 @@ def _torus(
     sides = np.array([[south, north], [0.0, east], phases])
     empty = np.empty((0, 3))
     slack = radius * missed + 1e-14 * radius
-    return Domain(sides, orbits, circles, empty, e2, 0.0, slack, reason, 1.0)
+    return Domain(
+        sides=sides,
+        orbits=orbits,
+        circles=circles,
+        normals=empty,
+        flattening=e2,
+        height=0.0,
+        slack=slack,
+        scope=reason,
+        pace=1.0,
+    )

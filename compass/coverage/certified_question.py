@@ -1,5 +1,11 @@
-"""What a certified figure is asked about, laid out once for the kernels."""
+"""What a certified figure is asked about, laid out once for the kernels.
 
+A dilution of precision, or an error in metres: then kernels see the dilution of rows weighed by
+their ranges' sigmas over the least of these, whose square times that variance, and with what all
+satellites share, is the error's.
+"""
+
+from dataclasses import replace
 from itertools import pairwise
 from typing import TypedDict
 
@@ -9,6 +15,7 @@ from numpy.typing import NDArray
 from compass.core.certified.shares import BOX, measure
 from compass.coverage.certified_domain import Domain, domain_of
 from compass.coverage.certified_places import Place
+from compass.coverage.certified_ranges import ERROR_DOPS, Ranges
 from compass.coverage.region import GLOBE
 from compass.errors import ArgumentError
 from compass.frames import DEFAULT_FIGURE, Figure
@@ -27,6 +34,7 @@ class Asked(TypedDict, total=False):
     """Options that all certified figures have; what they mean stands at `Question`."""
 
     dop: str
+    ranges: Ranges | None
     figure: Figure
     mask: Mask | float
     place: Place
@@ -38,27 +46,17 @@ class Asked(TypedDict, total=False):
     symmetric: bool
 
 
-def check_limit(limit: float) -> None:
-    """Refuse a limit that no dilution of precision keeps.
-
-    Raises
-    ------
-    ArgumentError
-        Below 1.
-    """
-    if not limit >= 1.0:
-        raise ArgumentError(f"limit = {limit:g}: a dilution of precision to ask for is 1 or more")
-
-
 class Question:
-    """A dilution of precision over a place and time, at any limit.
+    """A dilution of precision, or an error in metres, over a place and time, at any limit.
 
     Parameters
     ----------
     constellation
         The orbits.
     dop
-        ``gdop``, ``pdop``, ``hdop``, ``vdop`` or ``tdop``.
+        ``gdop``, ``pdop``, ``hdop``, ``vdop`` or ``tdop``; or an error of `ERROR_DOPS`.
+    ranges
+        The ranges that errors are of; of no use to dilutions.
     figure
         The ellipsoid over which users stand.
     mask
@@ -71,7 +69,7 @@ class Question:
     Raises
     ------
     ArgumentError
-        An unknown dilution, or as `domain_of`.
+        An unknown dilution, an error without ranges or along paths, or as `domain_of`.
     """
 
     def __init__(
@@ -79,6 +77,7 @@ class Question:
         constellation: Constellation,
         *,
         dop: str = "pdop",
+        ranges: Ranges | None = None,
         figure: Figure = DEFAULT_FIGURE,
         mask: Mask | float = 0.0,
         place: Place = GLOBE,
@@ -89,30 +88,76 @@ class Question:
         duration: float | None = None,
         symmetric: bool = True,
     ) -> None:
-        if dop not in DOPS:
-            raise ArgumentError(f"dop = {dop!r}: allowed {', '.join(DOPS)}")
+        if dop not in (*DOPS, *ERROR_DOPS):
+            raise ArgumentError(f"dop = {dop!r}: allowed {', '.join((*DOPS, *ERROR_DOPS))}")
+        if dop in ERROR_DOPS and ranges is None:
+            raise ArgumentError(f"{dop}: needs the errors of ranges")
         self.constellation, self.figure, self.height = constellation, figure, height
+        self.ranges = ranges if dop in ERROR_DOPS else None
         self.horizon = mask if isinstance(mask, Mask) else Mask.constant(mask)
         self.domain: Domain = domain_of(
             constellation,
             figure,
             place,
             mirrored=self.horizon.is_constant,
-            symmetric=symmetric,
+            symmetric=symmetric and (self.ranges is None or self.ranges.keeps_symmetry),
             motion=motion,
             height=height,
             closed=closed,
             since=since,
             duration=duration,
         )
-        self.dop = DOPS.index(dop)
+        self.name, self.dop = dop, DOPS.index(ERROR_DOPS.get(dop, dop))
+        self.scale, self.shared = 1.0, 0.0
+        if self.ranges is not None:
+            self._weigh(self.ranges)
         self.speed = 0.5 * float(self.domain.orbits[:, 10].mean())
         self.satellites = constellation.size
+
+    def _weigh(self, ranges: Ranges) -> None:
+        """Give orbits the columns of their ranges; variances count in that of the best range."""
+        d = self.domain
+        if len(d.paths) and not ranges.is_isotropic:
+            raise ArgumentError(
+                f"{self.name}: along integrated or given paths it is certified only where orbits "
+                "are as well known in all directions; compass map samples it"
+            )
+        nearest = float((d.orbits[:, 0] * (1.0 - d.orbits[:, 1])).min()) - 1.0 - d.height
+        self.scale = ranges.least(max(nearest, 0.0))
+        self.shared = ranges.shared_in(self.name)
+        columns = ranges.columns(d.orbits, self.scale)
+        self.domain = replace(d, orbits=np.hstack([d.orbits, columns]))
+
+    def check(self, limit: float) -> None:
+        """Refuse a limit that nothing keeps.
+
+        Raises
+        ------
+        ArgumentError
+            A dilution below 1, an error that is not positive.
+        """
+        if self.ranges is not None and not limit > 0.0:
+            raise ArgumentError(f"limit = {limit:g}: an error to ask for is above 0 m")
+        if self.ranges is None and not limit >= 1.0:
+            raise ArgumentError(
+                f"limit = {limit:g}: a dilution of precision to ask for is 1 or more"
+            )
+
+    def dilution(self, value: float) -> float:
+        """Return what kernels know a value by; one that cannot be reached is next to nothing."""
+        return float(np.sqrt(max(value * value - self.shared, 1e-12 * self.scale) / self.scale))
+
+    def value(self, dilution: float) -> float:
+        """Return the value that kernels know by a dilution."""
+        return float(np.sqrt(dilution * dilution * self.scale + self.shared))
 
     def arrays(self, limit: float = 1.0) -> tuple[NDArray[np.float64], ...]:
         """What all kernels take last: orbits, circles, breaks, paths, edges, numbers, mask."""
         d, horizon = self.domain, self.horizon
-        numbers = np.array([d.flattening, d.slack, d.height, float(self.dop), limit * limit])
+        square = self.dilution(limit) ** 2
+        numbers = np.array([d.flattening, d.slack, d.height, float(self.dop), square])
+        if self.ranges is not None:
+            numbers = np.append(numbers, self.ranges.shared_row(self.scale))
         rows = (
             [[0.0], [horizon.lowest]]
             if horizon.is_constant

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.certified.shares import BOX, refine
-from compass.coverage.certified_question import Asked, Question, check_limit
+from compass.coverage.certified_question import Asked, Question
 from compass.errors import ArgumentError
 from compass.orbits import Constellation
 
@@ -91,7 +91,7 @@ def certified_share(
     constellation
         The orbits.
     limit
-        From 1.
+        From 1; of an error, above 0 m.
     width, budget_s, budget_boxes
         Stop at bounds so near, after so many seconds, or after so many boxes (which is the same
         on any machine).
@@ -110,10 +110,11 @@ def certified_share(
     Raises
     ------
     ArgumentError
-        A limit below 1, a width that is not positive, or as `Question`.
+        A limit that nothing keeps, a width that is not positive, or as `Question`.
     """
-    check_limit(limit)
-    search, began = Search(Question(constellation, **asked), workers), monotonic()
+    question = Question(constellation, **asked)
+    question.check(limit)
+    search, began = Search(question, workers), monotonic()
     found = search.share(
         limit,
         width,
@@ -169,7 +170,8 @@ class Search:
             leaves = self.question.boxes()
         end, stopped, most = monotonic() + budget_s, "", boxes + budget_boxes
         total = settled.sum() + leaves[:, 6:].sum()
-        eps = 4.0 * min(FIRST * total, float(leaves[:, 9].max(initial=0.0)))
+        coarse = max(FIRST, 0.1 * width) * total
+        eps = 4.0 * min(coarse, float(leaves[:, 9].max(initial=0.0)))
         while not stopped:
             found = self._result(leaves, settled, boxes, stopped)
             progress(found.width)

@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 
 from compass.core.certified.worst import LEAF, pursue
 from compass.coverage.certificate import Outcome
-from compass.coverage.certified_question import DOPS, Asked, Question, check_limit
+from compass.coverage.certified_question import DOPS, Asked, Question
+from compass.coverage.certified_ranges import Ranges
 from compass.errors import ArgumentError
 from compass.frames import mcmf_from_mci, planetocentric_latitude, prime_meridian_angle
 from compass.orbits import Constellation
 from compass.orbits.motion import Motion
 from compass.sites import Site
+from compass.words import counted
 
 #: A dilution above this is called unbounded: near a place where lines of sight lie on a cone it
 #: takes every value, and rounding hides more than this.
@@ -96,7 +98,7 @@ class CertifiedWorst:
     @property
     def unbounded(self) -> bool:
         """Whether it exceeds all that could be bounded."""
-        return self.low >= UNBOUNDED
+        return bool(self.best) and self.best[0] >= UNBOUNDED**2
 
     @property
     def sentence(self) -> str:
@@ -109,7 +111,7 @@ class CertifiedWorst:
             f"deg, {w.time:.3f} s after the epoch"
         )
         if np.isinf(w.value):
-            return f"infinite: {len(w.satellites)} satellites in view at {where}"
+            return f"infinite: {counted(len(w.satellites), 'satellite')} in view at {where}"
         if self.unbounded:
             return f"unbounded near {where}"
         bounds = f"between {self.low:.6g} and {self.high:.6g}"
@@ -185,9 +187,8 @@ def certified_worst(
     search = _Pursuit(Question(constellation, **asked), workers, budget_s, budget_boxes, start)
     for ratio in [*(r for r in RATIOS if r > 1.0 + precision), 1.0 + precision]:
         search.go_on(ratio, 0.0, UNBOUNDED)
-        low, high = search.bounds()
-        progress(low, high)
-        if search.stopped or low >= UNBOUNDED:
+        progress(*search.bounds())
+        if search.stopped or search.best[0] >= UNBOUNDED**2:
             break
     return search.result()
 
@@ -206,23 +207,24 @@ def certified_always(
     Parameters
     ----------
     limit
-        From 1.
+        From 1; of an error, above 0 m.
     constellation, budget_s, budget_boxes, workers, asked
         As in `certified_worst`.
 
     Raises
     ------
     ArgumentError
-        A limit below 1, or as `Question`.
+        A limit that nothing keeps, or as `Question`.
     """
-    check_limit(limit)
-    search = _Pursuit(Question(constellation, **asked), workers, budget_s, budget_boxes)
-    search.go_on(1.0, limit, limit)
+    question = Question(constellation, **asked)
+    question.check(limit)
+    search, least = _Pursuit(question, workers, budget_s, budget_boxes), question.dilution(limit)
+    search.go_on(1.0, least, least)
     found = search.result()
     outcome = Outcome.UNDECIDED
     if found.witness is not None and found.witness.value > limit:
         outcome = Outcome.REFUTED
-    elif not len(search.leaves) and search.best[0] <= limit * limit:
+    elif not len(search.leaves) and search.best[0] <= least * least:
         outcome = Outcome.PROVEN
     return CertifiedAlways(outcome, limit, found.witness, found.boxes, found.scope, found.stopped)
 
@@ -312,7 +314,8 @@ class _Pursuit:
         """What the largest value lies between."""
         low = float(np.sqrt(self.best[0]))
         high = max(low, float(np.sqrt(self.leaves[:, 6].max(initial=0.0))))
-        return low, np.inf if low >= UNBOUNDED else high
+        value = self.question.value
+        return value(low), np.inf if low >= UNBOUNDED else value(high)
 
     def result(self) -> CertifiedWorst:
         """What was found."""
@@ -336,14 +339,24 @@ class _Pursuit:
         time, east = q.domain.moment(t, longitude, q.constellation.epoch)
         latitude = float(planetocentric_latitude(b, q.figure))
         site = Site("", latitude, east, q.height, q.horizon, q.figure)
-        value, seen = dilution_at(q.constellation, site, time, q.domain.motion, DOPS[q.dop])
+        moved, name = q.domain.motion, DOPS[q.dop]
+        value, seen = dilution_at(q.constellation, site, time, moved, name, q.ranges)
+        value = float(np.hypot(value, np.sqrt(q.shared)))
         return WorstWitness(float(time), latitude, east, value, seen)
 
 
 def dilution_at(
-    constellation: Constellation, site: Site, time: float, motion: Motion, dop: str
+    constellation: Constellation,
+    site: Site,
+    time: float,
+    motion: Motion,
+    dop: str,
+    ranges: Ranges | None = None,
 ) -> tuple[float, tuple[str, ...]]:
-    """A dilution at a site and moment by inverting the normal matrix, and who is in view."""
+    """A dilution at a site and moment by inverting the normal matrix, and who is in view.
+
+    With ranges of rows over their sigmas: an error in metres, without what all satellites share.
+    """
     angle = prime_meridian_angle(constellation.epoch, time)
     r = mcmf_from_mci(motion.states(constellation, [time])[0][:, 0], angle)
     seen = site.sees(r)
@@ -353,6 +366,8 @@ def dilution_at(
     rows = np.column_stack([units, np.ones(len(units))])
     if len(rows) < 4:
         return np.inf, names
+    if ranges is not None:
+        rows = rows / ranges.sigmas(constellation, site, time, motion)[:, np.newaxis]
     _, singular, turns = np.linalg.svd(rows)
     if singular[-1] < 1e-12 * singular[0]:
         return np.inf, names

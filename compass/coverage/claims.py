@@ -30,6 +30,10 @@ class Claim:
         The part.
     stretch
         Ratio of the equatorial radius to the polar one: 1 for a sphere.
+    mask
+        The highest of what was asked for, radians.
+    ground
+        What its users stand on, in words, where that is not the design's figure.
     """
 
     name: str
@@ -38,6 +42,8 @@ class Claim:
     highest: float
     region: Region = GLOBE
     stretch: float = 1.0
+    mask: float = 0.0
+    ground: str = ""
 
 
 def claims_of(design: Design, requirement: Requirement) -> tuple[Claim, ...]:
@@ -51,7 +57,7 @@ def claims_of(design: Design, requirement: Requirement) -> tuple[Claim, ...]:
     low, high = (design.mask.lowest, design.mask.highest) if mask is None else (mask, mask)
     radius = design.figure.equatorial_radius + requirement.altitude
     claims = [
-        Claim(text, radius, low, high, region, design.figure.stretch)
+        Claim(text, radius, low, high, region, design.figure.stretch, high)
         for text in requirement.areas
         for region in read_regions(text)
     ]
@@ -60,7 +66,17 @@ def claims_of(design: Design, requirement: Requirement) -> tuple[Claim, ...]:
         lean = abs(each.south - site.latitude) + 2 * SQUARE
         low, high = each.mask.lowest - lean, each.mask.highest + lean
         distance = float(np.linalg.norm(site.r_mcmf))
-        claims.append(Claim(site.name, distance, low, high, square(site)))
+        claims.append(
+            Claim(
+                site.name,
+                distance,
+                low,
+                high,
+                square(site),
+                mask=each.mask.highest,
+                ground="the place at its height, over its own vertical",
+            )
+        )
     return tuple(claims)
 
 

@@ -125,7 +125,15 @@ def least_clearance(
     """
     check_users(constellation, users, fold)
     if constellation.size < fold:
-        return Clearance(-inf, -inf, 0.0, centric(users.south, users.figure), np.nan, 0, 0)
+        return Clearance(
+            low=-inf,
+            high=-inf,
+            time=0.0,
+            latitude=centric(users.south, users.figure),
+            longitude=np.nan,
+            seen=0,
+            boxes=0,
+        )
     most = MOST_BOXES if most is None else most
     laid = lay_out(constellation, users, span)
     found = _least(laid, fold, enough, tolerance, min(most, MARGIN_BOXES))
@@ -136,7 +144,15 @@ def least_clearance(
     if not np.isfinite(high):
         raise ArgumentError(f"region = {users.name}: has no place")
     time, latitude, longitude = place_of(constellation, users, laid, worst)
-    return Clearance(float(low), float(high), time, latitude, longitude, int(seen), int(boxes))
+    return Clearance(
+        low=float(low),
+        high=float(high),
+        time=time,
+        latitude=latitude,
+        longitude=longitude,
+        seen=int(seen),
+        boxes=int(boxes),
+    )
 
 
 def clear_share(

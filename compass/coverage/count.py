@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.count import count_rows
+from compass.cores import cores
 from compass.coverage.grid import Grid
 from compass.coverage.view import View
 from compass.errors import ArgumentError
@@ -53,6 +54,6 @@ def count_map(view: View, grid: Grid, workers: int | None = None) -> NDArray[np.
         )
 
     edges = np.linspace(0, view.times.size, min(PARTS, view.times.size) + 1).astype(int)
-    with ThreadPoolExecutor(workers) as pool:
+    with ThreadPoolExecutor(cores(workers)) as pool:
         list(pool.map(fill, map(slice, edges[:-1], edges[1:])))
     return out

@@ -63,6 +63,7 @@ def drift_of(
     mask: float = 0.0,
     region: Region = GLOBE,
     step_days: float | None = None,
+    lasting: Lasting | None = None,
     progress: Callable[[Sequence[Any]], Any] = iter,
 ) -> Drift:
     """Follow coverage along paths for `days` from `start_day` on.
@@ -79,6 +80,8 @@ def drift_of(
         Span.
     step_days
         Between moments; whole days that give at most `MOMENTS` of them if left out.
+    lasting
+        How long it lasts, if that is known already.
     progress
         Wraps the list of stretches between moments, as tqdm does.
 
@@ -89,7 +92,8 @@ def drift_of(
     """
     start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY
     place: dict[str, Any] = {"sphere_radius": sphere_radius, "mask": mask, "region": region}
-    lasting = prove_span(path, fold, **place, start=start, stop=stop)
+    if lasting is None:
+        lasting = prove_span(path, fold, **place, start=start, stop=stop)
     step = step_days or max(1.0, float(np.ceil(days / MOMENTS)))
     times = np.append(np.arange(start, stop - 1.0, step * SECONDS_PER_DAY), stop)
     first = min(start + SECONDS_PER_DAY, stop)

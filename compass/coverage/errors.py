@@ -1,12 +1,12 @@
 """Error maps: how well a user anywhere is told where and when it is, in metres."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.error import SAMPLES, empty_error_histograms, error_map_row
+from compass.core.error import SAMPLES, Ranges, empty_error_histograms, error_map_row
 from compass.core.ranking import histogram_quantile
 from compass.coverage.grid import Grid
 from compass.coverage.maps import CELL_PERCENTILES, by_blocks, nearest_ranks
@@ -25,12 +25,6 @@ ERRORS = {
     "error_time_m": "error of the user's time as length",
 }
 PERCENTILES = (50, 90, 95, 99)
-
-#: One sigma times this holds 95 % of the errors: exactly of a height or time, and at least of a
-#: horizontal or three-dimensional one, whatever the shape of its ellipse. A weighted sum of squares
-#: of normal numbers, weights adding up to 1, stays below 3.84 least often with all weight on one
-#: (Szekely and Bakirov 2003, Probability Theory and Related Fields 126:184).
-FACTOR_95 = 1.959963984540054
 
 
 def error_map(
@@ -78,11 +72,11 @@ def error_map(
     shape, epochs = (grid.rows, grid.columns), view.times.size
     share = np.empty((len(ERRORS), *shape), np.float32)
     percentiles = np.empty((len(ERRORS), len(CELL_PERCENTILES), *shape), np.float32)
-    longitude, places, cell_share = grid.longitude, grid.places, grid.cell_share
-    columns = np.cos(longitude), np.sin(longitude), float(longitude[0])
+    users, cell_share = view.rows(grid), grid.cell_share
+    worth = Ranges(ranges.forms, ranges.sun, ranges.lit, ranges.numbers)
     ranks = nearest_ranks(epochs)
 
-    def one_block(rows: NDArray[np.int64]) -> NDArray[np.float64]:
+    def one_block(rows: Iterable[int]) -> NDArray[np.float64]:
         histograms = empty_error_histograms()
         errors = np.empty((len(ERRORS), grid.columns, epochs), np.float32)
         good = np.empty((len(ERRORS), grid.columns))
@@ -90,14 +84,8 @@ def error_map(
             error_map_row(
                 view.r,
                 view.cos_cap,
-                view.azimuths,
-                view.elevations,
-                places[i],
-                *columns,
-                ranges.forms,
-                ranges.sun,
-                ranges.lit,
-                ranges.numbers,
+                users[i],
+                worth,
                 limit,
                 cell_share[i] / epochs,
                 i,

@@ -58,7 +58,7 @@ def course_of(design: Design, days: float | None, start_day: float) -> Course | 
     phase take every pair of values, and a place is as good as its circle.
     """
     c, j2 = design.constellation, design.motion.model == "j2"
-    motion = "mean motion under J2" if j2 else "two-body motion"
+    motion = design.motion.title
     if days is not None:
         start = start_day * SECONDS_PER_DAY
         words = f"over {days:g} days from day {start_day:g}, {motion}, at the place"
@@ -73,7 +73,7 @@ def course_of(design: Design, days: float | None, start_day: float) -> Course | 
     alike = one_circle(c) and np.unique(c.inclination).size <= 1
     if not (alike if j2 else one_period(c)):
         return None
-    words = f"for ever, {motion}, on the circle of latitude: tracks not declared closed"
+    words = f"for ever, {motion}, at every longitude: tracks not declared closed"
     return Course(None, True, words)
 
 
@@ -130,16 +130,25 @@ def fold_verdict(
 
 
 def losses_of(
-    c: Constellation, requirement: Requirement, users: Sequence[Users], course: Course
+    c: Constellation,
+    requirement: Requirement,
+    users: Sequence[Users],
+    course: Course,
+    *,
+    alike: bool = True,
 ) -> Iterator[tuple[tuple[str, ...], int, Constellation]]:
-    """Names of lost satellites, how many sets they stand for, and what is left without them."""
+    """Names of lost satellites, how many sets they stand for, and what is left without them.
+
+    Unless satellites are `alike` in all but their places, every set stands for itself.
+    """
     if not requirement.losses:
         yield (), 1, c
         return
-    still = Region("places that turn with Mars", mars_fixed=course.span is not None)
+    turns = course.span is not None or not alike
+    still = Region("places that turn with Mars", mars_fixed=turns)
     turning = all(each.alike_all_around for each in users)
-    alike = unlike_subsets(c, requirement.losses, still, backwards=turning)
-    for subset, number in alike.sets.items():
+    found = unlike_subsets(c, requirement.losses, still, backwards=turning)
+    for subset, number in found.sets.items():
         yield tuple(c.satellite_names[s] for s in subset), number, c.without(subset)
 
 
@@ -266,7 +275,7 @@ def _often(
     met = True if share.low >= wanted else False if high < wanted else None
     reason = "" if met is not None else f"the bounds lie on both sides of {wanted:g}"
     by_time = requirement.share_of == "time"
-    worst = Worst(None, latitude, None, 0.5 * (share.low + high)) if by_time else None
+    worst = Worst(None, latitude, None, 0.5 * (share.low + high), "share") if by_time else None
     bounds = (min(share.low, high), high)
     return Verdict(
         requirement, met, "bracket", course.words, bounds, None, worst, lost, alike, reason

@@ -39,20 +39,23 @@ def fold_verdict_over_days(
         return undecided(requirement, scope, reason)
     start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY
     path = motion.trajectory(design.constellation, start, stop)
+    # whichever are lost: so many are left if so many more are there
+    fold = requirement.fold + requirement.losses
     found = [
-        claim_lasts(path, requirement.fold, claim, start, stop)
-        for claim in claims_of(design, requirement)
+        claim_lasts(path, fold, claim, start, stop) for claim in claims_of(design, requirement)
     ]
     return _verdict(requirement, scope, found)
 
 
 def not_followed(design: Design, requirement: Requirement) -> str:
-    """Why a requirement cannot be settled along real paths; empty if it can."""
+    """Why a requirement's satellites in view cannot be settled along paths; empty if they can."""
     if requirement.fold is None:
-        return "geometry along real paths is not bracketed"
-    if requirement.share < 1.0 or requirement.losses:
-        what = "shares" if requirement.share < 1.0 else "losses"
-        return f"{what} along real paths are not bracketed"
+        return ""
+    if requirement.share < 1.0:
+        return (
+            "shares of satellites in view along real paths are not bracketed; ask for a dilution "
+            "of precision, which is, or for always"
+        )
     if requirement.areas and requirement.altitude and not design.figure.is_sphere:
         return "users above an ellipsoid are not looked at along real paths; name a sphere"
     return ""

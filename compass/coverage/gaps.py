@@ -3,16 +3,19 @@
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.bodies import MARS_ROTATION_RATE
 from compass.core.gaps import finish_gaps, follow_gaps, new_state
+from compass.core.runs import Row
+from compass.cores import cores
 from compass.coverage.cap import cap_radius
 from compass.coverage.grid import Grid
 from compass.coverage.view import View, view
-from compass.errors import ArgumentError
+from compass.errors import whole_number
 from compass.orbits import Constellation
 from compass.orbits.motion import AnyMotion
 from compass.sites import Mask
@@ -120,20 +123,17 @@ def coverage_gaps(
     ArgumentError
         `fold` below 1, a satellite that is not above the sphere.
     """
-    if fold < 1:
-        raise ArgumentError(f"fold = {fold}: must be at least 1")
+    whole_number("fold", fold, 1)
     mask = mask or Mask()
     number = epochs or gap_epochs(constellation, sphere_radius, mask, span)
     step = span / number
     states = [new_state(grid.columns) for _ in range(grid.rows)]
     piece = max(1, PIECE // max(constellation.size, 1))
-    with ThreadPoolExecutor(workers) as pool:
+    with ThreadPoolExecutor(cores(workers)) as pool:
         for first in range(0, number, piece):
             times = start + np.arange(first, min(first + piece, number)) * step
             seen = view(constellation, times, sphere_radius, mask, model)
-            rows = pool.map(lambda i, seen=seen: _follow(seen, grid, i, fold, states[i]),
-                            range(grid.rows))  # fmt: skip
-            for _ in rows:
+            for _ in pool.map(partial(_follow, seen, fold), seen.rows(grid), states):
                 progress(1)
     gaps = np.empty((3, grid.rows, grid.columns))
     for i, state in enumerate(states):
@@ -142,18 +142,6 @@ def coverage_gaps(
     return Gaps(longest, mean, response, step, ring)
 
 
-def _follow(seen: View, grid: Grid, row: int, fold: int, state: NDArray[np.float64]) -> None:
+def _follow(seen: View, fold: int, row: Row, state: NDArray[np.float64]) -> None:
     """Follow the gaps of a row over the epochs of a view."""
-    longitude = grid.longitude
-    follow_gaps(
-        seen.r,
-        seen.cos_cap,
-        seen.azimuths,
-        seen.elevations,
-        grid.places[row],
-        np.cos(longitude),
-        np.sin(longitude),
-        float(longitude[0]),
-        fold,
-        state,
-    )
+    follow_gaps(seen.r, seen.cos_cap, row, fold, state)

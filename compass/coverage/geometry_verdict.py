@@ -1,11 +1,24 @@
-"""Whether a dilution of precision is small enough, always or for long enough, for users."""
+"""Whether a dilution of precision, or an error, is small enough, always or for long enough.
 
-from dataclasses import replace
+Errors are asked about with the Sun overhead of all users, when the ionosphere delays most, and set
+for all, when it delays none: what is kept by the first is kept, what is broken by the second is
+broken, wherever the Sun stands.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_places import Circle, Spot
+from compass.coverage.certified_ranges import (
+    ERROR_DOPS,
+    Ranges,
+    delays,
+    ranges_of,
+    sigma_allowed,
+)
 from compass.coverage.certified_share import CertifiedShare
 from compass.coverage.certified_worst import CertifiedAlways
 from compass.coverage.fold_verdict import Course, course_of, losses_of, users_of
@@ -13,70 +26,150 @@ from compass.coverage.region import latitude_band
 from compass.coverage.users import Users, centric
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
+from compass.orbits import Constellation
 
 #: Boxes for each share, and how near its bounds are to come where the requirement leaves it open.
 SHARE_BOXES, WIDTH = 600_000, 1e-4
 
 
+@dataclass(frozen=True)
+class _Asked:
+    """A figure and its largest value allowed, and how it is found.
+
+    Attributes
+    ----------
+    name, limit
+        One of `compass.design.LIMITS`, and its limit as kernels of figures take it.
+    title
+        Of the figure, in words.
+    factor
+        What values found are multiplied by to mean what the requirement does.
+    skies
+        Ranges that errors are of: with the Sun overhead and, where that matters, with the Sun set;
+        of a dilution None.
+    """
+
+    name: str
+    limit: float
+    title: str
+    factor: float
+    skies: tuple[Ranges | None, ...]
+
+    def share(
+        self,
+        effort: Effort,
+        left: Constellation,
+        lost: Sequence[int],
+        where: dict[str, Any],
+        width: float,
+    ) -> CertifiedShare:
+        """Share with the figure small enough, wherever the Sun stands, its bounds so near."""
+        found = [
+            effort.share(left, self.limit, width=width, **self._asked(sky, lost), **where)
+            for sky in self.skies
+        ]
+        return found[0] if len(found) == 1 else replace(found[0], high=found[1].high)
+
+    def always(
+        self, effort: Effort, left: Constellation, lost: Sequence[int], where: dict[str, Any]
+    ) -> CertifiedAlways:
+        """Claim that it is always small enough: proven by the first sky, refuted by the last."""
+        claim = effort.always(left, self.limit, **self._asked(self.skies[0], lost), **where)
+        if len(self.skies) > 1 and claim.outcome == Outcome.REFUTED:
+            claim = effort.always(left, self.limit, **self._asked(self.skies[1], lost), **where)
+            if claim.outcome == Outcome.PROVEN:  # with the Sun set alone
+                return replace(claim, outcome=Outcome.UNDECIDED)
+        return claim
+
+    def _asked(self, sky: Ranges | None, lost: Sequence[int]) -> dict[str, Any]:
+        return {"dop": self.name, "ranges": None if sky is None else sky.without(lost)}
+
+
+def _question(design: Design, requirement: Requirement, name: str, limit: float) -> _Asked:
+    title = requirement.titled(name)
+    if name not in ERROR_DOPS:
+        return _Asked(name, limit, title, 1.0, (None,))
+    skies = [ranges_of(design), ranges_of(design, "set")]
+    allowed = sigma_allowed(requirement, limit)
+    return _Asked(
+        name, allowed, title, limit / allowed, tuple(skies if delays(design) else skies[:1])
+    )
+
+
 def geometry_verdict(
     design: Design,
     requirement: Requirement,
-    dop: str,
+    name: str,
     limit: float,
     *,
     days: float | None = None,
     start_day: float = 0.0,
     effort: Effort | None = None,
+    width: float = WIDTH,
 ) -> Verdict:
-    """Verdict on a dilution of precision of at most a limit, by certified shares.
+    """Verdict on a dilution of precision, or an error, of at most a limit, by certified shares.
 
     Parameters
     ----------
     design, requirement, days, start_day, effort
         As in `compass.coverage.requirement_verdict.verdict_of`.
-    dop, limit
+    name, limit
         One of `compass.design.LIMITS` and the largest value allowed.
+    width
+        How near the bounds of each share are to come where `effort` does not say.
 
     Raises
     ------
     ArgumentError
-        As `certified_share`.
+        As `certified_share`; an error of a design without a signal.
     """
-    effort = effort or Effort()
+    effort, c = effort or Effort(), design.constellation
+    asked = _question(design, requirement, name, limit)
     course = course_of(design, days, start_day)
     if course is None:
-        reason = f"{dop.upper()} is certified for ever for orbits of one period alone; give days"
+        reason = f"{asked.title} is certified for ever for orbits of one period alone; give days"
         return undecided(requirement, f"under {design.motion.title}", reason)
+    sky = asked.skies[0]
+    if sky is not None and not (design.motion.is_closed_form or sky.is_isotropic):
+        reason = (
+            f"{asked.title} is certified along integrated paths only where orbits are as well "
+            "known in all directions; compass map samples it"
+        )
+        return undecided(requirement, course.words, reason)
     found: list[tuple[CertifiedShare, Users, tuple[str, ...], int]] = []
     claims: list[tuple[CertifiedAlways, tuple[str, ...], int]] = []
     everyone = users_of(design, requirement)
-    for lost, alike, left in losses_of(design.constellation, requirement, everyone, course):
+    same = sky is None or sky.keeps_symmetry
+    for lost, alike, left in losses_of(c, requirement, everyone, course, alike=same):
+        gone = [c.satellite_names.index(satellite) for satellite in lost]
         for users in everyone:
             where = _place(users, requirement, course)
             if where is None:
-                reason = f"{dop.upper()} of these users is not certified yet"
+                reason = f"{asked.title} of these users is not certified yet"
                 return undecided(requirement, course.words, reason)
-            asked: dict[str, Any] = {
-                "dop": dop,
+            where |= {
                 "figure": users.figure,
                 "mask": users.mask,
                 "budget_boxes": SHARE_BOXES,
                 "motion": design.motion,
-                **where,
             }
             if requirement.share == 1.0:
-                claim = effort.always(left, limit, **asked)
+                claim = asked.always(effort, left, gone, where)
                 claims.append((claim, lost, alike))
                 if claim.outcome != Outcome.UNDECIDED:
                     continue
-            share = effort.share(left, limit, width=WIDTH, **asked)
+            share = asked.share(effort, left, gone, where, width)
             found.append((share, users, lost, alike))
-    settled = _always(requirement, course.words, claims)
-    return settled or _verdict(requirement, dop, course.words, found)
+    scope = course.words
+    if sky is not None:
+        scope += "; of a fix that weighs ranges by their variances, wherever the Sun stands"
+    settled = _always(requirement, asked, scope, claims)
+    return settled or _verdict(requirement, asked, scope, found)
 
 
 def _always(
     requirement: Requirement,
+    asked: _Asked,
     scope: str,
     claims: list[tuple[CertifiedAlways, tuple[str, ...], int]],
 ) -> Verdict | None:
@@ -84,7 +177,7 @@ def _always(
     for claim, lost, alike in claims:
         if claim.outcome == Outcome.REFUTED and claim.witness is not None:
             w = claim.witness
-            worst = Worst(w.time, w.latitude, w.longitude, w.value)
+            worst = Worst(w.time, w.latitude, w.longitude, w.value * asked.factor, asked.name)
             return Verdict(requirement, False, "proven", scope, None, None, worst, lost, alike)
     if claims and all(claim.outcome == Outcome.PROVEN for claim, *_ in claims):
         return Verdict(requirement, True, "proven", scope, (1.0, 1.0))
@@ -92,7 +185,15 @@ def _always(
 
 
 def _place(users: Users, requirement: Requirement, course: Course) -> dict[str, Any] | None:
-    """Where and when a claim is looked at, as certified figures ask; None where they cannot yet."""
+    """As `asked_place`; None also where a share at the worst place of a region is wanted."""
+    worst_place = requirement.share_of == "time" and requirement.share < 1.0
+    if worst_place and users.south != users.north:
+        return None
+    return asked_place(users, course)
+
+
+def asked_place(users: Users, course: Course) -> dict[str, Any] | None:
+    """Where and when users are looked at, as certified figures ask; None where they cannot yet."""
     if users.below < 0.0:
         return None
     south, north = (centric(b, users.figure) for b in (users.south, users.north))
@@ -105,8 +206,6 @@ def _place(users: Users, requirement: Requirement, course: Course) -> dict[str, 
         if users.longitude is None or "duration" not in asked:
             return asked | {"place": Circle(south)}
         return asked | {"place": Spot(south, users.longitude)}
-    if requirement.share_of == "time" and requirement.share < 1.0:
-        return None
     if users.is_belt:
         return asked | {"place": latitude_band(south, north)}
     return asked | {"place": users.region} if "duration" in asked else None
@@ -114,7 +213,7 @@ def _place(users: Users, requirement: Requirement, course: Course) -> dict[str, 
 
 def _verdict(
     requirement: Requirement,
-    dop: str,
+    asked: _Asked,
     scope: str,
     found: list[tuple[CertifiedShare, Users, tuple[str, ...], int]],
 ) -> Verdict:
@@ -131,9 +230,10 @@ def _verdict(
     verdict = Verdict(requirement, met, "bracket", scope, (low, high), None, None, lost, alike)
     if users.south == users.north:
         latitude = centric(users.south, users.figure)
-        verdict = replace(verdict, worst=Worst(None, latitude, None, least.value))
+        verdict = replace(verdict, worst=Worst(None, latitude, None, least.value, "share"))
     if met is None:
         late = f", stopped early ({least.stopped})" if least.stopped else ""
-        reason = f"the share with {dop.upper()} small enough lies between {low:.6g} and {high:.6g}"
+        bounds = f"lies between {low:.6g} and {high:.6g}"
+        reason = f"the share with {asked.title} small enough {bounds}"
         return replace(verdict, reason=reason + late)
     return verdict

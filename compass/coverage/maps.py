@@ -1,19 +1,22 @@
 """Coverage maps: counts, dilution of precision and gaps over the sphere and a period."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from itertools import takewhile
+from threading import Event
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.coverage_map import empty_histograms, map_row
+from compass.core.coverage_map import Cells, Tallies, empty_tallies, map_row
 from compass.core.ranking import histogram_quantile, nearest_rank
+from compass.cores import cores
 from compass.coverage.gaps import Gaps
 from compass.coverage.grid import Grid
 from compass.coverage.view import View
 from compass.design import PDOP_MAX
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, whole_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -85,48 +88,39 @@ def coverage_map(
     ArgumentError
         `fold` below 1 or a threshold that is not positive.
     """
-    if fold < 1:
-        raise ArgumentError(f"fold = {fold}: must be at least 1")
+    whole_number("fold", fold, 1)
     if not pdop_threshold > 0:
         raise ArgumentError(f"pdop_threshold = {pdop_threshold}: must be positive")
     cells = _Cells(view, grid, fold, gaps)
-    longitude, places, cell_share = grid.longitude, grid.places, grid.cell_share
-    columns = np.cos(longitude), np.sin(longitude), float(longitude[0])
-    epochs = view.times.size
+    users, cell_share, epochs = view.rows(grid), grid.cell_share, view.times.size
     ranks = nearest_ranks(epochs)
 
-    def one_block(rows: NDArray[np.int64]) -> tuple[NDArray, NDArray, NDArray]:
-        tallies = empty_histograms(view.r.shape[1], epochs)
+    def one_block(rows: Iterable[int]) -> Tallies:
+        tallies = empty_tallies(view.r.shape[1], epochs)
         dop = np.empty((len(DOPS), grid.columns, epochs), np.float32)
         for i in rows:
             map_row(
                 view.r,
                 view.cos_cap,
-                view.azimuths,
-                view.elevations,
-                places[i],
-                *columns,
+                users[i],
                 pdop_threshold,
                 cell_share[i] / epochs,
-                cells.count_min[i],
-                cells.count_mean[i],
-                cells.count_max[i],
-                cells.share[:, i],
-                cells.availability[i],
+                cells.row(i),
                 dop,
-                *tallies,
+                tallies,
             )
             dop.sort(axis=-1)
             cells.percentiles[:, :, i] = np.moveaxis(dop[..., ranks], -1, 1)
         return tallies
 
-    totals = empty_histograms(view.r.shape[1], epochs)
+    totals = empty_tallies(view.r.shape[1], epochs)
     for tallies in by_blocks(grid, one_block, workers, progress):
-        totals[0][:] += tallies[0]
-        totals[1][:] += tallies[1]
-        np.minimum(totals[2][0], tallies[2][0], out=totals[2][0])
-        totals[2][1] += tallies[2][1] * epochs
-        np.maximum(totals[2][2], tallies[2][2], out=totals[2][2])
+        totals.dop[:] += tallies.dop
+        totals.counts[:] += tallies.counts
+        low, mean, high = totals.by_epoch
+        np.minimum(low, tallies.by_epoch[0], out=low)
+        mean += tallies.by_epoch[1] * epochs
+        np.maximum(high, tallies.by_epoch[2], out=high)
     return cells.dataset(totals, pdop_threshold)
 
 
@@ -137,19 +131,29 @@ def nearest_ranks(epochs: int) -> NDArray[np.int64]:
 
 def by_blocks(
     grid: Grid,
-    one_block: Callable[[NDArray[np.int64]], Found],
+    one_block: Callable[[Iterable[int]], Found],
     workers: int | None,
     progress: Callable[[int], None],
 ) -> Iterator[Found]:
     """What is found of each block of a grid's rows, in order.
 
-    Added up so, sums are the same for any number of threads.
+    Added up so, sums are the same for any number of threads. Who goes away before the end waits
+    for the rows at work and no more.
     """
     blocks = np.array_split(np.arange(grid.rows), min(BLOCKS, grid.rows))
-    with ThreadPoolExecutor(workers) as pool:
-        for block, found in zip(blocks, pool.map(one_block, blocks), strict=True):
-            yield found
-            progress(block.size)
+    left = Event()
+
+    def rows_wanted(block: NDArray[np.int64]) -> Iterator[int]:
+        return takewhile(lambda _: not left.is_set(), block)
+
+    with ThreadPoolExecutor(cores(workers)) as pool:
+        try:
+            found = pool.map(lambda block: one_block(rows_wanted(block)), blocks)
+            for block, part in zip(blocks, found, strict=True):
+                yield part
+                progress(block.size)
+        finally:
+            left.set()
 
 
 class _Cells:
@@ -166,9 +170,17 @@ class _Cells:
         self.share = np.empty((self.kept, *shape), np.float32)
         self.percentiles = np.empty((len(DOPS), len(CELL_PERCENTILES), *shape), np.float32)
 
-    def dataset(
-        self, totals: tuple[NDArray, NDArray, NDArray], pdop_threshold: float
-    ) -> "xr.Dataset":
+    def row(self, i: int) -> Cells:
+        """The cells of a row, for the kernel to fill."""
+        return Cells(
+            self.count_min[i],
+            self.count_mean[i],
+            self.count_max[i],
+            self.share[:, i],
+            self.availability[i],
+        )
+
+    def dataset(self, totals: Tallies, pdop_threshold: float) -> "xr.Dataset":
         """Name, describe and summarise."""
         import xarray as xr
 
@@ -176,9 +188,9 @@ class _Cells:
         by_cell = ("lat", "lon")
         global_percentiles = [50, 90, 95, 99]
         quantiles = [
-            [histogram_quantile(row, q / 100) for q in global_percentiles] for row in totals[0]
+            [histogram_quantile(row, q / 100) for q in global_percentiles] for row in totals.dop
         ]
-        share_of_count = totals[1] / totals[1].sum()
+        share_of_count = totals.counts / totals.counts.sum()
         at_least = share_of_count[::-1].cumsum()[::-1]
         zone = self.share.mean(axis=2, dtype=np.float64)  # (fold, lat)
         data: dict[str, tuple] = {
@@ -218,9 +230,9 @@ class _Cells:
                 zone,
                 _attrs("share of longitude and time with at least this many in view"),
             ),
-            "count_min_time": ("time", totals[2][0], _attrs("smallest count on the sphere")),
-            "count_mean_time": ("time", totals[2][1], _attrs("mean count on the sphere")),
-            "count_max_time": ("time", totals[2][2], _attrs("largest count on the sphere")),
+            "count_min_time": ("time", totals.by_epoch[0], _attrs("smallest count on the sphere")),
+            "count_mean_time": ("time", totals.by_epoch[1], _attrs("mean count on the sphere")),
+            "count_max_time": ("time", totals.by_epoch[2], _attrs("largest count on the sphere")),
             "global_dop": (
                 ("dop", "global_percentile"),
                 np.array(quantiles),

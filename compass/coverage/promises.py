@@ -7,12 +7,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.coverage.claims import claims_of
+from compass.coverage.certificate import Outcome
+from compass.coverage.claims import Claim, claims_of
 from compass.coverage.fold_verdict_over_days import claim_lasts, not_followed
+from compass.coverage.geometry_over_days import GeometryLasting, geometry_lasts
 from compass.coverage.lasting import Lasting
-from compass.coverage.room import SlotBox, covering_slots, room_in_slots
+from compass.coverage.room import SlotBox, Slots, covering_slots, room_in_slots
 from compass.design import Design, Requirement
 from compass.orbits.trajectory import Trajectory
+
+#: Satellites without which a dilution of precision is infinite.
+FEWEST = 4
+
+#: A verdict at a latitude this near to a site's, radians, is about the site.
+NEAR = 1e-4
 
 
 @dataclass(frozen=True)
@@ -23,10 +31,12 @@ class Promise:
     ----------
     requirement
         What is wanted.
-    place
-        Where it is lost first, or proven for the least time.
+    claim
+        The place where its satellites in view are lost first, or proven for the least time.
     lasting
-        How long it is proven there; None if it was not followed.
+        How long they are proven there; None if none are wanted.
+    geometry
+        How long its dilutions of precision are kept; None if none are wanted.
     room
         Room in the slots at moments, radians, the least of all places; None without slots.
     box
@@ -36,57 +46,184 @@ class Promise:
     """
 
     requirement: Requirement
-    place: str = ""
+    claim: Claim | None = None
     lasting: Lasting | None = None
+    geometry: GeometryLasting | None = None
     room: NDArray[np.float64] | None = None
     box: SlotBox | None = None
     reason: str = ""
+
+    @property
+    def decides(self) -> Lasting | GeometryLasting | None:
+        """What is lost first of it, or proven for the least time; None if it was not followed."""
+        known = [one for one in (self.lasting, self.geometry) if one is not None]
+        return min(known, key=lambda one: one.proven_until, default=None)
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """Lost if one of its parts is, else proven if all are; None if it was not followed."""
+        found = {one.outcome for one in (self.lasting, self.geometry) if one is not None}
+        for outcome in (Outcome.REFUTED, Outcome.UNDECIDED, Outcome.PROVEN):
+            if outcome in found:
+                return outcome
+        return None
+
+    @property
+    def first_loss_days(self) -> float | None:
+        """Days after the epoch at which it is lost; None if it is not."""
+        losses = (one.first_loss_days for one in (self.lasting, self.geometry) if one is not None)
+        return min((day for day in losses if day is not None), default=None)
+
+    @property
+    def place(self) -> str:
+        """Where it is lost first, or proven for the least time."""
+        if self.decides is self.lasting:
+            return "" if self.claim is None else self.claim.name
+        worst = None if self.geometry is None else self.geometry.verdict.worst
+        if worst is None:
+            return ""
+        for site in self.requirement.sites:
+            if abs(site.latitude - worst.latitude) < NEAR:
+                return site.name
+        return f"latitude {np.degrees(worst.latitude):.2f} deg"
 
 
 def promises_of(
     design: Design,
     path: Trajectory,
-    times: NDArray[np.float64],
+    start: float,
+    stop: float,
     progress: Callable[[Sequence[Any]], Any] = iter,
 ) -> tuple[Promise, ...]:
-    """Follow every requirement of a design along paths, between the first and the last moment.
+    """Follow every requirement of a design along paths, from `start` to `stop`.
 
     Parameters
     ----------
     design
-        Whose pattern is the slots.
+        Who wants what where.
     path
         What its satellites do.
-    times
-        Moments at which room is given, seconds after the epoch.
+    start, stop
+        Seconds after the epoch.
     progress
         Wraps the list of requirements, as tqdm does.
     """
-    return tuple(_follow(design, each, path, times) for each in progress(design.requirements))
+    return tuple(_follow(design, each, path, start, stop) for each in progress(design.requirements))
+
+
+@dataclass(frozen=True)
+class Lead:
+    """The place that is lost first, and what is wanted there.
+
+    Attributes
+    ----------
+    fold
+        Satellites that are to be in view.
+    claim
+        The place.
+    lasting
+        How long they are there.
+    """
+
+    fold: int
+    claim: Claim
+    lasting: Lasting
+
+
+def lead_of(
+    design: Design, promises: Sequence[Promise], path: Trajectory, start: float, stop: float
+) -> Lead:
+    """Who loses satellites first; where no requirement wants them in view, of the design's fold."""
+    found = [
+        Lead(fold, each.claim, each.lasting)
+        for each in promises
+        if each.claim is not None
+        and each.lasting is not None
+        and (fold := in_view(each.requirement)) is not None
+    ]
+    if not found:
+        places = [claim for each in promises for claim in claims_of(design, each.requirement)]
+        found = [
+            Lead(design.fold, claim, claim_lasts(path, design.fold, claim, start, stop))
+            for claim in places
+        ]
+    return min(found, key=lambda one: one.lasting.proven_until)
+
+
+def with_rooms(
+    promises: Sequence[Promise], design: Design, path: Trajectory, times: NDArray[np.float64]
+) -> tuple[Promise, ...]:
+    """Add the room that slots leave at moments, seconds after the epoch, where it is known."""
+    return tuple(_with_room(each, design, path, times) for each in promises)
+
+
+def box_of(design: Design) -> SlotBox | None:
+    """How far a satellite may leave its slot with all satellites still in view that are wanted.
+
+    The least of all places of all requirements that want satellites always; None where none does
+    or slots are not known to cover one of its places.
+    """
+    boxes = []
+    for each in design.requirements:
+        if each.fold is None or each.share < 1.0:
+            continue
+        known = _slots(design, each)
+        if known is None:
+            return None
+        boxes += [_box(slots, claim) for claim, slots in known]
+    return min(boxes, key=lambda one: one.sideways, default=None)
+
+
+def in_view(requirement: Requirement) -> int | None:
+    """Satellites that are to be in view for a requirement: those wanted, and those to be lost."""
+    return None if requirement.fold is None else requirement.fold + requirement.losses
 
 
 def _follow(
-    design: Design, requirement: Requirement, path: Trajectory, times: NDArray[np.float64]
+    design: Design, requirement: Requirement, path: Trajectory, start: float, stop: float
 ) -> Promise:
-    """Follow one requirement: the place that is lost first, and the least room."""
-    if reason := not_followed(design, requirement):
+    """Follow one requirement: the place that is lost first."""
+    asked = requirement
+    if asked.share < 1.0 and asked.limits and asked.fold is not None and asked.fold <= FEWEST:
+        asked = replace(asked, fold=None)  # where a dilution is small, four are in view
+    if reason := not_followed(design, asked):
         return Promise(requirement, reason=reason)
-    fold = requirement.fold
+    lasting, claim, geometry = None, None, None
+    if (fold := in_view(asked)) is not None:
+        found = [(claim_lasts(path, fold, c, start, stop), c) for c in claims_of(design, asked)]
+        lasting, claim = min(found, key=lambda one: one[0].proven_until)
+    if asked.limits:
+        until = stop if lasting is None else max(lasting.proven_until, start + 1.0)
+        geometry = geometry_lasts(design, asked, path, start, until)
+    return Promise(requirement, claim, lasting, geometry)
+
+
+def _slots(design: Design, requirement: Requirement) -> list[tuple[Claim, Slots]] | None:
+    """Slots that cover each place of a requirement; None where one has none or is no sphere."""
+    fold, found = in_view(requirement), []
     assert fold is not None
-    start, stop = float(times[0]), float(times[-1])
-    claims = claims_of(design, requirement)
-    found = [(claim_lasts(path, fold, claim, start, stop), claim) for claim in claims]
-    lasting, claim = min(found, key=lambda one: one[0].proven_until)
-    followed = Promise(requirement, claim.name, lasting)
-    if any(each.stretch != 1.0 for each in claims):  # room is known on spheres only
-        return followed
-    rooms, boxes = [], []
-    for each in claims:
-        slots = covering_slots(design.constellation, fold, each.region)
+    for claim in claims_of(design, requirement):
+        slots = None
+        if claim.stretch == 1.0:  # room is known on spheres only
+            slots = covering_slots(design.constellation, fold, claim.region)
         if slots is None:
-            return followed
-        on = {"sphere_radius": each.radius, "mask": each.highest}
-        rooms.append(room_in_slots(slots, path, times, **on).room)
-        boxes.append(slots.box(**on))
-    box = min(boxes, key=lambda one: one.sideways)
-    return replace(followed, room=np.min(rooms, axis=0), box=box)
+            return None
+        found.append((claim, slots))
+    return found
+
+
+def _box(slots: Slots, claim: Claim) -> SlotBox:
+    return slots.box(claim.radius, claim.highest)
+
+
+def _with_room(
+    promise: Promise, design: Design, path: Trajectory, times: NDArray[np.float64]
+) -> Promise:
+    if promise.lasting is None or (known := _slots(design, promise.requirement)) is None:
+        return promise
+    rooms = [
+        room_in_slots(slots, path, times, sphere_radius=claim.radius, mask=claim.highest).room
+        for claim, slots in known
+    ]
+    box = min((_box(slots, claim) for claim, slots in known), key=lambda one: one.sideways)
+    return replace(promise, room=np.min(rooms, axis=0), box=box)

@@ -1,12 +1,13 @@
 """Protection maps: how far a fix may be off unnoticed, anywhere, should a satellite fail."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.integrity import FACTOR, RISK, empty_level_histograms, protection_row
+from compass.core.error import Ranges
+from compass.core.integrity import FACTOR, RISK, Promise, empty_level_histograms, protection_row
 from compass.core.ranking import histogram_quantile
 from compass.coverage.errors import PERCENTILES
 from compass.coverage.grid import Grid
@@ -89,14 +90,16 @@ def protection_map(
     epochs, shape = view.times.size, (grid.rows, grid.columns)
     percentiles = np.empty((2, len(CELL_PERCENTILES), *shape), np.float32)
     shares = np.empty((2, *shape), np.float32)
-    longitude, places, cell_share = grid.longitude, grid.places, grid.cell_share
-    columns = np.cos(longitude), np.sin(longitude), float(longitude[0])
+    users, cell_share = view.rows(grid), grid.cell_share
+    worth = Ranges(ranges.forms, ranges.sun, ranges.lit, ranges.numbers)
     ranks = nearest_ranks(epochs)
-    promise = promise_numbers(integrity, count)
-    unmonitored = np.array([integrity.unmonitored(n) for n in range(count + 1)]) / integrity.hazard
-    alerts = np.array([integrity.alert_horizontal, integrity.alert_vertical])
+    promise = Promise(
+        promise_numbers(integrity, count),
+        np.array([integrity.unmonitored(n) for n in range(count + 1)]) / integrity.hazard,
+        np.array([integrity.alert_horizontal, integrity.alert_vertical]),
+    )
 
-    def one_block(rows: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def one_block(rows: Iterable[int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         histograms, total = empty_level_histograms(), np.zeros(len(SHARES))
         levels = np.empty((2, grid.columns, epochs), np.float32)
         within = np.empty((2, grid.columns))
@@ -104,17 +107,9 @@ def protection_map(
             protection_row(
                 view.r,
                 view.cos_cap,
-                view.azimuths,
-                view.elevations,
-                places[i],
-                *columns,
-                ranges.forms,
-                ranges.sun,
-                ranges.lit,
-                ranges.numbers,
+                users[i],
+                worth,
                 promise,
-                unmonitored,
-                alerts,
                 cell_share[i] / epochs,
                 levels,
                 within,

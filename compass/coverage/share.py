@@ -1,6 +1,5 @@
 """Shares of the sphere, and of area and time, by fold: exact at a moment, integrated over time."""
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
@@ -9,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.core.area import FULL, areas_at_moments
+from compass.cores import cores
 from compass.coverage.cap import cap_radius
 from compass.coverage.quadrature import integrate
 from compass.coverage.symmetry import Span, shortest_span
@@ -77,8 +77,8 @@ def _shares(toward: NDArray[np.float64], radius: NDArray[np.float64]) -> NDArray
     """Shares at moments, (moment, n + 1), of caps toward (moment, n, 3) of radii (moment, n)."""
     u = np.ascontiguousarray(toward / np.linalg.norm(toward, axis=-1, keepdims=True))
     cosines = np.where(radius <= 0, 2.0, np.where(radius >= np.pi, -2.0, np.cos(radius)))
-    edges = np.linspace(0, len(u), (os.cpu_count() or 1) + 1).astype(int)
-    with ThreadPoolExecutor() as pool:
+    edges = np.linspace(0, len(u), cores() + 1).astype(int)
+    with ThreadPoolExecutor(cores()) as pool:
         parts = [slice(*ends) for ends in pairwise(edges)]
         areas = np.concatenate(list(pool.map(lambda p: areas_at_moments(u[p], cosines[p]), parts)))
     return -np.diff(areas / FULL, append=0.0)

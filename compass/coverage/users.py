@@ -76,13 +76,13 @@ def region_users(
     """Users in a region, at a height above the ground."""
     south, north = (geodetic(b, figure) for b in region.latitudes())
     return Users(
-        region.name,
-        south,
-        north,
-        figure,
-        mask,
-        below,
-        height,
+        name=region.name,
+        south=south,
+        north=north,
+        figure=figure,
+        mask=mask,
+        below=below,
+        height=height,
         region=region if region.mars_fixed else GLOBE,
     )
 

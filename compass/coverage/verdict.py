@@ -21,13 +21,17 @@ class Worst:
     latitude, longitude
         Planetocentric and Mars-fixed, radians; longitude None where it does not count.
     value
-        Satellites in view, or the dilution of precision.
+        Satellites in view, the dilution of precision, the error as the requirement means it, or the
+        share of time.
+    of
+        Which of these: ``fold``, one of `compass.design.LIMITS`, or ``share``.
     """
 
     time: float | None
     latitude: float
     longitude: float | None
     value: float
+    of: str = "fold"
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values with degrees."""
@@ -36,6 +40,7 @@ class Worst:
             "latitude_deg": float(np.degrees(self.latitude)),
             "longitude_deg": None if self.longitude is None else float(np.degrees(self.longitude)),
             "value": self.value,
+            "of": self.of,
         }
 
 

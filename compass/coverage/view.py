@@ -2,14 +2,19 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.coverage.cap import cap_radius
+from compass.coverage.grid import Grid
 from compass.orbits import Constellation, positions_mcmf
 from compass.orbits.motion import AnyMotion, Motion, as_motion
 from compass.sites import Mask
+
+if TYPE_CHECKING:
+    from compass.core.runs import Row
 
 #: Satellite positions that are worked out at once: what is made on the way to them takes some
 #: 120 bytes each.
@@ -38,6 +43,14 @@ class View:
     cos_cap: NDArray[np.float64]
     azimuths: NDArray[np.float64]
     elevations: NDArray[np.float64]
+
+    def rows(self, grid: Grid) -> list["Row"]:
+        """The users of each row of a grid, under the mask, as kernels take them."""
+        from compass.core.runs import Row
+
+        longitude = grid.longitude
+        columns = np.cos(longitude), np.sin(longitude), float(longitude[0])
+        return [Row(self.azimuths, self.elevations, place, *columns) for place in grid.places]
 
     @property
     def directions(self) -> NDArray[np.float64]:

@@ -164,10 +164,10 @@ def witness_among(
     seen = clearances(positions, sphere_radius, mask, place, stretch) >= 0
     latitude, longitude = latitude_longitude(mcmf_from_mci(place, angle))
     return Witness(
-        float(time),
-        float(latitude),
-        float(longitude),
-        int(seen.sum()),
-        tuple(np.array(names)[seen].tolist()),
-        -value,
+        time=float(time),
+        latitude=float(latitude),
+        longitude=float(longitude),
+        fold=int(seen.sum()),
+        satellites=tuple(np.array(names)[seen].tolist()),
+        shortfall=-value,
     )

@@ -1,7 +1,9 @@
 """The blocks a document is made of; they know nothing of how they are drawn."""
 
+from base64 import b64encode
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from math import ceil
 from typing import Any
 
 from compass.document.numbers import Value, is_number, number_of
@@ -9,6 +11,9 @@ from compass.quantities import QUANTITIES, quantity
 
 #: A table of more rows is folded away on a page.
 LONG = 12
+
+#: Letters of a picture are never shown smaller, pixels of a screen.
+SMALLEST = 10.0
 
 
 @dataclass(frozen=True)
@@ -115,19 +120,42 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture: file stem, title, caption, PNG bytes, how wide, what it shows in words.
+    """A picture: file stem, title, caption, bytes of PNG or SVG, how wide, what it shows in words.
 
     A wide one takes the width of the page, others stand two to a row. `reading` is what it says in
-    numbers (JSON, of `compass.pictures.reading`), for where a reader can point at it.
+    numbers (JSON, of `compass.pictures.reading`), for where a reader can point at it; `letters` the
+    height of its smallest letters as a share of its width.
     """
 
     stem: str
     title: str
     caption: str
-    png: bytes
+    drawn: bytes
     wide: bool = False
     alt: str = ""
     reading: str = ""
+    letters: float = 0.0
+
+    @property
+    def form(self) -> str:
+        """How it is written, as the end of a file's name."""
+        return "svg" if self.drawn.startswith(b"<svg") else "png"
+
+    @property
+    def file_name(self) -> str:
+        """Its name as a file."""
+        return f"{self.stem}.{self.form}"
+
+    @property
+    def source(self) -> str:
+        """It as a page carries it inside."""
+        media = {"svg": "svg+xml", "png": "png"}[self.form]
+        return f"data:image/{media};base64,{b64encode(self.drawn).decode('ascii')}"
+
+    @property
+    def least_width(self) -> int:
+        """Width in pixels of a screen below which its letters are smaller than `SMALLEST`."""
+        return ceil(SMALLEST / self.letters) if self.letters else 0
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,5 @@
 """Blocks as HTML, for a page and for a notebook; everything that comes from a user is escaped."""
 
-import base64
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -14,11 +13,6 @@ if TYPE_CHECKING:
 def html(part: Page | Block) -> str:
     """Draw a document or one block as a piece of HTML that carries its own style."""
     return environment().get_template("notebook.html").render(part=part)
-
-
-def in_base64(data: bytes) -> str:
-    """Write bytes as text, for a picture inside a page."""
-    return base64.b64encode(data).decode("ascii")
 
 
 def kind(block: object) -> str:
@@ -63,7 +57,6 @@ def environment() -> "jinja2.Environment":
     made.filters |= {
         "aligned": aligned,
         "beside": beside,
-        "base64": in_base64,
         "cell": cell,
         "kind": kind,
     }

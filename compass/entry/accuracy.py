@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.core.entry.filter import covariance_run
-from compass.core.entry.rates import acceleration
+from compass.core.entry.rates import acceleration, through_air, wind_gradient
 from compass.entry.covariance import LONGEST_STEP, Bound, noise_roots
 from compass.entry.layout import Layout
+from compass.entry.model import EntryModel
 from compass.entry.start import Trigger
 from compass.entry.trajectory import Event, Trajectory
 from compass.entry.views import along_cross_down, cartesian_of, local_axes
@@ -183,7 +184,7 @@ def accuracy(
     k = int(np.searchsorted(flight.times, time, side="right")) - 1
     m = np.eye(6)
     if event and trigger:
-        m = projection(_rate(flight, path, time), _gradient(path, trigger))
+        m = projection(_rate(flight, path, time), _gradient(flight.model, path, trigger))
     last, both = np.array([flight.times[k], time]), np.stack([flight.path[k], path])
     known = _unmeasured(flight, last, both, bound.covariance[k], layout, noise)
     prior = layout.covariance(np.asarray(covariance0, dtype=float))
@@ -253,11 +254,17 @@ def _rate(flight: Trajectory, path: Array, time: float) -> Array:
     return np.concatenate([path[3:], force])
 
 
-def _gradient(path: Array, trigger: Trigger) -> Array:
+def _gradient(model: EntryModel, path: Array, trigger: Trigger) -> Array:
     """Direction in which a trigger's quantity grows, (6,)."""
     out = np.zeros(6)
+    if trigger.quantity == "mach":
+        p, blown = model.flight_parameters(), np.empty((3, 3))
+        wind_gradient(path, p, blown)
+        out[3:] = through_air(path, p)
+        out[:3] = -out[3:] @ blown
+        return out
     part = slice(0, 3) if trigger.quantity == "altitude" else slice(3, 6)
-    out[part] = path[part] / np.linalg.norm(path[part])
+    out[part] = path[part]
     return out
 
 

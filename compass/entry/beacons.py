@@ -57,12 +57,12 @@ class Beacons:
         if not np.array_equal(self.times, other.times):
             raise ArgumentError("beacons: both sets must be given at the same times")
         return Beacons(
-            self.names + other.names,
-            self.times,
-            np.concatenate([self.r, other.r], axis=1),
-            np.concatenate([self.v, other.v], axis=1),
-            np.concatenate([self.moving, other.moving]),
-            np.concatenate([self.masks, other.masks]),
+            names=self.names + other.names,
+            times=self.times,
+            r=np.concatenate([self.r, other.r], axis=1),
+            v=np.concatenate([self.v, other.v], axis=1),
+            moving=np.concatenate([self.moving, other.moving]),
+            masks=np.concatenate([self.masks, other.masks]),
         )
 
     def above(self, mask: float) -> "Beacons":
@@ -74,12 +74,12 @@ class Beacons:
         index = np.asarray(index)
         kept = np.arange(self.size)[index if index.size else index.astype(int)]
         return Beacons(
-            tuple(self.names[k] for k in kept),
-            self.times,
-            self.r[:, kept],
-            self.v[:, kept],
-            self.moving[kept],
-            self.masks[kept],
+            names=tuple(self.names[k] for k in kept),
+            times=self.times,
+            r=self.r[:, kept],
+            v=self.v[:, kept],
+            moving=self.moving[kept],
+            masks=self.masks[kept],
         )
 
 

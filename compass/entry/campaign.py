@@ -8,9 +8,11 @@ from math import isfinite
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.core.entry.dop853 import watched
 from compass.core.entry.many import fly_many
 from compass.entry.arrivals import Arrivals
 from compass.entry.covariance import LONGEST_STEP
+from compass.entry.guidance import Dispersion
 from compass.entry.model import EntryModel
 from compass.entry.radio import (
     WAKE,
@@ -48,6 +50,8 @@ class Campaign:
     spreads
         Square roots S of each entry's prior covariance of position, velocity, density and lift,
         (m, 8, d): d is 6, and one more for each of density and L/D that is uncertain.
+    worlds
+        What the logarithm of the density and L/D are more than those of the model, (m, 2).
     arrival_probability
         Of a radio signal through the plasma, (m, t).
     deployment
@@ -63,6 +67,7 @@ class Campaign:
     gains: Array
     stops: NDArray[np.int64]
     spreads: Array
+    worlds: Array
     arrival_probability: Array
     deployment: str
     again: Callable[[Arrivals], "Campaign"] = field(repr=False)
@@ -93,8 +98,19 @@ class Campaign:
             gains=self.gains[part],
             stops=self.stops[part],
             spreads=self.spreads[part],
+            worlds=self.worlds[part],
             arrival_probability=self.arrival_probability[part],
         )
+
+    @property
+    def paths_to_stops(self) -> Array:
+        """Position and velocity, (m, t, 6), past deployment those there."""
+        return _held(self.paths, self.stops)
+
+    def turns(self, state: ArrayLike) -> Array:
+        """Rotations (m, 3, 3) that move an entry from state ``[r, lon, lat, ...]`` to each."""
+        own = along_cross_down(cartesian_of(np.asarray(state, dtype=float)[:6]))
+        return np.asarray(np.swapaxes(along_cross_down(self.paths[:, 0]), 1, 2) @ own)
 
     @property
     def deployment_place(self) -> tuple[Array, Array]:
@@ -113,6 +129,8 @@ def fly_campaign(
     electrons: ElectronModel | ElectronTable | None = WAKE,
     density_sigma: float = 0.0,
     lift_sigma: float = 0.0,
+    dispersion: Dispersion | None = None,
+    seed: int = 0,
 ) -> Campaign:
     """Move an entry to every site and azimuth of `arrivals`, and fly it there.
 
@@ -141,6 +159,9 @@ def fly_campaign(
     density_sigma, lift_sigma
         Relative uncertainty of the air's density (a sigma of ``ln rho0``) and of L/D, constant
         through an entry and estimated with the state; 0 for known.
+    dispersion, seed
+        How far each entry is from the one that is moved, in the vehicle's axes, and the seed of
+        what is drawn; all alike if left out.
 
     Raises
     ------
@@ -166,13 +187,20 @@ def fly_campaign(
     spreads[:, 6:, 6:] = parameters[:, uncertain]
     watch, level = (-1, 0.0) if trigger is None else watched_level(model, trigger)
     deployment = _deployment(trigger, float(seconds[-1]))
+    worlds = np.zeros((size, 2))
+    if dispersion is not None:
+        drawn = replace(dispersion, entries=size).draws(seed)
+        turned = np.swapaxes(vehicle_axes(starts), -1, -2)
+        starts, worlds = starts + (turned @ drawn[:, :6, None])[..., 0], drawn[:, 6:].copy()
+    p = model.flight_parameters()
     paths = np.zeros((size, seconds.size, 6))
     gains = np.zeros((*paths.shape, spreads.shape[2]))
     stops = np.empty(size, dtype=np.int64)
     fly_many(
         starts,
+        worlds,
         spreads,
-        model.flight_parameters(),
+        p,
         model.vehicle.bank_schedule(),
         seconds,
         LONGEST_STEP,
@@ -183,14 +211,13 @@ def fly_campaign(
         gains,
         stops,
     )
-    _check_flights(arrivals, paths, stops, seconds, watch, level, deployment)
+    _check_flights(arrivals, paths, stops, seconds, watch, level, p, deployment)
     flown = int(stops.max()) + 1
     paths = paths[:, :flown]
     if electrons is None:
         probability = np.ones(paths.shape[:2])
     else:
-        past = np.arange(flown) > stops[:, None]  # nothing is there: as at deployment
-        whole = np.where(past[..., None], paths[np.arange(size), stops][:, None], paths)
+        whole = _held(paths, stops)
         radius = np.linalg.norm(whole[..., :3], axis=2)
         density = model.atmosphere.density(radius.ravel()).reshape(radius.shape)
         speed = np.linalg.norm(whole[..., 3:], axis=2)
@@ -204,6 +231,7 @@ def fly_campaign(
         gains[:, :flown],
         stops,
         spreads,
+        worlds,
         probability,
         deployment,
         partial(
@@ -216,6 +244,8 @@ def fly_campaign(
             electrons=electrons,
             density_sigma=density_sigma,
             lift_sigma=lift_sigma,
+            dispersion=dispersion,
+            seed=seed,
         ),
     )
 
@@ -231,6 +261,13 @@ def check_sigmas(density_sigma: float, lift_sigma: float) -> None:
     for name, sigma in (("density_sigma", density_sigma), ("lift_sigma", lift_sigma)):
         if not 0 <= sigma <= MOST_SIGMA:
             raise ArgumentError(f"{name} = {sigma:g}: allowed 0 to {MOST_SIGMA:g}")
+
+
+def _held(paths: Array, stops: NDArray[np.int64]) -> Array:
+    """Paths (m, t, 6) whose empty rows past the stops are filled with the states there."""
+    past = np.arange(paths.shape[1]) > stops[:, None]
+    last = paths[np.arange(stops.size), stops][:, None]
+    return np.where(past[..., None], last, paths)
 
 
 def vehicle_axes(path: ArrayLike) -> Array:
@@ -268,13 +305,14 @@ def _check_flights(
     times: Array,
     watch: int,
     level: float,
+    p: Array,
     deployment: str,
 ) -> None:
     """Refuse flights that do not come to deployment."""
     late = np.zeros(stops.size, dtype=bool)
     if watch >= 0 and isfinite(level):
-        last = paths[np.arange(stops.size), stops, 3 * watch : 3 * watch + 3]
-        late = ~(np.linalg.norm(last, axis=1) <= level)
+        last = paths[np.arange(stops.size), stops]
+        late = np.array([not watched(state, watch, p) <= level for state in last])
     failed = (stops < 0) | late
     if not failed.any():
         return

@@ -148,13 +148,13 @@ def consistency(
     whole = kept[np.isfinite(kept).all(axis=1)]
     low, high = nees_bounds(states, max(1, len(whole)), 1.0 - FALSE_ALARM / times.size)
     return Consistency(
-        times,
-        whole.mean(axis=0) if len(whole) else np.full(times.size, np.nan),
-        states,
-        low,
-        high,
-        len(nees),
-        int(diverged.sum()),
-        len(kept) - len(whole),
-        int((whole[:, -1] > states * LOST**2).sum()),
+        times=times,
+        nees=whole.mean(axis=0) if len(whole) else np.full(times.size, np.nan),
+        states=states,
+        low=low,
+        high=high,
+        runs=len(nees),
+        lost=int(diverged.sum()),
+        broken=len(kept) - len(whole),
+        strayed=int((whole[:, -1] > states * LOST**2).sum()),
     )

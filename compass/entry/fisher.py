@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.entry.schedule import Measurements
 from compass.errors import ArgumentError
 
 #: Angle of the cone on which equally spaced directions form a tight frame: acos(1/sqrt 3), rad.
@@ -171,9 +170,3 @@ def rate_variance_bound(sigma: ArrayLike, speed: float, distances: ArrayLike) ->
     """
     r = np.atleast_1d(np.asarray(distances, dtype=float))
     return float(9.0 / (_weights(sigma, r.size) * speed**2 / r**2).sum())
-
-
-def noise_variances(measurements: Measurements) -> NDArray[np.float64]:
-    """Variances of ranges (m^2) and range rates (m^2/s^2), nan for one that is not measured."""
-    pair = (measurements.range_sigma, measurements.rate_sigma)
-    return np.array([np.nan if sigma is None else sigma**2 for sigma in pair])

@@ -5,54 +5,25 @@ Their kernels are in `compass.core.entry.fuse`.
 
 from dataclasses import dataclass
 from math import inf
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry.groups import Arrangement, Knowledge
+from compass.core.entry.measure import AXES
 from compass.core.entry.weights import DETERMINANT, EQUAL, FAST, TRACE
-from compass.entry.covariance import LONGEST_STEP, noise_roots
+from compass.entry.covariance import longest_step, noise_roots
 from compass.entry.filters import root
-from compass.entry.fusion import Weighting
+from compass.entry.fused_kinds import KINDS_OF_FILTER, Algorithm, Kind, Weighting
 from compass.entry.inertial import InertialCase
 from compass.entry.layout import Layout, Part
 from compass.entry.model import EntryModel
 from compass.errors import ArgumentError
 
 Array = NDArray[np.float64]
-Algorithm = Literal[
-    "ekf", "iterated", "information", "intermittent", "ci", "ci-feedback", "dcifaif", "federated"
-]
 
 _WEIGHTINGS = {"determinant": DETERMINANT, "trace": TRACE, "fast": FAST, "equal": EQUAL}
 
-
-@dataclass(frozen=True)
-class _Kind:
-    """An algorithm: what `compass.core.entry.groups.Arrangement` says of it, and its usual rule."""
-
-    apart: bool = False
-    feedback: bool = False
-    divided: bool = False
-    fading: bool = False
-    weighting: Weighting = "equal"
-    iterations: int = 1
-    trusts: bool = False
-
-
-#: All algorithms. An information filter is algebraically the extended Kalman filter that skips
-#: what did not arrive; ``information`` takes a lost range for one that reads 0.
-KINDS_OF_FILTER: dict[Algorithm, _Kind] = {
-    "ekf": _Kind(),
-    "iterated": _Kind(iterations=5),
-    "intermittent": _Kind(),
-    "information": _Kind(trusts=True),
-    "ci": _Kind(apart=True, weighting="determinant"),
-    "ci-feedback": _Kind(apart=True, feedback=True, weighting="determinant"),
-    "dcifaif": _Kind(apart=True, feedback=True, fading=True, weighting="fast"),
-    "federated": _Kind(apart=True, feedback=True, divided=True),
-}
 
 #: States that may be estimated, position and velocity along the true flight, with their units.
 STATE_NAMES = (
@@ -147,7 +118,7 @@ class FusedFilter:
             )
 
     @property
-    def kind(self) -> _Kind:
+    def kind(self) -> Kind:
         """What the algorithm does."""
         return KINDS_OF_FILTER[self.algorithm]
 
@@ -193,21 +164,28 @@ class FusedFilter:
         """The world as the filter knows it, as the kernels take it."""
         walk = np.zeros(self.states)
         walk[6:] = self.noise[6:]
+        sources, _, kinds = case.heard(np.ones_like(case.visible))
         return Knowledge(
             self.model.flight_parameters(),
             self.model.vehicle.bank_schedule(),
             np.array(case.times, dtype=float),
-            LONGEST_STEP,
+            longest_step(case.measurements),
             noise_roots(case.flight.path, case.times, self.noise[:6]),
             walk,
-            case.beacons.states,
+            sources,
+            kinds,
             self.layout.numbers(),
         )
 
     def assumed(self, case: InertialCase) -> Array:
-        """Variances that the filter assumes, (t, 3 + 2 m)."""
-        row = np.concatenate([self.imu_variance, np.square(case.sigma).ravel()])
-        return np.tile(row, (case.times.size, 1))
+        """Variances that the filter assumes, (t, 3 + n c), of beacons as if all were heard."""
+        _, variances, _ = case.heard(np.ones_like(case.visible))
+        one_way = variances[:, : case.beacons.size, :2]
+        one_way[:] = np.where(np.isnan(one_way), np.square(case.sigma), one_way)
+        out = np.empty((case.times.size, AXES + variances[0].size))
+        out[:, :AXES] = self.imu_variance
+        out[:, AXES:] = variances.reshape(case.times.size, -1)
+        return out
 
     def offset(self, case: InertialCase) -> Array:
         """What the truth is more than the filter's count of each state, (t, s).

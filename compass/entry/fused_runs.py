@@ -2,15 +2,14 @@
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from os import cpu_count
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry.fused_runs import Outcome, fused_runs
-from compass.core.entry.kinds import KINDS
 from compass.core.entry.measure import AXES
+from compass.cores import cores
 from compass.entry.consistency import LOST, nees_bounds
 from compass.entry.faults import Fault
 from compass.entry.fused import STATE_NAMES, STATE_UNITS, FusedFilter
@@ -98,8 +97,12 @@ def monte_carlo(
 
     def work(first: int) -> Outcome:
         count = min(BLOCK, runs - first)
-        starts, draws, noises, uniforms = _draws(seed, first, count, assumed.shape)
-        out = _outcome(count, assumed.shape, settings.states)
+        starts, draws, noises, uniforms = _draws(
+            seed, first, count, assumed.shape, case.beacons.size
+        )
+        out = _outcome(
+            count, case.times.size, case.beacons.size, known.sources.shape[1], settings.states
+        )
         unknown = starts[:, 6:8] * np.array(settings.known_to)
         fused_runs(
             arrangement,
@@ -108,7 +111,7 @@ def monte_carlo(
             settings.starts(starts),
             p0,
             assumed,
-            settings.kind.trusts,
+            settings.kind.lost_is_zero,
             axes,
             draws[..., : settings.states].copy(),
             noises,
@@ -122,7 +125,7 @@ def monte_carlo(
     lost: list[str] = []
     single: Outcome | None = None
     bar = tqdm(total=runs, unit="run", disable=None if progress else True, leave=False)
-    with bar, ThreadPoolExecutor(threads or cpu_count()) as pool:
+    with bar, ThreadPoolExecutor(cores(threads)) as pool:
         for first, out in zip(
             range(0, runs, BLOCK), pool.map(work, range(0, runs, BLOCK)), strict=True
         ):
@@ -142,11 +145,10 @@ def monte_carlo(
 
 
 def _draws(
-    seed: int, first: int, count: int, shape: tuple[int, ...]
+    seed: int, first: int, count: int, shape: tuple[int, ...], m: int
 ) -> tuple[Array, Array, Array, Array]:
     """Numbers of `count` runs, each from its own stream: start, truth, noise, arrivals."""
     epochs, rows = shape
-    m = (rows - AXES) // KINDS
     normals = np.empty((count, DRAWS + epochs * (DRAWS + rows)))
     uniforms = np.empty((count, epochs, m))
     for k in range(count):
@@ -158,9 +160,7 @@ def _draws(
     return normals[:, :DRAWS], later[..., :DRAWS], later[..., DRAWS:].copy(), uniforms
 
 
-def _outcome(runs: int, shape: tuple[int, ...], states: int) -> Outcome:
-    epochs, rows = shape
-    m = (rows - AXES) // KINDS
+def _outcome(runs: int, epochs: int, m: int, sources: int, states: int) -> Outcome:
     over = (runs, epochs)
     return Outcome(
         np.empty(runs, dtype=np.int64),
@@ -168,8 +168,8 @@ def _outcome(runs: int, shape: tuple[int, ...], states: int) -> Outcome:
         np.zeros((*over, states)),
         np.zeros(over),
         np.zeros((*over, m)),
-        np.zeros((*over, AXES + m), dtype=bool),
-        np.zeros((*over, AXES + m), dtype=bool),
+        np.zeros((*over, AXES + sources), dtype=bool),
+        np.zeros((*over, AXES + sources), dtype=bool),
         np.zeros((runs, 3, 3)),
     )
 
@@ -305,5 +305,5 @@ def _coordinates(case: InertialCase, settings: FusedFilter) -> dict[str, object]
         "state": list(STATE_NAMES[:n]),
         "unit": ("state", list(STATE_UNITS[:n])),
         "beacon": list(case.beacons.names),
-        "sensor": ["drag", "side", "lift", *case.beacons.names],
+        "sensor": ["drag", "side", "lift", *case.beacons.names, *case.instruments],
     }

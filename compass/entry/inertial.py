@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry.fused_runs import Truth
-from compass.core.entry.kinds import KINDS
+from compass.core.entry.kinds import ECHO, RANGE
 from compass.core.entry.measure import AXES
 from compass.entry.beacons import Beacons
 from compass.entry.covariance import noise_roots
@@ -44,9 +44,9 @@ class InertialCase:
     beacons
         The m beacons.
     measurements
-        When radio is measured.
+        What is measured beside accelerations, how well and when.
     sigma
-        Of ranges (m) and range rates (m/s) of each beacon, shape (m, 2); nan for none.
+        Of one-way ranges (m) and range rates (m/s) of each beacon, shape (m, 2); nan for none.
     imu_sigma, imu_bias
         White noise of one sample and constant bias of the accelerometers along the velocity, to
         the side and across it, m/s^2, shape (3,).
@@ -108,6 +108,22 @@ class InertialCase:
             lines.append("no beacon is ever in line of sight: only the accelerometers measure")
         return tuple(lines)
 
+    @property
+    def instruments(self) -> tuple[str, ...]:
+        """Names of what is measured beside accelerations and beacons, one a source."""
+        measured = self.measurements
+        return (*measured.features.names, "own readings") if measured.instruments else ()
+
+    def heard(self, taken: NDArray[np.bool_]) -> tuple[Array, Array, NDArray[np.int64]]:
+        """Sources, variances and kinds along the flight, of the beacons `taken`, (t, m).
+
+        As `compass.entry.schedule.Measurements.heard` gives them.
+        """
+        path = np.ascontiguousarray(self.flight.path)
+        return self.measurements.heard(
+            self.beacons, taken, path, self.flight.model, sigmas=self.sigma
+        )
+
     def truth(
         self, offset: Array, faults: Sequence[Fault] = (), see_through: bool = False
     ) -> Truth:
@@ -126,12 +142,13 @@ class InertialCase:
         epochs, m = self.visible.shape
         seen = np.ones_like(self.visible) if see_through else self.visible
         taken = self.measurements.taken(seen, self.times) & ~tables.lost
-        sigma = np.empty((epochs, AXES + KINDS * m))
+        _, variances, kinds = self.heard(taken)
+        sigma = np.empty((epochs, AXES + variances[0].size))
         sigma[:, :AXES] = self.imu_sigma
-        sigma[:, AXES:] = np.where(taken[..., None], self.sigma, np.nan).reshape(epochs, -1)
-        error = np.zeros_like(sigma)
-        error[:, :AXES] = self.imu_bias
-        error[:, AXES::KINDS] = tables.offset
+        sigma[:, AXES:] = np.sqrt(variances).reshape(epochs, -1)
+        wrong, error = np.zeros(variances.shape), np.zeros_like(sigma)
+        wrong[:, :m, np.isin(kinds, (RANGE, ECHO))] = tables.offset[..., None]
+        error[:, :AXES], error[:, AXES:] = self.imu_bias, wrong.reshape(epochs, -1)
         arrival = np.ones((1, 1)) if self.arrival is None else self.arrival
         walk = np.zeros(offset.shape[1])
         walk[6:8] = self.noise[6 : offset.shape[1]][:2]

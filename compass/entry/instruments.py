@@ -1,6 +1,6 @@
 """What a lander measures beside one-way radio: both ways, height, velocity, surface features."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from compass.core.entry.kinds import BEARING, ECHO, ECHO_RATE, HEIGHT, VELOCITY
 from compass.errors import ArgumentError
-from compass.frames import direction
+from compass.frames import direction, latitude_longitude
 
 Array = NDArray[np.float64]
 
@@ -90,9 +90,9 @@ class Instrument:
         return KINDS[self.names.index(self.kind)].numbers
 
     def variances(self, path: Array, planet_radius: float) -> Array:
-        """Variance of each number it reads along a flight (t, 6); nan where it does not work."""
-        height = np.linalg.norm(path[:, :3], axis=1) - planet_radius
-        size = np.linalg.norm(path[:, 3:], axis=1) if self.kind == "velocimeter" else height
+        """Variance of each number it reads at states (..., 6); nan where it does not work."""
+        height = np.linalg.norm(path[..., :3], axis=-1) - planet_radius
+        size = np.linalg.norm(path[..., 3:], axis=-1) if self.kind == "velocimeter" else height
         found: Array = self.sigma**2 + (self.share * size) ** 2
         return np.where(height <= self.below, found, np.nan)
 
@@ -120,8 +120,17 @@ class Features:
         found: Array = (planet_radius + np.array(self.height))[:, None] * direction(lat, lon)
         return found.reshape(-1, 3)
 
-    def seen(self, path: Array, planet_radius: float) -> NDArray[np.bool_]:
-        """Whether each stands above the lander's horizon, (t, k): the lander above its own."""
-        at = self.places(planet_radius)
-        line = path[:, None, :3] - at
-        return np.asarray((line * at).sum(axis=2) > 0.0)
+    def moved(self, planet_radius: float, turn: Array) -> "Features":
+        """Return the features turned about the centre by a rotation (3, 3)."""
+        at = self.places(planet_radius) @ turn.T
+        lat, lon = latitude_longitude(at)
+        return replace(self, latitude=tuple(lat.tolist()), longitude=tuple(lon.tolist()))
+
+
+def in_sight(at: Array, path: Array) -> NDArray[np.bool_]:
+    """Whether places (..., k, 3) stand above a lander's horizon along its flight (..., t, 6).
+
+    That is, the lander above theirs; shape (..., t, k).
+    """
+    line = path[..., :, None, :3] - at[..., None, :, :]
+    return np.asarray((line * at[..., None, :, :]).sum(axis=-1) > 0.0)

@@ -60,39 +60,49 @@ class Link:
         if not 0 <= self.thickness < float("inf"):
             raise ArgumentError(f"thickness = {self.thickness:g} m: must be 0 or more")
 
+    def numbers(self) -> Array:
+        """Numbers as the kernels take them, see `compass.core.entry.loop.NEAR`."""
+        from compass.contacts.radio import carrier_to_noise  # brings kernels with it
+
+        # ln cos of half the width, of a narrow one too
+        sine = 0.0 if np.isinf(self.beamwidth) else np.sin(self.beamwidth / 4.0)
+        width = np.log1p(-2.0 * sine**2)
+        return np.array(
+            [
+                float(carrier_to_noise(self.radio, 1.0)),
+                self.radio.required,
+                np.log(0.5) / width if width else 0.0,
+                float(self.pointing == "zenith"),
+                *self.receiver.loop(1.0),  # at a C/N0 of 1 Hz
+            ]
+        )
+
+    def dimmed(self, path: Array, air: Atmosphere, planet_radius: float) -> Array:
+        """What plasma takes from signals at states (..., 6), dB, shape (...)."""
+        r, speed = np.linalg.norm(path[..., :3], axis=-1), np.linalg.norm(path[..., 3:], axis=-1)
+        if self.electrons is None:
+            return np.zeros(r.shape)
+        n = electron_density(self.electrons, r - planet_radius, air.density(r), speed)
+        return np.asarray(self.thickness * attenuation(n, self.radio.frequency))
+
     def carrier_to_noise(
         self, beacons: Beacons, path: Array, air: Atmosphere, planet_radius: float
     ) -> Array:
         """C/N0 of every beacon's signal along a flight (t, 6), dB Hz, shape (t, n)."""
-        from compass.contacts.radio import carrier_to_noise
+        from compass.core.entry.loop import carriers
 
-        line = beacons.r - path[:, None, :3]
-        distance = np.linalg.norm(line, axis=2)
-        free = carrier_to_noise(self.radio, distance)
-        found = free - self._antenna(path, line / distance[..., None])
-        if self.electrons is not None:
-            r, speed = np.linalg.norm(path[:, :3], axis=1), np.linalg.norm(path[:, 3:], axis=1)
-            n = electron_density(self.electrons, r - planet_radius, air.density(r), speed)
-            found -= (self.thickness * attenuation(n, self.radio.frequency))[:, None]
-        return found
-
-    def _antenna(self, path: Array, toward: Array) -> Array:
-        """Loss off the antenna's axis, dB, shape (t, n)."""
-        if np.isinf(self.beamwidth):
-            return np.zeros(toward.shape[:2])
-        axis = path[:, :3] if self.pointing == "zenith" else -path[:, 3:]
-        cosine = (toward * (axis / np.linalg.norm(axis, axis=1)[:, None])[:, None]).sum(axis=2)
-        # ln cos of half the width, of a narrow one too
-        power = np.log(0.5) / np.log1p(-2.0 * np.sin(self.beamwidth / 4.0) ** 2)
-        with np.errstate(divide="ignore"):
-            return np.asarray(-10.0 * power * np.log10(np.maximum(cosine, 0.0)))
+        flown, out = np.ascontiguousarray(path), np.empty(beacons.r.shape[:2])
+        dimmed = self.dimmed(flown, air, planet_radius)
+        carriers(self.numbers(), flown, beacons.states, dimmed, out)
+        return out
 
     def range_variance(
         self, beacons: Beacons, path: Array, air: Atmosphere, planet_radius: float
     ) -> Array:
         """Variance of ranges by the code loop, m^2, (t, n); nan below the C/N0 it needs."""
+        from compass.core.entry.loop import loop_variances
+
         decibels = self.carrier_to_noise(beacons, path, air, planet_radius)
-        heard = decibels >= self.radio.required
-        a, b = self.receiver.loop(1.0)  # at a C/N0 of 1 Hz
-        inverse = 10.0 ** (-np.where(heard, decibels, np.nan) / 10.0)
-        return np.asarray(a * inverse + b * inverse**2)
+        out = np.empty(decibels.shape)
+        loop_variances(self.numbers(), decibels, out)
+        return out

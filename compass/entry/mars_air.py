@@ -1,4 +1,4 @@
-"""The air of Mars where a scenario says nothing of it: a mean profile."""
+"""The air of Mars by figures of others: a mean profile, how far it strays, and a wind."""
 
 #: Altitude (km) and density (kg/m^3): mean of Mars-GRAM (Justh et al., NASA Marshall) over the
 #: planet and the year, as tabulated with AMAT (Girija et al. 2021, J. Open Source Software
@@ -16,4 +16,13 @@ PROFILE = (
 SPREAD = (
     (5.0, 0.02), (10.0, 0.023), (20.0, 0.031), (30.0, 0.041), (40.0, 0.054), (50.0, 0.072),
     (60.0, 0.095), (70.0, 0.127), (80.0, 0.17), (90.0, 0.226), (100.0, 0.3), (120.0, 0.4),
+)  # fmt: skip
+
+#: Altitude (km) and wind to the east and north, m/s: sample output of Mars-GRAM 2021a (GRAM Suite
+#: 1.5), late northern summer (Ls 172), along a path from 22 N 48 E below to 40 N 78 E above. Of one
+#: place and hour; their standard deviation is about 2 + h/10 m/s at h km.
+WINDS = (
+    (10.0, 22.5, -5.4), (20.0, 14.2, -14.7), (30.0, -10.1, -13.5), (50.0, 3.9, 1.9),
+    (60.0, -77.6, -32.3), (70.0, -64.2, 43.9), (90.0, -15.4, 4.1), (100.0, -37.0, 37.1),
+    (120.0, 23.4, 107.3),
 )  # fmt: skip

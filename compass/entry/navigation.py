@@ -1,6 +1,5 @@
 """How well a lander navigates on radio beacons: one filter run, and many."""
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -11,6 +10,7 @@ from compass.core.entry.filter import PLAIN, RELINEARISED, UNSCENTED, filter_run
 from compass.core.entry.kinds import RANGE, RATE
 from compass.core.entry.measure import ideal_values
 from compass.core.entry.runs import monte_carlo
+from compass.cores import cores
 from compass.entry.beacons import Beacons
 from compass.entry.covariance import longest_step, noise_roots
 from compass.entry.filters import Filter, root
@@ -241,7 +241,7 @@ def run_monte_carlo(
             sigmas[part],
         )
 
-    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+    with ThreadPoolExecutor(cores(threads)) as pool:
         list(pool.map(work, range(0, runs, BLOCK)))
     finite: NDArray[np.bool_] = np.asarray(np.isfinite(errors).all(axis=(1, 2)))
     return MonteCarlo(

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.core.entry.kinds import RANGE, RATE
 from compass.entry.beacons import Beacons
-from compass.entry.instruments import Features, Instrument
+from compass.entry.instruments import Features, Instrument, in_sight
 from compass.entry.link import Link
 from compass.entry.model import EntryModel
 from compass.entry.views import cartesian_of
@@ -70,7 +70,8 @@ class Measurements:
     Attributes
     ----------
     range_sigma
-        One sigma of the range noise, m; None if ranges are not measured.
+        One sigma of the range noise, m, or 0 for that of the link alone; None if ranges are not
+        measured.
     rate_sigma
         One sigma of the range-rate noise, m/s; None if rates are not measured.
     interval
@@ -100,6 +101,8 @@ class Measurements:
     def __post_init__(self) -> None:
         for name, unit in (("range_sigma", "m"), ("rate_sigma", "m/s")):
             sigma = getattr(self, name)
+            if sigma == 0 and name == "range_sigma" and self.link is not None:
+                continue
             if sigma is not None and not 0 < sigma < float("inf"):
                 raise ArgumentError(f"{name} = {sigma} {unit}: must be positive")
         radio = any(instrument.of_beacons for instrument in self.instruments)
@@ -117,26 +120,45 @@ class Measurements:
             self.rate_sigma is not None or "two_way_rate" in kinds,
         )
 
+    @property
+    def radio(self) -> tuple[Instrument, ...]:
+        """Instruments that beacons answer to."""
+        return tuple(one for one in self.instruments if one.of_beacons)
+
+    @property
+    def own(self) -> tuple[Instrument, ...]:
+        """Instruments that need no beacon."""
+        return tuple(one for one in self.instruments if not one.of_beacons)
+
+    @property
+    def plain(self) -> bool:
+        """Whether there is nothing but one-way radio of one noise."""
+        return not self.instruments and self.link is None
+
     def readings(self, variances: NDArray[np.float64]) -> tuple[tuple[str, int], ...]:
         """Title of every instrument beside one-way radio, and how many numbers it reads.
 
         `variances` are those of `heard`.
         """
-        counts = np.isfinite(variances).sum(axis=(0, 1))
-        firsts = 2 + np.cumsum([0, *(len(one.numbers) for one in self.instruments)])
+        counts, ordered = np.isfinite(variances).sum(axis=(0, 1)), (*self.radio, *self.own)
+        firsts = 2 + np.cumsum([0, *(len(one.numbers) for one in ordered)])
         return tuple(
             (one.title, int(counts[first : first + len(one.numbers)].sum()))
-            for one, first in zip(self.instruments, firsts, strict=False)
+            for one, first in zip(ordered, firsts, strict=False)
         )
 
-    def variances(self, taken: NDArray[np.bool_]) -> NDArray[np.float64]:
-        """Variances of ranges (m^2) and range rates (m^2/s^2), (t, n, 2); nan where not taken."""
+    def sigmas(self, count: int) -> NDArray[np.float64]:
+        """One sigma of ranges (m) and range rates (m/s) of so many beacons, (n, 2); nan if none."""
         pair = (self.range_sigma, self.rate_sigma)
-        squares = np.array([np.nan if sigma is None else sigma**2 for sigma in pair])
-        return np.where(taken[..., None], squares, np.nan)
+        return np.tile([np.nan if sigma is None else sigma for sigma in pair], (count, 1))
 
     def heard(
-        self, beacons: Beacons, taken: ArrayLike, path: NDArray[np.float64], model: EntryModel
+        self,
+        beacons: Beacons,
+        taken: ArrayLike,
+        path: NDArray[np.float64],
+        model: EntryModel,
+        sigmas: NDArray[np.float64] | None = None,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
         """Sources, variances and kinds of everything that is measured along a flight.
 
@@ -148,6 +170,8 @@ class Measurements:
             The flight, (t, 6).
         model
             The world in which it is flown.
+        sigmas
+            Of one-way ranges and range rates, (n, 2), where they differ from beacon to beacon.
 
         Returns
         -------
@@ -157,14 +181,16 @@ class Measurements:
         variances
             Of every kind's reading of every source, (t, n + k, c); nan where there is none.
         kinds
-            Numbers of `compass.core.entry.measure`, (c,): ranges, range rates, then the others.
+            Numbers of `compass.core.entry.measure`, (c,): ranges, range rates, radio both ways,
+            then the instruments that need no beacon.
         """
         chosen, planet_radius = np.asarray(taken, dtype=bool), model.planet_radius
         loop = np.zeros(chosen.shape)
         if self.link is not None:
             loop = self.link.range_variance(beacons, path, model.atmosphere, planet_radius)
             chosen = chosen & np.isfinite(loop)
-        own = self.variances(chosen)
+        each = self.sigmas(beacons.size) if sigmas is None else sigmas
+        own = np.where(chosen[..., None], np.square(each), np.nan)
         own[..., 0] += np.where(chosen, loop, np.nan)
         if not self.instruments:
             return beacons.states, own, np.array([RANGE, RATE])
@@ -172,25 +198,49 @@ class Measurements:
         sources = np.zeros((epochs, n + k + 1, 6))
         sources[:, :n] = beacons.states
         sources[:, n : n + k, :3] = self.features.places(planet_radius)
-        kinds = [RANGE, RATE, *(number for one in self.instruments for number in one.numbers)]
-        variances = np.full((epochs, n + k + 1, len(kinds)), np.nan)
+        both = [number for one in self.radio for number in one.numbers]
+        read, numbers = self.own_readings(beacons.times, path, sources[0, n:-1, :3], planet_radius)
+        variances = np.full((epochs, n + k + 1, 2 + len(both) + numbers.size), np.nan)
         variances[:, :n, :2] = own
-        at = 2
-        for one in self.instruments:
-            mine = variances[:, :, at : at + len(one.numbers)]
-            at += len(one.numbers)
+        for at, one in enumerate(self.radio, start=2):
+            noise = one.sigma**2 + (loop if one.kind == "two_way_range" else 0.0)
+            variances[:, :n, at] = np.where(chosen, noise, np.nan)
+        variances[:, n:, 2 + len(both) :] = read
+        return sources, variances, np.array([RANGE, RATE, *both, *numbers])
+
+    def own_readings(
+        self,
+        times: NDArray[np.float64],
+        path: NDArray[np.float64],
+        at: NDArray[np.float64],
+        planet_radius: float,
+    ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Variances and kinds of what needs no beacon, along flights (..., t, 6).
+
+        Of features at `at` (..., k, 3) and, last, of the lander itself: (..., t, k + 1, c), nan
+        where there is no reading.
+        """
+        kinds = [number for one in self.own for number in one.numbers]
+        shape = (*path.shape[:-1], at.shape[-2] + 1, len(kinds))
+        variances, first = np.full(shape, np.nan), 0
+        for one in self.own:
+            mine = variances[..., first : first + len(one.numbers)]
+            first += len(one.numbers)
             square = one.variances(path, planet_radius)
-            if one.of_beacons:
-                noise = square[:, None] + (loop if one.kind == "two_way_range" else 0.0)
-                mine[:, :n] = np.where(chosen, noise, np.nan)[..., None]
-                continue
-            square = np.where(every(beacons.times, one.interval), square, np.nan)
+            square = np.where(every(times, one.interval), square, np.nan)
             if one.kind == "features":
-                seen = self.features.seen(path, planet_radius)
-                mine[:, n : n + k] = np.where(seen, square[:, None], np.nan)[..., None]
+                seen = in_sight(at, path)
+                mine[..., :-1, :] = np.where(seen, square[..., None], np.nan)[..., None]
             else:
-                mine[:, -1] = square[:, None]
-        return sources, variances, np.array(kinds)
+                mine[..., -1, :] = square[..., None]
+        return variances, np.array(kinds, dtype=np.int64)
+
+    def radio_variances(self) -> NDArray[np.float64]:
+        """Variances of ranges and rates one way, then there and back, (4,); nan for none."""
+        sigmas = {one.kind: one.sigma for one in self.radio}
+        both = (sigmas.get("two_way_range"), sigmas.get("two_way_rate"))
+        each = (self.range_sigma, self.rate_sigma, *both)
+        return np.array([np.nan if sigma is None else sigma**2 for sigma in each])
 
     def reaching(
         self,

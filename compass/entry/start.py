@@ -19,7 +19,8 @@ class Trigger:
     name
         What to call it.
     quantity
-        ``altitude`` (m over the planet's sphere), ``speed`` (m/s) or ``mach``.
+        ``altitude`` (m over the planet's sphere), ``speed`` (m/s over the ground) or ``mach``
+        (of the speed through the air).
     level
         In the quantity's unit.
     """

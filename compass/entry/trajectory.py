@@ -14,6 +14,7 @@ from compass.core.entry.dop853 import (
     EVENT,
     STANDSTILL,
     VERTICAL,
+    WATCH_AIRSPEED,
     WATCH_RADIUS,
     WATCH_SPEED,
     dop853_flight,
@@ -223,8 +224,9 @@ def watched_level(model: EntryModel, trigger: Trigger) -> tuple[int, float]:
     """Return what the kernels watch for a trigger, and the level in m or m/s."""
     if trigger.quantity == "altitude":
         return WATCH_RADIUS, model.planet_radius + trigger.level
-    unit = model.atmosphere.speed_of_sound if trigger.quantity == "mach" else 1.0
-    return WATCH_SPEED, trigger.level * unit
+    if trigger.quantity == "speed":
+        return WATCH_SPEED, trigger.level
+    return WATCH_AIRSPEED, trigger.level * model.atmosphere.speed_of_sound
 
 
 def _ending(reason: str, time: float, state: NDArray[np.float64]) -> str:
@@ -324,7 +326,11 @@ def trajectory_dataset(flight: Trajectory) -> "xr.Dataset":
         "drag": (borne.drag[at], "m s-2", "drag acceleration"),
         "lift": (x[:, 7] * borne.drag[at], "m s-2", "lift acceleration"),
         "g_load": (borne.g_load[at], "1", "aerodynamic acceleration in standard gravities"),
-        "mach": (x[:, 3] / model.atmosphere.speed_of_sound, "1", "Mach number"),
+        "mach": (
+            airspeeds(model, flight.path) / model.atmosphere.speed_of_sound,
+            "1",
+            "Mach number through the air",
+        ),
         "dynamic_pressure": (borne.dynamic_pressure[at], "Pa", "dynamic pressure"),
         "heat_flux": (borne.heat_flux[at], "W m-2", "stagnation-point convective heat flux"),
         "heat_load": (borne.heat_load[at], "J m-2", "heat flux integrated"),

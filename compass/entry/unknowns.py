@@ -57,11 +57,17 @@ class Unknowns:
         """Sigmas of the clock's states, shape (2,), or (0,) for a clock that agrees."""
         return np.array(self.clock if any(self.clock) else (), dtype=float)
 
-    def roots(self, count: int) -> Array:
-        """Square roots of each satellite's `COMPONENTS`, (n, 5, 5); (n, 5, 0) for none."""
+    def roots(self, count: int, *, one_way: bool = True) -> Array:
+        """Square roots of each satellite's `COMPONENTS`, (n, 5, 5); (n, 5, 0) for none.
+
+        Unless anything is measured `one_way`, its clock enters nothing. Beside what is, it is
+        counted in ranges there and back too, which makes them a little worse than they are.
+        """
         if not (np.any(self.satellites) or self.range_bias):
             return np.zeros((count, COMPONENTS, 0))
-        given = np.broadcast_to(self.satellites, (count, 4, 4))
+        given = np.array(np.broadcast_to(self.satellites, (count, 4, 4)))
+        if not one_way:
+            given[:, 3], given[:, :, 3] = 0.0, 0.0
         values, vectors = np.linalg.eigh(given)
         out = np.zeros((count, COMPONENTS, COMPONENTS))
         # the symmetric root: independent components stay apart
@@ -71,14 +77,16 @@ class Unknowns:
         out[:, 4, 4] = self.range_bias
         return out
 
-    def range_sigmas(self, beacons: Beacons, path: Array, omega: float) -> Array:
+    def range_sigmas(
+        self, beacons: Beacons, path: Array, omega: float, *, one_way: bool = True
+    ) -> Array:
         """One sigma of the error of the range to every satellite, m, (n,), in mid-flight."""
         from compass.core.entry.many import directions
 
         k = len(path) // 2
         axes = np.empty((3, 3))
         out = np.empty(beacons.size)
-        for i, root in enumerate(self.roots(beacons.size)):
+        for i, root in enumerate(self.roots(beacons.size, one_way=one_way)):
             both = np.concatenate([beacons.r[k, i], beacons.v[k, i]])
             directions(both, omega, axes)
             line = path[k, :3] - beacons.r[k, i]
@@ -86,12 +94,14 @@ class Unknowns:
             out[i] = np.linalg.norm(row @ root)
         return out
 
-    def parts(self, beacons: Beacons, path: Array, omega: float) -> tuple[Part, ...]:
+    def parts(
+        self, beacons: Beacons, path: Array, omega: float, *, one_way: bool = True
+    ) -> tuple[Part, ...]:
         """Blocks of a filter that knows of this: its clock estimated, the others considered."""
         parts = []
-        if any(self.clock):
+        if any(self.clock) and one_way:
             parts.append(Part("clock", self.clock))
-        sigmas = self.range_sigmas(beacons, path, omega)
+        sigmas = self.range_sigmas(beacons, path, omega, one_way=one_way)
         if beacons.size and sigmas.min() > 0:
             parts.append(Part("bias", tuple(sigmas.tolist()), considered=True))
         return tuple(parts)

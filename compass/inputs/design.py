@@ -105,12 +105,12 @@ def launching_of(table: DeploymentTable) -> Launching:
 
 def _upkeep(table: KeepingTable) -> Upkeep:
     return Upkeep(
-        table.specific_impulse_s,
-        table.dry_mass_kg,
-        table.smallest_burn_m_s,
-        table.execution_error,
-        table.navigation_error_m,
-        table.years * 365.25 * 86400.0,
+        specific_impulse=table.specific_impulse_s,
+        dry_mass=table.dry_mass_kg,
+        smallest_burn=table.smallest_burn_m_s,
+        execution_error=table.execution_error,
+        navigation_error=table.navigation_error_m,
+        duration=table.years * 365.25 * 86400.0,
     )
 
 
@@ -150,12 +150,12 @@ def site_of(table: StationTable, figure: Figure) -> Site:
     if table.latitude_kind == "planetographic":
         latitude = planetocentric_latitude(latitude, figure)
     return Site(
-        table.name,
-        float(latitude),
-        float(np.radians(table.longitude_deg)),
-        table.height_km * KM,
-        mask_of(table),
-        figure,
+        name=table.name,
+        latitude=float(latitude),
+        longitude=float(np.radians(table.longitude_deg)),
+        height=table.height_km * KM,
+        mask=mask_of(table),
+        figure=figure,
     )
 
 

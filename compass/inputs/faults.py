@@ -38,8 +38,17 @@ def satellites_given(raw: dict[str, Any]) -> int | None:
 
 
 def model_faults(errors: Iterable[ErrorDetails], model: type[BaseModel]) -> list[str]:
-    """Say pydantic's errors in the project's words, one sentence a fault."""
-    return [_sentence(error, model) for error in errors]
+    """Say pydantic's errors in the project's words, one sentence a fault.
+
+    A value with a fault inside is not refused as a whole too, as other members of a union would.
+    """
+    found = [(_locate(error["loc"], model)[2], error) for error in errors]
+    paths = [path for path, _ in found]
+    return [
+        _sentence(error, model)
+        for path, error in found
+        if not any(other.startswith((f"{path}[", f"{path}.")) for other in paths)
+    ]
 
 
 def _sentence(error: ErrorDetails, model: type[BaseModel]) -> str:

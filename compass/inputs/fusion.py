@@ -89,14 +89,14 @@ def _plan(scenario: "Scenario", table: FusionTable) -> FusionPlan:
     if table.noisy_truth:
         true_noise[: min(n, 8)] = noise[:8]
     case = InertialCase(
-        scenario.name,
-        fly(scenario.truth, scenario.state, scenario.times),
-        beacons,
-        scenario.measurements,
-        _sigma(scenario, table, beacons),
-        np.full(3, table.acceleration_sigma_m_s2),
-        np.array(table.acceleration_bias_m_s2),
-        true_noise,
+        name=scenario.name,
+        flight=fly(scenario.truth, scenario.state, scenario.times),
+        beacons=beacons,
+        measurements=scenario.measurements,
+        sigma=_sigma(scenario, table, beacons),
+        imu_sigma=np.full(3, table.acceleration_sigma_m_s2),
+        imu_bias=np.array(table.acceleration_bias_m_s2),
+        noise=true_noise,
     )
     electrons = _electrons(table.radio, Path(scenario.label).parent)
     if electrons is not None:
@@ -106,13 +106,13 @@ def _plan(scenario: "Scenario", table: FusionTable) -> FusionPlan:
     assumed = table.assumed_acceleration_sigma_m_s2 or table.acceleration_sigma_m_s2
     filters = tuple(
         FusedFilter(
-            algorithm,
-            _assumed(scenario.model, table.estimate),
-            first,
-            turned @ turned.T,
-            np.array(table.p0_si[6:]),
-            noise,
-            np.full(3, assumed**2),
+            algorithm=algorithm,
+            model=_assumed(scenario.model, table.estimate),
+            first=first,
+            covariance0=turned @ turned.T,
+            further=np.array(table.p0_si[6:]),
+            noise=noise,
+            imu_variance=np.full(3, assumed**2),
             random_start=table.random_start,
             known_to=(table.known_to[0], table.known_to[1]),
             weighting=table.weighting,
@@ -129,7 +129,13 @@ def _plan(scenario: "Scenario", table: FusionTable) -> FusionPlan:
     )
     fault_tables(faults, case.times, beacons.names)  # says now what is wrong with them
     return FusionPlan(
-        case, filters, faults, electrons, table.see_through_planet, scenario.runs, scenario.seed
+        case=case,
+        filters=filters,
+        faults=faults,
+        electrons=electrons,
+        see_through=table.see_through_planet,
+        runs=scenario.runs,
+        seed=scenario.seed,
     )
 
 

@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from compass.entry.fused_kinds import Algorithm, Weighting
 from compass.inputs.models import Kilometres
 from compass.inputs.table import Table
 
@@ -11,9 +12,6 @@ Positive = Annotated[float, Field(gt=0, le=1e15)]
 NotNegative = Annotated[float, Field(ge=0, le=1e15)]
 Triple = Annotated[list[float], Field(min_length=3, max_length=3)]
 StateVariances = Annotated[list[NotNegative], Field(min_length=6, max_length=11)]
-Algorithm = Literal[
-    "ekf", "iterated", "information", "intermittent", "ci", "ci-feedback", "dcifaif", "federated"
-]
 
 
 class EstimateTable(Table):
@@ -62,7 +60,7 @@ class FusionTable(Table):
     filters: Annotated[list[Algorithm], Field(min_length=1, max_length=8)] = Field(
         description="filters to compare"
     )
-    weighting: Literal["determinant", "trace", "fast", "equal"] | None = Field(
+    weighting: Weighting | None = Field(
         None, description="rule of the fusion weights; each filter's usual one if left out"
     )
     scaled_weights: bool = Field(

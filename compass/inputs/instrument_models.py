@@ -28,7 +28,10 @@ class TwoWayTable(Table):
 
 
 class LinkTable(Table):
-    """Radio from the beacons, whose C/N0 makes the noise of the ranges beside range_sigma_m."""
+    """Radio from the beacons, whose C/N0 makes the noise of ranges, beside range_sigma_m if given.
+
+    Without any other radio it is of ranges one way.
+    """
 
     frequency_mhz: Annotated[float, Field(ge=1, le=1e6)] = Field(description="carrier, MHz")
     eirp_dbw: Annotated[float, Field(ge=-100, le=100)] = Field(
@@ -189,18 +192,4 @@ def instrument_faults(raw: dict[str, Any], interval_faults: Any) -> list[str]:
             "measurements.features: missing; needed beside [[feature]], to say how well they are "
             "seen"
         )
-    air, truth = raw.get("atmosphere"), raw.get("truth")
-    if raw.get("fusion") is not None:
-        faults += [
-            f"{name}.winds_by_km: not beside [fusion], whose accelerometers know no wind; leave "
-            "it out"
-            for name, table in (("atmosphere", air), ("truth", truth))
-            if isinstance(table, dict) and "winds_by_km" in table
-        ]
-        faults += [
-            f"measurements.{name}: not beside [fusion], whose filters hear one-way radio and "
-            "accelerometers; leave one of them out"
-            for name in ("two_way", "altimeter", "velocimeter", "features", "link")
-            if name in measured
-        ]
     return faults

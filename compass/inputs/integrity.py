@@ -27,13 +27,13 @@ class IntegrityTable(Table):
 def integrity_of_table(table: IntegrityTable) -> Integrity:
     """Integrity of a design's table."""
     return Integrity(
-        table.p_hmi,
-        table.p_sat,
-        table.p_fa,
-        table.horizontal_share,
-        table.bias_m,
-        table.alert_horizontal_m,
-        table.alert_vertical_m,
+        hazard=table.p_hmi,
+        fault=table.p_sat,
+        alarm=table.p_fa,
+        horizontal=table.horizontal_share,
+        bias=table.bias_m,
+        alert_horizontal=table.alert_horizontal_m,
+        alert_vertical=table.alert_vertical_m,
     )
 
 

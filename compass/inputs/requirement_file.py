@@ -14,7 +14,9 @@ from compass.inputs.design import mask_of, place_faults, read_design_text, site_
 from compass.inputs.models import CoverageTable, StationTable
 from compass.inputs.reading import parse, read_text
 from compass.inputs.requirements import RequirementTable, requirement_faults, requirements_of
+from compass.inputs.signal import SignalTable, signal_faults, signal_of_table
 from compass.inputs.table import Table
+from compass.ranging import Signal
 from compass.saving import readable
 from compass.sites import Mask
 
@@ -27,7 +29,7 @@ class Needs:
     ----------
     name
         What to call it.
-    figure, mask, requirements
+    figure, mask, requirements, signal
         As of `compass.design.Design`.
     """
 
@@ -35,6 +37,7 @@ class Needs:
     figure: Figure
     mask: Mask
     requirements: tuple[Requirement, ...]
+    signal: Signal | None = None
 
 
 class RequirementFile(Table):
@@ -51,6 +54,7 @@ class RequirementFile(Table):
     station: list[StationTable] = Field(
         default_factory=list, max_length=1000, description="one [[station]] a place"
     )
+    signal: SignalTable | None = Field(None, description="what a user's ranges are worth")
     requirement: list[RequirementTable] = Field(
         min_length=1, max_length=100, description="one [[requirement]] a thing wanted"
     )
@@ -69,12 +73,14 @@ def read_needs(path: str | Path) -> Needs:
         design = read_design_text(text, label)
         if not design.requirements:
             raise DesignError(f"{label}: requires nothing; add a [[requirement]]")
-        return Needs(design.name, design.figure, design.mask, design.requirements)
+        wanted = design.requirements
+        return Needs(design.name, design.figure, design.mask, wanted, design.signal)
     file = parse(text, label, RequirementFile, _faults)
     figure = FIGURES[file.figure]
     stations = tuple(site_of(station, figure) for station in file.station)
     wanted = requirements_of(file.requirement, stations)
-    return Needs(file.name, figure, mask_of(file.coverage), wanted)
+    signal = None if file.signal is None else signal_of_table(file.signal)
+    return Needs(file.name, figure, mask_of(file.coverage), wanted, signal)
 
 
 def _tables(text: str) -> dict[str, Any]:
@@ -85,4 +91,4 @@ def _tables(text: str) -> dict[str, Any]:
 
 
 def _faults(raw: dict[str, Any]) -> list[str]:
-    return place_faults(raw) + requirement_faults(raw)
+    return place_faults(raw) + requirement_faults(raw) + signal_faults(raw)

@@ -6,13 +6,14 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from compass.coverage.region import read_regions
-from compass.design import LIMITS, Requirement
+from compass.design import ERRORS, LIMITS, ErrorAs, Requirement
 from compass.errors import ArgumentError
 from compass.inputs.faults import fault
 from compass.inputs.table import Table
 from compass.sites import Site
 
 Dilution = Annotated[float, Field(ge=1, le=1e5)]
+Metres = Annotated[float, Field(gt=0, le=1e9)]
 
 
 class RequirementTable(Table):
@@ -40,6 +41,19 @@ class RequirementTable(Table):
     hdop_at_most: Dilution | None = Field(None, description="largest HDOP, from 1")
     vdop_at_most: Dilution | None = Field(None, description="largest VDOP, from 1")
     tdop_at_most: Dilution | None = Field(None, description="largest TDOP, from 1")
+    error_horizontal_m_at_most: Metres | None = Field(
+        None, description="largest horizontal error of a fix, m, of designs with a [signal]"
+    )
+    error_vertical_m_at_most: Metres | None = Field(None, description="largest vertical error, m")
+    error_position_m_at_most: Metres | None = Field(
+        None, description="largest error of the place in three dimensions, m"
+    )
+    error_time_m_at_most: Metres | None = Field(None, description="largest error of the time, m")
+    error_as: ErrorAs = Field(
+        "one-sigma",
+        description="what errors are meant as: one-sigma, or 95-percent (1.96 sigma, below which "
+        "at least 95 % of them stay)",
+    )
     share: float = Field(
         1.0, gt=0, le=1, description="how much of the time, above 0 to 1; 1 means always"
     )
@@ -74,6 +88,7 @@ def _requirement(table: RequirementTable, number: int, known: dict[str, Site]) -
         share_of=table.share_of,
         altitude_km=table.altitude_km,
         losses=table.losses,
+        error_as=table.error_as,
         **{key: limit for key, limit in limits.items() if limit is not None},
     )
 
@@ -94,12 +109,23 @@ def requirement_faults(raw: dict[str, Any]) -> list[str]:
     for k, table in enumerate(tables if isinstance(tables, list) else [], start=1):
         if isinstance(table, dict):
             faults += _faults(table, f"requirement[{k}]", names)
+            faults += _error_faults(table, f"requirement[{k}]", "signal" in raw)
             name = table.get("name")
             if isinstance(name, str):
                 if name in told:
                     faults.append(fault(f"requirement[{k}].name", name, "used twice; rename one"))
                 told.add(name)
     return faults
+
+
+def _error_faults(table: dict[str, Any], field: str, has_signal: bool) -> list[str]:
+    wanted = [f"{name}_at_most" for name in ERRORS if f"{name}_at_most" in table]
+    if wanted and not has_signal:
+        problem = "follows from the errors of ranges; add a [signal], or ask for a dilution"
+        return [fault(f"{field}.{key}", table[key], problem) for key in wanted]
+    if "error_as" in table and not wanted:
+        return [fault(f"{field}.error_as", table["error_as"], "is of errors; add one, or leave it")]
+    return []
 
 
 def _faults(table: dict[str, Any], field: str, names: list[str]) -> list[str]:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,8 +17,9 @@ from compass.entry.atmosphere import Atmosphere, read_atmosphere_table
 from compass.entry.beacons import Beacons, orbiting_beacons, surface_beacons
 from compass.entry.covariance import axes_covariance
 from compass.entry.filters import Filter, Method
+from compass.entry.guidance import Dispersion, Guidance
 from compass.entry.layout import Part
-from compass.entry.mars_air import PROFILE, SPREAD
+from compass.entry.mars_air import PROFILE, SPREAD, WINDS
 from compass.entry.model import EntryModel
 from compass.entry.schedule import Measurements
 from compass.entry.start import Trigger, check_start
@@ -28,12 +30,14 @@ from compass.errors import ArgumentError, CompassError, DesignError
 from compass.frames import prime_meridian_angle
 from compass.inputs.design import read_design
 from compass.inputs.fusion_models import FusionTable
+from compass.inputs.guidance_models import dispersion_of, guidance_of
 from compass.inputs.instrument_models import features_of, instruments_of, link_of
 from compass.inputs.reading import parse, read_text
 from compass.inputs.scenario_faults import EXPONENTIAL, scenario_faults
 from compass.inputs.scenario_models import (
     EntryTable,
     FilterTable,
+    MeasurementsTable,
     OptimizeTable,
     OrbiterTable,
     ScenarioFile,
@@ -124,6 +128,10 @@ class Scenario:
         The file's text, its SHA-256 and its name as given.
     notes
         What is to be told of it before it is flown.
+    guidance
+        Of the bank to a target, or None.
+    dispersion
+        Of entries about the planned one, or None.
     """
 
     name: str
@@ -148,6 +156,8 @@ class Scenario:
     digest: str
     label: str
     notes: tuple[str, ...] = ()
+    guidance: Guidance | None = None
+    dispersion: Dispersion | None = None
 
     def __repr__(self) -> str:
         satellites = sum(orbiters.constellation.size for orbiters in self.orbiters)
@@ -261,7 +271,7 @@ def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenar
         orbiters=_orbiters(file, model, folder),
         mask=None if file.beacons.mask_deg is None else float(np.radians(file.beacons.mask_deg)),
         measurements=Measurements(
-            seen.range_sigma_m,
+            _range_sigma(seen),
             seen.range_rate_sigma_m_s,
             seen.interval_s,
             seen.start_s,
@@ -280,6 +290,8 @@ def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenar
         digest=hashlib.sha256(text.encode()).hexdigest(),
         label=label,
         notes=scenario_notes(file),
+        guidance=guidance_of(file.guidance),
+        dispersion=dispersion_of(file.dispersion),
     )
 
 
@@ -324,9 +336,16 @@ def _model(file: ScenarioFile, folder: Path) -> EntryModel:
     )
 
 
-def _winds(rows: Sequence[Sequence[float]] | None, radius: float) -> Winds:
+def _range_sigma(table: MeasurementsTable) -> float | None:
+    """Own noise of ranges one way: none beside that of a link which is all there is of radio."""
+    alone = table.link is not None and table.range_rate_sigma_m_s is None and not table.two_way
+    return 0.0 if table.range_sigma_m is None and alone else table.range_sigma_m
+
+
+def _winds(rows: Sequence[Sequence[float]] | Literal["mars"] | None, radius: float) -> Winds:
     """Rows of a table of winds over distance from the centre."""
-    return tuple((radius + KM * km, east, north) for km, east, north in rows or ())
+    given = WINDS if rows == "mars" else rows or ()
+    return tuple((radius + KM * float(km), float(e), float(n)) for km, e, n in given)
 
 
 def _truth(model: EntryModel, table: TruthTable) -> EntryModel:

@@ -1,11 +1,13 @@
 """Faults between fields of a scenario, found on the raw tables, whatever is in them."""
 
 import math
+from collections.abc import Iterator
 from functools import partial
 from itertools import pairwise
 from typing import Any
 
 from compass.inputs.faults import fault
+from compass.inputs.guidance_models import guidance_faults
 from compass.inputs.instrument_models import instrument_faults
 
 _SPHERICAL = (
@@ -21,6 +23,9 @@ _CIRCLE = ("altitude_km", "inclination_deg", "raan_deg", "latitude_argument_deg"
 _AXES = ("position_sigma_m", "velocity_sigma_m_s")
 #: An exponential atmosphere; a table stands in their place.
 EXPONENTIAL = ("reference_density_kg_m3", "reference_radius_km", "scale_height_km")
+#: Altitudes of winds, from below the lowest ground to above any entry, and speeds, which stay
+#: below 200 m/s on Mars up to 120 km.
+WIND_COLUMNS = (((-10.0, 1000.0), "km"), ((-500.0, 500.0), "m/s"))
 _STATES = (
     "radius_sigma_m",
     "longitude_sigma_deg",
@@ -54,10 +59,11 @@ def scenario_faults(raw: dict[str, Any]) -> list[str]:
     measured = raw.get("measurements")
     if isinstance(measured, dict):
         keys = ("range_sigma_m", "range_rate_sigma_m_s")
-        if not any(key in measured for key in (*keys, "two_way")):
-            faults.append(f"measurements: needs {keys[0]}, {keys[1]} or both, or two_way")
+        if not any(key in measured for key in (*keys, "two_way", "link")):
+            faults.append(f"measurements: needs {keys[0]}, {keys[1]} or both, or two_way or link")
         faults += _schedule_faults(measured, entry)
         faults += instrument_faults(raw, partial(_interval_faults, entry=entry))
+    faults += guidance_faults(raw)
     optimize = raw.get("optimize")
     if (
         isinstance(optimize, dict)
@@ -114,10 +120,20 @@ def _wind_faults(raw: dict[str, Any]) -> list[str]:
         if not _rises(rows):
             problem = "winds: altitudes must increase strictly; put the rows in order"
             faults.append(fault(field, rows, problem))
+        faults += _wind_rows(field, rows)
         if rotation == "published-coriolis":
             problem = f"is of air that turns with the planet; leave {field} out"
             faults.append(fault("planet.rotation", rotation, problem))
     return faults
+
+
+def _wind_rows(field: str, rows: object) -> Iterator[str]:
+    """Altitudes and speeds that are none of winds."""
+    for k, row in enumerate(rows if isinstance(rows, list) else (), start=1):
+        for j, x in enumerate(row if isinstance(row, list) else (), start=1):
+            (low, high), unit = WIND_COLUMNS[min(j, 2) - 1]
+            if isinstance(x, int | float) and (x < low or x > high):
+                yield fault(f"{field}[{k}][{j}]", x, f"allowed {low:g} to {high:g} {unit}")
 
 
 def _spread_faults(rows: object) -> list[str]:

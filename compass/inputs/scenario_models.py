@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from compass.inputs.fusion_models import FusionTable
+from compass.inputs.guidance_models import DispersionTable, GuidanceTable
 from compass.inputs.instrument_models import (
     AltimeterTable,
     FeaturesTable,
@@ -19,13 +20,14 @@ from compass.inputs.table import Table
 Positive = Annotated[float, Field(gt=0, le=1e15)]
 #: Past Mars's sphere of influence, and short of an entry's radius in metres.
 Distance = Annotated[float, Field(gt=0, le=1e6)]
-#: Winds of Mars stay below 200 m/s up to 120 km.
-Winds = Annotated[
-    list[
-        Annotated[list[Annotated[float, Field(ge=-500, le=500)]], Field(min_length=3, max_length=3)]
-    ],
-    Field(min_length=1),
-]
+#: Rows of winds; their bounds differ by column, and `scenario_faults` holds them.
+Winds = (
+    Literal["mars"]
+    | Annotated[
+        list[Annotated[list[float], Field(min_length=3, max_length=3)]],
+        Field(min_length=1),
+    ]
+)
 Considered = Annotated[
     bool, Field(description="let it into the covariance, but do not correct it (Schmidt)")
 ]
@@ -89,8 +91,9 @@ class AtmosphereTable(Table):
     )
     winds_by_km: Winds | None = Field(
         None,
-        description="[altitude in km, wind to the east, to the north in m/s] rows, upwards; speeds "
-        "of the entry and of triggers stay those over the ground",
+        description="[altitude in km, wind to the east, to the north in m/s] rows, upwards, from "
+        '-10 to 1000 km and up to 500 m/s, or "mars" for a sample of Mars-GRAM; speeds of the '
+        "entry and of triggers stay those over the ground, Mach numbers are through the air",
     )
     temperature_k: Positive = Field(200.0, description="for the speed of sound, K")
 
@@ -343,6 +346,10 @@ class ScenarioFile(Table):
         default_factory=lambda: TruthTable.model_validate({}), description="the air as it really is"
     )
     entry: EntryTable = Field(description="the state at time 0: a table [entry]")
+    guidance: GuidanceTable | None = Field(None, description="guidance of the bank to a target")
+    dispersion: DispersionTable | None = Field(
+        None, description="entries that differ from the planned one, to see where they come down"
+    )
     trigger: list[TriggerTable] = Field(
         default_factory=list, max_length=100, description="one [[trigger]] an event to notice"
     )

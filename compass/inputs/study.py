@@ -19,6 +19,7 @@ from compass.inputs.motion import motion_of_table
 from compass.inputs.reading import parse, read_text
 from compass.inputs.requirements import requirements_of
 from compass.inputs.scenario import Scenario, read_scenario
+from compass.inputs.signal import signal_of_table
 from compass.inputs.study_faults import study_faults
 from compass.inputs.study_models import (
     ConstraintTable,
@@ -35,6 +36,7 @@ from compass.inputs.study_models import (
 from compass.orbits import areosynchronous_radius
 from compass.orbits.motion import Motion
 from compass.quantities.merits import MERITS, STAGES
+from compass.ranging import Signal
 from compass.saving import readable
 
 FileKind = TypeVar("FileKind", Scenario, Design)
@@ -196,6 +198,7 @@ class Study:
     digest: str
     label: str
     requirements: tuple[Requirement, ...] = ()
+    signal: Signal | None = None
 
     def __repr__(self) -> str:
         wanted = ", ".join(f"{one.goal} {one.figure}" for one in self.objectives)
@@ -312,6 +315,7 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         requirements=requirements_of(
             file.requirement, [site_of(station, FIGURES[file.figure]) for station in file.station]
         ),
+        signal=None if file.signal is None else signal_of_table(file.signal),
     )
 
 

@@ -9,6 +9,7 @@ from compass.inputs.design import place_faults
 from compass.inputs.faults import fault
 from compass.inputs.motion import motion_faults
 from compass.inputs.requirements import requirement_faults
+from compass.inputs.signal import signal_faults
 from compass.orbits.patterns import FARTHEST_KM
 from compass.quantities.merits import MERITS
 
@@ -62,7 +63,7 @@ def study_faults(raw: dict[str, Any]) -> list[str]:
             if name in seen:
                 faults.append(fault(f"objective[{k}].figure", name, "is an objective already"))
             seen.add(name)
-    return faults + place_faults(raw) + requirement_faults(raw)
+    return faults + place_faults(raw) + requirement_faults(raw) + signal_faults(raw)
 
 
 def _table(raw: dict[str, Any], key: str) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from compass.design import PDOP_MAX
 from compass.entry.arrivals import MOST_SAMPLES
 from compass.inputs.models import DeploymentTable, MotionTable, SatelliteCount, StationTable
 from compass.inputs.requirements import RequirementTable
-from compass.inputs.signal import Sigma
+from compass.inputs.signal import Sigma, SignalTable
 from compass.inputs.table import Table
 from compass.orbits.kinds import KIND_NAMES
 
@@ -237,5 +237,8 @@ class StudyFile(Table):
         default_factory=list,
         max_length=100,
         description="one [[requirement]] a thing wanted of every candidate",
+    )
+    signal: SignalTable | None = Field(
+        None, description="what a user's ranges are worth, for requirements on errors in metres"
     )
     compare: CompareTable | None = Field(None, description="a design to compare with")

@@ -90,7 +90,14 @@ def _netcdf(path: Path, figure: Figure, variable: str | None, kind: str) -> Terr
     if kind == "planetographic":
         lat = planetocentric_latitude(lat, figure)
     grids = np.meshgrid(lat, lon, indexing="ij")
-    return Terrain(grids[0], grids[1], values, figure, str(path), _closes(lon))
+    return Terrain(
+        latitude=grids[0],
+        longitude=grids[1],
+        height=values,
+        figure=figure,
+        label=str(path),
+        closed=_closes(lon),
+    )
 
 
 def _heights(dataset: "xr.Dataset", variable: str | None, path: Path) -> "xr.DataArray":
@@ -154,7 +161,14 @@ def _geotiff(path: Path, figure: Figure) -> Terrain:
     known = np.isfinite(latitude)
     heights = np.where(known, heights, np.nan)
     closed = bool(known[0].all()) and _closes(longitude[0])
-    return Terrain(latitude, longitude, heights * scale, figure, str(path), closed)
+    return Terrain(
+        latitude=latitude,
+        longitude=longitude,
+        height=heights * scale,
+        figure=figure,
+        label=str(path),
+        closed=closed,
+    )
 
 
 def _latitude_longitude(

@@ -72,14 +72,14 @@ def _tracker(table: TrackerTable | None) -> Tracker | None:
     if table is None:
         return None
     return Tracker(
-        table.range_m,
-        None if table.doppler_mm_s is None else table.doppler_mm_s / 1e3,
-        table.time_m,
-        table.bias_m,
-        table.time_bias_m,
-        table.position_m,
-        table.one_way,
-        table.schedule,
+        range=table.range_m,
+        doppler=None if table.doppler_mm_s is None else table.doppler_mm_s / 1e3,
+        time=table.time_m,
+        bias=table.bias_m,
+        time_bias=table.time_bias_m,
+        position=table.position_m,
+        one_way=table.one_way,
+        schedule=table.schedule,
     )
 
 

@@ -116,7 +116,15 @@ def deploy_by_drift(
             waits = np.where(parting == 0.0, np.inf, way / np.abs(parting))
         planes.append(Plane(float(node), waits, straight + float(node_change(a, i, node, c.gm))))
     launches = -(-nodes.size // each)
-    return Deployment(radii, parting, transfer, tuple(planes), straight, launches, each)
+    return Deployment(
+        radii=radii,
+        parting=parting,
+        delta_v=transfer,
+        planes=tuple(planes),
+        transfer=straight,
+        launches=launches,
+        planes_a_launch=each,
+    )
 
 
 def cheapest_drift(

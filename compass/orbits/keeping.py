@@ -163,15 +163,15 @@ def keep_slots(
         kicks = state.look((k + 0.5) * period, mean, mean + wrong, done)
         v = v + kicks[:, None] * v / np.linalg.norm(v, axis=1, keepdims=True)
     return Keeping(
-        count * period,
-        half_width,
-        state.spent,
-        state.burns,
-        state.worst,
-        tilt,
-        axis / 3.0 * state.push(),
-        spent,
-        burns,
+        duration=count * period,
+        half_width=half_width,
+        delta_v=state.spent,
+        burns=state.burns,
+        worst=state.worst,
+        tilt=tilt,
+        push=axis / 3.0 * state.push(),
+        delta_v_across=spent,
+        burns_across=burns,
     )
 
 

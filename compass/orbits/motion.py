@@ -131,7 +131,7 @@ class Motion:
             )
         if self.table is not None:
             check_span(self.table, start, stop)
-            return self.table
+            return self.table.of(constellation.satellite_names)
         c = constellation
         if self.forces is None:
             drifting = self.model == "j2"

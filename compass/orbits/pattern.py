@@ -119,13 +119,13 @@ def find_pattern(
     phasing = round(float(ahead) * n / (2 * np.pi)) % planes
     for kind in (WALKER_DELTA, WALKER_STAR):
         proposed = Pattern(
-            kind.name,
-            n,
-            planes,
-            phasing,
-            float(inclination[0]),
-            float(raan[0]),
-            float(argument_of_latitude[0]),
+            kind=kind.name,
+            satellites=n,
+            planes=planes,
+            phasing=phasing,
+            inclination=float(inclination[0]),
+            raan=float(raan[0]),
+            phase=float(argument_of_latitude[0]),
         )
         nodes, along = proposed.angles()
         apart = (
@@ -135,14 +135,14 @@ def find_pattern(
         )
         if apart.max() <= TOLERANCE:
             return Pattern(
-                kind.name,
-                n,
-                planes,
-                phasing,
-                proposed.inclination,
-                proposed.raan,
-                proposed.phase,
-                float(apart.max()),
+                kind=kind.name,
+                satellites=n,
+                planes=planes,
+                phasing=phasing,
+                inclination=proposed.inclination,
+                raan=proposed.raan,
+                phase=proposed.phase,
+                deviation=float(apart.max()),
             )
     return None
 

@@ -20,6 +20,7 @@ from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY, mcmf_from_mci, prime_meridian_angle
 from compass.memory import check_fits
 from compass.orbits.forces import ForceModel, Sky, sky_of
+from compass.words import counted
 
 #: Nodes of a step. With 16 a quarter of a revolution leaves out less than a micrometre.
 NODES = 16
@@ -28,6 +29,10 @@ NODES = 16
 #: rounding, at `COARSE` they are not (60 m in a Mars year), for a third of the time. First step in
 #: radians of the fastest satellite's turn.
 TOLERANCE, COARSE, FIRST = 1e-6, 1e-3, 1.6
+
+#: Moments of a stretch from which its distances are bounded, and where they lie in it.
+LOOKS = 8
+_LOOKS = (2.0 * np.arange(LOOKS) + 1.0) / LOOKS - 1.0
 
 #: Steps that a call of the kernel has room for, and seconds between two signs of life.
 CHUNK, WINDOW = 256, 25.0 * SECONDS_PER_DAY
@@ -90,14 +95,33 @@ class Trajectory:
         """Last moment, seconds after the epoch."""
         return float(self.breaks[-1])
 
-    def only(self, satellite: int) -> "Trajectory":
-        """Return the path of one satellite by its place."""
+    def only(self, *satellites: int) -> "Trajectory":
+        """Return the paths of some satellites by their places."""
+        chosen = list(satellites)
         return replace(
             self,
-            paths=_frozen(self.paths[:, satellite : satellite + 1]),
-            errors=_frozen(self.errors[:, satellite : satellite + 1]),
-            satellite_names=self.satellite_names[satellite : satellite + 1],
+            paths=_frozen(np.ascontiguousarray(self.paths[:, chosen])),
+            errors=_frozen(np.ascontiguousarray(self.errors[:, chosen])),
+            satellite_names=tuple(self.satellite_names[k] for k in chosen),
         )
+
+    def of(self, names: Sequence[str]) -> "Trajectory":
+        """Return the paths of the satellites of these names.
+
+        Raises
+        ------
+        ArgumentError
+            One that is not among them.
+        """
+        if tuple(names) == self.satellite_names:
+            return self
+        places = {name: k for k, name in enumerate(self.satellite_names)}
+        if unknown := [name for name in names if name not in places]:
+            raise ArgumentError(
+                f"satellites = {', '.join(unknown)}: {self.source} are of "
+                f"{', '.join(self.satellite_names)}; name some of these"
+            )
+        return self.only(*(places[name] for name in names))
 
     def states(self, times: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Inertial positions (m) and velocities (m/s), shape (satellite, time, 3).
@@ -131,7 +155,7 @@ class Trajectory:
 
         Sums of the magnitudes of the Legendre coefficients of velocity and acceleration on every
         stretch that the interval meets, for no Legendre polynomial exceeds 1; the distance by
-        those of speed from the middle of each stretch. m, m/s and m/s^2.
+        those of speed from the nearest of `LOOKS` moments of each stretch. m, m/s and m/s^2.
         """
         first = int(np.searchsorted(self.breaks, start, side="right")) - 1
         last = int(np.searchsorted(self.breaks, stop, side="left"))
@@ -142,13 +166,10 @@ class Trajectory:
             path = np.moveaxis(self.paths[k], -1, 0)
             speed = np.linalg.norm(legendre.legder(path), axis=-1).sum(axis=0) / half
             pull = np.linalg.norm(legendre.legder(path, 2), axis=-1).sum(axis=0) / half**2
-            middle = np.linalg.norm(legendre.legval(0.0, path), axis=-1)
-            reach = (
-                np.minimum(speed * half, np.linalg.norm(path[1:], axis=-1).sum(axis=0))
-                + self.errors[k]
-            )
-            found[:, 0] = np.minimum(found[:, 0], middle - reach)
-            for column, bound in enumerate((middle + reach, speed, pull), start=1):
+            away = np.linalg.norm(np.moveaxis(legendre.legval(_LOOKS, path), -1, 0), axis=-1)
+            reach = speed * half / LOOKS + self.errors[k]
+            found[:, 0] = np.minimum(found[:, 0], away.min(axis=0) - reach)
+            for column, bound in enumerate((away.max(axis=0) + reach, speed, pull), start=1):
                 found[:, column] = np.maximum(found[:, column], bound)
         return found
 
@@ -359,5 +380,5 @@ def _check_memory(satellites: int, start: float, stop: float, stretch: float) ->
     """Refuse a span whose polynomials, held twice while they are joined, do not fit here."""
     needed = 2 * 8 * 3 * (NODES + 2) * satellites * abs(stop - start) / stretch
     days = abs(stop - start) / SECONDS_PER_DAY
-    asked = f"days = {days:g}: the paths of {satellites} satellites"
+    asked = f"days = {days:g}: the paths of {counted(satellites, 'satellite')}"
     check_fits(needed, asked, "ask for fewer")

@@ -125,7 +125,16 @@ def trim(
     assert best is not None
     excursion, spread, chosen = best
     shift = chosen.semi_major_axis - c.semi_major_axis
-    return Trim(chosen, shift, span, beat, before[0], spread, before[1], excursion)
+    return Trim(
+        constellation=chosen,
+        shift=shift,
+        horizon=span,
+        beat=beat,
+        spread_before=before[0],
+        spread=spread,
+        excursion_before=before[1],
+        excursion=excursion,
+    )
 
 
 def beat_of(constellation: Constellation) -> float:
@@ -188,13 +197,13 @@ def with_axes(
     axes = np.array(axes)
     axes.flags.writeable = False
     return Constellation(
-        c.name,
-        axes,
-        c.eccentricity,
-        c.inclination,
-        c.raan,
-        c.argument_of_periapsis,
-        c.mean_anomaly,
+        name=c.name,
+        semi_major_axis=axes,
+        eccentricity=c.eccentricity,
+        inclination=c.inclination,
+        raan=c.raan,
+        argument_of_periapsis=c.argument_of_periapsis,
+        mean_anomaly=c.mean_anomaly,
         epoch=c.epoch,
         satellite_names=c.satellite_names,
         gm=c.gm if gm is None else gm,

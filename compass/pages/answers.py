@@ -4,7 +4,6 @@ Further answers join `ANSWERS` in the order of the page: a function from `Found`
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -168,9 +167,7 @@ def lasting(found: Found) -> list[Answer]:
     """How long it lasts left alone, what keeping costs, which radius does without."""
     if found.outlook is None:
         return []
-    rows = lasting_answers(found.design, found.outlook)
-    # beside requirements the fold everywhere is not what was asked for
-    return [replace(row, holds=None) for row in rows] if found.checked else rows
+    return lasting_answers(found.design, found.outlook)
 
 
 #: In the order of the page.

@@ -6,7 +6,7 @@ import numpy as np
 
 from compass.api.map_result import MapResult
 from compass.document.blocks import Picture
-from compass.pictures.maps import map_figure
+from compass.pictures.maps import LARGE, dilution_bar, draw_map, map_figure
 from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, look, new_figure, picture
 from compass.quantities import quantity
 
@@ -37,12 +37,11 @@ def count_picture(mapped: MapResult) -> Picture:
 
 
 def dilution_pictures(mapped: MapResult) -> list[Picture]:
-    """Maps of GDOP, large and with names, of its parts, and of the share of time with a good PDOP.
+    """Maps of GDOP, with names, of its parts side by side, of the share of time with a good PDOP.
 
     A map of one colour is no map; its sentence is in `one_colour`.
     """
-    made = [_dilution(mapped, "gdop", wide=True)]
-    made += [_dilution(mapped, name) for name in ("pdop", "hdop", "vdop", "tdop")]
+    made = [percentile_map(mapped, "gdop", _BELOW, wide=True), _parts(mapped)]
     dataset = mapped.dataset
     threshold, share = dataset.attrs["pdop_threshold"], dataset.availability.values
     if share.max() > share.min():
@@ -75,52 +74,73 @@ def one_colour(mapped: MapResult) -> list[str]:
     return [f"PDOP is at most {threshold:g} for {share.min():.1%} of the time, at every cell."]
 
 
-def _dilution(mapped: MapResult, name: str, *, wide: bool = False) -> Picture:
-    """One map of a dilution, in the colours that all of them share."""
-    return percentile_map(
-        mapped,
-        name,
-        "Below this value 95 % of the time; infinite where the geometry is singular or fewer than "
-        "four satellites are in view for longer than that.",
-        threshold=mapped.dataset.attrs["pdop_threshold"] if name == "pdop" else None,
-        wide=wide,
+_BELOW = (
+    "Below this value 95 % of the time; infinite where the geometry is singular or fewer than "
+    "four satellites are in view for longer than that."
+)
+
+
+def _parts(mapped: MapResult) -> Picture:
+    """Maps of the other dilutions, on one scale of colours with that of GDOP."""
+    names = ("pdop", "hdop", "vdop", "tdop")
+    figure = new_figure(LARGE[0], 6.6)
+    with look():
+        panels = figure.subplots(2, 2).ravel()
+    for axes, name in zip(panels, names, strict=True):
+        values = mapped.dataset[name].sel(percentile=95).values
+        chart = draw_map(
+            axes, values, mapped.made.grid, _title(name), quantity(name).heading,
+            figure_name=mapped.design.figure.name, named=False, bar=False,
+        )  # fmt: skip
+    with look():
+        threshold = mapped.dataset.attrs["pdop_threshold"]
+        label = f"dilution of precision (grey: none; line: PDOP {threshold:g})"
+        dilution_bar(list(panels), chart.mesh, label, threshold)
+    said = "; ".join(f"{name.upper()} {_range(mapped, name)}" for name in names)
+    return picture(
+        figure,
+        "dilutions-p95",
+        "PDOP, HDOP, VDOP and TDOP, 95th percentile over time",
+        _BELOW,
+        wide=True,
+        alt=f"Four maps of Mars, 95th percentiles over time: {said}.",
     )
 
 
-def percentile_map(
-    mapped: MapResult,
-    name: str,
-    caption: str,
-    *,
-    wide: bool = False,
-    threshold: float | None = None,
-) -> Picture:
+def _title(name: str) -> str:
+    title = quantity(name).title
+    return f"{title[0].upper()}{title[1:]}, 95th percentile over time"
+
+
+def _range(mapped: MapResult, name: str) -> str:
+    values = mapped.dataset[name].sel(percentile=95).values
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        return "none anywhere"
+    unit = quantity(name).shown_unit
+    return f"from {finite.min():.3g} to {finite.max():.3g} {unit}".rstrip()
+
+
+def percentile_map(mapped: MapResult, name: str, caption: str, *, wide: bool = False) -> Picture:
     """Map of what a dilution, error or level does not exceed for 95 % of the time.
 
-    A wide one has names of places; `threshold` is marked on the colour bar.
+    A wide one has names of places.
     """
-    values = mapped.dataset[name].sel(percentile=95).values
-    known, finite = quantity(name), values[np.isfinite(values)]
-    text = f"{known.title[0].upper()}{known.title[1:]}, 95th percentile over time"
     figure = map_figure(
-        values,
+        mapped.dataset[name].sel(percentile=95).values,
         mapped.made.grid,
-        text,
-        known.heading,
+        _title(name),
+        quantity(name).heading,
         figure_name=mapped.design.figure.name,
-        threshold=threshold,
         named=wide,
     )
-    range_of = "none anywhere"
-    if finite.size:
-        range_of = f"from {finite.min():.3g} to {finite.max():.3g} {known.shown_unit}".rstrip()
     return picture(
         figure,
         f"{name.removesuffix('_m').replace('_', '-')}-p95",
-        text,
+        _title(name),
         caption,
         wide=wide,
-        alt=f"Map of Mars: {text}, {range_of}.",
+        alt=f"Map of Mars: {_title(name)}, {_range(mapped, name)}.",
     )
 
 

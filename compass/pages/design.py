@@ -4,7 +4,7 @@ A further section joins `SECTIONS` in its place: its title and a function from `
 may be None where there is nothing to say.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any
 
@@ -14,6 +14,7 @@ from compass.api.access import access
 from compass.api.check import check
 from compass.api.fold import fold
 from compass.api.fold_result import FoldResult
+from compass.api.map_areas import area_blocks
 from compass.api.map_result import MapResult
 from compass.api.outlook import outlook
 from compass.api.reproduce import comparison_table
@@ -47,7 +48,8 @@ from compass.pages.neighbours import Neighbour, neighbours
 from compass.pages.orbits import cap_picture, orbit_picture, track_picture
 from compass.pages.page import render
 from compass.quantities import quantity
-from compass.study.certified import certified_figures
+from compass.sites import Site
+from compass.study.certified import certified_areas, certified_figures
 from compass.study.mapping import MapOptions, make_map, provenance
 
 
@@ -55,6 +57,7 @@ def design_report(
     design: Design,
     command: str = "",
     options: MapOptions | None = None,
+    places: tuple[Sequence[Site], Sequence[str]] = ((), ()),
     *,
     progress: Callable[[str], None] = lambda step: None,
 ) -> tuple[str, list[Section]]:
@@ -68,10 +71,12 @@ def design_report(
         The command line, for provenance.
     options
         How to map.
+    places
+        Sites and regions of which figures are wanted besides.
     progress
         Told the name of each part before it is made.
     """
-    found = look_at(design, command, options or MapOptions(), progress)
+    found = look_at(design, command, options or MapOptions(), progress, places)
     progress("patterns beside it")
     beside = _beside(found)
     progress("globe")
@@ -93,12 +98,17 @@ def design_report(
 
 
 def look_at(
-    design: Design, command: str, options: MapOptions, progress: Callable[[str], None]
+    design: Design,
+    command: str,
+    options: MapOptions,
+    progress: Callable[[str], None],
+    places: tuple[Sequence[Site], Sequence[str]] = ((), ()),
 ) -> Found:
     """Ask the commands, each once."""
     progress("coverage map")
     certified = certified_figures(design, options, percents=(50, 95))
-    mapped = MapResult(design, make_map(design, options, command), certified)
+    areas = certified_areas(design, options, *places)
+    mapped = MapResult(design, make_map(design, options, command), certified, areas)
     progress("continuous fold")
     lost = 1 if design.constellation.size > 1 else 0
     proven = fold(design, motion="two-body", losses=lost)
@@ -150,6 +160,12 @@ def _requirements(found: Found, _: list[Neighbour]) -> Section | None:
     if found.checked is None:
         return None
     return Section("Requirements", found.checked.blocks())
+
+
+def _areas(found: Found, _: list[Neighbour]) -> Section | None:
+    """What users at the sites and in the regions asked for have."""
+    blocks = area_blocks(found.mapped.areas)
+    return Section("At sites and in regions", blocks) if blocks else None
 
 
 def _coverage(found: Found, beside: list[Neighbour]) -> Section:
@@ -280,6 +296,7 @@ def _comparison(found: Found, _: list[Neighbour]) -> Section | None:
 #: The sections after the answer, in the order of a board's questions.
 SECTIONS: tuple[tuple[str, Callable[[Found, list[Neighbour]], Section | None]], ...] = (
     ("requirements", _requirements),
+    ("sites and regions", _areas),
     ("coverage", _coverage),
     ("geometry and accuracy", _accuracy),
     ("errors in metres", lambda found, _: metres_section(found.mapped)),

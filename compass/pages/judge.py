@@ -1,6 +1,5 @@
 """The page of designs judged: ranked for a lander, their bounds over the globe and as CDFs."""
 
-import os
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -13,6 +12,7 @@ from compass.api.judge_tables import (
     surface_table,
     unknown_air,
 )
+from compass.cores import cores
 from compass.design import PDOP_MAX, Design
 from compass.document import Answer, Answers, Section, Sentence
 from compass.document.blocks import Picture, arranged
@@ -30,7 +30,7 @@ MAPPED, BATCHES = 4, 4
 def judge_report(found: JudgeResult, command: str = "") -> tuple[str, list[Section]]:
     """Make the page (HTML text) and the sections of designs judged, with the command line."""
     ranking, designs, scenario = found.ranking, found.designs, found.scenario
-    judged = judge_section(ranking, designs, scenario, threads=os.cpu_count() or 1)
+    judged = judge_section(ranking, designs, scenario, threads=cores())
     world, carrying = judged.pictures
     sections = [
         answer_section(ranking.record, carrying),

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from compass.api.land import LandResult
-from compass.api.land_flight import claim_sentence, entry_tables, findings
+from compass.api.land_flight import entry_tables, findings
 from compass.document import Answer, Answers, Section, Sentence
 from compass.document.blocks import Picture, arranged
 from compass.document.numbers import significant
@@ -44,7 +44,7 @@ def landing_sections(found: LandResult) -> tuple[Section, ...]:
     consistency, *words = findings(found.scenario, flown)
     answer = Section(
         "The answer",
-        (Sentence(claim_sentence(flown)), Answers("Known, and how sure", answers(flown)),
+        (Sentence(found.claim), Answers("Known, and how sure", answers(flown)),
          landing_ellipse(flown.accuracy)),
     )  # fmt: skip
     navigation = arranged(

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from compass.api.outlook import Outlook, commands
+from compass.api.promises import promise_table
 from compass.api.radii import RadiusLasts
 from compass.design import Design
 from compass.document import Answer, Picture, Sampled, Sentence, Table, Value, Verdict
@@ -78,6 +79,8 @@ def lasting_section(design: Design, found: Outlook | None) -> Section | None:
     if found is None:
         return None
     blocks: list[Block] = [*lasting_verdicts(design, found), Sentence(_how(found))]
+    if found.requirements:
+        blocks.append(promise_table(found.requirements))
     if found.drift is not None:
         blocks.append(_margin_picture(found))
         if found.drift["in_track_deg"] is not None:
@@ -89,23 +92,19 @@ def lasting_section(design: Design, found: Outlook | None) -> Section | None:
     return Section(TITLE, tuple(blocks))
 
 
-def _claim(found: Outlook) -> str:
-    return f"{found.fold} or more satellites above {found.mask_deg:g} deg everywhere"
-
-
 def _lasts(design: Design, found: Outlook) -> Verdict:
     command = commands(design, found)["lasts"]
     if found.lasts:
         years = found.horizon_days / DAYS_PER_YEAR
         return Verdict(
             f"Lasts {found.horizon_days:g} days left alone",
-            f"{_claim(found)}, proven on real orbits for the {found.horizon_days:g} days looked at "
+            f"{found.asked}, proven on real orbits for the {found.horizon_days:g} days looked at "
             f"({years:.1f} years) ({command})",
             True,
         )
     if found.first_loss_days is not None and found.days_proven * SECONDS_PER_DAY < 1.0:
         return Verdict(
-            "Does not hold at the epoch", f"{_claim(found)}: {found.loss} ({command})", False
+            "Does not hold at the epoch", f"{found.asked}: {found.loss} ({command})", False
         )
     proven = Value(quantity("days_proven"), found.days_proven)
     if found.first_loss_days is None:
@@ -115,7 +114,7 @@ def _lasts(design: Design, found: Outlook) -> Verdict:
         when = Value(quantity("first_loss_days"), found.first_loss_days)
         end = f"lost on day {when}: {found.loss}"
     return Verdict(
-        word, f"{_claim(found)}, proven on real orbits for {proven} days, {end} ({command})", False
+        word, f"{found.asked}, proven on real orbits for {proven} days, {end} ({command})", False
     )
 
 
@@ -200,8 +199,8 @@ def _margin_picture(found: Outlook) -> Picture:
         figure,
         "lasting-margin",
         "Margin and room over time",
-        "By how much all caps could shrink with the fold kept, and by how much every satellite "
-        "could still stray from its slot: enough, not needed.",
+        "By how much all caps could shrink with what is wanted kept, and by how much every "
+        "satellite could still stray from its slot: enough, not needed.",
     )
 
 
@@ -273,7 +272,7 @@ def _radius_picture(found: Outlook) -> Picture:
 
 
 def _bar(axes: "Axes", radius_km: float, days: float, colour: str, said: str) -> None:
-    axes.plot([radius_km] * 2, [0, days], color=colour, lw=5)
+    axes.bar(radius_km, days, width=9.0, color=colour)
     axes.annotate(said, (radius_km, days), (0, 3), textcoords="offset points", ha="center")
 
 

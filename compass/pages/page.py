@@ -1,4 +1,4 @@
-"""One self-contained HTML page, its pictures inside it and also as PNG files beside it."""
+"""One self-contained HTML page, its pictures inside it and also as files beside it."""
 
 import os
 import shutil
@@ -30,6 +30,8 @@ def render(
     scripts = [i.script for s in sections for i in s.interactive]
     if any(picture.reading for section in sections for picture in section.pictures):
         scripts.append(script("reading.js"))
+    if scripts:
+        scripts.insert(0, script("tip.js"))
     return (
         templates()
         .get_template("report.html")
@@ -102,7 +104,7 @@ def write_page(folder: Path, page: str, sections: Sequence[Section]) -> Path:
         scratch = Path(tempfile.mkdtemp(prefix=".report-", dir=folder))
         try:
             for picture in (p for section in sections for p in section.pictures):
-                (scratch / f"{picture.stem}.png").write_bytes(picture.png)
+                (scratch / picture.file_name).write_bytes(picture.drawn)
             (scratch / PAGE).write_text(page, encoding="utf-8")
             for made in sorted(scratch.iterdir(), key=lambda path: path.name == PAGE):
                 made.replace(folder / made.name)

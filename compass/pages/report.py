@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from compass.api.given import given_design, given_scenario, given_study
+from compass.api.given import given_design, given_places, given_scenario, given_study
 from compass.api.judge import JudgeResult
 from compass.api.land import LandResult, land
 from compass.api.progress import bar
@@ -28,6 +28,7 @@ from compass.pages.paper import paper_report
 from compass.pages.trade import trade_report
 from compass.papers import PAPERS
 from compass.saving import write_files
+from compass.sites import Site
 from compass.study.mapping import MapOptions
 
 
@@ -61,6 +62,8 @@ class ReportResult(Result):
 def report(
     thing: Design | Scenario | Study | JudgeResult | LandResult | ReproduceResult | str | Path,
     *,
+    sites: Site | str | Sequence[Site | str] = (),
+    regions: str | Sequence[str] = (),
     output: str | Path | None = None,
     step_deg: float | None = None,
     epochs: int | None = None,
@@ -79,6 +82,9 @@ def report(
     thing
         What to report on, or the path of its file, or the name of a paper; or what `compass.judge`,
         `compass.land` or `compass.reproduce` found, which is then shown as it is.
+    sites, regions
+        Where figures of a design are wanted besides those of the whole surface, as of
+        `compass.map`.
     output
         Folder for the page and its pictures; by default ``reports/`` and the name of the file.
     step_deg, epochs
@@ -117,6 +123,10 @@ def report(
         raise ArgumentError("output: needed for what is not read from a file; name a folder")
     check_page_folder(folder)
     finer = {"step_deg": step_deg, "epochs": epochs}
+    if kind != "design" and (sites or regions):
+        raise ArgumentError(
+            f"{'sites' if sites else 'regions'}: {name} is not a design; leave it out"
+        )
     options: dict[str, Any] = {key: value for key, value in finer.items() if value is not None}
     if options and kind != "design":
         raise ArgumentError(
@@ -139,13 +149,18 @@ def report(
         title, (page, several) = name, judge_report(read, command)
     else:
         chosen = given_design(read)
+        places = given_places(sites, regions, chosen)
         with bar(progress, "report", total=PARTS, unit="part", leave=False) as parts:
             title = chosen.name
             page, several = design_report(
-                chosen, command, MapOptions(**options), progress=lambda part: _step(parts, part)
+                chosen,
+                command,
+                MapOptions(**options),
+                places,
+                progress=lambda part: _step(parts, part),
             )
     path = write_page(folder, page, several)
-    pictures = [f"{p.stem}.png" for section in several for p in section.pictures]
+    pictures = [p.file_name for section in several for p in section.pictures]
     return ReportResult(title, path, {"pictures": [str(folder / name) for name in pictures]})
 
 

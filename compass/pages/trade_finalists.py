@@ -1,6 +1,5 @@
 """The part of a trade report on the finalists: recommendation, comparison, landing, hand-over."""
 
-import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -8,6 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from compass.api.keep import keep
+from compass.cores import cores
 from compass.coverage.certificate import prove_fold
 from compass.design import Design
 from compass.document import Answer, Answers, Bracket, Sentence, Value
@@ -366,7 +366,7 @@ def rank_finalists(
         doubts=study.entry.doubts,
         finalists=len(designs) if runs else 0,
         runs=max(runs, 1),
-        threads=os.cpu_count() or 1,
+        threads=cores(),
         progress=told,
     )
     return ranking, designs
@@ -381,7 +381,7 @@ def landing_sections(
     """Sections on the finalists' landers and on users on the surface."""
     assert study.entry is not None
     landing = judge_section(
-        ranking, designs, study.entry.scenario, threads=os.cpu_count() or 1, progress=progress
+        ranking, designs, study.entry.scenario, threads=cores(), progress=progress
     )
     return [landing, surface_section(ranking.record)]
 

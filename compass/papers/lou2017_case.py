@@ -42,12 +42,12 @@ def case(*, plasma: bool = True) -> NavigationCase:
     """Table 2's truth with the bias of section 5, its ranges through the wake's plasma."""
     times = np.arange(SECONDS + 1.0)
     clear = NavigationCase(
-        "Lou et al. 2017",
-        entry_model(),
-        START,
-        beacons_from_states(BEACONS, POSITIONS_KM * 1e3, VELOCITIES, times, GM),
-        np.sqrt(RANGE_VARIANCE),
-        Imu((1e-3, 1e-3, 1e-3), (0.003, 0.003, 0.003)),
+        name="Lou et al. 2017",
+        truth=entry_model(),
+        start=START,
+        beacons=beacons_from_states(BEACONS, POSITIONS_KM * 1e3, VELOCITIES, times, GM),
+        range_sigma=np.sqrt(RANGE_VARIANCE),
+        imu=Imu((1e-3, 1e-3, 1e-3), (0.003, 0.003, 0.003)),
     )
     return clear.through_plasma() if plasma else clear
 
@@ -62,13 +62,13 @@ def six_state_filter(
     Density and C_D S/m enter as their product alone: two errors of 10 % are one of sqrt(2) 10 %.
     """
     return FilterSettings(
-        algorithm,
-        entry_model(),
-        START,
-        START_SIGMA**2,
-        q,
-        acceleration_variance,
-        RANGE_VARIANCE,
+        algorithm=algorithm,
+        model=entry_model(),
+        start=START,
+        p0=START_SIGMA**2,
+        process_noise=q,
+        acceleration_variance=acceleration_variance,
+        range_variance=RANGE_VARIANCE,
         random_start=True,
         parameter_sigma=(DENSITY_SIGMA, LIFT_SIGMA),
         scale=SCALE[:6],
@@ -78,13 +78,13 @@ def six_state_filter(
 def recommended_filter(algorithm: Algorithm) -> FilterSettings:
     """Eight states: ln rho0 and L/D are estimated, from the uncertainties of Table 2."""
     return FilterSettings(
-        algorithm,
-        entry_model(),
-        START,
-        np.concatenate([START_SIGMA**2, [DENSITY_SIGMA**2, LIFT_SIGMA**2]]),
-        EIGHT_Q,
-        EIGHT_ACCELERATION_VARIANCE,
-        RANGE_VARIANCE,
+        algorithm=algorithm,
+        model=entry_model(),
+        start=START,
+        p0=np.concatenate([START_SIGMA**2, [DENSITY_SIGMA**2, LIFT_SIGMA**2]]),
+        process_noise=EIGHT_Q,
+        acceleration_variance=EIGHT_ACCELERATION_VARIANCE,
+        range_variance=RANGE_VARIANCE,
         random_start=True,
         scale=SCALE[:8],
     )

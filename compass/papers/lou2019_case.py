@@ -49,13 +49,13 @@ def case(
     start = [3518.2e3, lon, lat, 5515.0, np.radians(-11.8), np.radians(5.156)]
     times = np.arange(SECONDS + 1.0)
     return NavigationCase(
-        "Lou et al. 2019",
-        entry_model(),
-        np.array(start),
-        beacons_from_states(BEACONS, POSITIONS_KM * 1e3, VELOCITIES, times, GM),
-        np.sqrt(RANGE_VARIANCE),
-        Imu((1e-3, 1e-3, 1e-3), (bias, bias, bias)),
-        RECOMMENDED_Q if noisy_truth else np.zeros(8),
+        name="Lou et al. 2019",
+        truth=entry_model(),
+        start=np.array(start),
+        beacons=beacons_from_states(BEACONS, POSITIONS_KM * 1e3, VELOCITIES, times, GM),
+        range_sigma=np.sqrt(RANGE_VARIANCE),
+        imu=Imu((1e-3, 1e-3, 1e-3), (bias, bias, bias)),
+        process_noise=RECOMMENDED_Q if noisy_truth else np.zeros(8),
     )
 
 
@@ -66,13 +66,13 @@ def published_filter(
     lon, lat = np.radians(np.array(point) - 0.2)
     start = [3519.2e3, lon, lat, 5525.0, np.radians(-12.0), np.radians(5.356)]
     return FilterSettings(
-        algorithm,
-        entry_model(2.2e-4, 0.17, 0.0176),
-        start,
-        PUBLISHED_P0,
-        PUBLISHED_Q,
-        ACCELERATION_VARIANCE,
-        RANGE_VARIANCE,
+        algorithm=algorithm,
+        model=entry_model(2.2e-4, 0.17, 0.0176),
+        start=start,
+        p0=PUBLISHED_P0,
+        process_noise=PUBLISHED_Q,
+        acceleration_variance=ACCELERATION_VARIANCE,
+        range_variance=RANGE_VARIANCE,
         published_linear_density=linear,
     )
 
@@ -87,13 +87,13 @@ def recommended_filter(
     lon, lat = np.radians(point)
     start = [3518.2e3, lon, lat, 5515.0, np.radians(-11.8), np.radians(5.156)]
     return FilterSettings(
-        algorithm,
-        entry_model(),
-        start,
-        RECOMMENDED_P0,
-        RECOMMENDED_Q,
-        ACCELERATION_VARIANCE,
-        RANGE_VARIANCE,
+        algorithm=algorithm,
+        model=entry_model(),
+        start=start,
+        p0=RECOMMENDED_P0,
+        process_noise=RECOMMENDED_Q,
+        acceleration_variance=ACCELERATION_VARIANCE,
+        range_variance=RANGE_VARIANCE,
         random_start=True,
         weighting=weighting,
         scale=SCALE[:8],

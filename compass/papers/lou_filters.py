@@ -239,7 +239,7 @@ class FilterSettings:
             p0=p0,
             spread=self._spread(),
             p=self.model.parameters(),
-            trusts=self.algorithm == "information",
+            lost_is_zero=self.algorithm == "information",
         )
         return _STEPS[self.algorithm], settings, belief
 

@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import islice
-from os import cpu_count
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +19,7 @@ from compass.core.papers.lou_montecarlo import (
     one_run,
     run_block,
 )
+from compass.cores import cores
 from compass.entry.consistency import nees_bounds
 from compass.entry.faults import Fault
 from compass.errors import ArgumentError
@@ -118,7 +118,7 @@ def monte_carlo(
         run_block(algorithm, kernel_settings, world, belief, normals, uniforms, tally, ends, last)
         return _Block(tally, ends, last, first)
 
-    workers = threads or cpu_count() or 1
+    workers = cores(threads)
     bar = tqdm(total=runs, unit="run", disable=None if progress else True, leave=False)
     with bar, ThreadPoolExecutor(workers) as pool:
         for block in _in_order(pool, do_block, range(0, runs, BLOCK), 2 * workers):

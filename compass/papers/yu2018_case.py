@@ -35,7 +35,14 @@ def at(seconds: float) -> int:
 def model(rotation: Rotation = "coriolis", lift_to_drag: float = 0.156) -> EntryModel:
     """Return the chapter's world; what it does not print is from Lou et al. 2019."""
     air = Atmosphere(2e-4, 3437.2e3, 7500.0)
-    return EntryModel(Vehicle(0.016, lift_to_drag), air, rotation, GM, RADIUS, OMEGA)
+    return EntryModel(
+        vehicle=Vehicle(0.016, lift_to_drag),
+        atmosphere=air,
+        rotation=rotation,
+        gm=GM,
+        planet_radius=RADIUS,
+        rotation_rate=OMEGA,
+    )
 
 
 def table_2() -> NDArray[np.float64]:

@@ -4,7 +4,6 @@ One Runge-Kutta step an epoch moves truth and filter alike. It is singular at th
 are navigated by `compass.entry.navigation`.
 """
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -19,8 +18,8 @@ from compass.core.papers.yu2018_filter import (
     posterior_bound,
     spread,
 )
+from compass.cores import cores
 from compass.entry.beacons import Beacons
-from compass.entry.fisher import noise_variances
 from compass.entry.model import EntryModel
 from compass.entry.schedule import Measurements
 from compass.errors import ArgumentError
@@ -103,7 +102,7 @@ def run_published_filter(
         beacons.r,
         beacons.v,
         np.asarray(taken, dtype=bool),
-        noise_variances(measurements),
+        measurements.radio_variances()[:2],
         np.asarray(z, dtype=float),
         settings.iterations,
         states,
@@ -220,7 +219,7 @@ def run_monte_carlo(
         beacons.r,
         beacons.v,
         np.asarray(taken, dtype=bool),
-        noise_variances(measurements),
+        measurements.radio_variances()[:2],
         settings.iterations,
     )
 
@@ -238,7 +237,7 @@ def run_monte_carlo(
             sigmas[part],
         )
 
-    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+    with ThreadPoolExecutor(cores(threads)) as pool:
         list(pool.map(work, range(0, runs, BLOCK)))
     finite: NDArray[np.bool_] = np.asarray(np.isfinite(errors).all(axis=(1, 2)))
     return MonteCarlo(errors, nees, sigmas, ~finite)
@@ -327,7 +326,7 @@ def cramer_rao_bound(
         beacons.r,
         beacons.v,
         np.asarray(taken, dtype=bool),
-        noise_variances(measurements),
+        measurements.radio_variances()[:2],
         covariance,
     )
     sigmas, jacobian = np.empty((len(x), 2)), np.empty((6, 6))

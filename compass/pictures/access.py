@@ -13,7 +13,8 @@ from compass.contacts.survey import Survey
 from compass.contacts.windows import Windows
 from compass.design import Radio
 from compass.document.blocks import Picture
-from compass.pictures.style import CYCLE, FAINT, HALF, INK, look, new_figure, picture
+from compass.pictures.rows import draw_rows
+from compass.pictures.style import CYCLE, HALF, INK, look, new_figure, picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,20 +52,21 @@ def height_of(found: Survey, name: str) -> float:
 
 def draw_timeline(axes: "Axes", found: Survey, name: str) -> None:
     """Draw into axes when a node sees each satellite, and any of them."""
-    pairs = found.of(name)
-    shown = pairs[:MAX_ROWS]
-    _bars(axes, shown, name)
-    merged = any_of([w.spans for w in pairs]) / SOLAR_DAY.value
-    axes.hlines(np.full(len(merged), -1.2), merged[:, 0], merged[:, 1], color=INK, lw=6)
-    labels = [_other(w, name) for w in shown]
-    axes.set_yticks([-1.2, *range(len(shown))], ["any", *labels], fontsize=8)
-    axes.set_ylim(len(shown) - 0.4, -1.9)
-    axes.set_xlim(0.0, min(SHOWN_SOLS, found.sols))
+    shown = found.of(name)[:MAX_ROWS]
+    sol = SOLAR_DAY.value
+    # one colour an orbital plane, where the names tell the plane
+    others = [_other(w, name) for w in shown]
+    planes = list(dict.fromkeys(other.partition("S")[0] for other in others))
+    colours = [CYCLE[planes.index(o.partition("S")[0]) % len(CYCLE)] for o in others]
+    draw_rows(
+        axes,
+        ["any", *others],
+        [any_of([w.spans for w in found.of(name)]) / sol, *(w.spans / sol for w in shown)],
+        [INK, *colours],
+        (0.0, min(SHOWN_SOLS, found.sols)),
+    )
     axes.set_xlabel("time after the epoch (sols)")
     axes.set_title(f"Satellites in sight of {name}")
-    axes.grid(axis="x")
-    axes.tick_params(axis="y", length=0)
-    axes.set_axisbelow(True)
 
 
 def link_budget(found: Survey, radio: Radio) -> Picture:
@@ -111,16 +113,6 @@ def served(found: Survey, radio: Radio) -> list[Windows]:
             find_node(found.nodes, w.first).kind, find_node(found.nodes, w.second).kind
         )
     ]
-
-
-def _bars(axes: "Axes", shown: list[Windows], name: str) -> None:
-    """Draw the windows, one colour an orbital plane where the names tell the plane."""
-    planes = list(dict.fromkeys(_other(w, name).partition("S")[0] for w in shown))
-    for row, w in enumerate(shown):
-        color = CYCLE[planes.index(_other(w, name).partition("S")[0]) % len(CYCLE)]
-        start, end = w.start / SOLAR_DAY.value, w.end / SOLAR_DAY.value
-        axes.axhline(row, color=FAINT, lw=0.4, alpha=0.5)
-        axes.hlines(np.full(w.count, row), start, end, color=color, lw=6)
 
 
 def _other(w: Windows, name: str) -> str:

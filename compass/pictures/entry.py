@@ -11,6 +11,7 @@ from compass.entry.trajectory import Trajectory, trajectory_dataset
 from compass.entry.visible_area import VisibleArea, horizon
 from compass.errors import ArgumentError
 from compass.frames import latitude_longitude
+from compass.pictures.rows import draw_rows
 from compass.pictures.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure, picture
 
 KM = 1e3
@@ -97,7 +98,7 @@ def _flight_picture(flight: Trajectory) -> Picture:
         for event in flight.events:
             axes[0].annotate(
                 event.name, (event.time, 1.0), (2, -9), xycoords=("data", "axes fraction"),
-                textcoords="offset points", fontsize=7.5, color=INK,
+                textcoords="offset points", fontsize=8, color=INK,
             )  # fmt: skip
         for ax in axes[2:]:
             ax.set_xlabel("time after entry, s")
@@ -117,18 +118,14 @@ def _view_picture(found: Assessment) -> Picture:
         figure = new_figure(5.8, 1.4 + 0.24 * max(3, len(names)))
         axes = figure.add_subplot()
         step = times[1] - times[0]
-        for k in range(len(names)):
-            runs = np.flatnonzero(np.diff(np.concatenate([[0], found.seen[:, k], [0]])))
-            bars = [
-                (times[a], max(times[b - 1] - times[a], step))
-                for a, b in zip(runs[::2], runs[1::2], strict=True)
-            ]
-            axes.broken_barh(bars, (k - 0.35, 0.7), color=SKY)
-        axes.set_yticks(range(len(names)), names, fontsize=8)
-        axes.set_ylim(len(names) - 0.4, -0.6)
-        axes.set_xlim(times[0], times[-1])
+        spans = []
+        for seen in found.seen.T:
+            runs = np.flatnonzero(np.diff(np.concatenate([[0], seen, [0]]))).reshape(-1, 2)
+            start = times[runs[:, 0]]
+            spans.append(np.column_stack([start, np.maximum(times[runs[:, 1] - 1], start + step)]))
+        ends = float(times[0]), float(times[-1])
+        draw_rows(axes, names, spans, [SKY] * len(names), ends, width=11.0)
         axes.set_xlabel("time after entry, s")
-        axes.grid(True, axis="x")
         axes.set_title("Beacons in view")
     return picture(
         figure, "entry-view", "Beacons in view over time", "Line of sight past the planet's sphere."

@@ -47,7 +47,9 @@ def check_folder(folder: Path) -> None:
 
 
 def write_pictures(pictures: Sequence[Picture], folder: Path) -> None:
-    """Write each picture as ``STEM.png`` into `folder`, which is made if its parent exists.
+    """Write each picture as ``STEM.svg`` or ``STEM.png`` into `folder`.
+
+    The folder is made if its parent exists.
 
     Raises
     ------
@@ -59,5 +61,5 @@ def write_pictures(pictures: Sequence[Picture], folder: Path) -> None:
     except OSError as error:
         raise OutputError(f"{folder}: cannot be made: {error.strerror or error}") from error
     for image in pictures:
-        with replacing(folder / f"{image.stem}.png") as temporary:
-            temporary.write_bytes(image.png)
+        with replacing(folder / image.file_name) as temporary:
+            temporary.write_bytes(image.drawn)

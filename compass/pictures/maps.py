@@ -52,6 +52,7 @@ def draw_map(
     named: bool = True,
     shapes: Sequence["MultiPolygon"] = (),
     satellites: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
+    bar: bool = True,
 ) -> MarsMap:
     """Draw an equal-area map with graticule, places and a labelled colour bar.
 
@@ -80,6 +81,8 @@ def draw_map(
         Outlines to draw on top, in degrees.
     satellites
         Sub-satellite longitudes and latitudes, degrees.
+    bar
+        Whether a map of a dilution has a colour bar of its own.
     """
     with look():
         chart = MarsMap(axes, figure_name)
@@ -89,14 +92,17 @@ def draw_map(
             bounds = np.arange(low, high + 2) - 0.5
             colours = count_map(wanted, low, high)
             mesh = chart.field(lon, lat, values, cmap=colours, norm=BoundaryNorm(bounds, colours.N))
-            bar = colour_bar(axes, mesh, label, ticks=np.arange(low, high + 1))
-            bar.ax.minorticks_off()
+            colour_bar(axes, mesh, label, ticks=np.arange(low, high + 1)).ax.minorticks_off()
         elif scale in ("share", "linear"):
             ends = (0.0, 1.0) if scale == "share" else (None, None)
             mesh = chart.field(lon, lat, values, cmap="viridis", vmin=ends[0], vmax=ends[1])
             colour_bar(axes, mesh, label)
         else:
-            _dop_field(chart, lon, lat, values, label, threshold)
+            mesh = _dop_field(chart, lon, lat, values, label)
+            missing = 1 - np.isfinite(values).sum() / values.size
+            note = f" (grey: none, {missing:.1%} of cells)" if missing else ""
+            if bar:
+                dilution_bar(axes, mesh, label + note, threshold)
         chart.relief()
         chart.shapes(shapes, facecolor="none", edgecolor="white", linewidth=1.3)
         chart.graticule()
@@ -109,23 +115,22 @@ def draw_map(
 
 
 def _dop_field(
-    chart: MarsMap,
-    lon: NDArray[Any],
-    lat: NDArray[Any],
-    values: NDArray[Any],
-    label: str,
-    threshold: float | None,
-) -> None:
+    chart: MarsMap, lon: NDArray[Any], lat: NDArray[Any], values: NDArray[Any], label: str
+) -> Any:
     """Logarithmic colours over the range that all dilutions share; infinity is grey."""
     dilution = quantity("gdop")
     assert dilution.limits is not None
-    finite = np.isfinite(values)
-    shown = np.ma.masked_invalid(values)
     colours = colormaps["magma_r"].with_extremes(bad="#8a8f98")
-    mesh = chart.field(lon, lat, shown, cmap=colours, norm=LogNorm(*dilution.limits))
-    missing = 1 - finite.sum() / values.size
-    note = f" (grey: none, {missing:.1%} of cells)" if missing else ""
-    bar = colour_bar(chart.axes, mesh, label + note, extend="both")
+    shown = np.ma.masked_invalid(values)
+    return chart.field(lon, lat, shown, label, cmap=colours, norm=LogNorm(*dilution.limits))
+
+
+def dilution_bar(
+    axes: "Axes | Sequence[Axes]", mesh: Any, label: str, threshold: float | None = None
+) -> None:
+    """Draw the colour bar that maps of dilutions share, with round ticks, the threshold marked."""
+    dilution = quantity("gdop")
+    bar = colour_bar(axes, mesh, label, extend="both")
     bar.set_ticks(dilution.ticks, labels=[f"{tick:g}" for tick in dilution.ticks])
     bar.ax.minorticks_off()
     if threshold is not None:

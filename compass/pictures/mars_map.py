@@ -47,6 +47,7 @@ class MarsMap:
     def __init__(self, axes: Axes, figure_name: str = "iau-sphere") -> None:
         sphere = "iau-sphere" if figure_name == "iau-ellipsoid" else figure_name
         self.axes = axes
+        self.mesh: QuadMesh | None = None
         self.transformer = Transformer.from_crs(mars_crs(sphere), map_crs(sphere), always_xy=True)
         axes.set_aspect("equal")
         axes.set_axis_off()
@@ -134,16 +135,20 @@ class MarsMap:
         longitude_edges_deg: ArrayLike,
         latitude_edges_deg: ArrayLike,
         values: NDArray[Any],
+        label: str = "",
         **options: Any,
     ) -> QuadMesh:
-        """Draw values given by cell, shape (row, column), each cell in its true outline."""
+        """Draw values given by cell, shape (row, column), each cell in its true outline.
+
+        `label` says what they are to who points at one, where a colour bar does not.
+        """
         lon, lat = np.meshgrid(longitude_edges_deg, latitude_edges_deg)
         x, y = self.project(lon, lat)
-        mesh = self.axes.pcolormesh(x, y, values, rasterized=True, zorder=1, **options)
+        self.mesh = mesh = self.axes.pcolormesh(x, y, values, rasterized=True, zorder=1, **options)
         figure = self.axes.figure
         if isinstance(figure, PlainFigure):
             edges = longitude_edges_deg, latitude_edges_deg
-            figure.fields.append(Field(mesh, *edges, values, self._rim))
+            figure.fields.append(Field(mesh, *edges, values, self._rim, label))
         return mesh
 
     def track(self, longitude_deg: ArrayLike, latitude_deg: ArrayLike, **options: Any) -> None:

@@ -5,8 +5,9 @@ Texts are drawn as they are written: a dollar in a name is a dollar, never the s
 
 import re
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
-from io import BytesIO
 from typing import Any
 
 from matplotlib import font_manager, rc_context
@@ -17,9 +18,8 @@ from matplotlib.text import Text
 from matplotlib.ticker import LogFormatterMathtext
 
 from compass.document import Picture
-from compass.pictures.reading import Field, reading
-
-PNG_DPI = 130
+from compass.pictures.reading import Field, Rows, reading
+from compass.pictures.rendering import letters, rendered
 
 #: Width and height, inches, of a curve that takes half the width of a page: its letters are read.
 HALF = 5.6, 3.5
@@ -58,15 +58,31 @@ class PlainFigure(Figure):
     """A figure that draws every text as it is written, whenever and for whomever it is drawn.
 
     Ticks are made when a figure is drawn, and take what holds then. A letter that no font has is
-    a box, and no matter for a warning. `fields` are the maps in it, whose values can be read.
+    a box, and no matter for a warning. `fields` are the maps in it and `rows` the rows of spans,
+    whose values can be read.
     """
 
     def __init__(self, *given: Any, **options: Any) -> None:
         super().__init__(*given, **options)
         self.fields: list[Field] = []
+        self.rows: list[Rows] = []
 
     def draw(self, renderer: Any) -> None:
         """As any figure is."""
+        with self._plain():
+            super().draw(renderer)
+
+    def settle(self) -> None:
+        """Find once and for all where everything stands; it is drawn there from then on."""
+        engine = self.get_layout_engine()
+        if engine is not None:
+            with self._plain():
+                engine.execute(self)
+            self.set_layout_engine("none")
+
+    @contextmanager
+    def _plain(self) -> Iterator[None]:
+        """Texts as they are written, in the project's look."""
         for axes in self.axes:
             for axis in (axes.xaxis, axes.yaxis):
                 for get, put in (
@@ -80,7 +96,7 @@ class PlainFigure(Figure):
             text.set_parse_math(False)
         with look(), warnings.catch_warnings():
             warnings.filterwarnings("ignore", message="Glyph .* missing from", category=UserWarning)
-            super().draw(renderer)
+            yield
 
 
 class Powers(LogFormatterMathtext):
@@ -140,21 +156,10 @@ def axes_or_new(axes: Axes | None, width: float = 8.0, height: float = 4.5) -> A
 def picture(
     figure: Figure, stem: str, title: str, caption: str, *, wide: bool = False, alt: str = ""
 ) -> Picture:
-    """Render a matplotlib figure to PNG, with its values; the same figure gives the same bytes."""
-    buffer = BytesIO()
-    figure.savefig(buffer, format="png", dpi=PNG_DPI)
-    drawn = lighter(buffer.getvalue(), title)
-    return Picture(stem, title, caption, drawn, wide, alt, reading(figure))
+    """Draw a figure, with its values and how small its letters are.
 
-
-def lighter(png: bytes, title: str) -> bytes:
-    """Return a picture in its 256 most used colours, which takes a third of the bytes."""
-    from PIL import Image
-    from PIL.PngImagePlugin import PngInfo
-
-    words, written = PngInfo(), BytesIO()
-    words.add_itxt("Title", title)
-    with Image.open(BytesIO(png)) as drawn:
-        few = drawn.convert("RGB").quantize(256, dither=Image.Dither.NONE)
-        few.save(written, format="png", optimize=True, pnginfo=words)
-    return written.getvalue()
+    The same figure gives the same bytes.
+    """
+    assert isinstance(figure, PlainFigure)
+    drawn = rendered(figure, title)
+    return Picture(stem, title, caption, drawn, wide, alt, reading(figure), letters(figure))

@@ -170,13 +170,13 @@ def determine_orbits(
     axes[..., :3, :3] = np.moveaxis(radial_along_cross(r, v), 0, 1)
     axes[..., 3, 3] = 1.0
     return Determination(
-        times,
-        axes @ out @ np.swapaxes(axes, -1, -2),
-        tracked * step,
-        orientation,
-        common_time,
-        rows.counts,
-        chosen,
+        times=times,
+        covariance=axes @ out @ np.swapaxes(axes, -1, -2),
+        arc=tracked * step,
+        orientation=orientation,
+        common_time=common_time,
+        counts=rows.counts,
+        tracking=chosen,
     )
 
 

@@ -99,7 +99,12 @@ def measurement_rows(design: Design, tracking: Tracking, times: Array, r: Array,
     variances = np.concatenate([np.zeros(0), *(p[3] for p in parts)])
     first = np.searchsorted(epoch[order], np.arange(len(times) + 1))
     return Rows(
-        first, columns[order], values[order], variances[order], np.array(considered), counts
+        first=first,
+        columns=columns[order],
+        values=values[order],
+        variances=variances[order],
+        considered=np.array(considered),
+        counts=counts,
     )
 
 
@@ -115,7 +120,14 @@ def _sights(
         seen = clear_of(design.figure, np.broadcast_to(earth[:, :3], r.shape), r)
         for complex_ in range(COMPLEXES):
             duty = (times // SHIFT).astype(int) % COMPLEXES == complex_
-            yield _Sight("earth", tracking.earth, seen, away, speed, duty)
+            yield _Sight(
+                kind="earth",
+                tracker=tracking.earth,
+                seen=seen,
+                away=away,
+                speed=speed,
+                on_duty=duty,
+            )
     if tracking.stations is not None:
         for site in design.stations:
             turn = _turn(prime_meridian_angle(epoch, times))
@@ -126,7 +138,15 @@ def _sights(
             elevation = np.arcsin(fixed[..., 2] / np.linalg.norm(fixed, axis=-1))
             azimuth = np.arctan2(fixed[..., 0], fixed[..., 1])
             seen = elevation >= site.mask.at(azimuth)
-            yield _Sight("stations", tracking.stations, seen, away, v - spin, always, turn)
+            yield _Sight(
+                kind="stations",
+                tracker=tracking.stations,
+                seen=seen,
+                away=away,
+                speed=v - spin,
+                on_duty=always,
+                axes=turn,
+            )
     if tracking.moons is not None:
         for name in ("phobos", "deimos"):
             row = moon_row(name, epoch, 0.5 * float(times[-1]))
@@ -134,7 +154,15 @@ def _sights(
             away = r - moon[:, :3]
             seen = clear_of(design.figure, np.broadcast_to(moon[:, :3], r.shape), r)
             axes = np.swapaxes(_orbit_axes(moon), 1, 2)
-            yield _Sight("moons", tracking.moons, seen, away, v - moon[:, 3:], always, axes)
+            yield _Sight(
+                kind="moons",
+                tracker=tracking.moons,
+                seen=seen,
+                away=away,
+                speed=v - moon[:, 3:],
+                on_duty=always,
+                axes=axes,
+            )
 
 
 def _turn(angle: Array) -> Array:

@@ -1,13 +1,16 @@
-"""What a map's figures over all area and time are for sure: brackets beside the samples."""
+"""What a map's figures are for sure, over all area and time, at sites and in regions."""
 
-import os
 from collections.abc import Sequence
+from dataclasses import replace
 
+from compass.cores import cores
+from compass.coverage.areas import AreaFigures, area_figures
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_geometry import CertifiedGeometry, certified_geometry
 from compass.design import Design
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits import repeat_period
+from compass.sites import Site
 from compass.study.mapping import MapOptions, option_mask
 
 
@@ -50,5 +53,47 @@ def certified_figures(
         duration=None if hours is None else hours * 3600.0,
         motion=motion,
         worst=True,
-        effort=effort or Effort(workers=os.cpu_count() or 1),
+        effort=effort or Effort(workers=cores()),
+    )
+
+
+def certified_areas(
+    design: Design,
+    options: MapOptions,
+    sites: Sequence[Site],
+    regions: Sequence[str],
+    effort: Effort | None = None,
+) -> tuple[AreaFigures, ...]:
+    """Figures at sites and in regions, as `compass.coverage.areas.area_figures` gives them.
+
+    For ever where that can be said, else over the map's period.
+
+    Parameters
+    ----------
+    design, options, effort
+        As of `certified_figures`.
+    sites, regions
+        As of a requirement.
+    """
+    if not (sites or regions) or not design.constellation.size:
+        return ()
+    asked = replace(
+        design,
+        motion=design.motion.or_of(options.motion),
+        mask=design.mask if options.mask_deg is None else option_mask(options.mask_deg),
+    )
+    since, hours = options.start_day * SECONDS_PER_DAY, options.duration_h
+    period = repeat_period(design.constellation).duration if hours is None else hours * 3600.0
+    if asked.motion.table is not None:  # no table is asked beyond its end
+        period = min(period, asked.motion.table.stop - since)
+    return area_figures(
+        asked,
+        sites=sites,
+        regions=regions,
+        fold=design.fold if options.fold is None else options.fold,
+        pdop_max=options.pdop_max,
+        error_max=options.error_max_m,
+        span=(since, since + period),
+        limited=bool(since) or hours is not None,
+        effort=effort or Effort(workers=cores()),
     )

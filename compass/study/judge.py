@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.many import bounds, count_in_view, information
+from compass.core.entry.many import bounds, count_in_view, information, own_information
 from compass.digest import digest_of
 from compass.entry.arrivals import draw_arrivals
 from compass.entry.campaign import Campaign, check_sigmas, fly_campaign
-from compass.entry.fisher import noise_variances
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
 from compass.entry.unknowns import NOTHING, Unknowns
 from compass.errors import ArgumentError
@@ -80,6 +79,8 @@ def _fly(request: _Request) -> Campaign:
             electrons=request.electrons,
             density_sigma=request.density_sigma,
             lift_sigma=request.lift_sigma,
+            dispersion=scenario.dispersion,
+            seed=request.seed,
         )
     except ArgumentError as error:  # what is left is the lander's fault
         raise ArgumentError(f"{scenario.label}: {error}") from error
@@ -96,7 +97,8 @@ def campaign_of(
 ) -> Campaign:
     """Entries of the scenario's lander spread over sites, azimuths and time; kept for reuse.
 
-    The scenario's own site, its beacons and the bias of its truth play no role.
+    The scenario's own site, its beacons and the bias of its truth play no role. Where its link
+    counts plasma itself, signals are lost by that alone. Each differs by the scenario's dispersion.
 
     Parameters
     ----------
@@ -107,6 +109,9 @@ def campaign_of(
     electrons, density_sigma, lift_sigma
         As in `compass.entry.campaign.fly_campaign`.
     """
+    link = scenario.measurements.link
+    if link is not None and link.electrons is not None:
+        electrons = None
     return _flown(_Request(scenario, electrons, samples, seed, density_sigma, lift_sigma))
 
 
@@ -147,9 +152,10 @@ def judge_entries(
     A range that arrives with probability lambda is worth ``lambda h^T h / sigma^2`` in
     expectation. The entries begin at their phases of the ground tracks' repeat period.
 
-    Noise is white. What the lander does not know of clocks, orbits and biases is constant through
-    an entry, and counted as far as `unknowns` says. Light time is known, so it changes nothing.
-    What of this does not hold makes errors larger than the bound.
+    Instruments that need no beacon count in full, and features lie about every entry as they do
+    about the scenario's own. Noise is white. What the lander does not know of clocks, orbits and
+    biases is constant through an entry, and counted as far as `unknowns` says. Light time is known,
+    so it changes nothing. What of this does not hold makes errors larger than the bound.
 
     Parameters
     ----------
@@ -172,8 +178,7 @@ def judge_entries(
     Raises
     ------
     ArgumentError
-        Measurements in turn or beside one-way radio, process noise, or
-        a satellite that comes down to the surface.
+        Measurements in turn, process noise, or a satellite that comes down to the surface.
     """
     check_measurements(scenario)
     _check_height(constellation, figure)
@@ -183,13 +188,21 @@ def judge_entries(
     flown = int(campaign.stops.max())
     nodes = int(np.ceil(campaign.times[flown] / NODE_STEP)) + 1
     weights = campaign.arrival_probability * due(scenario, campaign.times)
-    variances = noise_variances(scenario.measurements)
+    measurements, planet = scenario.measurements, campaign.model.planet_radius
+    variances, link = measurements.radio_variances(), measurements.link
+    radio = np.empty(0) if link is None else link.numbers()
+    dimmed = np.zeros(campaign.paths.shape[:2])
+    if link is not None:
+        dimmed = link.dimmed(campaign.paths_to_stops, campaign.model.atmosphere, planet)
     seen = np.zeros((size, campaign.times.size, n), dtype=bool)
-    clock, roots = unknowns.clock_sigmas(), unknowns.roots(n)
+    clock = unknowns.clock_sigmas()
+    roots = unknowns.roots(n, one_way=bool(np.isfinite(variances[:2]).any()))
     d = campaign.gains.shape[3] + clock.size
     packed = d * (d + 1) // 2
     shares, sigma = np.zeros((size, n, packed)), np.empty((size, 1 + n, 2))
     sums, ends = np.zeros((size, 4, packed)), np.zeros((size, 6, d))
+    own = np.zeros((size, 1, packed))
+    sources, readings, kinds = _own_readings(scenario, campaign)
     ends[:, :, : d - clock.size] = campaign.gains[np.arange(size), campaign.stops]
 
     def work(first: int) -> None:
@@ -202,6 +215,8 @@ def judge_entries(
             campaign.stops[part],
             weights[part],
             variances,
+            radio,
+            dimmed[part],
             r,
             v,
             angles[part],
@@ -217,7 +232,17 @@ def judge_entries(
             shares[part],
             sums[part],
         )
-        bounds(shares[part], ends[part], sigma[part])
+        if kinds.size:
+            own_information(
+                campaign.paths[part],
+                campaign.gains[part],
+                campaign.stops[part],
+                sources[part],
+                readings[part],
+                kinds,
+                own[part],
+            )
+        bounds(shares[part], own[part], ends[part], sigma[part])
 
     blocks: Sequence[int] = range(0, size, BLOCK)
     if threads == 1:
@@ -228,10 +253,25 @@ def judge_entries(
             list(pool.map(work, blocks))
     counts = np.zeros((1 + n, 1 + n), dtype=np.int64)
     count_in_view(seen, campaign.stops, counts)
-    total = unpacked(shares.sum(axis=1))
+    total = unpacked(shares.sum(axis=1) + own[:, 0])
     return Judgement(
-        constellation, campaign, unknowns, epochs, seen, counts, total, shares, sigma, ends, sums
-    )
+        constellation, campaign, unknowns, epochs, seen, counts, total, shares, own[:, 0], sigma,
+        ends, sums,
+    )  # fmt: skip
+
+
+def _own_readings(scenario: Scenario, campaign: Campaign) -> tuple[Array, Array, NDArray[np.int64]]:
+    """Sources (m, k + 1, 6), variances (m, t, k + 1, c) and kinds of what needs no beacon.
+
+    Features lie about every entry as they do about the scenario's own.
+    """
+    measurements, planet = scenario.measurements, campaign.model.planet_radius
+    places = measurements.features.places(planet)
+    at = np.einsum("mij,kj->mki", campaign.turns(scenario.state), places)
+    sources = np.zeros((campaign.size, len(places) + 1, 6))
+    sources[:, :-1, :3] = at
+    paths = campaign.paths_to_stops
+    return sources, *measurements.own_readings(campaign.times, paths, at, planet)
 
 
 def due(scenario: Scenario, times: Array) -> NDArray[np.bool_]:
@@ -259,21 +299,18 @@ def check_measurements(scenario: Scenario) -> None:
     Raises
     ------
     ArgumentError
-        Measurements in turn or beside one-way radio, process noise, or
-        further quantities that are not known.
+        Guidance to a target, measurements in turn, process noise, or further quantities that are
+        not known.
     """
     if scenario.measurements.in_turn:
         raise ArgumentError(
             f"{scenario.label}: measurements.in_turn = true: judged is what all satellites in "
             "view tell at once; set it to false"
         )
-    others = [one.kind for one in scenario.measurements.instruments]
-    if scenario.measurements.link is not None:
-        others.append("link")
-    if others:
+    if scenario.guidance is not None:
         raise ArgumentError(
-            f"{scenario.label}: measurements: {', '.join(others)}: judged are ranges and range "
-            "rates one way, of one noise; leave these tables out"
+            f"{scenario.label}: guidance: judged are entries anywhere, which fly the bank of the "
+            "vehicle; leave the table out"
         )
     if np.any(scenario.settings.noise):
         raise ArgumentError(

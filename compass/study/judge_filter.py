@@ -1,6 +1,5 @@
 """Finalists put to the test: the filter itself, run many times on a constellation."""
 
-import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.cores import cores
 from compass.entry.beacons import Beacons, orbiting_beacons
 from compass.entry.consistency import FALSE_ALARM, nees_bounds
 from compass.entry.layout import Part
@@ -109,7 +109,7 @@ def judge_filter(
         constellation, campaign, scenario, figure=figure, mask=mask, unknowns=unknowns
     )
     streams = np.random.SeedSequence(seed).spawn(campaign.size)
-    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+    with ThreadPoolExecutor(cores(threads)) as pool:
         work = pool.map(
             lambda m: _run(found, scenario, m, each, streams[m], parts_of_air), range(campaign.size)
         )
@@ -185,11 +185,19 @@ def _run(
     count = beacons.times.size
     spread = campaign.spreads[entry, :6, :6]
     path = campaign.paths[entry, :count]
-    parts = found.unknowns.parts(beacons, path, campaign.model.omega)
+    measurements = scenario.measurements
+    one_way = measurements.range_sigma is not None or measurements.rate_sigma is not None
+    parts = found.unknowns.parts(beacons, path, campaign.model.omega, one_way=one_way)
+    radius, turn = campaign.model.planet_radius, campaign.turns(scenario.state)[entry]
+    measurements = replace(measurements, features=measurements.features.moved(radius, turn))
     settings = replace(
         scenario.settings, covariance0=spread @ spread.T, parts=(*parts_of_air, *parts)
     )
-    truth = fly(scenario.truth, spherical_of(campaign.paths[entry, 0]), beacons.times)
+    thicker, lift = campaign.worlds[entry]
+    world = scenario.truth.truth(density_bias=float(np.expm1(thicker)))
+    craft = world.vehicle
+    world = replace(world, vehicle=replace(craft, lift_to_drag=craft.lift_to_drag + float(lift)))
+    truth = fly(world, spherical_of(campaign.paths[entry, 0]), beacons.times)
     if truth.times.size < count:
         raise ArgumentError(
             f"{scenario.label}: entry {entry + 1}: {truth.ending}, before its deployment at "
@@ -206,7 +214,7 @@ def _run(
                 truth,
                 beacons,
                 taken,
-                scenario.measurements,
+                measurements,
                 settings,
                 runs=1,
                 seed=int(own.generate_state(1, np.uint64)[0]),

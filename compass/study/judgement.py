@@ -33,6 +33,8 @@ class Judgement:
         Without prior, in prior-whitened coordinates, (m, d, d).
     shares
         The same by satellite, packed, (m, n, d (d + 1)/2).
+    own
+        Of what needs no satellite, packed, (m, d (d + 1)/2).
     sigma
         Posterior Cramer-Rao sigma of position (m) and velocity (m/s) at deployment, (m, 1 + n,
         2): with all satellites, then without each of them.
@@ -48,6 +50,7 @@ class Judgement:
     counts: NDArray[np.int64]
     information: Array
     shares: Array
+    own: Array
     sigma: Array
     ends: Array
     sums: Array
@@ -89,6 +92,7 @@ class Judgement:
         """
         place, count = self.ends[:, :3], self.ends.shape[2]
         plain, spoilt, orbits, biases = np.moveaxis(unpacked(self.sums), 1, 0)
+        own = unpacked(self.own)
 
         def rms(matrix: Array, known: Array = self.information) -> float:
             gain = np.linalg.solve(np.eye(count) + known, np.swapaxes(place, 1, 2))
@@ -100,11 +104,13 @@ class Judgement:
             name: rms(np.broadcast_to(np.diag([float(n == name) for n in names]), plain.shape))
             for name in dict.fromkeys(names)
         }
-        parts["noise of the ranges"] = rms(self.information - orbits - biases)
+        parts["noise of the ranges"] = rms(self.information - own - orbits - biases)
+        if own.any():
+            parts["noise of the instruments"] = rms(own)
         parts["satellites' orbits and clocks"] = rms(orbits)
         parts["biases of the ranges"] = rms(biases)
         parts["all"] = float(np.sqrt(np.mean(self.position_sigma**2)))
-        parts["ignored"] = rms(np.eye(count) + plain + spoilt, plain)
+        parts["ignored"] = rms(np.eye(count) + plain + own + spoilt, plain + own)
         return parts
 
     @property
@@ -129,7 +135,7 @@ class Judgement:
         counts, f = self.counts[column], self.information
         if lost is not None:
             kept = np.delete(self.shares, lost, axis=1).sum(axis=1)
-            f = unpacked(kept)
+            f = unpacked(kept + self.own)
         spectrum, blind = self._spectrum(f)
         with np.errstate(divide="ignore"):
             log_det = np.log(np.where(blind[:, None], 0.0, spectrum)).sum(axis=1)

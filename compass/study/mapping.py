@@ -1,6 +1,5 @@
 """From a design to its coverage map, with the provenance that the map carries."""
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -10,6 +9,7 @@ import numpy as np
 
 import compass
 from compass.conventions import epoch_text
+from compass.cores import cores
 from compass.coverage.errors import error_map
 from compass.coverage.gaps import coverage_gaps, shortest_pass
 from compass.coverage.grid import Grid, make_grid
@@ -24,6 +24,7 @@ from compass.orbits import RepeatPeriod, repeat_period
 from compass.orbits.motion import Motion, MotionModel
 from compass.signal.ranges import Weighting, range_errors
 from compass.sites import Mask
+from compass.words import counted
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,6 +40,9 @@ MAX_START_DAY = 36525.0
 POSITION_BYTES, INTEGRATED_BYTES, CELL_BYTES, ROW_BYTES = 40, 110, 180, 25
 # And with errors besides, in the same order; their forms are made of all epochs at once.
 ERROR_POSITION_BYTES, ERROR_CELL_BYTES, ERROR_ROW_BYTES = 700, 50, 20
+# Seconds of one core, as measured (`tox -e bench` shows them): a cell at an epoch, and every
+# satellite of it; a satellite of it where errors are asked for; gaps are a satellite of it too.
+CELL_S, SATELLITE_S, ERROR_SATELLITE_S = 4e-8, 9e-10, 8e-9
 
 
 @dataclass(frozen=True)
@@ -103,15 +107,26 @@ class DesignMap:
     repeat: RepeatPeriod
 
 
+@dataclass(frozen=True)
+class Cost:
+    """What a map will take of this machine: seconds, to a factor of two, and bytes."""
+
+    seconds: float
+    bytes: float
+
+
 def make_map(
     design: Design,
     options: MapOptions | None = None,
     command: str = "",
     *,
     workers: int | None = None,
+    foretell: Callable[[Cost], None] = lambda cost: None,
     progress: Callable[[int], None] = lambda rows: None,
 ) -> DesignMap:
     """Map a design over one repeat period of its ground tracks (or over a given duration).
+
+    What it will take is told to `foretell` before it is begun.
 
     Raises
     ------
@@ -145,9 +160,15 @@ def make_map(
     motion = design.motion.or_of(chosen.motion)
     figure = design.figure
     grid = make_grid(chosen.grid, chosen.step_deg, figure.polar_radius / figure.equatorial_radius)
-    check_memory(
-        design.constellation.size, chosen.epochs, grid, workers, motion, design.signal is not None
+    size, in_metres = design.constellation.size, design.signal is not None
+    cost = map_cost(size, chosen.epochs, grid, workers, motion, in_metres)
+    check_fits(
+        cost.bytes,
+        f"map: {counted(size, 'satellite')} at {counted(chosen.epochs, 'epoch')} on {grid.rows} by "
+        f"{grid.columns} cells",
+        "ask for fewer epochs or larger cells",
     )
+    foretell(cost)
     sphere = figure.equatorial_radius
     fold = design.fold if chosen.fold is None else chosen.fold
     seen = view(design.constellation, times, sphere, mask, motion)
@@ -196,42 +217,36 @@ def make_map(
     return DesignMap(dataset, grid, seen, repeat)
 
 
-def check_memory(
+def map_cost(
     satellites: int,
     epochs: int,
     grid: Grid,
     workers: int | None,
     motion: Motion,
     errors: bool = False,
-) -> None:
-    """Refuse a map that does not fit into this machine's memory.
+) -> Cost:
+    """Work out what a map will take.
 
-    Counted are the positions of every satellite at every epoch (with what is made on the way to
+    Held are the positions of every satellite at every epoch (with what is made on the way to
     them, where that is not done in pieces), the figures of every cell, and the dilutions of a row
     that each thread sorts.
-
-    Raises
-    ------
-    ArgumentError
-        With how much it would take and how much there is.
     """
-    threads = workers or (os.cpu_count() or 1)
+    threads = cores(workers)
+    cells = grid.rows * grid.columns
     needed = (
         (POSITION_BYTES if motion.is_closed_form else INTEGRATED_BYTES) * satellites * epochs
-        + CELL_BYTES * grid.rows * grid.columns
+        + CELL_BYTES * cells
         + ROW_BYTES * threads * grid.columns * epochs
     )
+    seconds = CELL_S + SATELLITE_S * satellites
     if errors:
         needed += (
             ERROR_POSITION_BYTES * satellites * epochs
-            + ERROR_CELL_BYTES * grid.rows * grid.columns
+            + ERROR_CELL_BYTES * cells
             + ERROR_ROW_BYTES * threads * grid.columns * epochs
         )
-    check_fits(
-        needed,
-        f"map: {satellites} satellites at {epochs} epochs on {grid.rows} by {grid.columns} cells",
-        "ask for fewer epochs or larger cells",
-    )
+        seconds += ERROR_SATELLITE_S * satellites
+    return Cost(seconds * cells * epochs / threads, needed)
 
 
 def closes(motion: Motion, repeat: RepeatPeriod) -> bool:

@@ -6,7 +6,6 @@ from numpy.typing import NDArray
 from compass.bodies import MARS_GM, sidereal_day
 from compass.core.entry.patterns import judge_patterns
 from compass.entry.doubts import NO_DOUBTS
-from compass.entry.fisher import noise_variances
 from compass.errors import ArgumentError
 from compass.frames import prime_meridian_angle
 from compass.inputs.study import Study
@@ -46,7 +45,8 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         As `compass.study.judge.judge_entries`.
     """
     assert study.entry is not None
-    if study.entry.doubts != NO_DOUBTS:  # what the kernel of many patterns does not carry
+    plain = study.entry.scenario.measurements.plain
+    if study.entry.doubts != NO_DOUBTS or not plain:  # the kernel of many patterns carries none
         each = [judged(study, make_constellation(row), float(row["mask_deg"])) for row in rows]
         return {name: np.array([one[name] for one in each]) for name in merits_of("entry")}
     scenario, sphere = study.entry.scenario, study.figure.equatorial_radius
@@ -79,7 +79,7 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         campaign.gains,
         campaign.stops,
         campaign.arrival_probability * due(scenario, campaign.times),
-        noise_variances(scenario.measurements),
+        scenario.measurements.radio_variances()[:2],
         campaign.model.omega,
         float(campaign.times[1]),
         sphere,

@@ -7,6 +7,8 @@ from typing import Any
 from compass.design import Design
 from compass.entry.arrivals import draw_arrivals
 from compass.entry.doubts import NO_DOUBTS, Doubts
+from compass.entry.guidance import Dispersion
+from compass.entry.schedule import Measurements
 from compass.errors import ArgumentError, said_of
 from compass.inputs.scenario import Scenario
 from compass.study.judge import campaign_of, check_lander, judge_entries
@@ -151,10 +153,36 @@ def rank_designs(
         "density_sigma": density_sigma,
         "lift_sigma": lift_sigma,
         "doubts": asdict(doubts),
-        "counted": doubts.sentence([d.name for d in designs if d.signal is not None]),
+        "counted": doubts.sentence([d.name for d in designs if d.signal is not None])
+        + measured_words(scenario.measurements)
+        + dispersed_words(scenario.dispersion),
         "designs": [{"rank": rank + 1, **rows[k]} for rank, k in enumerate(order)],
     }
     return Ranking(record, tuple(kept[k] for k in order))
+
+
+def measured_words(measurements: Measurements) -> str:
+    """Say what is measured beside ranges and rates one way of one noise; nothing if nothing is."""
+    words = ""
+    if measurements.link is not None:
+        words += " Ranges have the noise of the link; a satellite too faint for it is not in view."
+    if measurements.instruments:
+        named = ", ".join(one.title for one in measurements.instruments)
+        words += f" Measured beside one-way radio: {named}."
+    if measurements.features.names:
+        words += " Features lie about every entry as they do about the scenario's own."
+    return words
+
+
+def dispersed_words(dispersion: Dispersion | None) -> str:
+    """Say how far the entries are from the planned one; nothing if they are not."""
+    if dispersion is None:
+        return ""
+    return (
+        f" Entries differ from the planned one by {dispersion.position:g} m and "
+        f"{dispersion.velocity:g} m/s on each axis, {100 * dispersion.density:g} % of density and "
+        f"{dispersion.lift:g} of L/D (1 sigma)."
+    )
 
 
 def check_ranking(goal: float, finalists: int, runs: int) -> None:

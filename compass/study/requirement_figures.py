@@ -35,7 +35,7 @@ def requirement_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.flo
 
 def settled(study: Study, c: Constellation, mask: float) -> dict[str, float]:
     """Figures of a constellation: once a requirement is missed, those after it are not asked."""
-    design = Design(c, figure=study.figure, mask=Mask.constant(mask))
+    design = Design(c, figure=study.figure, mask=Mask.constant(mask), signal=study.signal)
     verdicts: list[Verdict] = []
     for wanted in study.requirements:
         verdicts.append(_decided(design, wanted))

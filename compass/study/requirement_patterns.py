@@ -8,6 +8,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.coverage.certified_ranges import ranges_wanted
 from compass.coverage.fold_verdict import users_of
 from compass.orbits import Pattern
 from compass.orbits.constellation import from_pattern
@@ -58,7 +59,7 @@ def sampled(
     first = from_pattern(tried[0].pattern, question.radius, repeat=question.repeat)
     design = question.design(first)
     moments = [
-        moments_of(first, users, wanted)
+        moments_of(first, users, wanted, ranges_wanted(design, wanted, "set"))
         for wanted in question.requirements
         for users in users_of(design, wanted)
     ]

@@ -9,6 +9,7 @@ from compass.coverage.verdict import Verdict
 from compass.design import Design, Requirement
 from compass.frames import Figure
 from compass.orbits import Constellation
+from compass.ranging import Signal
 from compass.sites import Mask
 
 
@@ -103,7 +104,7 @@ class Question:
 
     Attributes
     ----------
-    requirements, figure, mask
+    requirements, figure, mask, signal
         As of a design.
     radius, repeat
         Of the circular orbits, metres; and how their tracks close, if that is declared.
@@ -126,6 +127,7 @@ class Question:
     kinds: tuple[str, ...]
     largest: int
     budget_s: float | None = None
+    signal: Signal | None = None
 
     @property
     def always(self) -> tuple[Requirement, ...]:
@@ -145,4 +147,4 @@ class Question:
 
     def design(self, constellation: Constellation) -> Design:
         """Design of a candidate."""
-        return Design(constellation, figure=self.figure, mask=self.mask)
+        return Design(constellation, figure=self.figure, mask=self.mask, signal=self.signal)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from compass.bodies import MARS_ROTATION_RATE
 from compass.core.pattern_samples import sample_pattern
 from compass.coverage.certified_question import DOPS
+from compass.coverage.certified_ranges import ERROR_DOPS, Ranges, sigma_allowed
 from compass.coverage.region import Region
 from compass.coverage.users import Users
 from compass.design import Requirement
@@ -38,11 +39,14 @@ class Moments:
         As `compass.core.pattern_samples.sample_pattern` takes them.
     users, wanted
         Whose they are, and the requirement.
+    least_range
+        What no range's error is below, m, where errors are wanted.
     """
 
     rows: NDArray[np.float64]
     users: Users
     wanted: Requirement
+    least_range: float = 0.0
 
     @property
     def fold(self) -> int:
@@ -74,9 +78,7 @@ class Moments:
         share, worst
             Of the candidates so far, shape (k,): those of share 0 are not looked at.
         """
-        limits = np.full(len(DOPS), np.inf)
-        for name, limit in self.wanted.limits:
-            limits[DOPS.index(name)] = limit
+        limits = self._limits()
         mask = self.users.mask
         azimuths, elevations = np.array(mask.azimuth), np.array(mask.elevation) + self.users.below
         if mask.is_constant:
@@ -97,8 +99,20 @@ class Moments:
             worst,
         )
 
+    def _limits(self) -> NDArray[np.float64]:
+        """Largest dilutions allowed; of errors what they must stay below if every range is best."""
+        limits = np.full(len(DOPS), np.inf)
+        for name, limit in self.wanted.limits:
+            k = DOPS.index(ERROR_DOPS.get(name, name))
+            if name in ERROR_DOPS:
+                limit = sigma_allowed(self.wanted, limit) / self.least_range
+            limits[k] = min(limits[k], limit)
+        return limits
 
-def moments_of(c: Constellation, users: Users, wanted: Requirement) -> Moments:
+
+def moments_of(
+    c: Constellation, users: Users, wanted: Requirement, ranges: Ranges | None = None
+) -> Moments:
     """Random moments of users under orbits of that radius, epoch and repeat, always the same."""
     times, latitude, longitude = _moments(c, users, np.random.default_rng(0))
     axes = east_north_up(latitude, longitude)
@@ -111,7 +125,13 @@ def moments_of(c: Constellation, users: Users, wanted: Requirement) -> Moments:
             np.sin(phase),
         ]
     )
-    return Moments(np.ascontiguousarray(rows), users, wanted)
+    least = 0.0
+    if ranges is not None:
+        nearest = float(c.semi_major_axis[0]) / users.figure.equatorial_radius - 1.0
+        least = np.sqrt(
+            ranges.least(max(nearest - users.height / users.figure.equatorial_radius, 0.0))
+        )
+    return Moments(np.ascontiguousarray(rows), users, wanted, float(least))
 
 
 def is_hopeless(share: NDArray[np.float64], wanted: float) -> NDArray[np.bool_]:

@@ -154,9 +154,16 @@ def first_front(study: Study, results: "xr.Dataset") -> list[dict[str, Any]]:
 
 
 def write_results(dataset: "xr.Dataset", path: Path) -> None:
-    """Write the dataset as netCDF, so that a kill leaves the old file or the new one."""
-    from compass.saving import save_netcdf
+    """Write the dataset as netCDF, and beside it as CSV, a candidate a line.
+
+    A kill leaves the old files or the new ones. What is not known is an empty cell.
+    """
+    from compass.saving import replacing, save_netcdf, write_csv
 
     yes_no = ("feasible", "straddling", "decided")
     made = dataset.assign({name: dataset[name].astype("i1") for name in yes_no})
     save_netcdf(path, made.assign_attrs(history=f"compass trade, version {compass.__version__}"))
+    columns = [made[name].values.tolist() for name in made.data_vars]
+    rows = ([None if x != x else x for x in row] for row in zip(*columns, strict=True))
+    with replacing(path.with_suffix(".csv")) as temporary:
+        write_csv(temporary, [str(name) for name in made.data_vars], rows)

@@ -14,7 +14,7 @@ from compass.coverage.certificate import prove_fold
 from compass.coverage.certified_geometry import CertifiedGeometry, certified_geometry
 from compass.coverage.margin import covering_radius
 from compass.coverage.symmetry import shortest_span
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, whole_number
 from compass.frames import Figure
 from compass.orbits import Constellation, Pattern
 from compass.orbits.constellation import from_pattern
@@ -152,8 +152,7 @@ def search(
     kind_of(kind)
     if not 1 <= largest <= MOST_SATELLITES:
         raise ArgumentError(f"max_satellites = {largest}: allowed 1 to {MOST_SATELLITES}")
-    if fold < 1:
-        raise ArgumentError(f"fold = {fold}: must be a whole number from 1 on")
+    whole_number("fold", fold, 1)
     if not 0 <= mask < np.pi / 2:
         raise ArgumentError(f"mask_deg = {np.degrees(mask):g}: allowed 0 up to below 90")
     if finalists < 0:

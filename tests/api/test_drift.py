@@ -348,3 +348,46 @@ def test_what_a_design_requires_decides_and_not_its_fold_everywhere(wanted):
     unsure = replace(wanted, promises=wanted.promises[3:])
     assert unsure.holds
     assert "UNDECIDED: 1 requirement(s)" in text(unsure.document())
+
+
+@pytest.mark.slow
+def test_without_another_question_the_place_that_is_lost_first_is_followed(wanted):
+    """Nobody asked for the whole sphere, which one satellite never sees; radii likewise."""
+    design = replace(wanted.design, requirements=wanted.design.requirements[:1])
+    kept = compass.drift(design, days=0.02, radius_km=[20000.0])
+    assert kept.holds
+    assert (kept.lasting.lasting.region.name, kept.mask_deg) == ("below", 0.0)
+    assert "above 0 deg, below, 0.02 days" in text(kept.document())
+    assert "over its own vertical" in kept.to_dict()["figure"]
+    assert kept.drift.box == kept.promises[0].box
+    (lower,) = kept.radii
+    assert (lower.days_proven, lower.first_loss_days) == (0.02, None)
+    both = replace(design, requirements=wanted.design.requirements[:2])
+    lost = compass.drift(both, days=0.02, radius_km=[20000.0])
+    assert lost.to_dict()["region"] == "behind"
+    assert lost.radii[0].days_proven == 0.0
+    assert compass.drift(both, days=0.02, region="globe").to_dict()["region"] == "whole sphere"
+
+
+def test_losses_are_as_many_more_in_view(wanted):
+    """One of one satellite lost, none is left: lost at once, wherever."""
+    seen = replace(wanted.design.requirements[0], losses=1)
+    out = compass.drift(replace(wanted.design, requirements=(seen,)), days=0.02)
+    assert out.promises[0].outcome is Outcome.REFUTED
+    assert out.drift.lasting.fold == 2
+
+
+@pytest.mark.slow
+def test_geometry_is_told_stretch_by_stretch(wanted):
+    """One satellite never makes a fix: missed from the beginning, always and for a share."""
+    places = wanted.design.requirements[0].sites
+    always = compass.Requirement.of("always", sites=places, pdop_at_most=6)
+    often = compass.Requirement.of("often", sites=places, fold=4, pdop_at_most=6, share=0.9)
+    found = compass.drift(replace(wanted.design, requirements=(always, often)), days=0.02)
+    first, second = found.to_dict()["requirements"]
+    assert (first["outcome"], second["outcome"]) == ("refuted", "refuted")
+    assert (second["days_proven"], second["first_loss_days"]) == (0.0, 0.02)
+    assert (second["share"], second["place"]) == ([0.0, 0.0], "below")
+    said = " ".join(text(found.document()).split())
+    assert "geometry is settled in stretches of up to 7 days between proven bounds, always" in said
+    assert "0 to 0 % in the days 0 to 0.02" in said

@@ -137,7 +137,7 @@ def test_infinite_percentiles_are_null(run, designs):
         (["--epochs", "0"], "--epochs = 0: allowed 1 to"),
         (["--epochs", "many"], "not a valid integer"),
         (["--duration-h", "0"], "--duration-h = 0.0: must be above 0"),
-        (["--fold", "0"], "--fold = 0: must be at least 1"),
+        (["--fold", "0"], "--fold = 0: must be a whole number from 1"),
         (["--pdop-max", "0"], "--pdop-max = 0: a dilution of precision to ask for is 1 or more"),
         (["--grid", "hex"], "is not one of"),
         (["--time-series"], "needs a file to write to"),
@@ -146,6 +146,7 @@ def test_infinite_percentiles_are_null(run, designs):
         (["-o", "{folder}/no/x.nc"], "does not exist"),
         (["-o", "{folder}/x", "--figure", "{folder}/x"], "give another name"),
         ([*SMALL, "--figure", "{folder}/x", "--of", "dop"], "--of = 'dop': not a map; allowed"),
+        ([*SMALL, "--of", "pdop"], "--of pdop: needs a picture; add --figure FILE.png"),
     ],
 )
 def test_bad_options_are_one_message_and_exit_2(run, seed, tmp_path, arguments, message):

@@ -50,11 +50,11 @@ def test_entry_tells_all(coarse, tmp_path):
     assert "Navigation (5 runs" in result.stdout
     assert "2000 m/s" in result.stdout
     assert sorted(p.name for p in folder.iterdir()) == [
-        "entry-flight.png",
-        "entry-map.png",
-        "entry-navigation.png",
-        "entry-observability.png",
-        "entry-view.png",
+        "entry-flight.svg",
+        "entry-map.svg",
+        "entry-navigation.svg",
+        "entry-observability.svg",
+        "entry-view.svg",
     ]
     with xr.open_dataset(output, engine="h5netcdf") as data:
         assert data.sizes["time"] == 11
@@ -145,7 +145,7 @@ def test_optimize(coarse, tmp_path, what):
     result = run("optimize", path, "--figures", tmp_path / "p")
     assert result.exit_code == 0, result.output
     assert "Best beacons" in result.stdout and ": Best " in result.stdout
-    assert (tmp_path / "p" / "best-convergence.png").exists()
+    assert (tmp_path / "p" / "best-convergence.svg").exists()
     facts = json.loads(run("optimize", path, "--json").stdout)
     assert facts["what"] == what
     assert len(facts["beacons"]) == 3

@@ -85,9 +85,14 @@ def test_a_refusal_names_the_option_or_the_file(message, arguments, said):
     [
         (
             "orbit: needs exactly one of radius_km and repeat; found none",
-            "--orbit: needs exactly one of --radius-km and repeat; found none",
+            "--orbit: needs exactly one of --radius-km and --repeat; found none",
         ),
         ("max_satellites = 0: one or more", "--max-satellites = 0: one or more"),
+        ("fold, orbit and repeat; fold 3", "--fold, --orbit and --repeat; fold 3"),
+        (
+            "max_satellites = 3: not with orbit and repeat",
+            "--max-satellites = 3: not with --orbit and --repeat",
+        ),
         ("orbiting: no_option of ours", "orbiting: no_option of ours"),
     ],
 )

@@ -84,7 +84,7 @@ def test_trade_then_report(study, run, tmp_path, designs, coarse):
     ):
         assert title in page
     assert json.loads((folder / "summary.json").read_text()) | {"page": summary["page"]} == summary
-    pictures = {p.stem for p in folder.glob("*.png")}
+    pictures = {p.stem for p in folder.glob("*.*g")}
     assert {"finalist-maps", "sensitivity-share", "front-satellites-delta-v-total-m-s"} <= pictures
     status, out, _ = run("report", path)
     assert status == 0 and out.startswith("report: reports/tiny")
@@ -121,7 +121,7 @@ def test_candidates_that_raise_say_why(study, run, monkeypatch):
 
 
 def test_a_large_pool_is_offered_by_default(study, run, monkeypatch):
-    monkeypatch.setattr("os.cpu_count", lambda: 1)
+    monkeypatch.setattr("compass.api.trade.cores", lambda asked: asked or 1)
     status, out, _ = run("trade", study(), "-o", "elsewhere", "--json")
     assert status == 0 and json.loads(out)["store"] == "elsewhere"
 

@@ -3,13 +3,24 @@
 import numpy as np
 import pytest
 
-from compass.core.certified.cuts import BROKEN, CUT, EXPANSION, KEPT, SCRATCH, cuts, projector
+from compass.core.certified.cuts import (
+    BROKEN,
+    CUT,
+    EXPANSION,
+    KEPT,
+    MOVING,
+    SCRATCH,
+    cuts,
+    projector,
+)
 from compass.core.certified.shares import BOX, look, measure, of_measure, region_parts
 from compass.core.certified.sights import (
     BEND,
     FIRST,
     HIGH,
+    LAST,
     LOW,
+    NUMBERS,
     SECOND,
     WIDTH,
     mask_range,
@@ -19,12 +30,25 @@ from compass.core.certified.sights import (
 )
 from compass.core.certified.volumes import volume
 from compass.coverage.certified_domain import domain_of
+from compass.coverage.certified_ranges import Ranges
 from compass.frames import FIGURES
 from compass.orbits import walker_delta
 from compass.orbits.constellation import keplerian
 
 MANY = 400
 FEW = 12
+
+#: Variance, m^2, in which weights are counted here.
+SCALE = 9.0
+
+
+def random_ranges(generator, n):
+    """Correlated errors of places and clocks, noise, loop and ionosphere; some with a part only."""
+    half = generator.normal(size=(n, 4, 4)) * [2.0, 8.0, 5.0, 3.0]
+    covariance = np.swapaxes(half, 1, 2) @ half + np.diag([1.0, 1.0, 1.0, 9.0])
+    zenith, a, b, delay = generator.uniform(0, 2, 4) * generator.integers(0, 2, 4)
+    numbers = (generator.uniform(0, 1), zenith, a, 0.1 * b, delay, 0.917)
+    return Ranges(covariance, numbers, 3.4e6)
 
 
 def random_orbits(generator):
@@ -41,7 +65,7 @@ def random_orbits(generator):
 class Case:
     """A random box over a random constellation, with its bounds."""
 
-    def __init__(self, seed, level=False):
+    def __init__(self, seed, level=False, weighed=False):
         self.generator = g = np.random.default_rng(seed)
         figure = FIGURES["iau-ellipsoid" if seed % 2 else "iau-sphere"]
         self.domain = domain_of(random_orbits(g), figure, duration=1e5)
@@ -56,10 +80,16 @@ class Case:
         self.user = np.zeros(25)
         place(self.box, self.e2, 0.0, self.user)
         n = len(self.domain.orbits)
+        self.numbers, self.ranges = np.zeros(NUMBERS), random_ranges(g, n) if weighed else None
+        self.orbits = self.domain.orbits
+        if weighed:
+            columns = self.ranges.columns(self.orbits, SCALE)
+            self.orbits = np.hstack([self.orbits, columns])
+            self.numbers = np.append(self.numbers, self.ranges.shared_row(SCALE))
         self.rows, self.kinds = np.zeros((n + 1, WIDTH)), np.zeros(n + 1, dtype=np.int64)
         q, dq = self.motion(self.box[2])
         self.count = sights(
-            self.box, self.user, self.domain.orbits, q, dq, 0.0, level, np.zeros(1),
+            self.box, self.user, self.orbits, q, dq, self.numbers, level, np.zeros(1),
             np.array([self.mask]), self.rows, self.kinds,
         )  # fmt: skip
 
@@ -81,10 +111,36 @@ class Case:
         e = sight / far[:, np.newaxis]
         return up, e, sight @ up - np.sin(self.mask) * far
 
+    def weights(self, u):
+        """One over the sigma of every range, exactly, from the orbits' elements."""
+        if self.ranges is None:
+            return np.ones(len(self.orbits))
+        up, e, _ = self.at(u)
+        b, _, t = self.box[:3] + self.box[3:6] * u
+        q, _ = self.motion(t)
+        normal = 1 / np.sqrt(1 - self.e2 * np.sin(b) ** 2)
+        d2 = ((q - normal * up * [1, 1, 1 - self.e2]) ** 2).sum(axis=1)
+        node = self.orbits[:, 4] + self.orbits[:, 7] * t
+        cross = np.stack([self.orbits[:, 3] * np.sin(node), -self.orbits[:, 3] * np.cos(node),
+                          self.orbits[:, 2]], axis=1)  # fmt: skip
+        radial = q / np.linalg.norm(q, axis=1, keepdims=True)
+        along = np.cross(cross, radial)
+        x = np.stack([(e * radial).sum(1), (e * along).sum(1), (e * cross).sum(1), np.ones(len(e))])
+        noise, zenith, a, b, delay2, shell2 = self.ranges.numbers
+        sine = e @ up
+        square = np.einsum("in,nij,jn->n", x, self.ranges.covariance, x)
+        square += a * d2 + b * d2**2 + delay2 / (1 - shell2 * (1 - sine**2))
+        if not zenith:
+            return np.sqrt(SCALE / (square + noise**2))
+        # as far as the horizon the same, below it what goes on from there
+        return np.sqrt(SCALE) * sine / np.sqrt(square * sine**2 + (noise * sine + zenith) ** 2)
+
     def names(self):
         """Which satellite each row is."""
         _, e, _ = self.at(np.zeros(3))
-        near = np.linalg.norm(self.rows[: self.count, np.newaxis, :3] - e, axis=2)
+        away = self.rows[: self.count, np.newaxis, :3]
+        away = away / np.linalg.norm(away, axis=2, keepdims=True)
+        near = np.minimum(np.linalg.norm(away - e, axis=2), np.linalg.norm(away + e, axis=2))
         return near.argmin(axis=1)
 
 
@@ -126,8 +182,29 @@ def test_lines_of_sight_stay_within_their_bounds(seeds):
     assert seen > 10 * seeds
 
 
-def dilution(e, up, dop):
-    rows = np.column_stack([e, np.ones(len(e))])
+@pytest.mark.parametrize("seeds", [FEW, pytest.param(MANY, marks=pytest.mark.slow)])
+def test_weighed_rows_stay_within_their_bounds(seeds):
+    seen = 0
+    for seed in range(seeds):
+        case = Case(seed, weighed=True)
+        if case.count < 0:
+            continue
+        names = case.names()
+        for u in case.generator.uniform(-1, 1, (6, 3)):
+            _, e, _ = case.at(u)
+            weights = case.weights(u)
+            for row, k in zip(case.rows, names, strict=False):
+                away = weights[k] * np.append(e[k], 1.0)
+                middle = np.append(row[:3], row[LAST])
+                slopes = np.hstack([row[3:12].reshape(3, 3), row[LAST + 1 : LAST + 4, np.newaxis]])
+                assert np.linalg.norm(away - middle - u @ slopes) <= 0.5 * row[SECOND] + 1e-13
+                assert np.linalg.norm(away - middle) <= row[FIRST] + 1e-13
+                seen += 1
+    assert seen > 10 * seeds
+
+
+def dilution(e, up, dop, weights):
+    rows = np.column_stack([e, np.ones(len(e))]) * weights[:, np.newaxis]
     inverse = np.linalg.inv(rows.T @ rows)
     vertical = up @ inverse[:3, :3] @ up
     position = np.trace(inverse[:3, :3])
@@ -135,22 +212,26 @@ def dilution(e, up, dop):
 
 
 @pytest.mark.parametrize("seeds", [FEW, pytest.param(MANY, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("weighed", [False, True])
 @pytest.mark.parametrize("dop", range(5))
-def test_what_is_cut_off_keeps_and_breaks_the_limit(dop, seeds):
+def test_what_is_cut_off_keeps_and_breaks_the_limit(dop, weighed, seeds):
     decided = 0
     scratch, cut = np.zeros(SCRATCH), np.zeros(CUT + EXPANSION)
     for seed in range(seeds):
-        case = Case(seed, dop in (2, 3))
+        case = Case(seed, dop in (2, 3), weighed)
         if case.count < 5:
             continue
         names = case.names()
         projector(dop, case.user, scratch)
+        scratch[MOVING] = float(weighed)
         up, e, _ = case.at(np.zeros(3))
-        square = dilution(e[names], up, dop) * case.generator.uniform(0.8, 1.2)
+        square = dilution(
+            e[names], up, dop, case.weights(np.zeros(3))[names]
+        ) * case.generator.uniform(0.8, 1.2)
         cuts(case.rows, case.kinds, case.count, False, True, square, scratch, cut)
         for u in case.generator.uniform(-1, 1, (8, 3)):
             up, e, _ = case.at(u)
-            here = dilution(e[names], up, dop)
+            here = dilution(e[names], up, dop, case.weights(u)[names])
             if u @ cut[KEPT + 1 : KEPT + 4] >= cut[KEPT]:
                 assert here <= square
                 decided += 1

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import compass
 from compass.core.ionosphere import grazing
-from compass.coverage.errors import ERRORS, FACTOR_95, error_map
+from compass.coverage.errors import ERRORS, error_map
 from compass.coverage.grid import make_grid
 from compass.coverage.view import view
 from compass.design import Design, Radio
@@ -18,7 +18,7 @@ from compass.frames import mcmf_from_mci, prime_meridian_angle
 from compass.orbits import walker_delta
 from compass.orbits.period import orbital_period
 from compass.planets import sun_earth_mci
-from compass.ranging import Receiver, Signal
+from compass.ranging import FACTOR_95, Receiver, Signal
 from compass.signal.budget import mean_age_covariance, receiver_numbers
 from compass.signal.ionosphere import obliquity, zenith_delay
 from compass.signal.ranges import range_errors

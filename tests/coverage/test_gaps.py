@@ -75,10 +75,7 @@ def test_following_in_pieces_is_the_history_of_every_cell(seed, fold, ring, piec
     state, gaps = new_state(grid.columns), np.empty((3, grid.columns))
     lat, lon = grid.latitude[row], grid.longitude
     for part in np.array_split(np.arange(23), pieces):
-        follow_gaps(
-            seen.r[part], seen.cos_cap[part], seen.azimuths, seen.elevations, grid.places[row],
-            np.cos(lon), np.sin(lon), float(lon[0]), fold, state,
-        )  # fmt: skip
+        follow_gaps(seen.r[part], seen.cos_cap[part], seen.rows(grid)[row], fold, state)
     finish_gaps(state, 23, ring, gaps)
     for j in range(grid.columns):
         site = Site("cell", float(lat), float(lon[j]), mask=mask, figure=FIGURES["iau-sphere"])
@@ -184,6 +181,6 @@ def test_epochs_are_chosen_by_the_quickest_pass():
 
 
 def test_a_fold_below_one_is_told():
-    with pytest.raises(ArgumentError, match="fold = 0: must be at least 1"):
+    with pytest.raises(ArgumentError, match="fold = 0: must be a whole number from 1"):
         coverage_gaps(circular(2e7, 0, [0], [0]), COARSE, sphere_radius=R, span=1.0, ring=False,
                       fold=0)  # fmt: skip

@@ -1,10 +1,14 @@
+import os
+import time
+
 import numpy as np
 import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compass import Mask, Site, walker_delta
+from compass import Design, Mask, Site, walker_delta
+from compass.cores import cores
 from compass.coverage.count import count_map
 from compass.coverage.files import write_map
 from compass.coverage.grid import equal_angle_grid, make_grid
@@ -193,7 +197,8 @@ def test_draims_four_satellites_cover_mars_always_and_just_so(designs):
 
 
 @pytest.mark.parametrize(
-    ("options", "message"), [({"fold": 0}, "at least 1"), ({"pdop_threshold": 0.0}, "positive")]
+    ("options", "message"),
+    [({"fold": 0}, "whole number from 1 on"), ({"pdop_threshold": 0.0}, "positive")],
 )
 def test_impossible_options_are_refused(options, message):
     with pytest.raises(ArgumentError, match=message):
@@ -257,22 +262,54 @@ def test_positions_come_in_pieces_that_change_nothing_and_hold_little(monkeypatc
 
 
 def test_a_map_that_does_not_fit_is_refused_with_how_much_it_would_take():
-    from compass.orbits.motion import Motion
-    from compass.study.mapping import check_memory
+    from compass.study.mapping import MapOptions, make_map
 
-    kepler, forced = Motion(), Motion("numerical")
+    many = Design(walker_delta(10_000, 100, 1, inclination_deg=45, radius_km=20427))
+    told = []
     with pytest.raises(ArgumentError, match=r"3600 by 7200 cells would take .* GB, this machine"):
-        check_memory(10_000, 100_000, make_grid("equal-angle", 0.05), 2, kepler)
-    check_memory(1000, 10_000, make_grid("equal-angle", 0.5), 2, kepler)
-    largest = []
-    for motion in (kepler, forced):
-        low, high = 1, 10**9
-        while high - low > 1:
-            middle = (low + high) // 2
-            try:
-                check_memory(middle, 1000, COARSE, 1, motion)
-                low = middle
-            except ArgumentError:
-                high = middle
-        largest.append(low)
-    assert largest[0] > 2 * largest[1]
+        make_map(many, MapOptions(step_deg=0.05, epochs=100_000), foretell=told.append)
+    assert not told  # it is not begun
+
+
+def test_who_leaves_a_map_waits_for_the_rows_at_work_and_no_more():
+    from compass.coverage.maps import by_blocks
+
+    begun = []
+
+    def one_block(rows):
+        for i in rows:
+            begun.append(i)
+            time.sleep(0.001)
+
+    parts = by_blocks(make_grid("equal-angle", 1), one_block, 2, lambda rows: None)
+    next(parts)
+    parts.close()
+    assert 6 <= len(begun) < 60  # of 180
+
+
+def test_a_thread_a_core_that_may_be_used_unless_asked_otherwise(monkeypatch):
+    monkeypatch.setattr(os, "sched_getaffinity", lambda process: {3, 5, 7}, raising=False)
+    assert cores() == cores(None) == 3
+    assert cores(1) == 1
+    monkeypatch.delattr(os, "sched_getaffinity")
+    monkeypatch.setattr(os, "cpu_count", lambda: None)
+    assert cores() == 1
+
+
+def test_what_a_map_takes_is_told_before_it_is_begun(capsys):
+    from compass.api.progress import foretell
+    from compass.orbits.motion import Motion
+    from compass.study.mapping import map_cost
+
+    half = make_grid("equal-angle", 0.5)
+    large = map_cost(1000, 10_000, half, 2, Motion())
+    assert large.bytes < 1e9
+    assert map_cost(1000, 10_000, half, 2, Motion("numerical")).bytes > 1.5 * large.bytes
+    alone = map_cost(1000, 10_000, half, 1, Motion(), errors=True)
+    assert alone.seconds > 2 * large.seconds
+    foretell(True, "map", large.seconds, large.bytes)
+    said = f"map: about {large.seconds / 60:.2g} minutes and {large.bytes / 1e9:.2g} GB\n"
+    assert capsys.readouterr().err == said
+    foretell(True, "map", 9.0, 1e9)
+    foretell(False, "map", large.seconds, large.bytes)
+    assert not capsys.readouterr().err

@@ -1,5 +1,7 @@
 """Knowledge and delivery: ellipses and circles against draws, projections against flights."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from compass.entry.covariance import axes_covariance, linear_covariance
 from compass.entry.layout import Layout
 from compass.entry.schedule import Measurements
 from compass.entry.start import Trigger
-from compass.entry.trajectory import fly
+from compass.entry.trajectory import airspeeds, fly
 from compass.entry.views import along_cross_down, cartesian_of, local_axes, spherical_of
 from compass.errors import ArgumentError
 
@@ -48,11 +50,17 @@ def test_projection_keeps_the_surface():
 def test_delivery_is_the_scatter_of_flights(world, table5, orbiter_beacons, trigger, reached):
     """Flights from drawn starts to the trigger itself: their scatter is the projected covariance."""
     model, beacons = world(), orbiter_beacons()
+    if trigger.quantity == "mach":  # through air that moves
+        winds = ((3.40e6, 60.0, 20.0), (3.48e6, -90.0, -40.0))
+        model = replace(model, atmosphere=replace(model.atmosphere, winds=winds))
     flight = fly(model, table5, np.arange(241.0), triggers=[trigger])
     none = np.zeros((241, 3), bool)
     bound = linear_covariance(model, flight.path, beacons, none, Measurements(50.0), PRIOR)
     found = accuracy(flight, bound, Layout(beacons=3), PRIOR, 0.0, trigger)
     assert found.projected is reached
+    if trigger.quantity == "mach":
+        [speed] = airspeeds(model, found.path[None])
+        assert speed == pytest.approx(10.0 * model.atmosphere.speed_of_sound, rel=1e-9)
     # nothing was measured: what is known is what is delivered
     np.testing.assert_allclose(
         found.knowledge.along_cross_down, found.delivery.along_cross_down, rtol=1e-9

@@ -1,12 +1,14 @@
 """Fused filters: against each other, against the plain filter and the papers' own, turned."""
 
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 import pytest
 
 from compass.core.entry.fuse import fuse_run
-from compass.core.entry.measure import acceleration_rows
+from compass.core.entry.measure import acceleration_rows, ideal_values
+from compass.core.entry.rates import through_air
 from compass.entry.beacons import surface_beacons
 from compass.entry.consistency import nees_bounds
 from compass.entry.covariance import axes_covariance
@@ -15,7 +17,8 @@ from compass.entry.filters import Filter
 from compass.entry.fused import FusedFilter
 from compass.entry.fused_runs import BLOCK, monte_carlo
 from compass.entry.inertial import InertialCase
-from compass.entry.navigation import ideal_measurements, run_filter
+from compass.entry.instruments import Features, Instrument
+from compass.entry.navigation import run_filter
 from compass.entry.radio import ElectronTable
 from compass.entry.schedule import Measurements
 from compass.entry.trajectory import fly
@@ -70,8 +73,11 @@ def filter_of(case, algorithm="ekf", **changes):
     return FusedFilter(**values | changes)
 
 
-def test_rows_of_accelerometers_are_their_derivatives(world, table2):
+@pytest.mark.parametrize("winds", [(), ((3.4e6, 90.0, -30.0), (3.6e6, -80.0, 60.0))])
+def test_rows_of_accelerometers_are_their_derivatives(world, table2, winds):
+    """In still air against the formula, and in winds that change with height too."""
     model = world("none", bank_angles=(0.7,))
+    model = replace(model, atmosphere=replace(model.atmosphere, winds=winds))
     x = np.concatenate([cartesian_of(table2), [0.1, 0.02], [1e-3, 2e-3, 3e-3]])
     places = np.array([11, 6, 7, -1, -1, 8])
     p, angle = model.flight_parameters(), (np.cos(0.7), np.sin(0.7))
@@ -84,7 +90,9 @@ def test_rows_of_accelerometers_are_their_derivatives(world, table2):
     rows = np.zeros((3, 11))
     here = read(x, rows)
     drag = 0.5 * model.atmosphere.density(np.linalg.norm(x[:3])) * np.exp(0.1) * 0.016
-    drag *= x[3:6] @ x[3:6]
+    through = np.array(through_air(x, p))
+    assert (np.linalg.norm(through - x[3:6]) > 1.0) == bool(winds)
+    drag *= through @ through
     lift = (0.156 + 0.02) * drag
     expected = [-drag + 1e-3, -lift * angle[1] + 2e-3, lift * angle[0] + 3e-3]
     np.testing.assert_allclose(here, expected, rtol=1e-12)
@@ -97,25 +105,36 @@ def test_rows_of_accelerometers_are_their_derivatives(world, table2):
 
 
 def test_one_filter_without_accelerometers_is_the_plain_filter(case):
-    """The kernel that lands, given the same ranges and rates."""
+    """The kernel that lands, given the same readings of everything there is."""
+    kinds = (
+        Instrument("two_way_range", 7.0),
+        Instrument("altimeter", 10.0),
+        Instrument("velocimeter", 0.2, interval=4.0),
+        Instrument("features", 1e-3),
+    )
     known = filter_of(case, further=np.empty(0), noise=np.zeros(6), random_start=False)
     deaf = replace(known, imu_variance=np.full(3, 1e30))
     rng, sigma = np.random.default_rng(0), np.array([5.0, 0.1])
-    z = ideal_measurements(case.flight.path, case.beacons)
-    z += sigma * rng.standard_normal(z.shape)
+    lat, lon = case.flight.states[-1, 2], case.flight.states[-1, 1]
+    seen = Features(("a", "b"), (lat, lat - 0.02), (lon, lon + 0.03), (0.0, 1e3))
+    measured = Measurements(*sigma, instruments=kinds, features=seen)
+    both = replace(case, sigma=np.tile(sigma, (3, 1)), measurements=measured)
+    sources, variances, numbers = both.heard(case.visible)
+    z = np.empty(variances.shape)
+    ideal_values(case.flight.path, sources, numbers, z)
+    z += np.sqrt(np.nan_to_num(variances)) * rng.standard_normal(z.shape)
     first = case.flight.path[0] + np.repeat([300.0, 3.0], 3)
     states, covariances = run_filter(
-        case.flight.model, first, case.beacons, case.visible, Measurements(*sigma),
+        case.flight.model, first, case.beacons, case.visible, measured,
         Filter(known.covariance0, np.zeros(6)), z,
     )  # fmt: skip
-    both = replace(case, sigma=np.tile(sigma, (3, 1)))
-    rows = np.zeros((TIMES.size, 9))
+    rows = np.zeros((TIMES.size, 3 + z[0].size))
     rows[:, 3:] = z.reshape(TIMES.size, -1)
     xs, ps = np.empty((TIMES.size, 6)), np.empty((TIMES.size, 6, 6))
     end = fuse_run(
         deaf.arrangement(), deaf.knowledge(both), first, deaf.covariance, rows, deaf.assumed(both),
         np.ones((TIMES.size, 3), dtype=bool), 0.0, 0.0, xs, ps, np.empty((TIMES.size, 3)),
-        np.empty((TIMES.size, 9), dtype=bool),
+        np.empty(rows.shape, dtype=bool),
     )  # fmt: skip
     assert end == -1
     sigmas = np.sqrt(np.diagonal(covariances, axis1=1, axis2=2))
@@ -290,3 +309,9 @@ def test_bad_cases_and_settings_are_refused(case, world, table2):
         filter_of(case, known_to=(0.1, 0.0))
     with pytest.raises(ArgumentError, match="runs = 0: allowed"):
         monte_carlo(case, filter_of(case), 0)
+
+
+def test_every_algorithm_of_files_is_one_record():
+    from compass.entry.fused_kinds import KINDS_OF_FILTER, Algorithm
+
+    assert get_args(Algorithm) == tuple(KINDS_OF_FILTER)

@@ -7,6 +7,7 @@ import pytest
 
 from compass.entry.views import cartesian_of, spherical_jacobian
 from compass.errors import ArgumentError, DesignError
+from compass.inputs.fusion import fusion_plan
 from compass.inputs.scenario import provenance, read_scenario, read_scenario_text
 
 DESIGNS = Path(__file__).parents[2] / "designs"
@@ -319,14 +320,14 @@ def test_a_spread_of_the_air_by_height():
 
 
 def test_winds_are_flown_as_given_and_as_they_are():
-    text = changed("[atmosphere]\n", "[atmosphere]\nwinds_by_km = [[0, 10, 5], [60, -80, 0]]\n")
+    text = changed("[atmosphere]\n", "[atmosphere]\nwinds_by_km = [[0, 10, 5], [700, -80, 0]]\n")
     scenario = read(text + "\n[truth]\nwinds_by_km = [[0, 0, 0]]\n")
     r0 = scenario.model.planet_radius
-    assert scenario.model.atmosphere.winds == ((r0, 10.0, 5.0), (r0 + 60e3, -80.0, 0.0))
+    assert scenario.model.atmosphere.winds == ((r0, 10.0, 5.0), (r0 + 700e3, -80.0, 0.0))
     assert scenario.truth.atmosphere.winds == ((r0, 0.0, 0.0),)
     assert read(text).truth.atmosphere.winds == scenario.model.atmosphere.winds
     with pytest.raises(DesignError, match="winds: altitudes must increase") as told:
-        read(text.replace("[60, -80, 0]", "[0, -80, 0]"))
+        read(text.replace("[700, -80, 0]", "[0, -80, 0]"))
     assert "atmosphere.winds_by_km = [[0, 10, 5], [0, -80, 0]]: winds" in str(told.value)
     truth = GROUND + "\n[truth]\nwinds_by_km = [[1, 0, 0], [0, 1, 1]]\n"
     with pytest.raises(DesignError, match=r"truth\.winds_by_km = \[\[1, .* must increase strictly"):
@@ -335,9 +336,19 @@ def test_winds_are_flown_as_given_and_as_they_are():
     with pytest.raises(DesignError, match=r"planet\.rotation = .*leave atmosphere\.winds_by_km"):
         read(swapped)
     published = (DESIGNS / "lou2019-recommended.toml").read_text()
-    blown = changed("[atmosphere]\n", "[atmosphere]\nwinds_by_km = [[0, 1, 1]]\n", published)
-    with pytest.raises(DesignError, match=r"atmosphere\.winds_by_km: not beside \[fusion\]"):
-        read(blown, folder=DESIGNS)
+    blown = changed("[atmosphere]\n", '[atmosphere]\nwinds_by_km = "mars"\n', published)
+    assert len(read(blown, folder=DESIGNS).model.atmosphere.winds) == 9
+
+
+def test_a_link_alone_makes_the_noise_of_ranges():
+    """Left out beside any other radio it stays out; nothing at all is told."""
+    [link] = [line for line in INSTRUMENTS.splitlines() if line.startswith("link")]
+    text = changed("range_sigma_m = 100\n", link + "\n")
+    assert read(text).measurements.range_sigma == 0.0
+    rates = text.replace("[measurements]\n", "[measurements]\nrange_rate_sigma_m_s = 0.1\n")
+    assert read(rates).measurements.range_sigma is None
+    with pytest.raises(DesignError, match="or both, or two_way or link"):
+        read(changed("range_sigma_m = 100\n", ""))
 
 
 def test_faults_of_instruments_are_said_together():
@@ -364,5 +375,22 @@ def test_faults_of_instruments_are_said_together():
     with pytest.raises(DesignError, match=r"measurements\.features: missing; needed beside"):
         read(alone)
     published = (DESIGNS / "lou2019-recommended.toml").read_text()
-    with pytest.raises(DesignError, match=r"measurements\.altimeter: not beside \[fusion\]"):
-        read(published + "\n[measurements.altimeter]\nsigma_m = 10\n", folder=DESIGNS)
+    more = read(published + "\n[measurements.altimeter]\nsigma_m = 10\n", folder=DESIGNS)
+    assert fusion_plan(more).case.instruments == ("own readings",)
+
+
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        ("[-11, 0, 0]", "[1][1] = -11: allowed -10 to 1000 km"),
+        ("[5, 0, -501]", "[1][3] = -501: allowed -500 to 500 m/s"),
+        ("[5, 0]", "[1] = [5, 0]: must have at least 3 values"),
+        ("5", "[1] = 5: must be a list"),
+    ],
+)
+def test_a_wrong_row_of_winds_gets_one_message_with_the_bounds_of_its_column(row, said):
+    text = changed("[atmosphere]\n", f"[atmosphere]\nwinds_by_km = [{row}]\n")
+    with pytest.raises(DesignError) as told:
+        read(text)
+    (fault,) = told.value.faults
+    assert f"atmosphere.winds_by_km{said}" in fault

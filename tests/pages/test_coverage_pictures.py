@@ -28,4 +28,4 @@ def test_a_map_that_sees_nothing_is_drawn_without_a_word():
     assert made.dataset.count_max.max() == 0
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert all(picture.png for picture in fold_pictures(made.dataset))
+        assert all(picture.drawn for picture in fold_pictures(made.dataset))

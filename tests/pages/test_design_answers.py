@@ -1,5 +1,7 @@
 """The first lines of a design's page, and what they advise."""
 
+import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -155,8 +157,11 @@ def test_maps_and_losses_of_a_page(met):
 
     assert "0 to" in count_picture(met.mapped).alt or "1 to" in count_picture(met.mapped).alt
     drawn = dilution_pictures(met.mapped)
-    assert [p.stem for p in drawn][:5] == [f"{n}dop-p95" for n in "gphvt"]
-    assert all(p.alt.startswith("Map of Mars") for p in drawn) and drawn[0].wide
+    assert [p.stem for p in drawn][:2] == ["gdop-p95", "dilutions-p95"]
+    assert drawn[0].wide and drawn[0].alt.startswith("Map of Mars: GDOP")
+    titles = [panel["title"] for panel in json.loads(drawn[1].reading)]
+    assert titles == [f"{n}DOP, 95th percentile over time" for n in "PHVT"]
+    assert re.search("PDOP (from|none).*; TDOP (from|none)", drawn[1].alt)
     flat = met.mapped.dataset.assign(availability=0.0 * met.mapped.dataset.availability)
     even = replace(met.mapped, made=replace(met.mapped.made, dataset=flat))
     assert one_colour(even) == ["PDOP is at most 6 for 0.0% of the time, at every cell."]

@@ -43,7 +43,7 @@ def test_entry_section_and_facts(coarse):
         "entry-observability",
         "entry-navigation",
     ]
-    assert all(p.png.startswith(b"\x89PNG") for p in section.pictures)
+    assert all(p.drawn.startswith((b"\x89PNG", b"<svg")) for p in section.pictures)
     assert "observable throughout" in " ".join(section.paragraphs)
     facts = entry_facts(coarse, found)
     assert facts["observability"]["degree_si_min"] == pytest.approx(1.5407080921e-8, rel=1e-7)
@@ -117,7 +117,7 @@ def test_best_places_are_drawn_and_listed(coarse):
 @pytest.mark.slow
 def test_the_same_scenario_gives_the_same_pictures(coarse):
     one, two = (entry_section(coarse, assess_scenario(coarse, 2)).pictures for _ in range(2))
-    assert [p.png for p in one] == [p.png for p in two]
+    assert [p.drawn for p in one] == [p.drawn for p in two]
 
 
 def test_pictures_into_impossible_places(tmp_path, monkeypatch):

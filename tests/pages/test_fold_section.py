@@ -55,7 +55,7 @@ def test_a_proven_design():
         "fold-over-time",
         "fold-margin-inclination",
     ]
-    assert all(p.png.startswith(b"\x89PNG") for p in found.pictures)
+    assert all(p.drawn.startswith((b"\x89PNG", b"<svg")) for p in found.pictures)
     assert found.tables[0].title == "Fold and margins"
 
 

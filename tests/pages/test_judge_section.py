@@ -84,7 +84,7 @@ def test_section_has_maps_distributions_and_a_table(scenario):
     ranking = ranking_of([three, two], scenario, 4)
     section = module.judge_section(ranking, [two, three], scenario)
     assert [picture.stem for picture in section.pictures] == ["judge-map", "judge-distributions"]
-    assert all(picture.png.startswith(b"\x89PNG") for picture in section.pictures)
+    assert all(picture.drawn.startswith((b"\x89PNG", b"<svg")) for picture in section.pictures)
     table, budget, run = section.tables
     assert budget.rows[0][0] == "3 satellites"
     assert len(table.rows) == 2 and len(table.rows[0]) == len(table.header)

@@ -6,12 +6,11 @@ import pytest
 
 import compass
 from compass.api import outlook as module
-from compass.api.outlook import Outlook, commands, outlook
+from compass.api.outlook import Outlook, Settled, commands, outlook
 from compass.api.radii import RadiusLasts
 from compass.bodies import SOLAR_DAY
 from compass.coverage.certificate import Outcome
-from compass.coverage.lasting import Lasting
-from compass.coverage.region import GLOBE
+from compass.document import Table
 from compass.errors import ArgumentError
 from compass.inputs import read_design_text
 from compass.orbits.motion import Motion
@@ -45,6 +44,24 @@ model = "numerical"
 """
     + PLAIN
 )
+
+
+#: Requirements of a ring of five: the first is kept, the second never.
+PLACES = """
+[[station]]
+name = "pole"
+latitude_deg = -90
+longitude_deg = 0
+mask_deg = 60
+[[requirement]]
+name = "near"
+region = "lat:-80:80"
+fold = 1
+[[requirement]]
+name = "far"
+sites = ["pole"]
+fold = 1
+"""
 
 
 def ring(radius=20427.7, mask=0.0, n=5):
@@ -120,7 +137,7 @@ def told(first_loss=31.7, radii=((-400.0, 687.0), (400.0, 687.0)), **changed):
         for shift, days in radii
     )
     known = {
-        'fold': 4, 'mask_deg': 0.0, 'motion': "forces", 'horizon_days': 687.0, 'outcome': "refuted",
+        'asked': "4 in view", 'motion': "forces", 'requirements': (), 'horizon_days': 687.0, 'outcome': "refuted",
         'days_proven': 31.7, 'first_loss_days': first_loss, 'loss': "3 in view", 'drift': DRIFT,
         'radius_km': 20427.0, 'radii': rows, 'keeping': KEPT, 'notes': ("a note",), 'known': False,
     }  # fmt: skip
@@ -223,23 +240,10 @@ class Asked:
         monkeypatch.setattr(module, "at_radii", self.at_radii)
 
     def claim(self, horizon):
-        stop = horizon * 86400.0
-        return Lasting(
-            Outcome.REFUTED,
-            1,
-            GLOBE,
-            0.0,
-            stop,
-            30 * 86400.0,
-            30 * 86400.0 + 1.0,
-            None,
-            (),
-            9,
-            "x",
-            "",
-        )
+        assert horizon > 0.0
+        return Settled("1 in view", Outcome.REFUTED, 30.0, 30.1, "")
 
-    def at_radii(self, design, radii, *, days, fold, mask):
+    def at_radii(self, design, radii, *, days):
         own = design.constellation.semi_major_axis[0] / 1e3
         self.radii += [round(r - own) for r in radii]
         return tuple(
@@ -272,6 +276,25 @@ def test_radii_are_tried_from_near_to_far(monkeypatch):
     trimmed = Asked(monkeypatch, 0)
     assert outlook(ring(radius=18000)).lasting_radii[0].radius_km == 18000
     assert trimmed.radii == [0]
+
+
+def test_what_a_design_requires_is_looked_at_and_listed(monkeypatch):
+    """Of two places the one that no satellite rises high over is lost, and named."""
+    monkeypatch.setattr(module, "HORIZON", 0.1)
+    monkeypatch.setattr(module, "GLANCE", 0.05)
+    design = read_design_text(RING.format(radius=20427.7, mask=0.0, n=5) + PLACES)
+    found = outlook(design)
+    assert (found.asked, found.outcome, found.days_proven) == (
+        "all that is required",
+        "refuted",
+        0.0,
+    )
+    assert found.loss.startswith("0 in view")
+    assert found.loss.endswith("(far)")
+    (said,) = lasting_verdicts(design, found)
+    assert "all that is required: 0 in view at" in said.claim
+    tables = [b for b in lasting_section(design, found).blocks if isinstance(b, Table)]
+    assert [(row[0], row[2]) for row in tables[0].rows] == [("near", ""), ("far", "pole")]
 
 
 def test_many_satellites_are_followed_for_less_time(monkeypatch):

@@ -13,8 +13,10 @@ from compass.inputs import read_design_text
 from compass.pages.globe.piece import globe
 from compass.pages.globe.still import still_picture
 from compass.pages.page import render, write_page
+from compass.pictures.bars import draw_bars
 from compass.pictures.maps import map_figure
-from compass.pictures.style import new_figure, picture
+from compass.pictures.rows import draw_rows
+from compass.pictures.style import look, new_figure, picture
 from compass.quantities import quantity
 
 pytestmark = pytest.mark.browser
@@ -44,7 +46,7 @@ def page(seed_design, tmp_path_factory):
             Answer("<i>Left</i>", "31 days"),
         ),
     )
-    pictures = (Picture("dot", "A dot", "A caption.", DOT), curve(), chart())
+    pictures = (Picture("dot", "A dot", "A caption.", DOT), curve(), chart(), spans(), bars())
     sections = [
         Section("The answer", (answers, globe(design, still_picture(design, 15.0)))),
         arranged("Coverage", ("Words. " * 40,), pictures, (WIDE, LONG)),
@@ -72,6 +74,23 @@ def chart():
     return picture(figure, "chart", "East", "Values.", alt="A map.")
 
 
+def spans():
+    """Two rows of spans."""
+    figure = new_figure(5.6, 2.5)
+    rows = [[[1.0, 2.0], [3.0, 4.5]], [[0.0, 5.0]]]
+    with look():
+        axes = figure.add_subplot()
+        draw_rows(axes, ["P1S1", "P1S2"], rows, ["k", "r"], (0.0, 5.0))
+        axes.set_xlabel("sols")
+    return picture(figure, "spans", "Spans", "Values.", alt="Spans.")
+
+
+def bars():
+    """Two bars, the second longer."""
+    axes = draw_bars(None, ["one", "two"], [3.25, 6.5], quantity("gdop"), "t")
+    return picture(axes.figure, "bars", "Bars", "Values.", wide=True, alt="Bars.")
+
+
 def sized(browser, width, dark=False):
     """A window of so many CSS pixels, light or dark."""
     browser.execute_cdp_cmd(
@@ -93,8 +112,8 @@ def test_everybody_can_read_it(browser, page, faults, width, dark):
     assert (sum(map(int, re.findall(r"\d+", ground))) < 200) is dark
 
 
-@pytest.mark.parametrize("width", [1440, 390, 360])
-def test_nothing_sticks_out(browser, page, width):
+@pytest.mark.parametrize("width", [1440, 1000, 390, 360])
+def test_nothing_sticks_out_and_no_letter_of_a_picture_is_too_small(browser, page, width):
     sized(browser, width)
     browser.get(page.as_uri())
     browser.execute_script("document.querySelectorAll('details').forEach(d => d.open = true)")
@@ -105,6 +124,27 @@ def test_nothing_sticks_out(browser, page, width):
         ").map(e => e.textContent.slice(0, 40))"
     )
     assert narrow == []  # no column of single letters
+    shown = browser.execute_script(
+        "return [...document.querySelectorAll('img:not(.still)')].map(e => [e.src, e.clientWidth])"
+    )
+    vectors = [(unpacked(src), wide) for src, wide in shown if "svg+xml" in src]
+    assert len(vectors) == 3
+    for svg, wide in vectors:
+        (width_points,) = re.findall(r'<svg[^>]*viewBox="0 0 ([\d.]+)', svg)
+        least = min(float(size) for size in re.findall(r"font-size: ([\d.]+)px", svg))
+        assert least * wide / float(width_points) >= 10.0
+    fades = browser.execute_script(
+        "return [...document.querySelectorAll('.shown:not(figure.interactive *)')].map("
+        "  e => [e.scrollWidth > e.clientWidth + 2, e.matches('.after'),"
+        "        getComputedStyle(e).maskImage !== 'none'])"
+    )
+    assert all(wider is marked is faded for wider, marked, faded in fades)
+    assert any(wider for wider, *_ in fades) is (width < 500)
+
+
+def unpacked(source):
+    """Text of an SVG that a page carries."""
+    return base64.b64decode(source.partition("base64,")[2]).decode()
 
 
 def test_nothing_is_fetched_and_names_are_text(browser, page):
@@ -190,6 +230,24 @@ def test_pictures_say_the_value_under_the_pointer_and_by_the_keys(browser, page)
     left, top, right, bottom = axes["box"]
     told = pointed(browser, "curve", (left + right) / 2, top + 0.1 * (bottom - top))
     assert told.splitlines() == ["days: 10", "deg", "rising: 3"]
+    (rows,) = browser.execute_script(
+        "return document.querySelector('#spans .reading').reading.panels"
+    )
+    left, top, right, bottom = rows["box"]
+    low, high = rows["y"][:2]  # the first row, 0, on top
+    y = bottom - (0.0 - low) / (high - low) * (bottom - top)
+    for x, said in ((3.5, "from 3 to 4.5"), (2.5, "not at 2.5")):
+        told = pointed(browser, "spans", left + x / 5 * (right - left), y)
+        assert told.splitlines() == ["P1S1", said, "sols"]
+    (panel,) = browser.execute_script(
+        "return document.querySelector('#bars .reading').reading.panels"
+    )
+    left, top, right, bottom = panel["box"]
+    low, high = panel["y"][:2]
+    told = pointed(
+        browser, "bars", right - 0.001, bottom - (1 - low) / (high - low) * (bottom - top)
+    )
+    assert told.splitlines() == ["two", "GDOP: 6.5"]
     root = browser.find_element("css selector", "#curve .reading")
     root.send_keys("\ue00c")  # escape
     assert root.find_element("css selector", ".tip").text == ""
@@ -210,4 +268,4 @@ def test_what_the_keys_read_stays_in_sight_where_a_picture_is_wider_than_its_pla
             root,
         )
         assert root.find_element("css selector", "span").is_displayed()
-        assert place[0] <= dot[0] and dot[1] <= place[1]
+        assert place[0] <= dot[0] + 1 and dot[1] <= place[1] + 1  # scrolled by whole pixels

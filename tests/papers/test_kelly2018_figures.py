@@ -1,5 +1,7 @@
 """The paper's figures: their data by a second way, and that each is drawn."""
 
+from xml.etree import ElementTree
+
 import matplotlib.image
 import numpy as np
 import pytest
@@ -73,11 +75,15 @@ def test_the_command_s_folder(tmp_path, run, monkeypatch):
     code, _, err = run("reproduce", "kelly2018", "-o", tmp_path / "out")
     assert code == 0
     assert "wrote" in err
-    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    made = sorted((tmp_path / "out").iterdir())
     stems = [f"figure-{n}" for n in (1, 4, 5, 6, 7, 8, 9)]
-    assert names == sorted([f"{s}.png" for s in stems] + [f"{s}.nc" for s in stems] + ["rows.csv"])
-    for stem in stems:
-        assert matplotlib.image.imread(tmp_path / "out" / f"{stem}.png").std() > 0.02
+    assert sorted({path.stem for path in made}) == [*stems, "rows"]
+    assert len(made) == 2 * len(stems) + 1
+    for path in made:
+        if path.suffix == ".png":
+            assert matplotlib.image.imread(path).std() > 0.02
+        if path.suffix == ".svg":
+            assert len(ElementTree.parse(path).findall(".//{*}path")) > 10
     with xr.open_dataset(tmp_path / "out" / "figure-7.nc", engine="h5netcdf") as read:
         assert read.sizes["pair"] == 15
     assert "Table 9" in (tmp_path / "out" / "rows.csv").read_text()
@@ -99,4 +105,4 @@ def test_a_figure_is_drawn(number):
     figure = next(f for f in figures.FIGURES_OF_THE_PAPER if f.number == number)
     image = draw_figure(number, figure.title, figure.make())
     assert image.stem == f"figure-{number}"
-    assert image.png.startswith(b"\x89PNG")
+    assert image.drawn.startswith((b"\x89PNG", b"<svg"))

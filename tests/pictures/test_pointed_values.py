@@ -8,9 +8,13 @@ import numpy as np
 import pytest
 
 from compass.coverage.grid import equal_angle_grid
+from compass.pictures.bars import draw_bars
 from compass.pictures.maps import map_figure
+from compass.pictures.mars_map import MarsMap
 from compass.pictures.reading import POINTS
-from compass.pictures.style import new_figure, picture
+from compass.pictures.rows import draw_rows, within
+from compass.pictures.style import look, new_figure, picture
+from compass.quantities import quantity
 
 STEP = 10.0
 
@@ -67,7 +71,6 @@ def test_curves_say_their_points_and_marks_say_nothing():
 def test_a_picture_without_values_says_nothing():
     figure = new_figure()
     axes = figure.add_subplot()
-    axes.bar([1, 2], [3, 4])
     axes.axvline(1.0)
     figure.add_subplot().set_axis_off()
     assert picture(figure, "x", "x", "x").reading == ""
@@ -75,3 +78,45 @@ def test_a_picture_without_values_says_nothing():
     with_words.add_subplot().plot([1, 2], [3, 4])
     with_words.axes[0].set_xscale("symlog")
     assert picture(with_words, "x", "x", "x").reading == ""
+
+
+def test_bars_say_their_names_and_lengths():
+    axes = draw_bars(None, ["one", "two"], [3.25, None], quantity("gdop"), "t")
+    (panel,) = panels(axes.figure)
+    assert panel["flat"] and panel["of"] == quantity("gdop").heading
+    assert [(bar["name"], bar["value"]) for bar in panel["bars"]] == [("one", 3.25), ("two", 0.0)]
+    assert panel["bars"][0]["corners"] == pytest.approx([0.0, -0.4, 3.25, 0.4])
+    upright = new_figure()
+    axes = upright.add_subplot()
+    axes.bar([1.5, 2.5], [3.0, -4.0], width=0.5)
+    axes.set(xlabel="radius, km", ylabel="days")
+    (panel,) = panels(upright)
+    assert [(bar["name"], bar["value"]) for bar in panel["bars"]] == [
+        ("radius, km: 1.5", 3.0), ("radius, km: 2.5", -4.0)
+    ]  # fmt: skip
+    assert panel["bars"][1]["corners"] == [2.25, -4.0, 2.75, 0.0] and panel["of"] == "days"
+
+
+def test_rows_say_the_spans_that_are_shown():
+    figure = new_figure()
+    spans = np.array([[-1.0, 0.5], [2.0, 3.0], [4.5, 7.0], [8.0, 9.0]])
+    with look():
+        draw_rows(figure.add_subplot(), ["a", "b"], [spans, []], ["k", "r"], (0.0, 5.0))
+    (panel,) = panels(figure)
+    assert [row["name"] for row in panel["rows"]] == ["a", "b"]
+    assert panel["rows"][0]["from"] == [0.0, 2.0, 4.5] and panel["rows"][0]["to"] == [0.5, 3.0, 5.0]
+    assert panel["rows"][1]["from"] == []
+    line = next(line for line in figure.axes[0].lines if len(line.get_xdata()) == 9)
+    drawn = np.asarray(line.get_xdata()).reshape(-1, 3)[:, :2]
+    np.testing.assert_array_equal(drawn, within(spans, (0.0, 5.0)))  # what is drawn is what is told
+
+
+def test_maps_on_one_scale_of_colours_say_what_it_is_of():
+    figure = new_figure()
+    grid = equal_angle_grid(np.radians(30.0))
+    for k, axes in enumerate(figure.subplots(1, 2)):
+        chart = MarsMap(axes)
+        edges = np.degrees(grid.longitude_edges), np.degrees(grid.latitude_edges)
+        mesh = chart.field(*edges, np.full((6, 12), k + 1.0), label="own" if k else "")
+    figure.colorbar(mesh, ax=figure.axes, orientation="horizontal").set_label("shared")
+    assert [panel["label"] for panel in panels(figure)] == ["shared", "own"]

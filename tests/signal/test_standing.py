@@ -125,7 +125,7 @@ def test_the_command_tells_after_how_long_and_what_it_stands_on(tmp_path):
     k = out["hours"].index(held["until_goal_h"])
     assert held["standing_error_m"][k] <= 8.0 < held["standing_error_m"][k - 1]
     said = text(found.document())
-    assert "KNOWN: rover, standing still, 2 satellite(s), 2 to 2 in view at once" in said
+    assert "KNOWN: rover, standing still, 2 satellites, 2 in view at once" in said
     assert found.plot().get_xlabel() == "hours of standing still"
     poor = compass.locate(pair(1), site=SITE, hours=0.1, goal_m=1e-3)
     assert not poor.holds

@@ -12,8 +12,9 @@ from compass.entry.covariance import linear_covariance
 from compass.entry.doubts import NO_DOUBTS, Doubts
 from compass.entry.schedule import in_view
 from compass.entry.start import Trigger
-from compass.entry.unknowns import Unknowns
-from compass.entry.views import spherical_of
+from compass.entry.trajectory import fly
+from compass.entry.unknowns import NOTHING, Unknowns
+from compass.entry.views import cartesian_of, spherical_of
 from compass.errors import ArgumentError
 from compass.frames import FIGURES, prime_meridian_angle
 from compass.orbits import keplerian, states_mci, walker_delta
@@ -23,6 +24,7 @@ from compass.study.judge import _FLOWN, MOST_FLOWN, campaign_of, judge, judge_en
 from compass.study.judge_filter import entry_beacons, judge_filter
 from compass.study.judgement import spectrum_and_floor
 from compass.study.pattern_map import places
+from compass.study.ranking import dispersed_words, measured_words
 
 FIGURE = FIGURES["iau-sphere"]
 AREOSYNCHRONOUS = 20428e3
@@ -65,6 +67,125 @@ def test_bound_is_that_of_the_recursion_over_epochs(short, five, kind):
         assert found.sigma[m, 0] == pytest.approx(
             [bound.position_sigma[-1], bound.velocity_sigma[-1]], rel=1e-9
         )
+
+
+EVERYTHING = """
+range_rate_sigma_m_s = 0.2
+two_way = { range_sigma_m = 30, range_rate_sigma_m_s = 0.05 }
+altimeter = { sigma_m = 30, share = 0.01, interval_s = 4 }
+velocimeter = { sigma_m_s = 0.5, below_km = 110 }
+features = { sigma_deg = 0.05, interval_s = 10 }
+[measurements.link]
+frequency_mhz = 401
+eirp_dbw = 10
+g_over_t_db_k = -25
+required_db_hz = 33
+chip_m = 300
+beamwidth_deg = 120
+antenna = "zenith"
+electrons = "stagnation"
+[[feature]]
+name = "rim"
+latitude_deg = -27
+longitude_deg = -88
+[[feature]]
+name = "peak"
+latitude_deg = -28
+longitude_deg = -80
+height_km = 2
+"""
+
+
+@pytest.fixture(scope="module")
+def equipped(short):
+    return short(("range_sigma_m = 50", "range_sigma_m = 50" + EVERYTHING))
+
+
+def test_all_that_is_measured_is_judged_as_the_filters_hear_it(equipped, five):
+    """Each entry's bound against the recursion with the link, both ways and features moved there.
+
+    The rotation that moves them leaves their distances to the vehicle and each other as they are.
+    """
+    found = entries(five, equipped)
+    campaign, radius = found.campaign, equipped.model.planet_radius
+    first = cartesian_of(equipped.state[:6])[:3]
+    assert np.all(campaign.arrival_probability == 1.0)  # the link counts the plasma
+    heard = 0
+    for m in range(campaign.size):
+        beacons, path = entry_beacons(found, m), campaign.paths[m]
+        features = equipped.measurements.features
+        moved = features.moved(radius, campaign.turns(equipped.state)[m])
+        np.testing.assert_allclose(
+            np.linalg.norm(moved.places(radius) - path[0, :3], axis=1),
+            np.linalg.norm(features.places(radius) - first, axis=1), rtol=1e-9,
+        )  # fmt: skip
+        own = replace(equipped.measurements, features=moved)
+        seen = in_view(beacons, spherical_of(path), FIGURE.equatorial_radius)
+        reaching = own.reaching(seen, beacons, path, equipped.model)
+        assert np.array_equal(reaching, found.seen[m])
+        heard += (seen & ~reaching).sum()
+        spread = campaign.spreads[m, :6]
+        bound = linear_covariance(equipped.model, path, beacons, seen, own, spread @ spread.T)
+        assert found.sigma[m, 0] == pytest.approx(
+            [bound.position_sigma[-1], bound.velocity_sigma[-1]], rel=1e-8
+        )
+    assert heard > 0
+    budget = found.budget()
+    parts = [value for name, value in budget.items() if name not in ("all", "ignored")]
+    assert budget["noise of the instruments"] > 0
+    assert np.hypot.reduce(parts) == pytest.approx(budget["all"], rel=1e-9)
+    # without the satellite that counts most the instruments are left
+    assert np.all(found.figures()["after_loss"]["unobservable_share"] <= 1)
+
+
+SPREAD = "[dispersion]\nposition_m = {0}\nvelocity_m_s = {1}\ndensity = {1}\nlift_to_drag = {1}\n"
+
+
+def test_dispersed_entries_are_judged(short, five):
+    """Without dispersions the planned ones; with them each flies as its own start and air say."""
+    flat, wide = (
+        short(("[measurements]", SPREAD.format(*size) + "[measurements]"))
+        for size in ((0, 0), (1000, 0.05))
+    )
+    plain, same = (campaign_of(lander, 4) for lander in (short(), flat))
+    np.testing.assert_array_equal(plain.paths, same.paths)
+    flown = campaign_of(wide, 4)
+    off = np.linalg.norm((flown.paths - plain.paths)[:, 0, :3], axis=1)
+    assert np.all((off > 100) & (off < 6000)) and np.ptp(flown.worlds[:, 0]) > 0
+    for path, (thicker, lift) in zip(flown.paths, flown.worlds, strict=True):
+        world = wide.model.truth(density_bias=np.expm1(thicker))
+        craft = replace(world.vehicle, lift_to_drag=world.vehicle.lift_to_drag + lift)
+        again = fly(replace(world, vehicle=craft), spherical_of(path[0]), flown.times).path
+        np.testing.assert_allclose(path, again, atol=1e-3)
+    still = short(("[measurements]", SPREAD.format(1000, 0) + "[measurements]"))
+    place = {"samples": 2, "figure": FIGURE, "mask": Mask(), "threads": 1}
+    assert judge_filter(five, still, runs=8, **place)["believed"]
+    assert "by 1000 m and 0.05 m/s on each axis, 5 % of density" in dispersed_words(wide.dispersion)
+    assert dispersed_words(None) == ""
+
+
+def test_there_and_back_no_clock_enters(short, five):
+    """With nothing one way neither the lander's clock nor the satellites' cost anything."""
+    both = ("range_sigma_m = 50", "two_way = { range_sigma_m = 50 }")
+    plain, back = short(), short(both)
+    clocks = Unknowns((3e4, 0.3), np.diag([0.0, 0.0, 0.0, 9.0]))
+    place = {"figure": FIGURE, "mask": Mask()}
+    one, two, free = (
+        judge_entries(
+            five, campaign_of(lander, 4, electrons=None), lander, unknowns=doubts, **place
+        )
+        for lander, doubts in ((plain, clocks), (back, clocks), (plain, NOTHING))
+    )
+    np.testing.assert_allclose(two.sigma, free.sigma, rtol=1e-12)
+    assert np.all(one.sigma[:, 0, 0] > two.sigma[:, 0, 0])
+
+
+def test_the_filter_hears_what_the_judge_counts(equipped, five):
+    found = judge_filter(five, equipped, samples=2, runs=8, figure=FIGURE, mask=Mask(), threads=1)
+    assert found["believed"] and found["rms_over_bound"] < 2
+    said = measured_words(equipped.measurements)
+    assert "noise of the link" in said and "height over the sphere" in said
+    assert said.endswith("Features lie about every entry as they do about the scenario's own.")
 
 
 def test_loss_is_judging_without_the_satellite(scenario, five):

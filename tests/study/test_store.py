@@ -1,5 +1,6 @@
 """The store: nothing that was reported as stored is lost, nothing torn is believed."""
 
+import csv
 import errno
 import os
 from pathlib import Path
@@ -198,6 +199,12 @@ def test_results_of_all_stages_and_their_errors(tiny, tmp_path):
         assert np.array_equal(again.front, results.front)
         assert again.mask_margin_deg.units == "degree"
     assert_in_conventions(tmp_path / "trade.nc")
+    with (tmp_path / "trade.csv").open(newline="", encoding="utf-8") as stream:
+        lines = list(csv.DictReader(stream))
+    assert [line["identity"] for line in lines] == results.identity.values.tolist()
+    assert float(lines[0]["radius_km"]) == float(results.radius_km[0])
+    unknown = np.isnan(results.gdop_p95.values)
+    assert [line["gdop_p95"] == "" for line in lines] == unknown.tolist() and unknown.any()
 
 
 def test_results_without_the_line_of_a_screening(tiny, tmp_path):

@@ -3,8 +3,11 @@
 Rows ``a_k = (e_k, 1)``, ``N = sum a a'``, ``DOP^2 = tr C' N^-1 C`` with orthonormal columns C:
 the first three for PDOP, all for GDOP, (0, 1) for TDOP, (n, 0) for VDOP and its complement for
 HDOP, with P = C C' (the local vertical n stands still in the rows' frame). Over a box of u in
-[-1, 1]^3 the rows are ``e(u) = e + sum e_d u_d + x, |x| <= D2/2``, and stray by D1 at most.
-M is the inverse at the centre, ``g = tr P M``, ``Q = M P M``, ``l_d = 2 sum_k (Q a_k).e_d``.
+[-1, 1]^3 the rows are ``a(u) = a + sum a_d u_d + x, |x| <= D2/2``, and stray by D1 at most.
+M is the inverse at the centre, ``g = tr P M``, ``Q = M P M``, ``l_d = 2 sum_k (Q a_k).a_d``.
+
+Weighed rows ``a_k = (e_k, 1)/sigma_k`` make the square that of an error: then all four numbers of a
+row move, and norms marked _3 are those of all four; without weights the last stands still.
 
 **Broken.** For any Y, by Cauchy-Schwarz, ``tr C' N^-1 C >= (tr Y'C)^2 / tr Y' N Y``; more
 satellites only make the right side smaller. With Y = M C the lower side is quadratic in rows::
@@ -38,11 +41,12 @@ times that product, thresholds moved by 1e-9 of themselves.
 
 import math
 
-from compass.core.certified.sights import DOP, FIRST, SECOND, SLACK, sights
+from compass.core.certified.sights import DOP, FIRST, LAST, ORBIT, SECOND, sights
 from compass.core.jit import kernel
 
-#: Offsets in the scratch array of `cuts`: N, M, P, Q, three slopes of N, three X, three Q dN.
-N_, M_, P_, Q_, DN, X_, W_, SCRATCH = 0, 16, 32, 48, 64, 112, 160, 208
+#: Offsets in the scratch array of `cuts`: N, M, P, Q, three slopes of N, three X, three Q dN, and
+#: how many numbers of a row move less 3.
+N_, M_, P_, Q_, DN, X_, W_, MOVING, SCRATCH = 0, 16, 32, 48, 64, 112, 160, 208, 209
 
 #: Offsets in a cut: threshold and direction, of what is kept and of what is broken.
 KEPT, BROKEN, CUT = 0, 4, 8
@@ -81,7 +85,8 @@ def gather(box, user, scratch, q, dq, rows, kinds, orbits, numbers, mask):
     dop = int(numbers[DOP])
     projector(dop, user, scratch)
     level = dop == 2 or dop == 3
-    return sights(box, user, orbits, q, dq, numbers[SLACK], level, mask[0], mask[1], rows, kinds)
+    scratch[MOVING] = 1.0 if orbits.shape[1] > ORBIT else 0.0
+    return sights(box, user, orbits, q, dq, numbers, level, mask[0], mask[1], rows, kinds)
 
 
 @kernel
@@ -148,17 +153,20 @@ def moments(rows, kinds, count, sure, s):
         if sure and kinds[k] != 1:
             continue
         used += 1
+        last = rows[k, LAST]
+        s[N_ + 15] += last * last
+        for d in range(3):
+            s[DN + 16 * d + 15] += 2.0 * last * rows[k, LAST + 1 + d]
         for i in range(3):
             ei = rows[k, i]
             for j in range(i + 1):
                 s[N_ + 4 * i + j] += ei * rows[k, j]
-            s[N_ + 12 + i] += ei
+            s[N_ + 12 + i] += last * ei
             for d in range(3):
                 fi = rows[k, 3 + 3 * d + i]
                 for j in range(i + 1):
                     s[DN + 16 * d + 4 * i + j] += ei * rows[k, 3 + 3 * d + j] + fi * rows[k, j]
-                s[DN + 16 * d + 12 + i] += fi
-    s[N_ + 15] = float(used)
+                s[DN + 16 * d + 12 + i] += last * fi + rows[k, LAST + 1 + d] * ei
     for i in range(4):
         for j in range(i):
             for m in (N_, DN, DN + 16, DN + 32):
@@ -168,12 +176,13 @@ def moments(rows, kinds, count, sure, s):
 
 @kernel
 def block_norm(s, m):
-    """Frobenius norm of the upper left 3 x 3 block."""
+    """Frobenius norm of the part of a matrix that numbers of rows that move meet."""
     total = 0.0
     for i in range(3):
         for j in range(3):
             total += s[m + 4 * i + j] * s[m + 4 * i + j]
-    return math.sqrt(total)
+        total += 2.0 * s[MOVING] * s[m + 12 + i] * s[m + 12 + i]
+    return math.sqrt(total + s[MOVING] * s[m + 15] * s[m + 15])
 
 
 @kernel
@@ -185,17 +194,18 @@ def residues(rows, kinds, count, sure, s):
         if sure and kinds[k] != 1:
             continue
         x, y, z = rows[k, 0], rows[k, 1], rows[k, 2]
-        first, second = rows[k, FIRST], rows[k, SECOND]
-        value += s[Q_ + 15]
-        size = s[M_ + 15]
-        long = 0.0
+        last, first, second = rows[k, LAST], rows[k, FIRST], rows[k, SECOND]
+        value += last * last * s[Q_ + 15]
+        size = last * last * s[M_ + 15]
+        long = last * s[Q_ + 15] + s[Q_ + 12] * x + s[Q_ + 13] * y + s[Q_ + 14] * z
+        long *= s[MOVING] * long
         for i in range(3):
             ai = rows[k, i]
             qa = s[Q_ + 4 * i] * x + s[Q_ + 4 * i + 1] * y + s[Q_ + 4 * i + 2] * z
             ma = s[M_ + 4 * i] * x + s[M_ + 4 * i + 1] * y + s[M_ + 4 * i + 2] * z
-            value += ai * (qa + 2.0 * s[Q_ + 4 * i + 3])
-            size += ai * (ma + 2.0 * s[M_ + 4 * i + 3])
-            qa += s[Q_ + 4 * i + 3]
+            value += ai * (qa + 2.0 * last * s[Q_ + 4 * i + 3])
+            size += ai * (ma + 2.0 * last * s[M_ + 4 * i + 3])
+            qa += last * s[Q_ + 4 * i + 3]
             long += qa * qa
         bent += second * math.sqrt(long)
         k2 += m33 * first * first + math.sqrt(max(size, 0.0) * m33) * second

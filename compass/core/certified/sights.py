@@ -35,21 +35,27 @@ import math
 
 import numpy as np
 
+from compass.core.certified.weights import BY, W1, W2, WEIGHED, WEIGHT, line_weight
 from compass.core.jit import kernel
 from compass.core.kepler import eccentric_anomaly
 from compass.core.path import path_state, piece_of
 
 #: Columns of a satellite's row: line of sight, its three slopes, D1, D2, sight and its slopes for
-#: the highest and for the lowest mask that can apply, bound of the curvature of either.
-E, SLOPE, FIRST, SECOND, HIGH, LOW, BEND, WIDTH = 0, 3, 12, 13, 14, 18, 22, 24
+#: the highest and for the lowest mask that can apply, bound of the curvature of either, the fourth
+#: number of the row (1 without weights, which multiply line of sight and slopes too) and its
+#: slopes; then what a weight is found from.
+E, SLOPE, FIRST, SECOND, HIGH, LOW, BEND, LAST = 0, 3, 12, 13, 14, 18, 22, 23
+DISTANCE, BOUNDS, HEAVY, WIDTH = 27, 32, 37, 37 + WEIGHED
 
 #: Columns of an orbit: semi-major axis, eccentricity, cosine and sine of inclination, node,
 #: periapsis, mean anomaly at time 0, the rates of these three, greatest speed and acceleration.
 #: Of a path: greatest distance, 0, and 4 and 7 as they turn all about the pole into the frame.
+#: Where rows are weighed there follows what is known of ranges: `compass.core.certified.weights`.
 ORBIT = 12
 
 #: What the kernels take in one array: eccentricity squared of the ellipsoid, error of the
-#: satellites' places, height of users, which dilution (as `compass.core.dop`), its limit squared.
+#: satellites' places, height of users, which dilution (as `compass.core.dop`), its limit squared;
+#: then what all ranges share.
 E2, SLACK, HEIGHT, DOP, SQUARE, NUMBERS = 0, 1, 2, 3, 4, 5
 
 #: What rounding can move a sight by, relative to the satellite's distance.
@@ -207,7 +213,7 @@ def azimuth_reach(user, ex, ey, ez, first):
 
 
 @kernel
-def sights(box, user, orbits, q, dq, slack, level, azimuths, elevations, rows, kinds):
+def sights(box, user, orbits, q, dq, numbers, level, azimuths, elevations, rows, kinds):
     """Fill the rows of satellites that a box may see, and which: 1 surely, 2 in part.
 
     Parameters
@@ -218,8 +224,8 @@ def sights(box, user, orbits, q, dq, slack, level, azimuths, elevations, rows, k
         From `place`.
     orbits, q, dq
         Orbits, and states at the centre.
-    slack
-        Bound on the error of the satellites' places.
+    numbers
+        See `E2`.
     level
         Whether the local vertical is to stand still.
     azimuths, elevations
@@ -232,6 +238,7 @@ def sights(box, user, orbits, q, dq, slack, level, azimuths, elevations, rows, k
     count
         Rows filled; -1 where a satellite comes too near for the bounds to hold.
     """
+    slack, weighed = numbers[SLACK], orbits.shape[1] > ORBIT
     ht, v, wn = box[5], user[18], user[19]
     nx, ny, nz = user[0], user[1], user[2]
     constant = azimuths.size == 1
@@ -278,6 +285,8 @@ def sights(box, user, orbits, q, dq, slack, level, azimuths, elevations, rows, k
                 sx, sy, sz = user[6 + 3 * d], user[7 + 3 * d], user[8 + 3 * d]
                 slope += sx * rx + sy * ry + sz * rz
             row[HIGH + 1 + d], row[LOW + 1 + d] = slope, along
+            row[DISTANCE + 1 + d] = along
+        row[LAST], row[LAST + 1], row[LAST + 2], row[LAST + 3] = 1.0, 0.0, 0.0, 0.0
         first = chord(row) + 0.5 * second
         first = min(first, turn + slack / nearest)
         if not constant:
@@ -299,6 +308,16 @@ def sights(box, user, orbits, q, dq, slack, level, azimuths, elevations, rows, k
         if most + row[BEND] < 0.0:
             continue
         kinds[count] = 1 if least - row[BEND] >= 0.0 else 2
+        rate = 0.0
+        if weighed:
+            rate = min(chord(row) + second, turn + slack / nearest)
+            row[DISTANCE], row[DISTANCE + 4] = r, sine_up
+            row[BOUNDS], row[BOUNDS + 1], row[BOUNDS + 2] = reach, swing, nearest
+            row[BOUNDS + 3], row[BOUNDS + 4] = rate, second
+            if not line_weight(row[:3], row[3:12], user, row[DISTANCE:BOUNDS], q[k], dq[k], ht,
+                               orbits[k, 7], row[BOUNDS:HEAVY], orbits[k, ORBIT:],
+                               numbers[NUMBERS:], slack, row[HEAVY:WIDTH]):  # fmt: skip
+                return -1
         if level:
             for d in range(2):
                 sx, sy, sz = user[6 + 3 * d], user[7 + 3 * d], user[8 + 3 * d]
@@ -308,18 +327,41 @@ def sights(box, user, orbits, q, dq, slack, level, azimuths, elevations, rows, k
                 row[5 + 3 * d] += nz * lean - sz * sine_up
             second += 2.0 * v * turn + v * v + wn
             first = min(first + v, chord(row) + 0.5 * second)
+            rate += v
+        if weighed:
+            first, second = weighed_row(row, row[HEAVY:WIDTH], rate, second)
         row[FIRST], row[SECOND] = first, second
         count += 1
     return count
 
 
 @kernel
+def weighed_row(row, weight, rate, second):
+    """Multiply a row by its weight; return bounds of how far it strays, and of its curvature.
+
+    `rate` and `second` bound the line of sight's first and second derivatives; see `line_weight`.
+    """
+    w = weight[WEIGHT]
+    for d in range(3):
+        by = weight[BY + d]
+        row[LAST + 1 + d] = by
+        for k in range(3):
+            row[SLOPE + 3 * d + k] = w * row[SLOPE + 3 * d + k] + by * row[k]
+    for k in range(3):
+        row[k] *= w
+    row[LAST] = w
+    heavy = w + weight[W1]
+    second = 1.4142135623730952 * weight[W2] + 2.0 * weight[W1] * rate + heavy * second
+    return chord(row) + 0.5 * second, second
+
+
+@kernel
 def chord(row):
-    """Bound of ``|sum e_d u_d|`` over the box."""
+    """Bound of ``|sum a_d u_d|`` over the box, a the row of which e is a part."""
     total = 0.0
     for d in range(3):
         for f in range(3):
-            dot = 0.0
+            dot = row[LAST + 1 + d] * row[LAST + 1 + f]
             for k in range(3):
                 dot += row[3 + 3 * d + k] * row[3 + 3 * f + k]
             total += abs(dot)

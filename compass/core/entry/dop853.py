@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from compass.core.entry.flow import bank_at
-from compass.core.entry.rates import ROTATION, SWAPPED, acceleration
+from compass.core.entry.rates import ROTATION, SWAPPED, acceleration, through_air
 from compass.core.jit import fast_kernel
 
 STAGES = 12
@@ -134,8 +134,9 @@ _E5 = np.array(
 #: step was small enough.
 ARRIVED, EVENT, STANDSTILL, VERTICAL, STUCK = range(5)
 
-#: What events watch: the distance from the centre, m, and the speed, m/s.
-WATCH_RADIUS, WATCH_SPEED = 0, 1
+#: What events watch: the distance from the centre, m, and the speed over the ground and through
+#: the air, m/s.
+WATCH_RADIUS, WATCH_SPEED, WATCH_AIRSPEED = 0, 1, 2
 
 #: Below this speed (m/s) and cosine a direction counts as undefined.
 LEAST_SPEED, LEAST_COSINE = 1e-3, 1e-6
@@ -181,8 +182,11 @@ def error_norm(x, ahead, h, stages, rtol, atol):
 
 
 @fast_kernel
-def watched(x, what):
-    """Distance from the centre or speed, as `what` says."""
+def watched(x, what, p):
+    """Distance from the centre or a speed, as `what` says, in the world `p`."""
+    if what == WATCH_AIRSPEED:
+        u, v, w = through_air(x, p)
+        return math.sqrt(u * u + v * v + w * w)
     first = 0 if what == WATCH_RADIUS else 3
     return math.sqrt(x[first] ** 2 + x[first + 1] ** 2 + x[first + 2] ** 2)
 
@@ -191,9 +195,9 @@ def watched(x, what):
 def _locate(x, thicker, lift, p, cos_bank, sin_bank, h, what, level, stages, out):
     """Part of the step `h` after which a quantity crosses `level`, by bisection and secant."""
     low, high = 0.0, h
-    g_low = watched(x, what) - level
+    g_low = watched(x, what, p) - level
     dop853_step(x, thicker, lift, p, cos_bank, sin_bank, h, stages, out)
-    g_high = watched(out, what) - level
+    g_high = watched(out, what, p) - level
     for k in range(80):
         middle = 0.5 * (low + high)
         if k % 2 == 0 and g_high != g_low:
@@ -201,7 +205,7 @@ def _locate(x, thicker, lift, p, cos_bank, sin_bank, h, what, level, stages, out
         if middle <= low or middle >= high:
             middle = 0.5 * (low + high)
         dop853_step(x, thicker, lift, p, cos_bank, sin_bank, middle, stages, out)
-        g = watched(out, what) - level
+        g = watched(out, what, p) - level
         if g * g_low > 0.0:
             low, g_low = middle, g
         else:
@@ -265,7 +269,7 @@ def dop853_flight(
         angle = bank[bank_at(times[n - 1], bank), 1]
         cos_bank, sin_bank = math.cos(angle), math.sin(angle)
         while t < times[n]:
-            if not watched(x, WATCH_SPEED) > LEAST_SPEED:
+            if not watched(x, WATCH_SPEED, p) > LEAST_SPEED:
                 return STANDSTILL, n, t
             if sided and vertical(x):
                 return VERTICAL, n, t
@@ -280,7 +284,7 @@ def dop853_flight(
             end, last = -1, h
             for e in range(watch.shape[0]):
                 what, level = int(watch[e, 0]), watch[e, 1]
-                before, after = watched(x, what) - level, watched(ahead, what) - level
+                before, after = watched(x, what, p) - level, watched(ahead, what, p) - level
                 up = before < 0.0 and after >= 0.0 and watch[e, 2] > 0.0
                 down = before > 0.0 and after <= 0.0 and watch[e, 2] < 0.0
                 if not (up or down) or not math.isnan(event_times[e]):

@@ -1,6 +1,7 @@
 """Filters that hear accelerometers and beacons: all in one, or subsystems that are fused.
 
-A subsystem hears the accelerometers and its own beacon; a fusion node adds the information of the
+A subsystem hears its own beacon and what the lander reads of itself, its accelerometers and other
+instruments; a fusion node adds the information of the
 subsystems with coefficients c_i: ``P = (sum_i c_i Y_i)^-1``, ``x = P sum_i c_i Y_i x_i``. The
 algorithms differ in what a subsystem starts from and in the coefficients (see
 `compass.core.entry.groups.Arrangement`); dynamics, measurements and update are those of every
@@ -12,7 +13,6 @@ import math
 from compass.core.entry.filter import absorb, added, moved_covariance
 from compass.core.entry.flow import advance_transition, bank_at
 from compass.core.entry.groups import make_estimates, make_room
-from compass.core.entry.kinds import KINDS, RANGE, RATE
 from compass.core.entry.measure import AIR, AXES, CLOCK, LIFT, acceleration_rows, measured
 from compass.core.entry.node import fuse, sound, weigh
 from compass.core.entry.rates import LIFT as RATIO
@@ -52,19 +52,27 @@ def move(known, t, x, cov, factor, room):
 
 
 @kernel
-def linearise(known, t, x, thicker, lift, first, last, room):
-    """Write what `x` would measure, of beacons `first` to `last`, and the rows, into `room`."""
+def hears(r, kinds, first, last, m):
+    """Whether the subsystem of beacons `first` to `last`, of m, hears measurement r."""
+    source = (r - AXES) // kinds
+    return r < AXES or source >= m or first <= source < last
+
+
+@kernel
+def linearise(known, t, variances, x, thicker, lift, first, last, m, room):
+    """Write what the subsystem of `first` to `last` would measure at `x`, and the rows."""
     angle = known.bank[bank_at(known.times[t], known.bank), 1]
     acceleration_rows(
         x, thicker + added(x, known.places[AIR]),
         known.p[RATIO] + lift + added(x, known.places[LIFT]), known.p, math.cos(angle),
         math.sin(angle), known.places, room.rows, room.h,
     )  # fmt: skip
-    for k in range(first, last):
-        r = AXES + KINDS * k
-        for kind in (RANGE, RATE):
-            room.h[r + kind] = measured(
-                kind, x, known.beacons[t, k], k, known.places, room.rows[r + kind]
+    c = known.kinds.size
+    for r in range(AXES, variances.size):
+        if hears(r, c, first, last, m) and not math.isnan(variances[r]):
+            k = (r - AXES) // c
+            room.h[r] = measured(
+                known.kinds[(r - AXES) % c], x, known.sources[t, k], k, known.places, room.rows[r]
             )
 
 
@@ -82,18 +90,18 @@ def innovation_variance(cov, row, noise):
 
 @kernel
 def learn(
-    arrangement, known, t, z, variances, x, cov, thicker, lift, first, last, factor, gated, room
+    arrangement, known, t, z, variances, x, cov, thicker, lift, first, last, m, factor, gated, room
 ):  # fmt: skip
-    """Update an estimate by accelerometers and beacons `first` to `last`; False if it is lost.
+    """Update an estimate by what a subsystem hears, see `hears`; False if it is lost.
 
-    The rows in `room` are those of `x`; accelerometers' variances are multiplied by `factor`. The
-    gate looks at each row alone, so its answer does not depend on their order.
+    What all subsystems hear alike has its variances multiplied by `factor`. The gate looks at each
+    row alone, so its answer does not depend on their order.
     """
-    size, used = x.size, room.used
+    size, used, c = x.size, room.used, known.kinds.size
+    linearise(known, t, variances, x, thicker, lift, first, last, m, room)
     shut = arrangement.gate < math.inf and known.times[t] >= arrangement.gate_start
     for r in range(z.size):
-        beacon = (r - AXES) // KINDS
-        used[r] = (r < AXES or first <= beacon < last) and not math.isnan(variances[r])
+        used[r] = hears(r, c, first, last, m) and not math.isnan(variances[r])
         if used[r] and shut:
             residual = z[r] - room.h[r]
             variance = innovation_variance(cov, room.rows[r], variances[r])
@@ -110,13 +118,14 @@ def learn(
             room.shift[i] = 0.0
         if k > 0:
             cov[:, :] = room.prior
-            linearise(known, t, room.point, thicker, lift, first, last, room)
+            linearise(known, t, variances, room.point, thicker, lift, first, last, m, room)
         for r in range(z.size):
             if used[r]:
                 residual = z[r] - room.h[r]
                 for i in range(size):
                     residual += room.rows[r, i] * room.before[i]
-                noise = variances[r] * (factor if r < AXES else 1.0)
+                own = r >= AXES and (r - AXES) // c < m
+                noise = variances[r] * (1.0 if own else factor)
                 absorb(room.rows[r], residual, noise, size, room.gain, cov, room.shift)
         largest = 0.0
         for i in range(size):
@@ -145,8 +154,8 @@ def fuse_epoch(
     t
         Epoch.
     z, variances
-        Measurements and their variances, nan for what does not come, (3 + 2 m,): accelerometers,
-        then range and range rate of each beacon.
+        Measurements and their variances, nan for what does not come, (3 + n c,): accelerometers,
+        then every kind of every source, of which the first m are the beacons.
     alive
         Which subsystems work, (m,).
     thicker, lift
@@ -166,10 +175,10 @@ def fuse_epoch(
             estimates.waiting[:] = True
             if arrangement.apart:
                 return sound(x, cov)
-            linearise(known, t, x, thicker, lift, 0, m, room)
             return learn(
-                arrangement, known, t, z, variances, x, cov, thicker, lift, 0, m, 1.0, gated, room
-            )
+                arrangement, known, t, z, variances, x, cov, thicker, lift, 0, m, m, 1.0, gated,
+                room,
+            )  # fmt: skip
     for i in range(m):
         own_x, own_cov = estimates.local_x[i], estimates.local_cov[i]
         if not alive[i]:
@@ -191,10 +200,9 @@ def fuse_epoch(
         if not arrangement.feedback:
             flow_of(known, t, own_x, thicker, lift, room)
         move(known, t, own_x, own_cov, shares, room)
-        linearise(known, t, own_x, thicker, lift, i, i + 1, room)
         if not learn(
-            arrangement, known, t, z, variances, own_x, own_cov, thicker, lift, i, i + 1, shares,
-            gated, room,
+            arrangement, known, t, z, variances, own_x, own_cov, thicker, lift, i, i + 1, m,
+            shares, gated, room,
         ):  # fmt: skip
             return False
     if not weigh(arrangement, alive, estimates, room, work):
@@ -220,12 +228,12 @@ def fuse_run(
     x0, p0
         First estimate, before the first epoch's measurements, (s,) and (s, s).
     z, variances, alive
-        At every epoch, (t, 3 + 2 m) and (t, m).
+        At every epoch, (t, 3 + n c) and (t, m).
     xs, ps, weights, gated
-        Outputs, (t, s), (t, s, s), (t, m), (t, 3 + 2 m).
+        Outputs, (t, s), (t, s, s), (t, m), (t, 3 + n c).
     """
-    m = alive.shape[1]
-    estimates, room = make_estimates(x0, p0, m), make_room(x0.size, m)
+    m, rows = alive.shape[1], z.shape[1]
+    estimates, room = make_estimates(x0, p0, m, rows), make_room(x0.size, m, rows)
     work = make_scratch(x0.size, m)
     for t in range(known.times.size):
         if not fuse_epoch(

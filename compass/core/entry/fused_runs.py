@@ -10,7 +10,6 @@ from compass.core.entry.filter import added
 from compass.core.entry.flow import advance, bank_at
 from compass.core.entry.fuse import fuse_run
 from compass.core.entry.groups import Array
-from compass.core.entry.kinds import KINDS
 from compass.core.entry.measure import AIR, AXES, LIFT, PLACES, acceleration_rows, ideal_values
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.entry.runs import normalised_square
@@ -24,7 +23,7 @@ class Truth(NamedTuple):
     `noise` (t, 6, 6), or (t, 0, 6) for none, and the variance per second `walk` (s,) of the states
     behind the first six;
     `offset` (t, s): what the true value of each state is more than the filters' count of it;
-    `sigma` (t, 3 + 2 m): of every measurement, nan for what is not due, hidden or out, and its
+    `sigma` (t, 3 + n c): of every measurement, nan for what is not due, hidden or out, and its
     `error` beyond noise; `arrival` (t, m): the probability that it gets through; `alive` (t, m).
     """
 
@@ -45,7 +44,8 @@ class Outcome(NamedTuple):
 
     `ends`: -1, or the epoch at which the filter was lost; `errors` and `variances` (t, s), position
     and velocity along the given axes; `squares` (t,): normalised error squared; `weights` (t, m),
-    `arrived` and `gated` (t, 3 + m); `last` (3, 3): covariance of the position at the end.
+    `arrived` and `gated` (t, 3 + n) of accelerometers and sources; `last` (3, 3): covariance of
+    the position at the end.
     """
 
     ends: NDArray[np.int64]
@@ -82,16 +82,17 @@ def true_flight(truth, known, normals, path, further):
 
 
 @kernel
-def measure(truth, known, path, further, normals, uniforms, trusts, z, variances, arrived):
+def measure(truth, known, path, further, normals, uniforms, lost_is_zero, z, variances, arrived):
     """Write what is measured, and as how good the filters take it; nan for what does not come.
 
-    A lost range of a filter that `trusts` reads 0. `variances` comes with those the filters
-    assume, and leaves with nan where nothing came.
+    A beacon's lost signal reads 0 to a filter with `lost_is_zero`. `variances` comes with those the
+    filters assume, and leaves with nan where nothing came.
     """
     epochs, m = uniforms.shape
-    ideal, rows = np.empty((epochs, m, KINDS)), np.zeros((AXES, 6))
+    c = known.kinds.size
+    ideal, rows = np.empty((epochs, known.sources.shape[1], c)), np.zeros((AXES, 6))
     places = np.full(PLACES, -1)  # the truth is no filter's state
-    ideal_values(path, known.beacons, np.arange(KINDS), ideal)
+    ideal_values(path, known.sources, known.kinds, ideal)
     for t in range(epochs):
         angle = truth.bank[bank_at(known.times[t], truth.bank), 1]
         acceleration_rows(
@@ -100,22 +101,23 @@ def measure(truth, known, path, further, normals, uniforms, trusts, z, variances
             math.sin(angle), places, rows, z[t],
         )  # fmt: skip
         for r in range(z.shape[1]):
-            k, kind = (r - AXES) // KINDS, (r - AXES) % KINDS
-            comes = not math.isnan(truth.sigma[t, r])
-            if r >= AXES:
+            k, kind = (r - AXES) // c, (r - AXES) % c
+            comes, radio = not math.isnan(truth.sigma[t, r]), r >= AXES and k < m
+            if radio:
                 comes = comes and uniforms[t, k] < truth.arrival[t, k]
+            if r >= AXES:
                 z[t, r] = ideal[t, k, kind] if comes else 0.0
             if comes:
                 z[t, r] += truth.error[t, r] + truth.sigma[t, r] * normals[t, r]
                 arrived[t, r if r < AXES else AXES + k] = True
-            elif not trusts or r < AXES:
+            elif not (lost_is_zero and radio):
                 variances[t, r] = np.nan
 
 
 @kernel
 def fused_runs(
-    arrangement, truth, known, starts, p0, assumed, trusts, axes, draws, noises, uniforms, unknown,
-    out,
+    arrangement, truth, known, starts, p0, assumed, lost_is_zero, axes, draws, noises, uniforms,
+    unknown, out,
 ):  # fmt: skip
     """Fly, measure, filter and compare, once for each row of the draws.
 
@@ -126,13 +128,13 @@ def fused_runs(
     starts, p0
         First estimate of each run, (runs, s), and the covariance the filters take it to have.
     assumed
-        Variances that the filters assume, (t, 3 + 2 m), nan for what is never measured.
-    trusts
+        Variances that the filters assume, (t, 3 + n c), nan for what is never measured.
+    lost_is_zero
         Whether a range that does not arrive is taken for one that reads 0.
     axes
         Rows of the directions in which errors are told, (t, 3, 3).
     draws, noises, uniforms
-        Normal numbers for the truth, (runs, t, s), and the measurements, (runs, t, 3 + 2 m), and
+        Normal numbers for the truth, (runs, t, s), and the measurements, (runs, t, 3 + n c), and
         uniform ones for the arrivals, (runs, t, m).
     unknown
         What is added to the logarithm of the density and to L/D that the filters know, (runs, 2).
@@ -140,6 +142,7 @@ def fused_runs(
         An `Outcome`, filled.
     """
     runs, epochs, size = draws.shape
+    c = known.kinds.size
     path, further = np.empty((epochs, 6)), np.zeros((epochs, size))
     z, variances = np.empty(assumed.shape), np.empty(assumed.shape)
     xs, ps = np.empty((epochs, size)), np.empty((epochs, size, size))
@@ -149,7 +152,7 @@ def fused_runs(
         variances[:, :] = assumed
         out.arrived[run] = False
         measure(
-            truth, known, path, further, noises[run], uniforms[run], trusts, z, variances,
+            truth, known, path, further, noises[run], uniforms[run], lost_is_zero, z, variances,
             out.arrived[run],
         )  # fmt: skip
         end = fuse_run(
@@ -168,7 +171,7 @@ def fused_runs(
             turn(axes[t], error, ps[t], out.errors[run, t], out.variances[run, t])
             for r in range(gated.shape[1]):
                 if gated[t, r]:
-                    out.gated[run, t, r if r < AXES else AXES + (r - AXES) // KINDS] = True
+                    out.gated[run, t, r if r < AXES else AXES + (r - AXES) // c] = True
         out.ends[run] = end
         out.last[run] = ps[epochs - 1, :3, :3]
 

@@ -5,8 +5,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.kinds import KINDS
-from compass.core.entry.measure import AXES
 from compass.core.entry.rates import COLUMNS
 from compass.core.jit import kernel
 
@@ -40,7 +38,8 @@ class Arrangement(NamedTuple):
 class Knowledge(NamedTuple):
     """The world as the filters know it, as in `compass.core.entry.filter.filter_run`.
 
-    `walk` is the variance per second of the states behind the first six.
+    `walk` is the variance per second of the states behind the first six; `sources` (t, n, 6) and
+    `kinds` (c,) are those of `compass.entry.schedule.Measurements.heard`, beacons first.
     """
 
     p: Array
@@ -49,14 +48,15 @@ class Knowledge(NamedTuple):
     longest: float
     noise: Array
     walk: Array
-    beacons: Array
+    sources: Array
+    kinds: NDArray[np.int64]
     places: NDArray[np.int64]
 
 
 class Estimates(NamedTuple):
     """Fused `x` (s,) and `P` (s, s), those of m subsystems, and the weights (m,).
 
-    `gated` (3 + 2 m,) says which rows the gate refused at this epoch, `waiting` (m,) which
+    `gated` (3 + n c,) says which rows the gate refused at this epoch, `waiting` (m,) which
     subsystems without feedback are dead.
     """
 
@@ -89,8 +89,8 @@ class Room(NamedTuple):
 
 
 @kernel
-def make_estimates(x0, p0, m):
-    """Return estimates that all begin alike, with equal weights."""
+def make_estimates(x0, p0, m, rows):
+    """Return estimates of m subsystems that all begin alike, with equal weights."""
     s = x0.size
     local_x, local_cov = np.empty((m, s)), np.empty((m, s, s))
     for i in range(m):
@@ -98,14 +98,13 @@ def make_estimates(x0, p0, m):
         local_cov[i] = p0
     return Estimates(
         x0.copy(), p0.copy(), local_x, local_cov, np.full(m, 1.0 / max(m, 1)),
-        np.zeros(AXES + KINDS * m, dtype=np.bool_), np.zeros(m, dtype=np.bool_),
+        np.zeros(rows, dtype=np.bool_), np.zeros(m, dtype=np.bool_),
     )  # fmt: skip
 
 
 @kernel
-def make_room(s, m):
-    """Return scratch for s states and m beacons."""
-    rows = AXES + KINDS * m
+def make_room(s, m, rows):
+    """Return scratch for s states, m subsystems and so many rows of measurements."""
     return Room(
         np.empty(6), np.empty((6, COLUMNS)), np.empty((s, s)), np.empty((6, 6)), np.empty(s),
         np.zeros((rows, s)), np.zeros(rows), np.zeros(rows, dtype=np.bool_), np.empty(s),

@@ -4,6 +4,3 @@
 #: clock of the lander enters; distance from the centre; direction to a source (three components)
 #: and velocity relative to it (three).
 RANGE, RATE, ECHO, ECHO_RATE, HEIGHT, BEARING, VELOCITY = 0, 1, 2, 3, 4, 5, 8
-
-#: Kinds that fused filters hear of each beacon: range and range rate.
-KINDS = 2

@@ -13,6 +13,8 @@ import numpy as np
 
 from compass.core.entry.dop853 import WATCH_RADIUS, WATCH_SPEED, watched
 from compass.core.entry.flow import advance_transition
+from compass.core.entry.loop import carrier_to_noise, loop_variance
+from compass.core.entry.measure import PLACES, measured
 from compass.core.entry.rates import COLUMNS
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.jit import fast_kernel, kernel
@@ -25,7 +27,7 @@ WAYS = 4
 
 @kernel
 def fly_many(
-    starts, spreads, p, bank, times, longest, watch, level, ground, paths, gains, stops
+    starts, worlds, spreads, p, bank, times, longest, watch, level, ground, paths, gains, stops
 ):  # fmt: skip
     """Fly every entry to its end, with the derivative of every flight.
 
@@ -33,6 +35,8 @@ def fly_many(
     ----------
     starts
         Positions and velocities at entry, shape (m, 6).
+    worlds
+        What is added to the logarithm of the density and to L/D in each entry, (m, 2).
     spreads
         S at entry, shape (m, 8, d): of position, velocity, logarithm of the density and L/D.
     p, bank, longest
@@ -61,17 +65,18 @@ def fly_many(
             here, gain = paths[m, t], gains[m, t]
             if t > 0:
                 advance_transition(
-                    paths[m, t - 1], 0.0, p[RATIO], p, bank, times[t - 1], times[t], longest, here,
-                    phi,
+                    paths[m, t - 1], worlds[m, 0], p[RATIO] + worlds[m, 1], p, bank, times[t - 1],
+                    times[t], longest, here, phi,
                 )  # fmt: skip
                 _product(phi, spread, gain)
                 spread[:6] = gain
             else:
                 gain[:] = spread[:6]
-            if not (watched(here, WATCH_RADIUS) > ground and watched(here, WATCH_SPEED) > 0.0):
+            high, fast = watched(here, WATCH_RADIUS, p), watched(here, WATCH_SPEED, p)
+            if not (high > ground and fast > 0.0):
                 stops[m] = -1 - t
                 break
-            if watch >= 0 and watched(here, watch) <= level:
+            if watch >= 0 and watched(here, watch, p) <= level:
                 stops[m] = t
                 break
 
@@ -160,8 +165,8 @@ def directions(satellite, omega, axes):
 
 @fast_kernel
 def information(
-    paths, gains, stops, weights, variances, r, v, angles, omega, step, dt, radius, sin_mask,
-    cos_mask, clock, roots, seen, out, sums,
+    paths, gains, stops, weights, variances, link, dimmed, r, v, angles, omega, step, dt, radius,
+    sin_mask, cos_mask, clock, roots, seen, out, sums,
 ):  # fmt: skip
     """Information on u that each satellite gives in each entry.
 
@@ -178,7 +183,11 @@ def information(
         Expected measurements at each epoch, (m, t): 0 where none is due, else the probability
         that one arrives.
     variances
-        Of ranges (m^2) and range rates (m^2/s^2); nan for one that is not measured.
+        Of ranges (m^2) and range rates (m^2/s^2) one way, then of both there and back, (4,); nan
+        for what is not measured.
+    link, dimmed
+        Of `compass.core.entry.loop`, (6,), whose loop adds to the noise of ranges and hears no
+        satellite that is too faint; (0,) for none; and what plasma takes away, dB, (m, t).
     r, v, angles, omega, step
         Satellites at the nodes, as in `turn_nodes`; `angles` (m,).
     dt
@@ -186,13 +195,13 @@ def information(
     radius, sin_mask, cos_mask
         As in `horizon`.
     clock
-        Sigmas of the receiver's clock and drift, (2,), the last two components of u then; (0,)
-        for none.
+        Sigmas of the receiver's clock and drift, (2,), the last two components of u then, which
+        enter what is measured one way; (0,) for none.
     roots
         Of the satellites' errors, (n, 5, 5), the last column the bias of ranges; (n, 5, 0) for
         none.
     seen
-        Output, (m, t, n): which satellites are in view.
+        Output, (m, t, n): which satellites are in view and strong enough.
     out
         Output, (m, n, d (d + 1)/2): ``sum over epochs of weight h^T h / variance``, less what its
         own errors take.
@@ -208,7 +217,8 @@ def information(
     gain, h = np.empty((6, motion)), np.zeros(size)
     here, axes, s = np.empty(6), np.empty((3, 3)), np.empty(WAYS)
     cross, own = np.empty((n, size, WAYS)), np.empty((n, WAYS, WAYS))
-    ranged, rated = not math.isnan(variances[0]), not math.isnan(variances[1])
+    ranged = not (math.isnan(variances[0]) and math.isnan(variances[2]))
+    rated = not (math.isnan(variances[1]) and math.isnan(variances[3]))
     for m in range(paths.shape[0]):
         turn_nodes(r, v, m, nodes, angles[m], omega, step, node)
         cross[:] = 0.0
@@ -233,10 +243,18 @@ def information(
                 distance = math.sqrt(x * x + y * y + z * z)
                 if -(x * px + y * py + z * pz) < lowest * distance * high:
                     continue
+                nx, ny, nz = x / distance, y / distance, z / distance
+                loop = 0.0
+                if link.size > 0:
+                    loop = loop_variance(
+                        link,
+                        carrier_to_noise(link, paths[m, t], distance, -nx, -ny, -nz, dimmed[m, t]),
+                    )
+                    if math.isnan(loop):
+                        continue
                 seen[m, t, i] = True
                 if weight == 0.0:
                     continue
-                nx, ny, nz = x / distance, y / distance, z / distance
                 vx = ux - w3 * dx - w4 * node[i, k, 3] - w5 * node[i, k + 1, 3]
                 vy = uy - w3 * dy - w4 * node[i, k, 4] - w5 * node[i, k + 1, 4]
                 vz = uz - w3 * dz - w4 * node[i, k, 5] - w5 * node[i, k + 1, 5]
@@ -248,14 +266,21 @@ def information(
                 if ranged:
                     for j in range(motion):
                         h[j] = nx * gain[0, j] + ny * gain[1, j] + nz * gain[2, j]
-                    if clock.size > 0:
-                        h[motion], h[motion + 1] = clock[0], clock[1] * t * dt
-                    _add_square(h, weight / variances[0], out, m, i)
                     if errors > 0:
                         for a in range(3):
                             s[a] = -nx * axes[a, 0] - ny * axes[a, 1] - nz * axes[a, 2]
                         s[3] = 1.0
-                        _add_errors(h, s, weight / variances[0], cross, own, i)
+                    for back in range(2):  # there and back no clock of the lander enters
+                        if math.isnan(variances[2 * back]):
+                            continue
+                        if clock.size > 0:
+                            h[motion], h[motion + 1] = clock[0], clock[1] * t * dt
+                            if back == 1:
+                                h[motion], h[motion + 1] = 0.0, 0.0
+                        worth = weight / (variances[2 * back] + loop)
+                        _add_square(h, worth, out, m, i)
+                        if errors > 0:
+                            _add_errors(h, s, worth, cross, own, i)
                 if rated:
                     # R' = n . dv: (dv - R' n) / R on position, n on velocity
                     rate = vx * nx + vy * ny + vz * nz
@@ -264,9 +289,6 @@ def information(
                         across = vx * gain[0, j] + vy * gain[1, j] + vz * gain[2, j]
                         along = nx * gain[3, j] + ny * gain[4, j] + nz * gain[5, j]
                         h[j] = across / distance + along
-                    if clock.size > 0:
-                        h[motion], h[motion + 1] = 0.0, clock[1]
-                    _add_square(h, weight / variances[1], out, m, i)
                     if errors > 0:
                         # the error stays in the satellite's directions, which turn with it
                         tx, ty = turn * axes[2, 0], turn * axes[2, 1]
@@ -277,7 +299,15 @@ def information(
                             moves += nz * (tx * ey - ty * ex)
                             s[a] = -(vx * ex + vy * ey + vz * ez) / distance - moves
                         s[3] = 0.0
-                        _add_errors(h, s, weight / variances[1], cross, own, i)
+                    for back in range(2):
+                        if math.isnan(variances[1 + 2 * back]):
+                            continue
+                        if clock.size > 0:
+                            h[motion], h[motion + 1] = 0.0, clock[1] * (1.0 - back)
+                        worth = weight / variances[1 + 2 * back]
+                        _add_square(h, worth, out, m, i)
+                        if errors > 0:
+                            _add_errors(h, s, worth, cross, own, i)
         for i in range(n):
             _eliminate(cross[i], own[i], roots[i], out[m, i], sums[m])
 
@@ -347,14 +377,51 @@ def _add_square(h, weight, out, m, i):
         k += a + 1
 
 
+@fast_kernel
+def own_information(paths, gains, stops, sources, variances, kinds, out):
+    """Information on u by what the lander reads of itself and of places that it knows by sight.
+
+    Parameters
+    ----------
+    paths, gains, stops
+        Of `fly_many`.
+    sources
+        Positions and velocities of the places, and of the centre of Mars, (m, k, 6).
+    variances, kinds
+        Of every kind's reading of every source, (m, t, k, c), nan where there is none, and the
+        numbers of `compass.core.entry.measure`, (c,).
+    out
+        Output, packed, (m, 1, d (d + 1)/2); what is behind the components of `gains` is not told.
+    """
+    places, row = np.full(PLACES, -1), np.empty(6)
+    motion = gains.shape[3]
+    h = np.empty(motion)
+    out[:] = 0.0
+    for m in range(paths.shape[0]):
+        for t in range(stops[m] + 1):
+            for b in range(sources.shape[1]):
+                for c in range(kinds.size):
+                    if math.isnan(variances[m, t, b, c]):
+                        continue
+                    row[:] = 0.0
+                    measured(kinds[c], paths[m, t], sources[m, b], b, places, row)
+                    for j in range(motion):
+                        h[j] = 0.0
+                        for i in range(6):
+                            h[j] += row[i] * gains[m, t, i, j]
+                    _add_square(h, 1.0 / variances[m, t, b, c], out, m, 0)
+
+
 @kernel
-def bounds(shares, ends, out):
+def bounds(shares, own, ends, out):
     """Posterior sigma of position (m) and velocity (m/s) at the end of each entry.
 
     Parameters
     ----------
     shares
         Information of each satellite, (m, n, d (d + 1)/2).
+    own
+        And of what needs none, (m, 1, d (d + 1)/2).
     ends
         Gains B of `fly_many` at the end, (m, 6, d).
     out
@@ -368,7 +435,7 @@ def bounds(shares, ends, out):
             k = 0
             for a in range(size):
                 for b in range(a + 1):
-                    total = 1.0 if a == b else 0.0
+                    total = own[m, 0, k] + (1.0 if a == b else 0.0)
                     for i in range(n):
                         if i != lost:
                             total += shares[m, i, k]

@@ -9,14 +9,14 @@ import math
 import numpy as np
 
 from compass.core.entry.kinds import BEARING, ECHO, HEIGHT, RANGE, RATE, VELOCITY
-from compass.core.entry.rates import DRAG, log_density
+from compass.core.entry.rates import DRAG, WINDS, log_density, through_air, wind_gradient
 from compass.core.jit import fast_kernel
 
 #: Columns of `places`: how many states are estimated (the rest is considered), then the first
 #: state of each further block, -1 where it is left out.
 ESTIMATED, AIR, LIFT, CLOCK, BIAS, IMU, ATTITUDE, PLACES = range(8)
 
-#: Accelerometers: along the velocity, to the side and across it.
+#: Accelerometers: along the velocity through the air, to the side and across it.
 AXES = 3
 
 
@@ -122,8 +122,9 @@ def _component(kind, x, source, places, row):
 def acceleration_rows(x, thicker, lift, p, cos_bank, sin_bank, places, rows, out):
     """Predict what the accelerometers read, and write their rows.
 
-    ``a = [-D, -L sin(bank), L cos(bank)] + b``, with ``D = rho B V^2 / 2``, ``L = lift D`` and the
-    biases b where they are states. At a switch the bank is the one that holds from then on.
+    ``a = [-D, -L sin(bank), L cos(bank)] + b``, with ``D = rho B V^2 / 2``, V through the air,
+    ``L = lift D`` and the biases b where they are states. At a switch the bank is the one that
+    holds from then on.
 
     Parameters
     ----------
@@ -137,16 +138,17 @@ def acceleration_rows(x, thicker, lift, p, cos_bank, sin_bank, places, rows, out
         Output, (>= 3,), m/s^2.
     """
     r = math.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
-    v = math.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5])
+    w = through_air(x, p)
+    square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2]
     height, slope = log_density(r, p)
-    drag = 0.5 * math.exp(height + thicker) * p[DRAG] * v * v
+    drag = 0.5 * math.exp(height + thicker) * p[DRAG] * square
     for axis in range(AXES):
         turned = 0.0 if axis == 0 else (-sin_bank if axis == 1 else cos_bank)
         value = -drag if axis == 0 else turned * lift * drag
         out[axis] = value
         for i in range(3):
             rows[axis, i] = value * slope * x[i] / r
-            rows[axis, 3 + i] = 2.0 * value * x[3 + i] / (v * v)
+            rows[axis, 3 + i] = 2.0 * value * w[i] / square
         if places[AIR] >= 0:
             rows[axis, places[AIR]] = value
         if places[LIFT] >= 0:
@@ -154,3 +156,10 @@ def acceleration_rows(x, thicker, lift, p, cos_bank, sin_bank, places, rows, out
         if places[IMU] >= 0:
             out[axis] += x[places[IMU] + axis]
             rows[axis, places[IMU] + axis] = 1.0
+    if p[WINDS] > 0.0:
+        gradient = np.empty((3, 3))
+        wind_gradient(x, p, gradient)
+        for axis in range(AXES):
+            for i in range(3):
+                for k in range(3):
+                    rows[axis, i] -= rows[axis, 3 + k] * gradient[k, i]

@@ -43,15 +43,15 @@ class Belief(NamedTuple):
     """What a filter starts from and assumes.
 
     Estimate `x0` (8 or 11,) around which the start is drawn with the factor `spread` (as many
-    rows and columns; zero: the start is `x0`), covariance `p0` (n, n), parameters `p`, and whether
-    the filter `trusts` a range that did not arrive (it then reads 0).
+    rows and columns; zero: the start is `x0`), covariance `p0` (n, n), parameters `p`; with
+    `lost_is_zero` a range that did not arrive reads 0.
     """
 
     x0: Array
     p0: Array
     spread: Array
     p: Array
-    trusts: bool
+    lost_is_zero: bool
 
 
 class Tally(NamedTuple):
@@ -208,7 +208,7 @@ def track(algorithm, settings, belief, x0, bank_angles, beacons, alive, trace):
         if k > 0:
             p[BANK], here[BANK] = bank_angles[k - 1], bank_angles[k]
             for i in range(arrived.size):
-                arrived[i] = trace.arrived[k, i] or belief.trusts
+                arrived[i] = trace.arrived[k, i] or belief.lost_is_zero
             gate = settings.gate if k * settings.dt >= settings.gate_start else math.inf
             epoch = Epoch(p, here, beacons[k], trace.z[k], arrived, alive[k], gate)
             if not step(algorithm, settings, epoch, bank, work):

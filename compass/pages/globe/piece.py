@@ -27,7 +27,9 @@ def globe(design: Design, still: Picture | None = None) -> Interactive:
     )
     note = "" if design.mask.is_constant else " The mask is taken at its highest all around."
     title = f"Globe of {design.name}"
-    return Interactive("globe", title, _CAPTION + note, html, script(), still)
+    return Interactive(
+        stem="globe", title=title, caption=_CAPTION + note, html=html, script=script(), still=still
+    )
 
 
 @cache

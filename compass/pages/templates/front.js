@@ -9,7 +9,7 @@ const make = (name, attributes, text) => {
   if (text !== undefined) made.textContent = text;
   return made;
 };
-const say = v => v === null ? "none" : Number(v.toPrecision(4)).toLocaleString("en", {maximumSignificantDigits: 6});
+const {say} = compassTip;
 
 // Round numbers between two, about `wanted` of them; whole numbers for what is counted.
 function ticks(low, high, wanted, whole) {
@@ -162,16 +162,8 @@ class Front {
     const figures = this.axes.map((axis, a) => [axis, group.columns[a][k]]).filter(f => f[1] !== null);
     const lines = [group.names[k], ...figures.slice(0, 9).map(([axis, v]) => `${axis.label}: ${say(v)}`)];
     if (group.few) lines[0] = `${group.label}: ${lines[0]}`;
-    this.tip.replaceChildren(...lines.map(text => {
-      const line = document.createElement("div");
-      line.textContent = text;
-      return line;
-    }));
-    this.tip.style.display = "block";
-    const wide = this.tip.offsetWidth, high = this.tip.offsetHeight, room = this.plot.clientWidth;
-    const left = point.x + 14 + wide > room ? point.x - 14 - wide : point.x + 14;
-    this.tip.style.left = `${Math.max(left, 0)}px`;
-    this.tip.style.top = `${Math.max(Math.min(point.y - high / 2, this.frame.bottom - high), 0)}px`;
+    compassTip.tell(this.tip, lines, point.x,
+      high => Math.min(point.y - high / 2, this.frame.bottom - high), this.plot.clientWidth);
     this.here = point;
   }
   near(x, y) {

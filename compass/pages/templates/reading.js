@@ -1,9 +1,8 @@
-// Pictures that answer: point at a map or a curve, or go there by the arrow keys, and read the
+// Pictures that answer: point at a map, a curve, a bar or a span, or go there by the arrow keys, and read the
 // values that are kept beside the drawing. No library and no network.
 "use strict";
 (() => {
-const say = v => Number.isNaN(v) ? "no value" : !Number.isFinite(v) ? "∞"
-  : v === 0 ? "0" : Number(v.toPrecision(Math.abs(v) < 1000 ? 3 : 4)).toLocaleString("en", {maximumSignificantDigits: 6});
+const {say} = compassTip;
 const half = bits => {  // half-precision float
   const sign = bits & 0x8000 ? -1 : 1, power = bits >> 10 & 31, rest = bits & 1023;
   if (power === 31) return rest ? NaN : sign * Infinity;
@@ -73,6 +72,38 @@ function onCurves(panel, x, y) {
           lines: [`${panel.x[3] || "across"}: ${say(head)}`, ...told]};
 }
 
+// A place of the picture in the numbers of the axes; none outside of them.
+function inside(panel, x, y) {
+  const [left, top, right, bottom] = panel.box;
+  if (x < left || x > right || y < top || y > bottom) return null;
+  const back = ([low, high, log], part) =>
+    log ? low * (high / low) ** part : low + part * (high - low);
+  return [back(panel.x, (x - left) / (right - left)), back(panel.y, (bottom - y) / (bottom - top))];
+}
+
+// The row of spans at a point: the span it lies in, or between which two.
+function onRows(panel, x, y) {
+  const at = inside(panel, x, y);
+  const row = at && panel.rows[Math.round(at[1])];
+  if (!row) return null;
+  const k = row.from.findIndex((from, j) => from <= at[0] && at[0] <= row.to[j]);
+  const told = k < 0 ? `not at ${say(at[0])}` : `from ${row.from[k]} to ${row.to[k]}`;
+  return {x, y, lines: [row.name, told, panel.x[3]]};
+}
+
+// The bar at a point, or over and under it.
+function onBars(panel, x, y) {
+  const at = inside(panel, x, y);
+  if (!at) return null;
+  const [a, b] = at;
+  const bar = panel.bars.find(({corners: [x0, y0, x1, y1]}) => x0 <= a && a <= x1 && y0 <= b && b <= y1)
+    || panel.bars.find(({corners: [x0, y0, x1, y1]}) => panel.flat ? y0 <= b && b <= y1 : x0 <= a && a <= x1);
+  return bar ? {x, y, lines: [bar.name, `${panel.of || panel.title || "value"}: ${say(bar.value)}`]} : null;
+}
+
+const found = (panel, x, y) =>
+  (panel.lines ? onCurves : panel.rows ? onRows : panel.bars ? onBars : onMap)(panel, x, y);
+
 class Reading {
   constructor(root) {
     this.root = root;
@@ -110,22 +141,14 @@ class Reading {
   }
   show(x, y) {
     this.at = [x, y];
-    let found = null;
-    for (const panel of this.panels) found = found || (panel.lines ? onCurves : onMap)(panel, x, y);
-    if (!found) return this.hide();
-    this.tip.replaceChildren(...found.lines.map(text => {
-      const line = document.createElement("div");
-      line.textContent = text;
-      return line;
-    }));
+    const told = this.panels.reduce((one, panel) => one || found(panel, x, y), null);
+    if (!told) return this.hide();
     const {width, height} = this.root.querySelector("img").getBoundingClientRect();
-    this.tip.style.display = this.dot.style.display = "block";
-    const wide = this.tip.offsetWidth, high = this.tip.offsetHeight;
-    const left = found.x * width + 12 + wide > width ? found.x * width - 12 - wide : found.x * width + 12;
-    this.tip.style.left = `${Math.max(left, 0)}px`;
-    this.tip.style.top = `${Math.max(Math.min(found.y * height - high - 8, height - high), 0)}px`;
-    this.dot.style.left = `${found.x * width}px`;
-    this.dot.style.top = `${found.y * height}px`;
+    compassTip.tell(this.tip, told.lines, told.x * width,
+      high => Math.min(told.y * height - high - 8, height - high), width);
+    this.dot.style.display = "block";
+    this.dot.style.left = `${told.x * width}px`;
+    this.dot.style.top = `${told.y * height}px`;
   }
   hide() { this.tip.style.display = this.dot.style.display = "none"; }
 }

@@ -1,0 +1,89 @@
+"""Figures at sites and in regions: blocks of a document, and variables of a dataset."""
+
+from collections.abc import Sequence
+from math import degrees
+from typing import TYPE_CHECKING
+
+from compass.coverage.areas import PERCENTS, AreaFigures
+from compass.document import Bracket, Sentence, Table, Value
+from compass.document.blocks import Block
+from compass.quantities import quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def area_blocks(areas: Sequence[AreaFigures]) -> tuple[Block, ...]:
+    """A table of the areas and what is known of them, and for when it is; nothing without any."""
+    if not areas:
+        return ()
+    margin, gdop = quantity("requirement_margin_deg"), quantity("gdop")
+    errors = tuple(areas[0].errors)
+    wanted, pdop_max = areas[0].fold.requirement.fold, areas[0].pdop_max
+    header = (
+        "",
+        f"{wanted} in view always",
+        margin.heading,
+        f"PDOP at most {pdop_max:g}, %",
+        *(f"GDOP of {percent} %" for percent in PERCENTS),
+        *(f"{quantity(name).title} at most {areas[0].error_max:g} m, %" for name in errors),
+    )
+    rows = tuple(
+        (
+            area.name,
+            area.fold.word,
+            Value(margin, None if area.fold.margin is None else degrees(area.fold.margin)),
+            _between("availability", area.availability),
+            *(Value(gdop, high, Bracket(low, high)) for low, high in area.gdop.values()),
+            *(_between("error_share", area.errors[name]) for name in errors),
+        )
+        for area in areas
+    )
+    scopes: dict[str, list[str]] = {}
+    for area in areas:
+        scopes.setdefault(area.scope, []).append(area.name)
+    metres = "; errors one sigma, wherever the Sun stands" if errors else ""
+    return (
+        Table("At sites and in regions", header, rows),
+        Sentence(
+            "proven, or between proven bounds, of the time at a site and of area and time in a "
+            f"region{metres}"
+        ),
+        *(Sentence(f"{', '.join(names)}: {scope}") for scope, names in scopes.items()),
+    )
+
+
+def with_areas(dataset: "xr.Dataset", areas: Sequence[AreaFigures]) -> "xr.Dataset":
+    """Return the dataset with the bounds of figures over (area, bound) and (area, ..., bound)."""
+    if not areas:
+        return dataset
+    about = {"units": "1", "long_name": "proven bounds of the share with a good PDOP"}
+    found = {
+        "area_availability": (("area", "bound"), [list(a.availability) for a in areas], about),
+        "area_gdop": (
+            ("area", "area_percent", "bound"),
+            [[list(a.gdop[q]) for q in PERCENTS] for a in areas],
+            {"units": "1", "long_name": "proven bounds of GDOP not exceeded for a share"},
+        ),
+        "area_fold_met": (
+            ("area",),
+            [{True: 1, False: 0, None: -1}[a.fold.met] for a in areas],
+            {"units": "1", "long_name": "fold wanted always in view: 1 proven, 0 refuted, -1 open"},
+        ),
+    }
+    for name in areas[0].errors:
+        found[f"area_{name}_share"] = (
+            ("area", "bound"),
+            [list(a.errors[name]) for a in areas],
+            {"units": "1", "long_name": f"proven bounds of the share within the {name} allowed"},
+        )
+    coords = {
+        "area": [a.name for a in areas],
+        "bound": ["low", "high"],
+        "area_percent": ("area_percent", list(PERCENTS), {"units": "percent"}),
+    }
+    return dataset.assign(found).assign_coords(coords)
+
+
+def _between(name: str, bounds: tuple[float, float]) -> Value:
+    return Value(quantity(name), bounds[1], Bracket(*bounds))

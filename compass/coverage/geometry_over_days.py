@@ -1,0 +1,164 @@
+"""How long dilutions of precision are kept along real paths: for so many days, or missed and when.
+
+Settled for one stretch of days after the other, each by `geometry_verdict`: what is wanted always
+is looked for to `RESOLUTION`; a share is taken of every stretch by itself, so that good weeks do
+not make up for bad ones.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from compass.coverage.certificate import Outcome
+from compass.coverage.certified_effort import Effort
+from compass.coverage.geometry_verdict import WIDTH, geometry_verdict
+from compass.coverage.verdict import Verdict, both
+from compass.design import Design, Requirement
+from compass.frames import SECONDS_PER_DAY
+from compass.orbits.motion import Motion
+from compass.orbits.trajectory import Trajectory
+
+#: A stretch, s, and how near the moment of a miss is found.
+STRETCH, RESOLUTION = 7.0 * SECONDS_PER_DAY, 60.0
+
+#: Widths of the bounds of a share that are tried, one after the other.
+WIDTHS = (0.03, 3e-3, WIDTH)
+
+OUTCOMES = {True: Outcome.PROVEN, False: Outcome.REFUTED, None: Outcome.UNDECIDED}
+
+
+@dataclass(frozen=True)
+class GeometryLasting:
+    """What was settled about dilutions of precision along paths.
+
+    Attributes
+    ----------
+    outcome
+        Proven to the end of the span, refuted (missed), or undecided.
+    start, stop
+        Span looked at, seconds after the epoch.
+    proven_until
+        Up to when it is proven.
+    lost_at
+        When it is surely missed: a moment, or the end of the stretch whose share is too small.
+    verdict
+        Of the stretch looked at last.
+    """
+
+    outcome: Outcome
+    start: float
+    stop: float
+    proven_until: float
+    lost_at: float | None
+    verdict: Verdict
+
+    @property
+    def days_proven(self) -> float:
+        """Days from the start for which it is proven."""
+        return (self.proven_until - self.start) / SECONDS_PER_DAY
+
+    @property
+    def first_loss_days(self) -> float | None:
+        """Days after the epoch at which it is missed; None if it is not."""
+        return None if self.lost_at is None else self.lost_at / SECONDS_PER_DAY
+
+
+def geometry_lasts(
+    design: Design,
+    requirement: Requirement,
+    path: Trajectory,
+    start: float,
+    stop: float,
+    progress: Callable[[Sequence[Any]], Iterable[Any]] = iter,
+) -> GeometryLasting:
+    """How long a requirement's dilutions of precision are kept along paths.
+
+    Parameters
+    ----------
+    design, requirement
+        The requirement has limits.
+    path
+        What the design's satellites do.
+    start, stop
+        Seconds after the epoch.
+    progress
+        Wraps the list of stretches, as tqdm does.
+
+    Raises
+    ------
+    ArgumentError
+        As `geometry_verdict`.
+    """
+    flown = replace(design, motion=Motion("ephemeris", table=path))
+
+    def ask(begin: float, end: float) -> Verdict:
+        effort = Effort()  # holds what is open, so that finer bounds go on from coarser ones
+        for width in WIDTHS:
+            settled = _both(flown, requirement, begin, end, effort, width)
+            if settled.met is not None:
+                break
+        return settled
+
+    count = max(int(np.ceil((stop - start) / STRETCH - 1e-9)), 1)
+    edges = np.linspace(start, stop, count + 1).tolist()
+    for begin, end in progress(list(pairwise(edges))):
+        verdict = ask(begin, end)
+        if verdict.met is True:
+            continue
+        lost = None
+        if verdict.met is False:
+            if requirement.share == 1.0:
+                begin, end, verdict = _first_miss(ask, begin, end, verdict)
+            lost = end
+        return GeometryLasting(OUTCOMES[verdict.met], start, stop, begin, lost, verdict)
+    return GeometryLasting(Outcome.PROVEN, start, stop, stop, None, verdict)
+
+
+def _both(
+    design: Design,
+    requirement: Requirement,
+    begin: float,
+    end: float,
+    effort: Effort,
+    width: float,
+) -> Verdict:
+    """Verdict on all limits of a requirement over a stretch."""
+    verdicts = [
+        geometry_verdict(
+            design,
+            requirement,
+            name,
+            limit,
+            days=(end - begin) / SECONDS_PER_DAY,
+            start_day=begin / SECONDS_PER_DAY,
+            effort=effort,
+            width=width,
+        )
+        for name, limit in requirement.limits
+    ]
+    settled = verdicts[0]
+    for further in verdicts[1:]:
+        settled = both(settled, further)
+    return settled
+
+
+def _first_miss(
+    ask: Callable[[float, float], Verdict], begin: float, end: float, missed: Verdict
+) -> tuple[float, float, Verdict]:
+    """Halve a stretch with a miss: proven before its begin, missed by its end."""
+    while True:
+        if missed.worst is not None and missed.worst.time is not None:
+            end = min(end, max(missed.worst.time, begin))  # there it is missed, seen by itself
+        if end - begin <= RESOLUTION:
+            return begin, end, missed
+        middle = 0.5 * (begin + end)
+        first = ask(begin, middle)
+        if first.met is None:
+            return begin, end, missed
+        if first.met is False:
+            end, missed = middle, first
+        else:
+            begin = middle

@@ -1,0 +1,150 @@
+"""Entries that differ from the planned one: where they come down, guided or not."""
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compass.core.entry.guide import dispersed_flights
+from compass.cores import cores
+from compass.entry.accuracy import Ellipse, error_ellipse
+from compass.entry.covariance import LONGEST_STEP
+from compass.entry.guidance import GROUND, Dispersion, Guidance
+from compass.entry.model import EntryModel
+from compass.entry.start import Trigger
+from compass.entry.trajectory import watched_level
+from compass.entry.views import cartesian_of, local_axes
+from compass.errors import ArgumentError
+from compass.frames import direction
+
+Array = NDArray[np.float64]
+
+#: Entries handed to a thread at once; the numbers do not depend on it.
+BLOCK = 16
+
+
+@dataclass(frozen=True)
+class Dispersed:
+    """Where dispersed entries come to deployment.
+
+    Attributes
+    ----------
+    event
+        What ends them, in a word.
+    times, ends
+        When, s, (m,), nan where it does not come, and the state there, (m, 6), Mars-fixed.
+    centre
+        Unit vector to the target, or to where the planned entry comes, (3,).
+    guided
+        Whether they are guided to it.
+    """
+
+    event: str
+    times: Array
+    ends: Array
+    centre: Array
+    guided: bool
+
+    @property
+    def reached(self) -> NDArray[np.bool_]:
+        """Which come to the event, (m,)."""
+        return np.isfinite(self.times)
+
+    @property
+    def offsets(self) -> Array:
+        """East and north of the centre over the ground, m, of those that come there, (k, 2)."""
+        at = self.ends[self.reached, :3]
+        radius = np.linalg.norm(at, axis=1)
+        line = at / radius[:, None]
+        east, north, up = (line @ local_axes(self.centre).T).T
+        flat = np.hypot(east, north)
+        size = np.where(flat > 0, np.arctan2(flat, up) / np.where(flat > 0, flat, 1.0), 1.0)
+        return np.asarray((radius * size)[:, None] * np.stack([east, north], axis=1))
+
+    @property
+    def ellipse(self) -> Ellipse:
+        """That holds 95 % of them if they are normal."""
+        flat = self.offsets
+        return error_ellipse(flat.mean(axis=0), np.cov(flat.T))
+
+    def within(self, percent: float) -> float:
+        """Distance from the centre within which that many of all entries come, m.
+
+        Infinite where fewer come to the event at all.
+        """
+        misses = np.full(self.times.size, np.inf)
+        misses[self.reached] = np.hypot(*self.offsets.T)
+        return float(np.percentile(misses, percent, method="inverted_cdf"))
+
+
+def fly_dispersed(
+    truth: EntryModel,
+    known: EntryModel,
+    state: ArrayLike,
+    dispersion: Dispersion,
+    seconds: float,
+    *,
+    trigger: Trigger | None = None,
+    guidance: Guidance | None = None,
+    seed: int = 0,
+    threads: int | None = None,
+) -> Dispersed:
+    """Fly entries drawn about the planned one to an event.
+
+    Parameters
+    ----------
+    truth, known
+        The world as it is but for what is drawn, and as the guidance knows it.
+    state
+        ``[r, lon, lat, V, gamma, psi]`` of the planned entry.
+    dispersion
+        What is drawn.
+    seconds
+        When they end at the latest.
+    trigger
+        The event; the ground if left out.
+    guidance
+        To a target; without, all fly the bank of the vehicle.
+    seed
+        Of the draws.
+    threads
+        Threads; one a processor if left out.
+
+    Raises
+    ------
+    ArgumentError
+        The planned entry without guidance does not come to the event.
+    """
+    planned = cartesian_of(np.asarray(state, dtype=float)[:6])
+    drawn = np.vstack([np.zeros(8), dispersion.draws(seed)])
+    watch, level = watched_level(truth, trigger or GROUND)
+    starts, worlds = planned + drawn[:, :6], np.ascontiguousarray(drawn[:, 6:])
+    times, ends = np.empty(len(drawn)), np.empty((len(drawn), 6))
+    numbers = np.empty(0) if guidance is None else guidance.numbers()
+    p, q, bank = (
+        truth.flight_parameters(),
+        known.flight_parameters(),
+        truth.vehicle.bank_schedule(),
+    )
+
+    def work(first: int) -> None:
+        part = slice(first, first + BLOCK)
+        dispersed_flights(
+            starts[part], worlds[part], p, q, numbers, bank, float(seconds), LONGEST_STEP, watch,
+            level, truth.planet_radius, times[part], ends[part],
+        )  # fmt: skip
+
+    with ThreadPoolExecutor(cores(threads)) as pool:
+        list(pool.map(work, range(0, len(drawn), BLOCK)))
+    if guidance is None and np.isnan(times[0]):
+        raise ArgumentError(
+            f"dispersion: the planned entry does not come to {(trigger or GROUND).name} by "
+            f"{seconds:g} s; give a longer entry.duration_s or another trigger"
+        )
+    centre = (
+        ends[0, :3] / np.linalg.norm(ends[0, :3])
+        if guidance is None
+        else np.asarray(direction(guidance.latitude, guidance.longitude))
+    )
+    return Dispersed((trigger or GROUND).name, times[1:], ends[1:], centre, guidance is not None)

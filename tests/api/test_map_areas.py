@@ -1,0 +1,108 @@
+"""Figures at sites and in regions, beside those of the whole surface."""
+
+from dataclasses import replace
+
+import pytest
+
+import compass
+from compass import Mask, Site
+from compass.coverage import areas as module
+from compass.coverage.certified_share import CertifiedPercentile, CertifiedShare
+from compass.design import Design
+from compass.errors import ArgumentError
+from compass.orbits.motion import Motion
+from compass.ranging import Receiver, Signal
+
+SIGNAL = Signal(ephemeris=(2, 8, 5), clock_sigma=3, receiver=Receiver(0.5, 0.5), ionosphere=1.0)
+HERE = Site("here", 0.3, 1.0, mask=Mask.of(10))
+FEW = {"step_deg": 90, "epochs": 1}
+
+
+def design(**options):
+    c = compass.walker_delta(12, 3, 1, inclination_deg=50, radius_km=20427)
+    return Design(c, name="d", mask=Mask.of(5), stations=(HERE,), **options)
+
+
+@pytest.fixture
+def told(monkeypatch):
+    """What certified figures are asked, answered at once."""
+    asked = []
+
+    def share(self, c, limit, **options):
+        asked.append(("share", options["dop"], limit, options))
+        return CertifiedShare(0.5, 0.6, 1, "")
+
+    def percentile(self, c, percent, **options):
+        asked.append(("percentile", options["dop"], percent, options))
+        return CertifiedPercentile(2.0, 3.0, percent, "")
+
+    monkeypatch.setattr(module.Effort, "share", share)
+    monkeypatch.setattr(module.Effort, "percentile", percentile)
+    return asked
+
+
+def figures(d, **options):
+    options = {"fold": 1, "pdop_max": 6.0, "error_max": 30.0, "span": (0.0, 9e4)} | options
+    return module.area_figures(d, **options)
+
+
+def test_sites_and_regions_are_asked_where_they_are(told):
+    d = design(signal=SIGNAL)
+    site, belt, bent = figures(
+        d,
+        sites=(HERE,),
+        regions=("lat:-20:30", "polygon:0,0;0,30;10,10;30,0"),
+    )
+    assert (site.name, belt.name) == ("here", "lat:-20:30")
+    assert site.availability == (0.5, 0.6) and site.gdop == {50: (2.0, 3.0), 95: (2.0, 3.0)}
+    assert set(site.errors) == {"error_horizontal_m", "error_vertical_m", "error_position_m"}
+    assert "for ever" in site.scope and "on the circle" in belt.scope
+    assert "over 1.04167" in bent.scope  # longitudes count there: not for ever
+    places = [type(one[3]["place"]).__name__ for one in told]
+    assert places[0] == "Circle" and "Region" in places
+    # a bent polygon is two convex ones, and the Sun is asked for overhead and set
+    shares = [one for one in told if one[1] == "error_vertical_m"]
+    assert len(shares) == 2 * (1 + 1 + 2)
+    assert told[0][3]["mask"] == Mask.of(10)
+    known = site.as_dict()
+    assert known["fold"]["met"] is True and known["error_limit_m"] == 30.0
+    assert known["error_position_m"] == {"share_bracket": [0.5, 0.6]}
+    # limited to a span, or along paths, the place itself is asked
+    figures(d, sites=(HERE,), limited=True)
+    assert type(told[-1][3]["place"]).__name__ == "Spot"
+
+
+def test_maps_show_areas_as_text_numbers_and_variables(told):
+    found = compass.map(design(signal=SIGNAL), sites="here", regions=["lat:0:30"], fold=1, **FEW)
+    text = str(found)
+    assert "At sites and in regions" in text and "lat:0:30" in text
+    assert "horizontal error at most 30 m" in text
+    one, other = found.to_dict()["areas"]
+    assert (one["name"], other["availability_bracket"]) == ("here", [0.5, 0.6])
+    made = found.dataset
+    assert made.area_availability.sel(area="here", bound="low") == 0.5
+    assert made.area_gdop.sel(area="lat:0:30", area_percent=95, bound="high") == 3.0
+    assert made.area_fold_met.sel(area="here") == 1
+    assert made.area_error_position_m_share.dims == ("area", "bound")
+
+
+def test_what_is_no_place_is_refused():
+    d = design()
+    refused = (
+        ({"sites": "nowhere"}, r"no \[\[station\]\] of that name; there are here"),
+        ({"sites": ["here", "here=1,2"]}, "site 'here': given twice"),
+        ({"sites": "x=1"}, "site 'x=1': not NAME=LAT,LON"),
+        ({"regions": "lat:9:1"}, "the southern one first"),
+    )
+    for options, words in refused:
+        with pytest.raises(ArgumentError, match=words):
+            compass.map(d, **options, **FEW)
+    with pytest.raises(ArgumentError, match=r"regions: .* is not a design; leave it out"):
+        compass.report("designs/entry-compass.toml", regions="globe", output="page")
+
+
+def test_errors_along_paths_are_left_out_where_they_are_not_certified(told):
+    d = design(signal=SIGNAL, motion=Motion("numerical"))
+    (site,) = figures(replace(d, requirements=()), sites=(HERE,), span=(0.0, 3600.0))
+    assert site.errors == {} and "numerical" in site.fold.scope
+    assert "error_limit_m" not in site.as_dict()
