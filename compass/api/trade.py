@@ -19,11 +19,12 @@ from compass.inputs.study import Study
 from compass.quantities import quantity
 from compass.quantities.merits import MERITS
 from compass.saving import check_writable
+from compass.study.bounds import bounded_figures
 from compass.study.candidates import check_space
 from compass.study.cluster import Cluster, Tls
 from compass.study.judge import check_lander
 from compass.study.results import first_front, read_results, write_results
-from compass.study.sampling import sampled_over, sampling_of
+from compass.study.sampling import front_known, rests_on_samples, sampled_over, sampling_of
 from compass.study.store import Store
 from compass.study.trade import Summary, run_trade
 from compass.study.workers import Processes, Workers
@@ -95,8 +96,11 @@ class TradeResult(Result):
                 "straddling": int(self.dataset.straddling.sum()),
                 "front": self.front,
                 "sampled_over": {
-                    name: how for name in MERITS if (how := sampling_of(self.study, name))
+                    name: how
+                    for name in MERITS
+                    if name not in self._bracketed and (how := sampling_of(self.study, name))
                 },
+                "rests_on_samples": rests_on_samples(self.study),
             }
         )
 
@@ -121,20 +125,20 @@ class TradeResult(Result):
         header = ("stage", "candidates", "computed now", "raised", "work s")
         return Page(self.study.name, (*blocks, Table("Stages", header, stages)))
 
+    @property
+    def _bracketed(self) -> list[str]:
+        """Figures of those that may be of the front that lie between proven bounds."""
+        return bounded_figures(self.study) if self.summary.bounded else []
+
     def _evidence(self) -> tuple[str, ...]:
         """How well the front is known: which figures are bracketed, which sampled."""
         front, said = self.front, []
-        bounded = [name for name in front[0] if f"{name}_bracket" in front[0]]
-        if bounded:
-            open_ = sum(not row["decided"] for row in front)
-            whether = f"of {open_} it is not decided within the budget" if open_ else "decided"
-            said.append(
-                f"between proven bounds, everywhere and for all time: "
-                f"{', '.join(MERITS[name].title for name in bounded)}; who is on the front: "
-                f"{whether}. Whom samples put beyond a limit was not looked at again"
-            )
-        rest = [name for name in front[0] if name not in bounded]
-        if how := sampled_over(self.study, rest):
+        if bounded := self._bracketed:
+            titles = ", ".join(MERITS[name].title for name in bounded)
+            said.append(f"between proven bounds, everywhere and for all time: {titles}")
+        said.append(front_known(self.study, sum(not row["decided"] for row in front)))
+        rest = [name for name in (*front[0], *self.study.named) if name not in bounded]
+        if how := sampled_over(self.study, list(dict.fromkeys(rest))):
             said.append(f"sampled: {how}")
         return tuple(said)
 
