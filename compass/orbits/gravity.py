@@ -260,13 +260,13 @@ def _field(
             f"C20 = {c[2, 0]:g}: Mars's fully normalised one is -8.75e-4; "
             "unnormalised or foreign coefficients must be converted"
         )
-    for n, m in zip(*np.tril_indices(degree + 1), strict=True):
-        if np.isnan(c[n, m]):
-            raise ValueError(
-                f"degree {n}, order {m}: missing, though degree {degree} is there; the file is cut "
-                "off or has a hole: give the coefficients, zeros if they are none"
-            )
-    return GravityField(name, gm, radius, np.tril(c), np.tril(s), meridian)
+    c, s = np.tril(c), np.tril(s)
+    for n, m in np.argwhere(np.isnan(c))[:1]:
+        raise ValueError(
+            f"degree {n}, order {m}: missing, though degree {degree} is there; the file is cut off "
+            "or has a hole: give the coefficients, zeros if they are none"
+        )
+    return GravityField(name, gm, radius, c, s, meridian)
 
 
 def _coefficients(rows: list[tuple[int, list[str]]]) -> dict[tuple[int, int], tuple[float, float]]:
