@@ -237,7 +237,8 @@ class DriftResult(Result):
         step = (found.times[1] - found.times[0]) / SECONDS_PER_DAY
         ground = self._sphere()
         note = (
-            f"least margin: by how much all caps could shrink in the {step:g} day(s) before, a "
+            f"least margin: by how much all caps could shrink in the {step:g} "
+            f"day{'s' if step != 1 else ''} before, a "
             "proven bound (of the first row, in the day after); room in the slots is smaller and "
             "only sufficient" + (f"; both are {ground}" if ground else "")
         )

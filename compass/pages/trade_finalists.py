@@ -98,7 +98,8 @@ def recommendation(
         return arranged("Recommendation", (text,))
     first = chosen[0].finalist
     of_each = "; ".join(
-        f"{MERITS[o.figure].title}: {worth(o.figure, first.figures[o.figure])}"
+        f"{MERITS[o.figure].title}: "
+        + (_proven(first, o.figure) or worth(o.figure, first.figures[o.figure]))
         for o in study.objectives
     )
     paragraphs = [
@@ -155,10 +156,8 @@ def answer_section(
             if measure is None
             else f"; {measure.role} has {worth(o.figure, measure.figures[o.figure])}"
         )
-        sure = f"sampled over {how}" + (f", ± {error:.2g}" if error else "") if how else "exact"
-        if o.figure in first.brackets:
-            bracket = Bracket(*first.brackets[o.figure])
-            known = Value(MERITS[o.figure].quantity, first.figures[o.figure], bracket)
+        sure = f"sampled over {how}" + (f", ± {error:.2g}" if error else "") if how else _exactly(o)
+        if known := _proven(first, o.figure):
             sure = f"proven, for all time: {known}"
         title = MERITS[o.figure].title
         rows.append(Answer(title[0].upper() + title[1:], value, None, sure + beside))
@@ -170,6 +169,19 @@ def answer_section(
     return Section(
         "The answer", (Sentence(lead), Answers("What it is worth", tuple(rows)), carrying)
     )
+
+
+def _exactly(objective: Objective) -> str:
+    """How well a figure that is not sampled is known."""
+    return "proven" if MERITS[objective.figure].stage in ("requirements", "orbits") else "exact"
+
+
+def _proven(one: Finalist, name: str) -> str:
+    """Proven bounds of a figure with its unit; nothing where it has none."""
+    if name not in one.brackets:
+        return ""
+    value = Value(MERITS[name].quantity, one.figures[name], Bracket(*one.brackets[name]))
+    return f"{value} {MERITS[name].unit}".strip()
 
 
 def _lasts(one: Entrant) -> Answer:
