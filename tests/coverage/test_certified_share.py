@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from compass.coverage.certified_domain import domain_of
+from compass.coverage.certified_percentile import certified_percentile
 from compass.coverage.certified_places import Circle, Spot, Tile
 from compass.coverage.certified_question import DOPS
-from compass.coverage.certified_share import certified_percentile, certified_share
+from compass.coverage.certified_share import certified_share
 from compass.coverage.region import GLOBE, convex_polygon, latitude_band
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
