@@ -54,7 +54,7 @@ def test_a_ring_is_seen_from_the_equator_and_not_from_the_pole():
     ]
     assert (known[0]["met"], known[0]["evidence"], known[0]["share"]) == (True, "proven", [1, 1])
     json.dumps(found.to_dict(), allow_nan=False)
-    assert str(found).startswith("ring: MISSED: 2 requirement(s): 1 met, 1 missed")
+    assert str(found).startswith("ring: MISSED: 2 requirements: 1 met, 1 missed")
 
 
 def test_without_requirements_the_coverage_of_the_file_is_asked():
