@@ -81,18 +81,13 @@ def course_of(design: Design, days: float | None, start_day: float) -> Course | 
 
 def users_of(design: Design, requirement: Requirement) -> tuple[Users, ...]:
     """Users of a requirement, over the higher of its mask and their own horizons."""
-    mask, below = design.mask, 0.0
-    if requirement.mask is not None:
-        below = min(requirement.mask, 0.0)
-        mask = Mask.constant(max(requirement.mask, 0.0))
+    mask = design.mask if requirement.mask is None else Mask.constant(requirement.mask)
     places = [site_users(site, site.mask.or_higher(mask)) for site in requirement.sites]
     for text in requirement.areas:
         for region in read_regions(text):
-            users = region_users(
-                region, design.figure, mask, below=below, height=requirement.altitude
-            )
+            users = region_users(region, design.figure, mask, height=requirement.altitude)
             places.append(replace(users, name=text))
-    return tuple(places)
+    return tuple(replace(users, beam=requirement.beam) for users in places)
 
 
 def fold_verdict(
