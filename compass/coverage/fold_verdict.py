@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from compass.bodies import MARS_ROTATION_RATE
+from compass.cores import shared
 from compass.coverage.clearance import (
     Clearance,
     Share,
@@ -202,11 +203,14 @@ def _always(
 ) -> Verdict:
     """Verdict on a fold wanted always: the tightest of all users, after all losses."""
     assert requirement.fold is not None
-    found = [
-        (_ask(left, each, requirement.fold, course), each, lost, alike, left)
+    fold = requirement.fold
+    cases = [
+        (each, lost, alike, left)
         for lost, alike, left in losses_of(c, requirement, users, course)
         for each in users
     ]
+    asked = shared(lambda case: _ask(case[3], case[0], fold, course), cases)
+    found = [(clearance, *case) for clearance, case in zip(asked, cases, strict=True)]
     low = min(clearance.low for clearance, *_ in found)
     tightest, whose, lost, alike, left = min(found, key=lambda one: one[0].high)
     met = True if low >= 0.0 else False if tightest.high < 0.0 else None
@@ -231,7 +235,7 @@ def _always(
         return replace(verdict, reason=reason)
     if met:
         return verdict
-    share = _missed_share(left, whose, tightest, requirement.fold, course)
+    share = _missed_share(left, whose, tightest, fold, course)
     alone = len(found) == 1 and whose.longitude is not None
     return replace(verdict, share=share if share is None or alone else (0.0, share[1]))
 

@@ -1,8 +1,8 @@
 """Whether a dilution of precision, or an error, is small enough, always or for long enough.
 
-Errors are asked about with the Sun overhead of all users, when the ionosphere delays most, and set
-for all, when it delays none: what is kept by the first is kept, what is broken by the second is
-broken, wherever the Sun stands.
+Errors are asked about of ranges that are no better than they ever are, as with the Sun overhead of
+all users, when the ionosphere delays most, and of those that are no worse, as with the Sun set:
+what is kept by the first is kept, what is broken by the second is broken.
 """
 
 from collections.abc import Sequence
@@ -15,9 +15,8 @@ from compass.coverage.certified_places import Circle, Spot
 from compass.coverage.certified_ranges import (
     ERROR_DOPS,
     Ranges,
-    delays,
-    ranges_of,
     sigma_allowed,
+    skies_of,
 )
 from compass.coverage.certified_share import CertifiedShare
 from compass.coverage.certified_worst import CertifiedAlways
@@ -30,6 +29,9 @@ from compass.orbits import Constellation
 
 #: Boxes for each share, and how near its bounds are to come where the requirement leaves it open.
 SHARE_BOXES, WIDTH = 600_000, 1e-4
+
+
+Span = tuple[float, float] | None
 
 
 @dataclass(frozen=True)
@@ -45,8 +47,8 @@ class _Asked:
     factor
         What values found are multiplied by to mean what the requirement does.
     skies
-        Ranges that errors are of: with the Sun overhead and, where that matters, with the Sun set;
-        of a dilution None.
+        Ranges that errors are of, no better than they are and, where that differs, no worse; of a
+        dilution None.
     """
 
     name: str
@@ -77,7 +79,7 @@ class _Asked:
         claim = effort.always(left, self.limit, **self._asked(self.skies[0], lost), **where)
         if len(self.skies) > 1 and claim.outcome == Outcome.REFUTED:
             claim = effort.always(left, self.limit, **self._asked(self.skies[1], lost), **where)
-            if claim.outcome == Outcome.PROVEN:  # with the Sun set alone
+            if claim.outcome == Outcome.PROVEN:  # of the better ranges alone
                 return replace(claim, outcome=Outcome.UNDECIDED)
         return claim
 
@@ -85,15 +87,14 @@ class _Asked:
         return {"dop": self.name, "ranges": None if sky is None else sky.without(lost)}
 
 
-def _question(design: Design, requirement: Requirement, name: str, limit: float) -> _Asked:
+def _question(
+    design: Design, requirement: Requirement, name: str, limit: float, span: Span, height: float
+) -> _Asked:
     title = requirement.titled(name)
     if name not in ERROR_DOPS:
         return _Asked(name, limit, title, 1.0, (None,))
-    skies = [ranges_of(design), ranges_of(design, "set")]
     allowed = sigma_allowed(requirement, limit)
-    return _Asked(
-        name, allowed, title, limit / allowed, tuple(skies if delays(design) else skies[:1])
-    )
+    return _Asked(name, allowed, title, limit / allowed, skies_of(design, span, height))
 
 
 def geometry_verdict(
@@ -124,21 +125,17 @@ def geometry_verdict(
         As `certified_share`; an error of a design without a signal.
     """
     effort, c = effort or Effort(), design.constellation
-    asked = _question(design, requirement, name, limit)
     course = course_of(design, days, start_day)
     if course is None:
-        reason = f"{asked.title} is certified for ever for orbits of one period alone; give days"
+        title = requirement.titled(name)
+        reason = f"{title} is certified for ever for orbits of one period alone; give days"
         return undecided(requirement, f"under {design.motion.title}", reason)
-    sky = asked.skies[0]
-    if sky is not None and not (design.motion.is_closed_form or sky.is_isotropic):
-        reason = (
-            f"{asked.title} is certified along integrated paths only where orbits are as well "
-            "known in all directions; compass map samples it"
-        )
-        return undecided(requirement, course.words, reason)
     found: list[tuple[CertifiedShare, Users, tuple[str, ...], int]] = []
     claims: list[tuple[CertifiedAlways, tuple[str, ...], int]] = []
     everyone = users_of(design, requirement)
+    height = max(users.height for users in everyone)
+    asked = _question(design, requirement, name, limit, course.span, height)
+    sky = asked.skies[0]
     same = sky is None or sky.keeps_symmetry
     for lost, alike, left in losses_of(c, requirement, everyone, course, alike=same):
         gone = [c.satellite_names.index(satellite) for satellite in lost]
