@@ -156,7 +156,7 @@ def answer_section(
             if measure is None
             else f"; {measure.role} has {worth(o.figure, measure.figures[o.figure])}"
         )
-        sure = f"sampled over {how}" + (f", ± {error:.2g}" if error else "") if how else "exact"
+        sure = f"sampled over {how}" + (f", ± {error:.2g}" if error else "") if how else _exactly(o)
         if known := _proven(first, o.figure):
             sure = f"proven, for all time: {known}"
         title = MERITS[o.figure].title
@@ -169,6 +169,11 @@ def answer_section(
     return Section(
         "The answer", (Sentence(lead), Answers("What it is worth", tuple(rows)), carrying)
     )
+
+
+def _exactly(objective: Objective) -> str:
+    """How well a figure that is not sampled is known."""
+    return "proven" if MERITS[objective.figure].stage in ("requirements", "orbits") else "exact"
 
 
 def _proven(one: Finalist, name: str) -> str:
