@@ -8,7 +8,8 @@ import pytest
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_places import Circle, Spot, Tile
 from compass.coverage.certified_question import DOPS
-from compass.coverage.certified_worst import certified_always, certified_worst, dilution_at
+from compass.coverage.certified_witness import dilution_at
+from compass.coverage.certified_worst import certified_always, certified_worst
 from compass.coverage.region import convex_polygon, latitude_band
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
