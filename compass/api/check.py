@@ -19,6 +19,7 @@ from compass.document.blocks import Block
 from compass.document.plain import plain
 from compass.orbits.motion import MotionModel
 from compass.quantities import quantity
+from compass.words import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -85,7 +86,7 @@ class CheckResult(Result):
         holds = True if self.holds else False if counts[1] else None
         word = {True: "met", False: "missed", None: "undecided"}[holds]
         return (
-            Verdict(word, f"{len(self.verdicts)} requirement(s): {told}", holds),
+            Verdict(word, f"{counted(len(self.verdicts), 'requirement')}: {told}", holds),
             verdict_table(self.verdicts),
             *(Sentence(text) for text in verdict_sentences(self.verdicts)),
         )

@@ -236,7 +236,8 @@ class DriftResult(Result):
         header = ("day", f"least {margin.heading}", "at the moment", room.heading)
         step = (found.times[1] - found.times[0]) / SECONDS_PER_DAY
         note = (
-            f"least margin: by how much all caps could shrink in the {step:g} day(s) before, a "
+            f"least margin: by how much all caps could shrink in the {step:g} "
+            f"day{'s' if step != 1 else ''} before, a "
             "proven bound (of the first row, in the day after); room in the slots is smaller and "
             "only sufficient"
         )

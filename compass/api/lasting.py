@@ -11,6 +11,7 @@ from compass.document import Page, Proven, Sentence, Value, Verdict
 from compass.document.blocks import Block, facts
 from compass.document.plain import plain
 from compass.quantities import quantity
+from compass.words import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -105,7 +106,8 @@ class LastingResult(FoldClaim):
             Value(quantity("first_loss_days"), found.first_loss_days, Proven(given)),
         ]
         how = (
-            f"{self.motion}; {found.intervals} interval(s) of time, no symmetry and no sample; "
+            f"{self.motion}; {counted(found.intervals, 'interval')} of time, no symmetry "
+            "and no sample; "
             f"a loss is found to {RESOLUTION:g} s" + (f"; {given}" if given else "")
         )
         return (

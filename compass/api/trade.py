@@ -28,6 +28,7 @@ from compass.study.sampling import front_known, rests_on_samples, sampled_over, 
 from compass.study.store import Store
 from compass.study.trade import Summary, run_trade
 from compass.study.workers import Processes, Workers
+from compass.words import counted
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -167,19 +168,21 @@ class TradeResult(Result):
         if s.unfinished:
             more = ["..."] if s.unfinished > len(s.lethal) else []
             notes.append(
-                f"{s.unfinished} candidate(s) left out, whose workers died or had too little "
-                "memory; the same command tries them again:\n  " + "\n  ".join(s.lethal + more)
+                f"{counted(s.unfinished, 'candidate')} left out, whose workers died or had too "
+                "little memory; the same command tries them again:\n  "
+                + "\n  ".join(s.lethal + more)
             )
         if open_ := int(self.dataset.straddling.sum()):
             notes.append(
-                f"of {open_} candidate(s) it is not decided within the budget whether they meet a "
-                "limit on geometry, which lies between their bounds; they are not counted"
+                f"of {counted(open_, 'candidate')} it is not decided within the budget "
+                "whether they meet a limit on geometry, which lies between their bounds; they "
+                "are not counted"
             )
         errors = [text for text in self.dataset.error.values if text]
         if errors:
             notes.append(
-                f"{len(errors)} candidate(s) raised an error and go no further; the first: "
-                f"{errors[0]}"
+                f"{counted(len(errors), 'candidate')} raised an error and went no "
+                f"further; the first: {errors[0]}"
             )
         if self.feasible and not self.front:
             of_them = self.dataset.isel(candidate=self.dataset.feasible.values)
@@ -268,8 +271,8 @@ def trade(
     with Store(folder, read) as store:
         if store.damaged:
             notice(
-                f"{store.path}: {len(store.damaged)} damaged line(s) ignored ({store.damaged[0]}); "
-                "candidates that no other line has are computed again"
+                f"{store.path}: {counted(len(store.damaged), 'damaged line')} ignored "
+                f"({store.damaged[0]}); candidates that no other line has are computed again"
             )
         for suffix in (".nc", ".csv"):
             check_writable(folder / f"trade{suffix}")

@@ -102,11 +102,13 @@ def announce_compilation() -> None:
 
     from compass.core import kernel_cache
 
+    wanted = watched()  # a thread that compiles knows no command
+
     class Announcer(event.Listener):
         said = False
 
         def on_start(self, event: object) -> None:
-            if not self.said:
+            if wanted and not self.said:
                 self.said = True
                 if kernel_cache.is_lasting():
                     say("first run: compiling kernels, up to a minute; later runs start at once")

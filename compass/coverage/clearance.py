@@ -120,7 +120,7 @@ def least_clearance(
     Raises
     ------
     ArgumentError
-        A fold below 1, users above the satellites or who look through Mars, orbits of different
+        A fold below 1, satellites inside Mars, users who look through it, orbits of different
         periods without a span, a span of too many revolutions.
     """
     check_users(constellation, users, fold)

@@ -22,7 +22,7 @@ from compass.coverage.certified_share import CertifiedShare
 from compass.coverage.certified_worst import CertifiedAlways
 from compass.coverage.fold_verdict import Course, course_of, losses_of, users_of
 from compass.coverage.region import latitude_band
-from compass.coverage.users import Users, centric
+from compass.coverage.users import Users, by_horizon, centric
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
 from compass.orbits import Constellation
@@ -140,13 +140,14 @@ def geometry_verdict(
     for lost, alike, left in losses_of(c, requirement, everyone, course, alike=same):
         gone = [c.satellite_names.index(satellite) for satellite in lost]
         for users in everyone:
-            where = _place(users, requirement, course)
-            if where is None:
+            seen = by_horizon(users, c)
+            where = None if seen is None else _place(seen, requirement, course)
+            if seen is None or where is None or (sky is not None and seen.mask.lowest < 0.0):
                 reason = f"{asked.title} of these users is not certified yet"
                 return undecided(requirement, course.words, reason)
             where |= {
                 "figure": users.figure,
-                "mask": users.mask,
+                "mask": seen.mask,
                 "budget_boxes": SHARE_BOXES,
                 "motion": design.motion,
             }
@@ -191,8 +192,6 @@ def _place(users: Users, requirement: Requirement, course: Course) -> dict[str, 
 
 def asked_place(users: Users, course: Course) -> dict[str, Any] | None:
     """Where and when users are looked at, as certified figures ask; None where they cannot yet."""
-    if users.below < 0.0:
-        return None
     south, north = (centric(b, users.figure) for b in (users.south, users.north))
     asked: dict[str, Any] = {"height": users.height}
     # what holds for ever at all longitudes needs no span

@@ -169,6 +169,7 @@ def _requirement(wanted: Requirement) -> list[str]:
         f"share_of = {toml_text(wanted.share_of)}",
         f"altitude_km = {_kilometres(wanted.altitude)}",
         f"losses = {wanted.losses}",
+        *([] if wanted.beam is None else [f"beam_deg = {_degrees(wanted.beam)}"]),
         *([f"error_as = {toml_text(wanted.error_as)}"] if wanted.error_as != "one-sigma" else []),
     ]
 

@@ -61,7 +61,18 @@ class RequirementTable(Table):
         "time", description="time (at the worst place) or area-time"
     )
     altitude_km: float = Field(
-        0.0, ge=0, le=1e6, description="height of the users above the ground, km"
+        0.0,
+        ge=0,
+        le=1e6,
+        description="height of the users above the ground, km; who is above satellites sees those "
+        "beyond the limb, from its mask_deg on",
+    )
+    beam_deg: float | None = Field(
+        None,
+        gt=0,
+        lt=180,
+        description="half angle of the satellites' antennas about the way down, outside of which "
+        "users see nothing; all around if left out",
     )
     losses: int = Field(
         0, ge=0, le=100, description="still so after the loss of any so many satellites"
@@ -89,6 +100,7 @@ def _requirement(table: RequirementTable, number: int, known: dict[str, Site]) -
         altitude_km=table.altitude_km,
         losses=table.losses,
         error_as=table.error_as,
+        beam_deg=table.beam_deg,
         **{key: limit for key, limit in limits.items() if limit is not None},
     )
 

@@ -60,7 +60,9 @@ def answer_section(record: dict[str, Any], carrying: Picture) -> Section:
         lead += (
             " That is the bound: the filter flown on it is inconsistent, so no accuracy is claimed."
         )
-    answers = (landing_answer(str(row["design"]), row, record) for row in rows)
+    answers = [landing_answer(str(row["design"]), row, record) for row in rows]
+    left = "Left alone on real orbits they last"
+    answers.append(Answer(left, "not asked here", None, "compass drift DESIGN"))
     title = f"Within {goal:g} m at {record['deployment']}, anywhere and at any time?"
     return Section("The answer", (Sentence(lead), Answers(title, tuple(answers)), carrying))
 

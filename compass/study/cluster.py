@@ -28,6 +28,7 @@ from compass.inputs.study import Study
 from compass.study.errand import ByValue, able, work
 from compass.study.stages import Found, evaluate
 from compass.study.workers import Result
+from compass.words import counted
 
 #: Batches on their way for each thread of a cluster.
 AHEAD = 2
@@ -167,9 +168,10 @@ class Cluster:
         if unfit:
             named = "; ".join(f"{where}: {why}" for where, why in sorted(unfit.items())[:NAMED])
             raise ArgumentError(
-                f"{self._option}: {len(unfit)} of {len(versions)} worker(s) cannot do the work: "
-                f"{named}; they are left as they are: install compass-mars {compass.__version__} "
-                "with the same Python there, or end them"
+                f"{self._option}: {len(unfit)} of {counted(len(versions), 'worker')} "
+                f"cannot do the work: {named}; they are left as they are: "
+                f"install compass-mars {compass.__version__} with the same Python there, or "
+                "end them"
             )
 
     def _checked(self, address: str, tls: Tls | None) -> str:

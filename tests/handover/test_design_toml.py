@@ -250,6 +250,7 @@ pdop_at_most = 6
 share = 0.95
 share_of = "area-time"
 altitude_km = 12
+beam_deg = 20
 error_vertical_m_at_most = 30
 error_as = "95-percent"
 [signal]

@@ -90,7 +90,7 @@ def in_matrices(c, moments):
         local = (r - eye) @ axes.T
         local /= np.linalg.norm(local, axis=1, keepdims=True)
         azimuth = np.mod(np.arctan2(local[:, 0], local[:, 1]), 2 * np.pi)
-        seen = local[np.arcsin(local[:, 2]) >= profile.at(azimuth) + moments.users.below]
+        seen = local[np.arcsin(local[:, 2]) >= profile.at(azimuth)]
         if len(seen) < moments.fold:
             found.append(np.inf)
             continue
