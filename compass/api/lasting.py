@@ -1,7 +1,7 @@
 """Coverage over a span of real paths: proven for so many days, or lost at a moment and a place."""
 
 from dataclasses import dataclass
-from math import atan, degrees
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from compass.api.fold_claim import FoldClaim
@@ -30,7 +30,7 @@ class LastingResult(FoldClaim):
     lasting
         What was found, SI.
     ground
-        What its users stand on, where that is neither the design's figure nor its sphere.
+        What its users stand on, where that is not the design's figure.
     """
 
     motion: str
@@ -49,18 +49,8 @@ class LastingResult(FoldClaim):
 
     @property
     def figure(self) -> str:
-        """On what users stand: the design's own, or the sphere of its equatorial radius."""
-        if self.ground:
-            return self.ground
-        own = self.design.figure
-        if own.stretch == self.lasting.stretch:
-            return own.title
-        # planetographic less planetocentric latitude, where that is largest
-        lean = degrees(atan((own.stretch**2 - 1.0) / (2.0 * own.stretch)))
-        return (
-            f"sphere of the ellipsoid's equatorial radius, {own.equatorial_radius / 1e3:.2f} km, "
-            f"whose verticals differ from the ellipsoid's by up to {lean:.2f} deg"
-        )
+        """On what users stand."""
+        return self.ground or self.design.figure.title
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
