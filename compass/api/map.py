@@ -51,7 +51,7 @@ def map(
     """Count and DOP maps of a design over the sphere and one repeat period.
 
     A dilution of precision is infinite with fewer than four satellites in view; infinities count
-    in every percentile and against availability. Availability and the 95th percentile of GDOP
+    in every percentile and against availability. Availability and percentiles of GDOP
     over all area and time are bracketed besides, with proven bounds. A design with a signal is
     mapped in metres too.
 
@@ -155,16 +155,19 @@ def map(
     with parts_bar(progress, "bounds") as effort.progress:
         certified = certified_figures(read, options, effort)
         areas = certified_areas(read, options, *places, effort)
-    if certified:
-        made.dataset.attrs |= _attributes(certified)
-    return MapResult(read, made, certified, areas)
+    found = MapResult(read, made, certified, areas)
+    made.dataset.attrs |= _attributes(certified) | {"sampled": found.sampled}
+    return found
 
 
-def _attributes(certified: CertifiedGeometry) -> dict[str, Any]:
+def _attributes(certified: CertifiedGeometry | None) -> dict[str, Any]:
     """Return the brackets as attributes of a dataset."""
+    if certified is None:
+        return {}
     known = certified.numbers()
+    gdop = {f"gdop_p{q}_bracket": known["gdop"][f"p{q}_bracket"] for q in certified.gdop}
     return {
         "availability_bracket": known["availability_bracket"],
-        "gdop_p95_bracket": known["gdop"]["p95_bracket"],
+        **gdop,
         "certified_scope": certified.scope,
     }
