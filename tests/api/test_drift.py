@@ -365,6 +365,7 @@ def test_without_another_question_the_place_that_is_lost_first_is_followed(wante
     assert compass.drift(both, days=0.02, region="globe").to_dict()["region"] == "whole sphere"
 
 
+@pytest.mark.slow  # interpreted, a map of where two are in view takes most of an hour
 def test_losses_are_as_many_more_in_view(wanted):
     """One of one satellite lost, none is left: lost at once, wherever."""
     seen = replace(wanted.design.requirements[0], losses=1)
