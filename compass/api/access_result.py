@@ -30,6 +30,11 @@ TWO_BODY = Motion().title
 #: How well rise and set are known, as `compass.contacts.windows.windows` has it.
 WINDOWS_GOOD_TO = "1 ms of the motion modelled"
 
+#: How well what windows come to is known.
+EVIDENCE = (
+    f"rise and set are found to {WINDOWS_GOOD_TO}; shares, gaps and waits are of this span alone"
+)
+
 #: Kinds of files that windows are written to.
 SUFFIXES = (".nc", ".csv", ".json")
 
@@ -92,7 +97,8 @@ class AccessResult(Result):
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
         epoch = self.found.epoch
-        return plain({"design": self.design.name, "epoch_tdb_s_past_j2000": epoch, **self.record})
+        named = {"design": self.design.name, "epoch_tdb_s_past_j2000": epoch}
+        return plain({**named, "evidence": EVIDENCE, **self.record})
 
     def document(self) -> Page:
         """Who is seen how much, then a table a question."""
@@ -116,8 +122,7 @@ class AccessResult(Result):
 
     def notes(self) -> tuple[str, ...]:
         """How well it is known, what is left out, and the Sun's part in links to the Earth."""
-        found = f"Rise and set are found to {WINDOWS_GOOD_TO}"
-        notes = [f"{found}; shares, gaps and waits are of this span alone."]
+        notes = [f"{EVIDENCE[0].upper()}{EVIDENCE[1:]}."]
         notes += [] if self.record["motion"] == TWO_BODY else [f"Under {self.record['motion']}."]
         if self.record["latency"] is None:
             notes.append("Store and forward between stations is left out: there is too much of it.")

@@ -108,9 +108,21 @@ class SeriesResult(Result):
                 "start_day": self.start_day,
                 "days": self.days,
                 "epochs": self.dataset.sizes["time"],
+                "evidence": self.evidence(),
                 "stations": self.rows(),
             }
         )
+
+    def evidence(self) -> dict[str, str]:
+        """How well the numbers of a station are known: of gaps, and at the moments looked at."""
+        epochs = self.dataset.sizes["time"]
+        return {
+            "gaps": f"by rise and set, to {WINDOWS_GOOD_TO}; of this span alone",
+            "dilutions": (
+                f"fewest in view and dilutions sampled at {epochs} moments, "
+                f"{86400 * self.days / epochs:.4g} s apart: what lies between is not seen"
+            ),
+        }
 
     def document(self) -> Page:
         """Whether there are gaps, then a table of them and of the dilutions."""
@@ -118,13 +130,13 @@ class SeriesResult(Result):
         claim = f"{self.fold} satellites in view at all times over {self.days:g} days"
         if lacking:
             claim = f"fewer than {self.fold} in view at times at {', '.join(lacking)}"
-        epochs = self.dataset.sizes["time"]
+        known = self.evidence()
         how = (
-            f"{self.motion}; gaps by rise and set, to {WINDOWS_GOOD_TO}, each station over its own "
+            f"{self.motion}; gaps {known['gaps']}, each station over its own "
             "horizon; those that the ends of the span cut off count with what lies inside; "
             "data are as old in the mean as the mean response is long. "
-            f"Dilutions at {epochs} moments, {86400 * self.days / epochs:.4g} s apart: what lies "
-            "between is not seen; infinite with fewer than four in view, and that counts"
+            f"{known['dilutions'].capitalize()}; infinite with fewer than four in view, and that "
+            "counts"
         )
         blocks = (Verdict("" if not lacking else "gaps", claim, not lacking), self._table())
         return Page(self.design.name, (*blocks, Sentence(how)))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
+from compass.api.cluster import check_cluster, check_workers
 from compass.api.given import given_study
 from compass.api.progress import bar
 from compass.api.results import Result
@@ -36,9 +37,6 @@ if TYPE_CHECKING:
 
 #: Rows of the front that the text lists.
 LISTED = 25
-
-#: Most processes on one machine.
-MOST_WORKERS = 1024
 
 
 @dataclass(frozen=True, repr=False)
@@ -254,11 +252,8 @@ def trade(
     >>> found.front[0]["satellites"], found.feasible
     (15, 63)
     """
-    tls = _tls(scheduler, tls_ca, tls_cert, tls_key)
-    if scheduler is not None and workers is not None:
-        raise ArgumentError("workers: not beside scheduler, whose cluster has its own")
-    if workers is not None and not 1 <= workers <= MOST_WORKERS:
-        raise ArgumentError(f"workers = {workers}: allowed 1 to {MOST_WORKERS}")
+    tls = check_cluster(workers, scheduler, tls_ca, tls_cert, tls_key)
+    check_workers(workers)
     read = given_study(study)
     check_space(read)
     if read.entry is not None:
@@ -293,20 +288,6 @@ def _folder(study: Study | str | Path) -> Path:
             "output: needed for a study that is not read from a file; name a folder"
         )
     return Path("trades") / Path(study).stem
-
-
-def _tls(
-    scheduler: str | None,
-    authority: str | Path | None,
-    certificate: str | Path | None,
-    key: str | Path | None,
-) -> Tls | None:
-    """Certificates, if any are given; then all must be."""
-    if not any((authority, certificate, key)):
-        return None
-    if authority is None or certificate is None or key is None or scheduler is None:
-        raise ArgumentError("tls_ca, tls_cert, tls_key: all three go together, beside scheduler")
-    return Tls(Path(authority), Path(certificate), Path(key))
 
 
 def _team(study: Study, workers: int | None, scheduler: str | None, tls: Tls | None) -> Workers:

@@ -121,3 +121,14 @@ def announce_compilation() -> None:
     announcer = Announcer()
     event.register("numba:compile", announcer)
     click.get_current_context().call_on_close(lambda: event.unregister("numba:compile", announcer))
+
+
+def silence_the_cluster() -> None:
+    """Keep the cluster's own messages from stderr: what matters is said here."""
+    import logging
+    from contextlib import suppress
+
+    with suppress(ImportError):  # as the cluster says
+        import distributed  # noqa: F401  # which sets its loggers' levels itself
+    for name in ("distributed", "distributed.client", "tornado.application"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)

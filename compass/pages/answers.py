@@ -251,7 +251,8 @@ def _of_requirements(checked: CheckResult, real: str) -> str:
         which = (
             f"its requirement {listed}" if count == 1 else f"{listed} of its {count} requirements"
         )
-        remedy = f"What meets {'it' if count == 1 else 'all'} is found by compass search --require."
+        remedy = f"What meets {'it' if count == 1 else 'all'} is found by compass search --require "
+        remedy += f"{checked.design.label}."
         return " ".join(
             part for part in (f"Do not build it as it is: it misses {which}.", remedy, real) if part
         )

@@ -106,7 +106,7 @@ def look_at(
 ) -> Found:
     """Ask the commands, each once."""
     progress("coverage map")
-    certified = certified_figures(design, options, percents=(50, 95))
+    certified = certified_figures(design, options)
     areas = certified_areas(design, options, *places)
     mapped = MapResult(design, make_map(design, options, command), certified, areas)
     progress("continuous fold")

@@ -25,7 +25,7 @@ from compass.pages.judge import judge_section, landing_answer, surface_section
 from compass.quantities.merits import MERITS
 from compass.sites import Mask
 from compass.study.choice import Finalist
-from compass.study.ranking import Ranking, rank_designs
+from compass.study.ranking import Ranking, ground_words, rank_designs
 from compass.study.results import known_figures
 from compass.study.sampling import sampled_over, sampling_of
 from compass.study.yardstick import Yardstick, compared_mask_deg
@@ -117,8 +117,9 @@ def recommendation(
     if ranking is not None:
         row = next(row for row in ranking["designs"] if row["given"] == 1)
         paragraphs.append(
-            f"Does a lander anywhere and at any time know its position to {ranking['goal_m']:g} m "
-            f"at {ranking['deployment']}? {row['answer'][0].upper()}{row['answer'][1:]}."
+            f"Does a lander {ground_words(ranking)} and at any time know its position to "
+            f"{ranking['goal_m']:g} m at {ranking['deployment']}? "
+            f"{row['answer'][0].upper()}{row['answer'][1:]}."
         )
     tables = (_objective_table(study, chosen, measure), _figure_table(study, chosen, measure))
     return arranged("Recommendation", tuple(paragraphs), (), tables)
@@ -371,6 +372,8 @@ def rank_finalists(
         density_sigma=study.entry.density_sigma,
         lift_sigma=study.entry.lift_sigma,
         doubts=study.entry.doubts,
+        sites=study.entry.sites,
+        regions=study.entry.regions,
         finalists=len(designs) if runs else 0,
         runs=max(runs, 1),
         threads=cores(),

@@ -7,7 +7,8 @@ import pytest
 import compass
 from compass import Mask, Site
 from compass.coverage import areas as module
-from compass.coverage.certified_share import CertifiedPercentile, CertifiedShare
+from compass.coverage.certified_percentile import CertifiedPercentile
+from compass.coverage.certified_share import CertifiedShare
 from compass.design import Design
 from compass.errors import ArgumentError
 from compass.orbits.motion import Motion

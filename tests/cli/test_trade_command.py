@@ -129,7 +129,7 @@ def test_a_large_pool_is_offered_by_default(study, run, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--workers", 0], "--workers = 0: allowed 1 to 1024"),
+        (["--workers", 0], "--workers = 0: must be a whole number from 1 to 1024"),
         (["--workers", 1, "--scheduler", "tcp://a:1"], "--workers: not beside scheduler"),
         (["--tls-ca", "a.pem"], "tls_ca, tls_cert, tls_key: all three go together"),
         (

@@ -12,12 +12,11 @@ from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_places import Spot
 from compass.coverage.certified_ranges import ranges_of, skies_of
 from compass.coverage.certified_share import CertifiedShare, certified_share
+from compass.coverage.certified_witness import WorstWitness, dilution_at
 from compass.coverage.certified_worst import (
     CertifiedAlways,
-    WorstWitness,
     certified_always,
     certified_worst,
-    dilution_at,
 )
 from compass.coverage.errors import error_map
 from compass.coverage.geometry_verdict import geometry_verdict

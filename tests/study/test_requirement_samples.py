@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compass import Requirement, walker_delta
-from compass.coverage.certified_worst import dilution_at
+from compass.coverage.certified_witness import dilution_at
 from compass.coverage.region import read_region
 from compass.coverage.users import Users, region_users, site_users
 from compass.frames import FIGURES, direction, planetocentric_latitude, prime_meridian_angle
