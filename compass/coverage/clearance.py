@@ -243,7 +243,9 @@ def worst_share(
         nonlocal least, where, total
         middle = 0.5 * (low + high)
         circle = replace(users, south=middle, north=middle, longitude=None, region=GLOBE)
-        at = clear_share(constellation, circle, fold, width=0.25 * width, most=most - total)
+        at = clear_share(
+            constellation, circle, fold, width=0.25 * width, level=level, most=most - total
+        )
         total += at.boxes
         if at.high < least:
             least, where = at.high, middle

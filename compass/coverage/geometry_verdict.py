@@ -164,6 +164,8 @@ def geometry_verdict(
         gone = [c.satellite_names.index(satellite) for satellite in lost]
         for users in everyone:
             seen = by_horizon(users, c)
+            if seen is not None and requirement.share == 1.0 and course.span is None:
+                seen = seen.belt()  # at every longitude, a region is as good as its latitudes
             where = None if seen is None else asked_place(seen, course)
             by_place = requirement.share < 1.0 and requirement.share_of == "time"
             if seen is not None and by_place and users.south != users.north:
