@@ -261,7 +261,7 @@ def _verdict(
     verdict = Verdict(requirement, met, "bracket", scope, (low, high), None, None, lost, alike)
     if users.south == users.north:
         latitude = centric(users.south, users.figure)
-        verdict = replace(verdict, worst=Worst(None, latitude, None, least.value, "share"))
+        verdict = replace(verdict, worst=Worst(None, latitude, None, least.high, "share"))
     if met is None:
         late = f", stopped early ({least.stopped})" if least.stopped else ""
         bounds = f"lies between {low:.6g} and {high:.6g}"
