@@ -183,15 +183,15 @@ def _always(
 
 
 def _place(users: Users, requirement: Requirement, course: Course) -> dict[str, Any] | None:
-    """As `asked_place`; None also where a share at the worst place of a region is wanted."""
+    """As `asked_place`; None where a share at the worst place of a region is wanted."""
     worst_place = requirement.share_of == "time" and requirement.share < 1.0
     if worst_place and users.south != users.north:
         return None
     return asked_place(users, course)
 
 
-def asked_place(users: Users, course: Course) -> dict[str, Any] | None:
-    """Where and when users are looked at, as certified figures ask; None where they cannot yet."""
+def asked_place(users: Users, course: Course) -> dict[str, Any]:
+    """Where and when users are looked at, as certified figures ask."""
     south, north = (centric(b, users.figure) for b in (users.south, users.north))
     asked: dict[str, Any] = {"height": users.height}
     # what holds for ever at all longitudes needs no span
@@ -204,7 +204,7 @@ def asked_place(users: Users, course: Course) -> dict[str, Any] | None:
         return asked | {"place": Spot(south, users.longitude)}
     if users.is_belt:
         return asked | {"place": latitude_band(south, north)}
-    return asked | {"place": users.region} if "duration" in asked else None
+    return asked | {"place": users.region}
 
 
 def _verdict(
