@@ -22,10 +22,10 @@ from numpy.typing import NDArray
 from compass.core.belt import area_below
 
 #: Belts at first, and at most.
-FEW, MANY = 16, 512
+FEW, MANY = 16, 2048
 
-#: How much widths vary from belt to belt, over their mean: the sides of a bell, twice over.
-SLOPE = 4.0
+#: How much widths vary from belt to belt, over their mean: up one side of a bell, down the other.
+SLOPE = 2.5
 
 #: How near the first bounds come, and how much nearer those that follow.
 FIRST, NEARER = 0.05, 0.25
@@ -56,11 +56,12 @@ def widths(
     middle = np.arctan2(normals[:, 1], normals[:, 0])
     # flat cos(l - middle) >= -z tan(latitude): an arc, all longitudes or none
     height = -normals[:, 2] * (1.0 - e2) * np.tan(edges)[:, np.newaxis]
-    level = np.clip(height / np.maximum(flat, 1e-15), -1.0, 1.0)
-    half = np.arccos(level)
-    south, north = half[:-1], half[1:]
-    least = _common(middle, np.minimum(south, north)) - ROUNDING
-    most = _common(middle, np.maximum(south, north)) + ROUNDING
+    flat = np.maximum(flat, 1e-15)  # of the equator as an edge: all longitudes, none or in doubt
+    inner, outer = (
+        np.arccos(np.clip((height + off) / flat, -1.0, 1.0)) for off in (ROUNDING, -ROUNDING)
+    )
+    least = _common(middle, np.minimum(inner[:-1], inner[1:])) - ROUNDING
+    most = _common(middle, np.maximum(outer[:-1], outer[1:])) + ROUNDING
     return np.maximum(least, 0.0), np.minimum(most, 2 * np.pi)
 
 
