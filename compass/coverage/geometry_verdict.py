@@ -20,9 +20,10 @@ from compass.coverage.certified_ranges import (
 )
 from compass.coverage.certified_share import CertifiedShare
 from compass.coverage.certified_worst import CertifiedAlways
+from compass.coverage.certified_worst_place import certified_worst_place
 from compass.coverage.fold_verdict import Course, course_of, losses_of, users_of
 from compass.coverage.region import latitude_band
-from compass.coverage.users import Users, by_horizon, centric
+from compass.coverage.users import Users, by_horizon, centric, geodetic
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
 from compass.orbits import Constellation
@@ -71,6 +72,28 @@ class _Asked:
             for sky in self.skies
         ]
         return found[0] if len(found) == 1 else replace(found[0], high=found[1].high)
+
+    def worst_place(
+        self,
+        effort: Effort,
+        left: Constellation,
+        lost: Sequence[int],
+        where: dict[str, Any],
+        level: float,
+    ) -> tuple[CertifiedShare, float]:
+        """Share of time with the figure small enough where that is least, and the latitude.
+
+        Bounds of each sky, until they tell whether it is a share of `level` or more.
+        """
+        found = [
+            certified_worst_place(
+                left, self.limit, level, effort=effort, **self._asked(sky, lost), **where
+            )
+            for sky in self.skies
+        ]
+        if len(found) == 1:
+            return found[0]
+        return replace(found[0][0], high=found[1][0].high), found[0][1]
 
     def always(
         self, effort: Effort, left: Constellation, lost: Sequence[int], where: dict[str, Any]
@@ -141,7 +164,10 @@ def geometry_verdict(
         gone = [c.satellite_names.index(satellite) for satellite in lost]
         for users in everyone:
             seen = by_horizon(users, c)
-            where = None if seen is None else _place(seen, requirement, course)
+            where = None if seen is None else asked_place(seen, course)
+            by_place = requirement.share < 1.0 and requirement.share_of == "time"
+            if seen is not None and by_place and users.south != users.north:
+                where = _worst_asked(seen, course)
             if seen is None or where is None or (sky is not None and seen.mask.lowest < 0.0):
                 reason = f"{asked.title} of these users is not certified yet"
                 return undecided(requirement, course.words, reason)
@@ -151,6 +177,11 @@ def geometry_verdict(
                 "budget_boxes": SHARE_BOXES,
                 "motion": design.motion,
             }
+            if "south" in where:
+                share, latitude = asked.worst_place(effort, left, gone, where, requirement.share)
+                there = geodetic(latitude, users.figure)
+                found.append((share, replace(users, south=there, north=there), lost, alike))
+                continue
             if requirement.share == 1.0:
                 claim = asked.always(effort, left, gone, where)
                 claims.append((claim, lost, alike))
@@ -182,12 +213,14 @@ def _always(
     return None
 
 
-def _place(users: Users, requirement: Requirement, course: Course) -> dict[str, Any] | None:
-    """As `asked_place`; None where a share at the worst place of a region is wanted."""
-    worst_place = requirement.share_of == "time" and requirement.share < 1.0
-    if worst_place and users.south != users.north:
-        return None
-    return asked_place(users, course)
+def _worst_asked(users: Users, course: Course) -> dict[str, Any]:
+    """Among which places the worst is looked for, as `certified_worst_place` asks."""
+    south, north = (centric(b, users.figure) for b in (users.south, users.north))
+    asked: dict[str, Any] = {"height": users.height, "south": south, "north": north}
+    if course.span is not None:
+        start, stop = course.span
+        asked |= {"since": start, "duration": stop - start, "region": users.region}
+    return asked
 
 
 def asked_place(users: Users, course: Course) -> dict[str, Any]:
