@@ -52,12 +52,10 @@ def flown(design: Design) -> str:
         return f"{size} on given paths"
     if pattern is not None:
         return f"{size} in {counted(pattern.planes, 'plane')}: {notation(c)}"
-    around = _span(c.semi_major_axis / 1e3, " km")
-    shape = _span(c.eccentricity, "") if c.eccentricity.any() else ""
+    shape = f", eccentricity {_span(c.eccentricity, '')}" if c.eccentricity.any() else ""
     return (
-        f"{size}, semi-major axis {around}, "
-        + (f"eccentricity {shape}, " if shape else "")
-        + f"inclination {_span(np.degrees(c.inclination), '°')}"
+        f"{size}, semi-major axis {_span(c.semi_major_axis / 1e3, ' km')}{shape}, inclination "
+        f"{_span(np.degrees(c.inclination), '°')}"
     )
 
 
@@ -156,7 +154,7 @@ def accurate(found: Found) -> str:
     numbers = found.mapped.numbers()
     if errors := _errors(numbers):
         what = quantity("error_horizontal_m").title
-        return f"The {what} is below {errors[0].written} in 95 % of area and time."
+        return f"The {what}, one sigma, is below {errors[0].written} in 95 % of area and time."
     for key, share in (("p95", "95 %"), ("p50", "half")):
         value = _known(found, "gdop", numbers["gdop"], key)
         if isinstance(value.evidence, Bracket):
@@ -175,7 +173,9 @@ def _errors(numbers: dict[str, Any]) -> list[Answer]:
             value = Value(
                 quantity(name), numbers[name]["p95"], Sampled(doubt, "over area and time")
             )
-            rows.append(Answer(f"{quantity(name).title}, 95 % below".capitalize(), value))
+            rows.append(
+                Answer(f"{quantity(name).title} (one sigma), 95 % below".capitalize(), value)
+            )
     return rows
 
 

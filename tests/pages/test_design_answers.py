@@ -180,7 +180,10 @@ def test_how_accurate_a_fix_is_is_one_sentence():
     most = mapped(gdop={"p50": 2.0, "p95": 3.4, "p95_bracket": (3.4059, 3.4101)})
     assert accurate(most) == "GDOP is below 3.42 in 95 % of area and time."
     metres = mapped(error_horizontal_m={"p95": 12.0, "sampling": {"p95": 0.5}})
-    assert accurate(metres) == "The horizontal error is below 12 ± 0.5 m in 95 % of area and time."
+    assert (
+        accurate(metres)
+        == "The horizontal error, one sigma, is below 12 ± 0.5 m in 95 % of area and time."
+    )
 
 
 def test_requirements_come_first_and_decide_the_advice(met):
@@ -204,7 +207,9 @@ def test_requirements_come_first_and_decide_the_advice(met):
 def test_errors_of_a_fix_are_answered_where_a_signal_is_known():
     numbers = {"error_horizontal_m": {"p95": 12.0, "sampling": {"p95": 0.5}}}
     (row,) = _errors(numbers)
-    assert row.question == "Horizontal error, 95 % below" and row.written == "12 ± 0.5 m"
+    assert (
+        row.question == "Horizontal error (one sigma), 95 % below" and row.written == "12 ± 0.5 m"
+    )
     assert _errors({}) == []
 
 
