@@ -164,15 +164,12 @@ def geometry_verdict(
         gone = [c.satellite_names.index(satellite) for satellite in lost]
         for users in everyone:
             seen = by_horizon(users, c)
-            if seen is not None and requirement.share == 1.0 and course.span is None:
-                seen = seen.belt()  # at every longitude, a region is as good as its latitudes
-            where = None if seen is None else asked_place(seen, course)
-            by_place = requirement.share < 1.0 and requirement.share_of == "time"
-            if seen is not None and by_place and users.south != users.north:
-                where = _worst_asked(seen, course)
-            if seen is None or where is None or (sky is not None and seen.mask.lowest < 0.0):
+            if seen is None or (sky is not None and seen.mask.lowest < 0.0):
                 reason = f"{asked.title} of these users is not certified yet"
                 return undecided(requirement, course.words, reason)
+            by_place = requirement.share < 1.0 and requirement.share_of == "time"
+            among = by_place and users.south != users.north
+            where = _worst_asked(seen, course) if among else asked_place(seen, course)
             where |= {
                 "figure": users.figure,
                 "mask": seen.mask,
