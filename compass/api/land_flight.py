@@ -333,14 +333,13 @@ def entry_tables(found: Assessment) -> tuple[Table, ...]:
             # sqrt(2 / n), its root half of that
             f"Navigation ({len(mc.errors)} runs, which know rms errors to "
             f"{100 / math.sqrt(2 * len(mc.errors)):.2g} % or better, 1 sigma; "
-            "delta of radius, angles and speed in SI, which depends on the latitude, and of position "
-            "and velocity with 3400 km, 100 s)",
+            "delta of angles in SI, not free of latitude, and of axes in 3400 km, 100 s)",
             (
                 "time, s",
                 "in view",
                 "rank",
-                "delta SI",
-                "delta",
+                "delta of angles",
+                "delta of axes",
                 "index I",
                 "bound, m",
                 "rms error, m",
