@@ -2,5 +2,11 @@
 
 
 def counted(number: int, noun: str) -> str:
-    """A number and its noun, which has an s unless there is one: ``1 satellite, 2 satellites``."""
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+    """A number and its noun, of many where it is not one: ``1 satellite, 2 satellites``."""
+    many = "es" if noun.endswith(("ch", "s")) else "s"
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}{many}"
+
+
+def listed(words: list[str]) -> str:
+    """Words with commas between, and an "and" before the last."""
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)

@@ -11,6 +11,10 @@ azimuth by at most ``asin(sin delta / cos elevation)``. Elevation less delta, ov
 of the profile in that range of azimuths, is a lower bound of its clearance in all of the box, and
 the k-th highest of these bounds is one of the k-th highest clearance.
 
+Where antennas have a beam, clearance is the lesser of that and of how far the user is inside the
+beam. The angle at the satellite between him and the way down changes by at most ``delta`` and what
+the satellite's own direction turns by, ``asin((swift ht + rho hl) / |q|)``.
+
 `least_clearance` keeps the least that any centre showed and halves the boxes whose bound is below
 it; `clear_share` adds up the boxes in which the clearance is surely positive or surely negative.
 
@@ -50,7 +54,7 @@ def bounds(orbits, figure, turn, azimuths, elevations, k, box, near):
         swift; shape (n, 10).
     figure
         Equatorial radius (m), eccentricity squared, height (m), bound of the meridian's radius
-        of curvature (m).
+        of curvature (m), half angle of the satellites' beam (pi for all around).
     turn
         Of the user with the phase, rad per rad.
     azimuths, elevations
@@ -104,12 +108,29 @@ def bounds(orbits, figure, turn, azimuths, elevations, k, box, near):
             far = delta >= 0.5 * math.pi or math.sin(delta) >= flat
             around = math.pi if far else math.asin(math.sin(delta) / flat) + SLACK
             bottom, top = profile_range(azimuths, elevations, azimuth, around)
+        lowest = max(elevation - delta, -0.5 * math.pi) - top
         central = elevation - here
+        highest = min(elevation + delta, 0.5 * math.pi) - bottom
+        if figure[4] < math.pi:
+            room = figure[4] - _off_nadir(x, y, z, ca * dx - sa * dy, sa * dx + ca * dy, dz)
+            away = math.sqrt(x * x + y * y + z * z)
+            moves = strays - figure[3] * box[3]
+            turn_of_it = math.asin(moves / away) if moves < away else math.pi
+            lowest = min(lowest, room - delta - turn_of_it - SLACK)
+            central = min(central, room)
+            highest = min(highest, room + delta + turn_of_it + SLACK)
         seen += 1 if central >= -SLACK else 0
-        _keep(near[0], max(elevation - delta, -0.5 * math.pi) - top)
+        _keep(near[0], lowest)
         _keep(near[1], central)
-        _keep(near[2], min(elevation + delta, 0.5 * math.pi) - bottom)
+        _keep(near[2], highest)
     return near[0, k - 1], near[1, k - 1], near[2, k - 1], seen
+
+
+@kernel
+def _off_nadir(x, y, z, dx, dy, dz):
+    """Angle at a satellite between the way down and a user, who sees it along d, rad."""
+    cx, cy, cz = y * dz - z * dy, z * dx - x * dz, x * dy - y * dx
+    return math.atan2(math.sqrt(cx * cx + cy * cy + cz * cz), x * dx + y * dy + z * dz)
 
 
 @kernel
@@ -324,8 +345,9 @@ def clear_share(
     orbits, figure, turn, azimuths, elevations, normals, floors, k, domain
         As in `least_clearance`.
     whole
-        Whether all latitudes of the domain must be clear at once: shares are then of longitude
-        and phase. Else they are of area and phase, of users on the figure itself.
+        1 if all latitudes of the domain must be clear at once: shares are then of longitude and
+        phase; 2 if all longitudes too: of phase alone. With 0 they are of area and phase, of users
+        on the figure itself.
     finest
         Boxes of a smaller measure are not split.
     most
@@ -337,10 +359,9 @@ def clear_share(
         Measures, and boxes looked at.
     """
     near, cells = np.empty((3, max(k, 1))), _cells(domain)
-    if whole:
-        cells[0] = 1
+    cells[:whole] = 1
     pace = _pace(orbits)
-    box, stack = np.zeros(BOX), np.empty((DEEPEST, BOX))
+    box, stack, kept = np.zeros(BOX), np.empty((DEEPEST, BOX)), np.empty(3)
     clear, hidden, undecided, boxes = 0.0, 0.0, 0.0, 0
     for cell in range(cells.prod()):
         _cell(domain, cells, cell, stack[0])
@@ -363,13 +384,11 @@ def clear_share(
             if part <= finest or boxes >= most or depth + 2 > DEEPEST:
                 undecided += part
                 continue
-            split = box[3] if whole else 0.0
-            if whole:
-                box[3] = 0.0
+            kept[:whole] = box[3 : 3 + whole]
+            box[3 : 3 + whole] = 0.0
             longest = _longest(box, pace)
             box[3 + longest] *= 0.5
-            if whole:
-                box[3] = split
+            box[3 : 3 + whole] = kept[:whole]
             for sign in (-1.0, 1.0):
                 stack[depth] = box
                 stack[depth, longest] += sign * box[3 + longest]
@@ -384,7 +403,7 @@ def _measure(box, figure, whole, domain):
     Sides of length zero, of a domain that has no more, count as one.
     """
     part = 1.0
-    for axis in (1, 2):
+    for axis in range(max(whole, 1), 3):
         part *= 2.0 * box[3 + axis] if domain[axis, 1] > domain[axis, 0] else 1.0
     if whole or domain[0, 1] == domain[0, 0]:
         return part
