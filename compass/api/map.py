@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from compass.api.given import given_design, given_places
+from compass.api.given import given_in_metres, given_places
 from compass.api.map_result import MapResult
 from compass.api.progress import bar, foretell, parts_bar
 from compass.cores import cores
@@ -113,7 +113,7 @@ def map(
         error_max_m=error_max_m,
         weights=weights,
     )
-    read = given_design(design)
+    read = given_in_metres(design)
     places = given_places(sites, regions, read)
     file, threads = None if leaves is None else Path(leaves), cores(workers)
     effort = Effort(width, budget_s, file, threads)

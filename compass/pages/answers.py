@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from compass.api.check import CheckResult
+from compass.api.map_statistics import ROVER
 from compass.coverage.certificate import Outcome
 from compass.coverage.site import site_coverage
 from compass.document import Answer, Answers, Bracket, Proven, Sampled, Section, Sentence, Value
@@ -18,6 +19,8 @@ from compass.pages.found import Found
 from compass.pages.lasting import lasting_advice, lasting_answers
 from compass.pages.neighbours import Neighbour
 from compass.quantities import quantity
+from compass.ranging import FACTOR_95
+from compass.signal.budget import basis
 from compass.study.choice import notation
 
 
@@ -112,20 +115,21 @@ def geometry(found: Found) -> list[Answer]:
             f"Area and time with PDOP {within:g} or less",
             known("availability", numbers, "availability"),
         ),
-        *_errors(numbers),
+        *_errors(found, numbers),
     ]
 
 
-def _errors(numbers: dict[str, Any]) -> list[Answer]:
-    """Errors of a fix on the ground, where the design says what a range is worth."""
+def _errors(found: Found, numbers: dict[str, Any]) -> list[Answer]:
+    """What a rover anywhere knows of its place, where the design says what a range is worth."""
+    if found.design.signal is None:
+        return []
     rows = []
-    for name in ("error_horizontal_m", "error_vertical_m"):
-        if name in numbers:
-            doubt = numbers[name]["sampling"]["p95"]
-            value = Value(
-                quantity(name), numbers[name]["p95"], Sampled(doubt, "over area and time")
-            )
-            rows.append(Answer(f"{quantity(name).title}, 95 % below".capitalize(), value))
+    for name, most in ROVER.items():
+        doubt = FACTOR_95 * numbers[name]["sampling"]["p95"]
+        value = Value(quantity(most), numbers[most], Sampled(doubt, "over area and time"))
+        said = f"A rover anywhere: {name.split('_')[1]}, 95 % of fixes, 95 % of area and time"
+        evidence = f"{value.evidence}; with {basis(found.design)}"
+        rows.append(Answer(said, value, evidence=evidence))
     return rows
 
 
