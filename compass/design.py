@@ -153,6 +153,9 @@ class Requirement:
         Elevation mask, radians; None for the design's.
     limits
         Names of `LIMITS` and the largest values allowed.
+    beam
+        Half angle of the satellites' antennas about the way down, radians, outside of which users
+        see nothing; None all around.
     error_as
         Whether errors are one sigma, or what 95 % of them stay below: 1.96 sigma, which holds at
         least so many of a horizontal or position error.
@@ -177,6 +180,7 @@ class Requirement:
     altitude: float = 0.0
     losses: int = 0
     error_as: ErrorAs = "one-sigma"
+    beam: float | None = None
 
     @classmethod
     def of(
@@ -192,6 +196,7 @@ class Requirement:
         altitude_km: float = 0.0,
         losses: int = 0,
         error_as: ErrorAs = "one-sigma",
+        beam_deg: float | None = None,
         **at_most: float,
     ) -> "Requirement":
         """Make a requirement of degrees and kilometres, by the keys of design files.
@@ -203,7 +208,10 @@ class Requirement:
         mask_deg
             Elevation mask, above -90 to below 90; the design's if left out.
         altitude_km
-            Height of the users of regions above the figure, from 0.
+            Height of the users of regions above the figure, from 0; who is above satellites sees
+            those beyond the limb of Mars (`mask_deg` from there on).
+        beam_deg
+            Half angle of the satellites' antennas about the way down, above 0 to below 180.
         **at_most
             ``pdop_at_most``, ``gdop_at_most``, ...: the largest dilutions allowed, from 1;
             ``error_horizontal_m_at_most``, ...: the largest errors of a fix, above 0 m, of designs
@@ -234,6 +242,7 @@ class Requirement:
             ("share", share, 0 < share <= 1, "above 0 to 1"),
             ("altitude_km", altitude_km, 0 <= altitude_km <= 1e6, "0 to 1e6"),
             ("losses", losses, losses >= 0, "from 0"),
+            ("beam_deg", beam_deg, beam_deg is None or 0 < beam_deg < 180, "above 0 to below 180"),
             *_limit_ranges(at_most, known),
         )
         for key, value, allowed, words in ranges:
@@ -254,6 +263,7 @@ class Requirement:
             altitude_km * 1e3,
             losses,
             error_as,
+            None if beam_deg is None else float(np.radians(beam_deg)),
         )
 
     @property
@@ -301,7 +311,8 @@ class Requirement:
         """Where, in words."""
         named = [*(site.name for site in self.sites), *self.areas]
         high = f", {self.altitude / 1e3:g} km above the ground" if self.altitude else ""
-        return ", ".join(named) + high
+        beam = "" if self.beam is None else f", in beams of {np.degrees(self.beam):g} deg"
+        return ", ".join(named) + high + beam
 
 
 def _limit_ranges(
@@ -413,6 +424,7 @@ class Design:
             ("mask", Mask, "make it of degrees, Mask.of(5)"),
         ):
             _check_kind(name, getattr(self, name), kind, remedy)
+        self.mask.on_the_ground()
         for site in self.stations:
             _check_kind("stations", site, Site, "make it of degrees, Site.of(...)")
         for wanted in self.requirements:

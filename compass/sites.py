@@ -28,8 +28,8 @@ class Mask:
     azimuth
         Azimuths clockwise from north, radians, strictly increasing in [0, 2 pi).
     elevation
-        Mask elevation at each azimuth, radians, in [0, pi/2); linear between, periodic.
-        A single pair is a constant mask.
+        Mask elevation at each azimuth, radians, in [0, pi/2), above -pi/2 for users above the
+        ground; linear between, periodic. A single pair is a constant mask.
     """
 
     azimuth: tuple[float, ...] = (0.0,)
@@ -47,10 +47,26 @@ class Mask:
                 f"mask: azimuths {np.degrees(azimuth).tolist()} deg; they must increase "
                 "strictly from 0 up to below 360"
             )
-        if not np.all((elevation >= 0) & (elevation < np.pi / 2)):
-            raise ArgumentError(
-                f"mask: elevations {np.degrees(elevation).tolist()} deg; allowed 0 up to below 90"
-            )
+        if not np.all(np.abs(elevation) < np.pi / 2):
+            self._refuse()
+
+    def on_the_ground(self) -> "Mask":
+        """Return the mask if it hides all that the ground does.
+
+        Raises
+        ------
+        ArgumentError
+            It reaches below 0 somewhere.
+        """
+        if self.lowest < 0:
+            self._refuse()
+        return self
+
+    def _refuse(self) -> None:
+        shown = np.degrees(self.elevation).tolist()
+        raise ArgumentError(
+            f"mask: elevations {shown} deg; allowed 0 up to below 90, in orbit from above -90 on"
+        )
 
     @classmethod
     def constant(cls, elevation: float) -> "Mask":
@@ -84,7 +100,7 @@ class Mask:
                 f"mask_deg = {mask_deg}: must be an elevation, or pairs of azimuth and elevation"
             )
         azimuth, elevation = np.radians(pairs).T
-        return cls(tuple(azimuth.tolist()), tuple(elevation.tolist()))
+        return cls(tuple(azimuth.tolist()), tuple(elevation.tolist())).on_the_ground()
 
     @property
     def is_constant(self) -> bool:
@@ -158,6 +174,8 @@ class Site:
                 f"latitude = {self.latitude:g} rad: allowed -pi/2 to pi/2; "
                 "Site.of takes degrees (latitude_deg)"
             )
+        if self.height <= 0.0:
+            self.mask.on_the_ground()
 
     def __repr__(self) -> str:
         latitude, longitude = np.degrees([self.latitude, self.longitude])

@@ -1,14 +1,12 @@
 """Words with numbers in sentences."""
 
-from collections.abc import Sequence
-
 
 def counted(number: int, noun: str) -> str:
-    """A number and its noun, which has an s unless there is one: ``1 satellite, 2 satellites``."""
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+    """A number and its noun, of many where it is not one: ``1 satellite, 2 satellites``."""
+    many = "es" if noun.endswith(("ch", "s")) else "s"
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}{many}"
 
 
-def listed(names: Sequence[str]) -> str:
-    """Names in a row: "a, b and c"."""
-    *first, last = names
-    return f"{', '.join(first)} and {last}" if first else last
+def listed(words: list[str]) -> str:
+    """Words with commas between, and an "and" before the last."""
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)

@@ -18,6 +18,7 @@ from compass.errors import ArgumentError, OutputError
 from compass.orbits.motion import Motion
 from compass.quantities import quantity
 from compass.saving import replacing, save_netcdf, write_csv
+from compass.words import counted
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,6 +29,11 @@ TWO_BODY = Motion().title
 
 #: How well rise and set are known, as `compass.contacts.windows.windows` has it.
 WINDOWS_GOOD_TO = "1 ms of the motion modelled"
+
+#: How well what windows come to is known.
+EVIDENCE = (
+    f"rise and set are found to {WINDOWS_GOOD_TO}; shares, gaps and waits are of this span alone"
+)
 
 #: Kinds of files that windows are written to.
 SUFFIXES = (".nc", ".csv", ".json")
@@ -91,7 +97,8 @@ class AccessResult(Result):
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
         epoch = self.found.epoch
-        return plain({"design": self.design.name, "epoch_tdb_s_past_j2000": epoch, **self.record})
+        named = {"design": self.design.name, "epoch_tdb_s_past_j2000": epoch}
+        return plain({**named, "evidence": EVIDENCE, **self.record})
 
     def document(self) -> Page:
         """Who is seen how much, then a table a question."""
@@ -115,20 +122,26 @@ class AccessResult(Result):
 
     def notes(self) -> tuple[str, ...]:
         """How well it is known, what is left out, and the Sun's part in links to the Earth."""
-        found = f"Rise and set are found to {WINDOWS_GOOD_TO}"
-        notes = [f"{found}; shares, gaps and waits are of this span alone."]
+        notes = [f"{EVIDENCE[0].upper()}{EVIDENCE[1:]}."]
         notes += [] if self.record["motion"] == TWO_BODY else [f"Under {self.record['motion']}."]
         if self.record["latency"] is None:
             notes.append("Store and forward between stations is left out: there is too much of it.")
+        elif self.record["latency"] and not self._waits():
+            notes.append("Between any two stations a message passes without waiting, always.")
         if clear := [r["node"] for r in self.record["eclipses"] if not r["count"]]:
             notes.append(f"No eclipses of {', '.join(clear)}.")
         if earth := self.record["earth"]:
             angle, seasons = earth["sun_earth_mars_angle_deg"], len(earth["conjunction_seasons"])
             notes.append(
                 f"Sun-Earth-Mars angle {angle['least']:.2f} to {angle['largest']:.2f} deg; "
-                f"{seasons} season(s) below {earth['conjunction_deg']:g} deg"
+                f"{counted(seasons, 'season')} below {earth['conjunction_deg']:g} deg"
             )
         return tuple(notes)
+
+    def _waits(self) -> list[dict[str, Any]]:
+        """Store and forward between stations, all of it if anything ever waits."""
+        rows: list[dict[str, Any]] = self.record["latency"] or []
+        return rows if any(r["longest_h"] or r["undelivered"] for r in rows) else []
 
     def tables(self) -> tuple[Table, ...]:
         """The tables for which there is something to say."""
@@ -136,7 +149,7 @@ class AccessResult(Result):
         parts = {
             "Satellites in sight": self.record["nodes"],
             "Reaching the Earth": earth,
-            "Store and forward between stations": self.record["latency"] or [],
+            "Store and forward between stations": self._waits(),
             "In Mars's shadow": [r for r in self.record["eclipses"] if r["count"]],
             "Radio links along their windows": self.record["radio"],
             "Pairs": self.record["pairs"] if self.pairs else [],

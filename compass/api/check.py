@@ -1,6 +1,7 @@
 """Every requirement of a design: met or missed, with the evidence, the margin and the worst."""
 
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -8,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from compass.api.given import in_metres, joined_designs
 from compass.api.progress import bar
 from compass.api.results import Result
+from compass.cores import cores, shared
 from compass.coverage.certified_effort import Effort
 from compass.coverage.requirement_verdict import verdict_of
 from compass.coverage.verdict import Verdict as Answer
@@ -17,6 +19,7 @@ from compass.document.blocks import Block
 from compass.document.plain import plain
 from compass.orbits.motion import MotionModel
 from compass.quantities import quantity
+from compass.words import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,7 +86,7 @@ class CheckResult(Result):
         holds = True if self.holds else False if counts[1] else None
         word = {True: "met", False: "missed", None: "undecided"}[holds]
         return (
-            Verdict(word, f"{len(self.verdicts)} requirement(s): {told}", holds),
+            Verdict(word, f"{counted(len(self.verdicts), 'requirement')}: {told}", holds),
             verdict_table(self.verdicts),
             *(Sentence(text) for text in verdict_sentences(self.verdicts)),
         )
@@ -194,12 +197,18 @@ def check(
     (True, 'proven')
     """
     read = in_metres(joined_designs((design, *others)))
-    effort = Effort(width, budget_s, None if leaves is None else Path(leaves))
+    effort = Effort(width, budget_s, None if leaves is None else Path(leaves), cores())
     if motion is not None:
         read = replace(read, motion=read.motion.or_of(motion))
     wanted = read.requirements or (Requirement("coverage", fold=read.fold),)
-    verdicts = tuple(
-        verdict_of(read, each, days=days, start_day=start_day, effort=effort)
-        for each in bar(progress, "requirements", wanted)
-    )
-    return CheckResult(read, verdicts)
+
+    def settle(each: Requirement) -> Answer:
+        return verdict_of(read, each, days=days, start_day=start_day, effort=effort)
+
+    # geometry shares its own boxes among threads, and can be interrupted in this one alone
+    last = sorted(range(len(wanted)), key=lambda k: bool(wanted[k].limits))
+    bare = sum(not each.limits for each in wanted)
+    asked = [wanted[k] for k in last]
+    settled = chain(shared(settle, asked[:bare]), map(settle, asked[bare:]))
+    verdicts = dict(zip(last, bar(progress, "requirements", settled, total=len(last)), strict=True))
+    return CheckResult(read, tuple(verdicts[k] for k in range(len(wanted))))

@@ -17,6 +17,7 @@ from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.deployment import WEIGHED, Deployment, deploy_by_drift
 from compass.quantities import quantity
+from compass.words import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -102,7 +103,8 @@ class DeployResult(Result):
             known = self._option(k)
             shown = {name: Value(quantity(name), known[name]) for name in names}
             claim = (
-                f"{found.planes_a_launch} planes from each of {found.launches} launch(es): waiting "
+                f"{found.planes_a_launch} planes from each of "
+                f"{counted(found.launches, 'launch')}: waiting "
                 f"at {shown['waiting_altitude_km']} km for up to {shown['wait_days']} days, "
                 f"{shown['delta_v_deploy_m_s']} m/s a satellite"
             )

@@ -14,6 +14,7 @@ from compass.digest import digest_of
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError
+from compass.frames import SECONDS_PER_DAY
 from compass.handover.signal_toml import text_with_signal
 from compass.handover.toml import design_toml
 from compass.inputs import read_design_text
@@ -123,8 +124,8 @@ class DetermineResult(Result):
             for name in COMPONENTS
             if known[f"{name}_sigma_m"] is not None
         )
-        whom = listed(found.tracking.kinds)
-        claim = f"after {found.arc / 86400:g} days of tracking by {whom}: {told}"
+        whom = listed(list(found.tracking.kinds))
+        claim = f"after {_days(found.arc)} of tracking by {whom}: {told}"
         header = ("", *(f"{quantity(f'{name}_sigma_m').title}, m" for name in COMPONENTS))
         names = self.design.constellation.satellite_names
         each = tuple(
@@ -164,7 +165,7 @@ class DetermineResult(Result):
             "blind": "considered, the gain ignores them (the classical consider batch)",
         }[t.considered]
         notes = [
-            f"one sigma; arc of {found.arc / 86400:g} days in steps of {t.step:g} s, {kept} "
+            f"one sigma; arc of {_days(found.arc)} in steps of {t.step:g} s, {kept} "
             f"measurements; before it {t.prior:g} m and {t.prior_speed * 1e3:g} mm/s in each "
             f"coordinate; process noise {t.process_noise:g} m^2/s^3; trackers' constant errors are "
             f"{sense}",
@@ -237,6 +238,12 @@ class DetermineResult(Result):
         from compass.pictures.files import save_axes
 
         save_axes(self.plot(), path)
+
+
+def _days(seconds: float) -> str:
+    """A time in days, in words."""
+    days = seconds / SECONDS_PER_DAY
+    return f"{days:g} day{'' if days == 1.0 else 's'}"
 
 
 def determine(

@@ -114,6 +114,7 @@ def drift(
         sphere_radius=sphere,
         mask=highest,
         region=where,
+        stretch=read.figure.stretch,
         step_days=step_days,
         lasting=lasting,
         progress=lambda x: bar(progress, "margins", x),

@@ -1,7 +1,7 @@
 """What a design does that is left alone, as text, numbers, picture and files."""
 
 from dataclasses import dataclass, field
-from math import degrees
+from math import atan, degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -59,7 +59,7 @@ class DriftResult(Result):
     avoid_km
         Distance that is to be kept from their centres, if any.
     ground
-        What the users followed stand on, where that is neither the design's figure nor its sphere.
+        What the users followed stand on, where that is not the design's figure.
     """
 
     design: Design = field(repr=False)
@@ -235,12 +235,27 @@ class DriftResult(Result):
         )
         header = ("day", f"least {margin.heading}", "at the moment", room.heading)
         step = (found.times[1] - found.times[0]) / SECONDS_PER_DAY
+        ground = self._sphere()
         note = (
-            f"least margin: by how much all caps could shrink in the {step:g} day(s) before, a "
+            f"least margin: by how much all caps could shrink in the {step:g} "
+            f"day{'s' if step != 1 else ''} before, a "
             "proven bound (of the first row, in the day after); room in the slots is smaller and "
-            "only sufficient"
+            "only sufficient" + (f"; both are {ground}" if ground else "")
         )
         return [Table("Margin and room over time", header, rows), Sentence(note)]
+
+    def _sphere(self) -> str:
+        """Of what margin and room are, where that is not what the days are proven on."""
+        own = self.design.figure
+        if own.is_sphere or self.ground:
+            return ""
+        # planetographic less planetocentric latitude, where that is largest
+        lean = degrees(atan((own.stretch**2 - 1.0) / (2.0 * own.stretch)))
+        return (
+            f"of the sphere of the equatorial radius, {own.equatorial_radius / 1e3:.2f} km, whose "
+            f"verticals differ from the ellipsoid's, on which the days are proven, by up to "
+            f"{lean:.2f} deg"
+        )
 
     def _per_satellite(self) -> list[Block]:
         rows = self._satellites()
@@ -333,7 +348,10 @@ class DriftResult(Result):
             for r in self.radii
         )
         header = ("radius, km", proven.heading, "lost on day", margin.heading, "beat, days")
-        return [Table("Left alone at other radii, trimmed where it can be", header, rows)]
+        title = "Left alone at other radii, trimmed where it can be"
+        ground = self._sphere()
+        told = [Sentence(f"margins are {ground}")] if ground else []
+        return [Table(title, header, rows), *told]
 
     def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw margin and room over time.

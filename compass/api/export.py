@@ -5,12 +5,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from compass.api.given import given_design
 from compass.api.results import Result
 from compass.design import Design
 from compass.document import Page, Sentence, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError
+from compass.frames import SECONDS_PER_DAY
 from compass.handover.czml import czml
 from compass.handover.design_tables import not_kept
 from compass.handover.geojson import geojson
@@ -98,12 +101,13 @@ def export(
     duration_h: float | None = None,
     step_s: float | None = None,
     motion: MotionModel | None = None,
+    start_day: float = 0.0,
 ) -> ExportResult:
     """Write a design down for other programs.
 
     OEM: states in ICRF about Mars, TDB, one message a satellite. CZML: satellites, paths and
-    stations on the Mars ellipsoid. GeoJSON: sub-satellite points, footprints and gaps at the
-    epoch, and ground tracks. TOML: the design file itself, every pattern and unit made plain.
+    stations on the Mars ellipsoid. GeoJSON: ground tracks, and sub-satellite points, footprints
+    and gaps at the first moment. TOML: the design file itself, every pattern and unit made plain.
 
     Parameters
     ----------
@@ -119,6 +123,8 @@ def export(
         Seconds between states; else close enough for interpolation to a millimetre.
     motion
         ``two-body``, ``j2`` or ``numerical``; else as the design says.
+    start_day
+        Day after the epoch of the first states.
 
     Raises
     ------
@@ -135,7 +141,7 @@ def export(
     if format not in FORMATS:
         raise ArgumentError(f"format = {format!r}: allowed {', '.join(FORMATS)}")
     read = given_design(design)
-    files, span = _written(read, format, duration_h, step_s, motion)
+    files, span = _written(read, format, duration_h, step_s, motion, start_day)
     place = None if output is None else Path(output)
     lacks = not_kept(read) if format == "toml" else ()
     made = ExportResult(
@@ -152,24 +158,28 @@ def _written(
     duration_h: float | None,
     step_s: float | None,
     motion: MotionModel | None,
+    start_day: float,
 ) -> tuple[Mapping[str, str], Mapping[str, Any]]:
     """Texts by their names, and the span that they are for."""
+    if not 0 <= start_day < np.inf:
+        raise ArgumentError(f"start_day = {start_day:g}: must be 0 or more days")
     if format == "toml":
         given = {"duration_h": duration_h, "step_s": step_s, "motion": motion}
-        for option, value in given.items():
+        for option, value in (given | {"start_day": start_day or None}).items():
             if value is not None:
                 raise ArgumentError(
                     f"{option} = {value}: a design file holds orbits, not states; leave it out, "
                     "or choose the format oem, czml or geojson"
                 )
         return {"design.toml": design_toml(design)}, {}
-    times = sample_times(design.constellation, duration_h, step_s)
-    start, stop = iso(tdb(design.constellation.epoch, times[[0, -1]]))
+    start = start_day * SECONDS_PER_DAY
+    times = sample_times(design.constellation, duration_h, step_s, start)
+    first, last = iso(tdb(design.constellation.epoch, times[[0, -1]]))
     model = design.motion.or_of(motion)
     span = {
         "motion": model.model,
-        "start_tdb": start,
-        "stop_tdb": stop,
+        "start_tdb": first,
+        "stop_tdb": last,
         "step_s": float(times[1] - times[0]),
         "epochs": times.size,
     }

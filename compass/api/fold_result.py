@@ -14,6 +14,7 @@ from compass.document.plain import plain
 from compass.frames import latitude_longitude, mcmf_from_mci, prime_meridian_angle
 from compass.quantities import quantity
 from compass.sites import Site
+from compass.words import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -154,7 +155,7 @@ class FoldResult(FoldClaim):
         holds = {Outcome.PROVEN: True, Outcome.REFUTED: False}.get(self.outcome)
         how = (
             f"looked at {span.start / 3600:.6g} to {span.stop / 3600:.6g} h: {span.reason}; "
-            f"{certificate.intervals} interval(s), split until no cap strays more than "
+            f"{counted(certificate.intervals, 'interval')}, split until no cap strays more than "
             f"{certificate.tolerance:g} rad; rounding on the safe side"
         )
         blocks: list[Block] = [
@@ -282,7 +283,7 @@ class FoldResult(FoldClaim):
             for kind in sets
         )
         header = ("satellites lost", quantity("alike").title, least.title, cap.heading)
-        return Table(f"After {number} loss(es), worst first", header, rows, LISTED)
+        return Table(f"After {counted(number, 'loss')}, worst first", header, rows, LISTED)
 
     def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw the share of area and time by fold as bars.

@@ -116,22 +116,27 @@ def joined_designs(designs: Sequence[Design | str | Path]) -> Design:
     )
 
 
-def given_scenario(scenario: "Scenario | str | Path") -> "Scenario":
-    """Return the scenario, read from its file if it is a path.
+def given_scenario(scenario: "Scenario | str | Path", start_day: float | None = None) -> "Scenario":
+    """Return the scenario, read from its file if it is a path, on a day if one is given.
 
     Raises
     ------
     DesignError
         As `compass.read_scenario`.
     ArgumentError
-        It is something else.
+        It is something else, or has been read without that day.
     """
     from compass.inputs.scenario import Scenario, read_scenario
 
-    if isinstance(scenario, Scenario):
+    if isinstance(scenario, Scenario) and start_day is None:
         return scenario
+    if isinstance(scenario, Scenario):
+        raise ArgumentError(
+            f"start_day = {start_day:g}: this scenario has been read, and its beacons stand where "
+            "they are; give its path, or read it with read_scenario(path, start_day)"
+        )
     if isinstance(scenario, str | Path):
-        return read_scenario(scenario)
+        return read_scenario(scenario, start_day)
     raise ArgumentError(
         f"scenario = {type(scenario).__name__}: must be a Scenario or the path of a scenario file"
     )

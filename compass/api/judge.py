@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compass.api.given import given_in_metres, given_scenario
+from compass.api.given import given_in_metres, given_places, given_scenario
 from compass.api.judge_tables import (
     budget_table,
     filter_table,
@@ -17,11 +17,13 @@ from compass.api.judge_tables import (
     unknown_air,
     with_bounds,
 )
+from compass.api.map_areas import area_blocks
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.cores import cores
 from compass.design import Design
 from compass.document import Page, Sentence, Verdict
+from compass.document.blocks import Block
 from compass.document.plain import plain
 from compass.entry.doubts import Doubts
 from compass.errors import ArgumentError, DesignError
@@ -32,8 +34,9 @@ from compass.orbits.motion import Motion
 from compass.orbits.patterns import FARTHEST_KM
 from compass.orbits.touching import touching
 from compass.saving import check_writable, replacing
-from compass.study.judge import campaign_of
-from compass.study.ranking import Ranking, check_ranking, rank_designs
+from compass.sites import Site
+from compass.study.judge import campaign_of, ground_of
+from compass.study.ranking import Ranking, check_ranking, ground_words, rank_designs
 from compass.study.rival import best_rival, rival_toml
 
 if TYPE_CHECKING:
@@ -80,17 +83,29 @@ class JudgeResult(Result):
             self.scenario.name,
             (
                 Verdict("", claim),
-                Sentence(f"Within {goal:g} m at deployment, anywhere and at any time?"),
+                Sentence(
+                    f"Within {goal:g} m at deployment, {ground_words(record)} and at any time?"
+                ),
                 *(Sentence(f"{row['design']}: {row['answer']}") for row in rows),
                 *(Sentence(said) for said in not_told_apart(rows)),
                 ranking_table(rows),
                 budget_table(rows),
                 *([filter_table(run)] if run else []),
                 surface_table(rows),
+                *self._areas(),
                 *([Sentence(_ON_DAY.format(self.start_day))] if self.start_day else []),
                 Sentence(f"{record['counted']} {_MEANING}"),
             ),
         )
+
+    def _areas(self) -> list[Block]:
+        """What users at the sites and in the regions have of each design."""
+        blocks: list[Block] = []
+        for row, areas in zip(self.ranking.record["designs"], self.ranking.areas, strict=True):
+            if areas:
+                said = Sentence(f"Users on the ground, by {row['design']}:")
+                blocks += [said, *area_blocks(areas)]
+        return blocks
 
     def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw which share of entries is within which bound, and after the worst loss.
@@ -138,6 +153,8 @@ def judge(
     range_bias_m: float = Doubts.range_bias_m,
     finalists: int = 3,
     runs: int = 512,
+    sites: Site | str | Sequence[Site | str] = (),
+    regions: str | Sequence[str] = (),
     rival: str | Path | None = None,
     rival_radius_km: float | None = None,
     start_day: float = 0.0,
@@ -148,8 +165,9 @@ def judge(
     """Judge constellations as beacons of a lander: anywhere, along any azimuth, at any time.
 
     The lander of the scenario is flown to parachute deployment (its trigger of that name, or the
-    end of the scenario) at sites over the whole globe, at moments over the repeat period. Ranked
-    by the 95th percentile of the Cramer-Rao bound of position there, blackout taken into account.
+    end of the scenario) at sites over the whole globe, or at those named, at moments over the
+    repeat period. Ranked by the 95th percentile of the Cramer-Rao bound of position there,
+    blackout taken into account.
 
     Parameters
     ----------
@@ -173,6 +191,10 @@ def judge(
         One sigma of a bias of the ranges to each satellite.
     finalists, runs
         On how many of the best to run the filter, and how often on each.
+    sites, regions
+        Where the landers deploy, by turns, along any azimuth: sites, names of the designs'
+        stations, or ``NAME=LAT,LON[,MASK]``; ``lat:MIN:MAX`` or ``polygon:LAT,LON;...``, degrees.
+        What users on the ground have there is proven or bracketed besides.
     rival
         Find the best Walker delta of the first design's size, write it there, and rank it too.
     rival_radius_km
@@ -208,6 +230,7 @@ def judge(
     lander, candidates = _read(designs, scenario)
     candidates = [_on_day(design, start_day) for design in candidates]
     check_ranking(goal_m, finalists, runs)
+    places = given_places(sites, regions, _with_all_stations(candidates))
     unknown: dict[str, Any] = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
     radial, along, cross = _three(orbit_m)
     doubts = Doubts(
@@ -223,7 +246,7 @@ def judge(
         place = Path(rival)
         labels = [lander.label, *(design.label for design in candidates)]
         check_writable(place, [Path(label) for label in labels])
-        campaign = campaign_of(lander, samples, seed, **unknown)
+        campaign = campaign_of(lander, samples, seed, ground=ground_of(*places), **unknown)
         found = best_rival(
             candidates[0],
             lander,
@@ -245,6 +268,8 @@ def judge(
         doubts=doubts,
         finalists=finalists,
         runs=runs,
+        sites=places[0],
+        regions=places[1],
         threads=threads,
         progress=bars,
         **unknown,
@@ -258,6 +283,14 @@ def _on_day(design: Design, day: float) -> Design:
         return design
     flown = touching(design.constellation, design.motion, day * SECONDS_PER_DAY)
     return replace(design, constellation=flown, motion=Motion())
+
+
+def _with_all_stations(designs: Sequence[Design]) -> Design:
+    """Return the first design with the stations of all; of one name those of the first."""
+    named: dict[str, Site] = {}
+    for design in designs:
+        named = {site.name: site for site in design.stations} | named
+    return replace(designs[0], stations=tuple(named.values()))
 
 
 def _three(orbit_m: Sequence[float]) -> Sequence[float]:

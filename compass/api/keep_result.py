@@ -86,6 +86,7 @@ class KeepResult(Result):
                 "box_deg": degrees(found.half_width),
                 "margin_deg": self.margin_deg,
                 "holds": self.holds,
+                "evidence": self.evidence,
                 "delta_v_keeping_m_s_year": max(costs),
                 "delta_v_mean_m_s_year": float(np.mean(costs)),
                 "delta_v_sum_m_s_year": float(np.sum(costs)),
@@ -111,6 +112,14 @@ class KeepResult(Result):
                     for s, name in enumerate(self.design.constellation.satellite_names)
                 ],
             }
+        )
+
+    @property
+    def evidence(self) -> str:
+        """How well what it takes is known."""
+        return (
+            f"one simulation over {self.years:.4g} years, one look a revolution, {self.motion}; "
+            "how another draw of the burns' errors would differ is not known"
         )
 
     def _between(self, s: int) -> float | None:
@@ -152,13 +161,15 @@ class KeepResult(Result):
             "worst in track, deg", "worst cross track, deg", quantity(names[1]).heading,
         )  # fmt: skip
         how = (
-            f"simulated over {self.years:.4g} years, one look a revolution, {self.motion}; "
+            f"{self.evidence}; "
             f"specific impulse {self.upkeep.specific_impulse:g} s, "
             f"{self.upkeep.dry_mass:g} kg dry, "
             f"burns from {self.upkeep.smallest_burn:g} m/s on, good to "
             f"{100 * self.upkeep.execution_error:g} %, places known to "
             f"{self.upkeep.navigation_error:g} m (all 1 sigma): the table [keeping] says otherwise"
         )
+        if not self.design.figure.is_sphere:
+            how += "; what is allowed is on the sphere of the ellipsoid's equatorial radius"
         evidence = Sampled(how="one simulation")
         return Page(
             self.design.name,

@@ -19,7 +19,7 @@ from compass.api.land_flight import (
 from compass.api.land_fusion import fusion_facts, fusion_section, too_sure
 from compass.api.results import Result
 from compass.conventions import dated
-from compass.document import Page, Picture, Section, Verdict
+from compass.document import Page, Picture, Section, Sentence, Verdict
 from compass.document.plain import plain
 from compass.entry.assess import Assessment, assessment_dataset
 from compass.entry.dispersed import Dispersed
@@ -37,6 +37,8 @@ MOST_RUNS = 100_000
 
 #: Filter runs that take longer (s) are announced.
 LONG = 10.0
+
+_ON_DAY = "Entry begins on day {:g} after the epoch of the satellites that serve as beacons."
 
 
 @dataclass(frozen=True, repr=False)
@@ -57,6 +59,8 @@ class LandResult(Result):
         For the provenance.
     strict
         Whether an inconsistent filter, or a fused one that is too sure, makes the claim fail.
+    start_day
+        Day after the epoch of the beacons' design at which entry begins; None: as the file says.
     """
 
     scenario: Scenario = field(repr=False)
@@ -65,6 +69,7 @@ class LandResult(Result):
     command: str = ""
     strict: bool = False
     dispersed: Dispersed | None = field(repr=False, default=None)
+    start_day: float | None = None
 
     @property
     def holds(self) -> bool:
@@ -86,13 +91,16 @@ class LandResult(Result):
             known["fusion"] = fusion_facts(self.fused)
         if self.dispersed:
             known["dispersed"] = dispersed_facts(self.dispersed)
+        if self.start_day is not None:
+            known["start_day"] = self.start_day
         return plain(known | {"provenance": provenance(self.scenario, self.command)})
 
     def document(self) -> Page:
         """Knowledge and delivery in a sentence, then the flight and the filters."""
         words = Verdict("", self.claim)
         flight, *fused = self.sections(pictures=False, claim=False)
-        return Page(self.scenario.name, (words, *flight.blocks, *fused))
+        day = () if self.start_day is None else (Sentence(_ON_DAY.format(self.start_day)),)
+        return Page(self.scenario.name, (words, *day, *flight.blocks, *fused))
 
     @property
     def claim(self) -> str:
@@ -143,6 +151,7 @@ def land(
     scenario: Scenario | str | Path,
     *,
     runs: int | None = None,
+    start_day: float | None = None,
     strict: bool = False,
     command: str = "",
     progress: bool = False,
@@ -159,6 +168,8 @@ def land(
         A scenario, or the path of its file.
     runs
         Monte Carlo runs; else the scenario's.
+    start_day
+        Day after the epoch of the beacons' design at which entry begins; else the scenario's.
     strict
         Whether `LandResult.holds` is false where the filter is inconsistent.
     command
@@ -180,7 +191,7 @@ def land(
     >>> found.to_dict()["navigation"]["runs"]
     5
     """
-    read = given_scenario(scenario)
+    read = given_scenario(scenario, start_day)
     if runs is not None and not 1 <= runs <= MOST_RUNS:
         raise ArgumentError(f"runs = {runs}: allowed 1 to {MOST_RUNS}")
     plan = fusion_plan(read)
@@ -191,4 +202,5 @@ def land(
         notice(f"filter runs: about {seconds:.0f} s")
     found = assess_scenario(read, runs)
     fused = run_fusion(plan, runs, progress=progress) if plan else None
-    return LandResult(read, found, fused, command, strict, disperse_scenario(read))
+    entries = disperse_scenario(read)
+    return LandResult(read, found, fused, command, strict, entries, start_day)

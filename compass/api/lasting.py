@@ -1,7 +1,7 @@
 """Coverage over a span of real paths: proven for so many days, or lost at a moment and a place."""
 
 from dataclasses import dataclass
-from math import atan, degrees
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from compass.api.fold_claim import FoldClaim
@@ -11,6 +11,7 @@ from compass.document import Page, Proven, Sentence, Value, Verdict
 from compass.document.blocks import Block, facts
 from compass.document.plain import plain
 from compass.quantities import quantity
+from compass.words import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,7 +30,7 @@ class LastingResult(FoldClaim):
     lasting
         What was found, SI.
     ground
-        What its users stand on, where that is neither the design's figure nor its sphere.
+        What its users stand on, where that is not the design's figure.
     """
 
     motion: str
@@ -48,18 +49,8 @@ class LastingResult(FoldClaim):
 
     @property
     def figure(self) -> str:
-        """On what users stand: the design's own, or the sphere of its equatorial radius."""
-        if self.ground:
-            return self.ground
-        own = self.design.figure
-        if own.stretch == self.lasting.stretch:
-            return own.title
-        # planetographic less planetocentric latitude, where that is largest
-        lean = degrees(atan((own.stretch**2 - 1.0) / (2.0 * own.stretch)))
-        return (
-            f"sphere of the ellipsoid's equatorial radius, {own.equatorial_radius / 1e3:.2f} km, "
-            f"whose verticals differ from the ellipsoid's by up to {lean:.2f} deg"
-        )
+        """On what users stand."""
+        return self.ground or self.design.figure.title
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
@@ -105,7 +96,8 @@ class LastingResult(FoldClaim):
             Value(quantity("first_loss_days"), found.first_loss_days, Proven(given)),
         ]
         how = (
-            f"{self.motion}; {found.intervals} interval(s) of time, no symmetry and no sample; "
+            f"{self.motion}; {counted(found.intervals, 'interval')} of time, no symmetry "
+            "and no sample; "
             f"a loss is found to {RESOLUTION:g} s" + (f"; {given}" if given else "")
         )
         return (

@@ -1,21 +1,24 @@
 """Satellite counts and dilution of precision over the sphere and a period."""
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+from compass.api.cluster import check_cluster, check_workers
 from compass.api.given import given_in_metres, given_places
 from compass.api.map_result import MapResult
 from compass.api.progress import bar, foretell, parts_bar
 from compass.cores import cores
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_geometry import CertifiedGeometry
+from compass.coverage.rows import Rows
 from compass.design import PDOP_MAX, Design
 from compass.orbits.motion import MotionModel
 from compass.signal.ranges import Weighting
 from compass.sites import Site
 from compass.study.certified import certified_areas, certified_figures
-from compass.study.mapping import MapOptions, make_map
+from compass.study.mapping import MapOptions, MapRows, make_map
 
 
 def map(
@@ -38,13 +41,17 @@ def map(
     budget_s: float | None = None,
     leaves: str | Path | None = None,
     workers: int | None = None,
+    scheduler: str | None = None,
+    tls_ca: str | Path | None = None,
+    tls_cert: str | Path | None = None,
+    tls_key: str | Path | None = None,
     command: str = "",
     progress: bool = False,
 ) -> MapResult:
     """Count and DOP maps of a design over the sphere and one repeat period.
 
     A dilution of precision is infinite with fewer than four satellites in view; infinities count
-    in every percentile and against availability. Availability and the 95th percentile of GDOP
+    in every percentile and against availability. Availability and percentiles of GDOP
     over all area and time are bracketed besides, with proven bounds. A design with a signal is
     mapped in metres too.
 
@@ -83,6 +90,11 @@ def map(
         open is kept there.
     workers
         Threads; by default one a core. The numbers do not depend on it.
+    scheduler
+        Address of a Dask scheduler, such as ``tcp://host:8786``, whose workers do the rows of the
+        map instead, to the same numbers; proven bounds are worked out here.
+    tls_ca, tls_cert, tls_key
+        Certificates of a cluster that wants them, all three.
     command
         What to write into the files' history.
     progress
@@ -113,11 +125,24 @@ def map(
         error_max_m=error_max_m,
         weights=weights,
     )
+    check_workers(workers)
+    tls = check_cluster(workers, scheduler, tls_ca, tls_cert, tls_key)
     read = given_in_metres(design)
     places = given_places(sites, regions, read)
     file, threads = None if leaves is None else Path(leaves), cores(workers)
     effort = Effort(width, budget_s, file, threads)
-    with bar(progress, "map", unit="row", leave=False) as rows:
+    with bar(progress, "map", unit="row", leave=False) as rows, ExitStack() as stack:
+
+        def by(wanted: MapRows) -> Rows:
+            from compass.study.cluster import Cluster
+            from compass.study.map_cluster import by_cluster, do_rows
+
+            assert scheduler is not None
+            kept = "nothing of a map is kept"
+            cluster = Cluster(wanted, scheduler, tls, do=do_rows, kept=kept)
+            stack.callback(cluster.close)
+            return by_cluster(cluster, rows.update)
+
         made = make_map(
             read,
             options,
@@ -125,20 +150,24 @@ def map(
             workers=workers,
             foretell=lambda cost: foretell(progress, "map", cost.seconds, cost.bytes),
             progress=rows.update,
+            by=by if scheduler else None,
         )
     with parts_bar(progress, "bounds") as effort.progress:
         certified = certified_figures(read, options, effort)
         areas = certified_areas(read, options, *places, effort)
-    if certified:
-        made.dataset.attrs |= _attributes(certified)
-    return MapResult(read, made, certified, areas)
+    found = MapResult(read, made, certified, areas)
+    made.dataset.attrs |= _attributes(certified) | {"sampled": found.sampled}
+    return found
 
 
-def _attributes(certified: CertifiedGeometry) -> dict[str, Any]:
+def _attributes(certified: CertifiedGeometry | None) -> dict[str, Any]:
     """Return the brackets as attributes of a dataset."""
+    if certified is None:
+        return {}
     known = certified.numbers()
+    gdop = {f"gdop_p{q}_bracket": known["gdop"][f"p{q}_bracket"] for q in certified.gdop}
     return {
         "availability_bracket": known["availability_bracket"],
-        "gdop_p95_bracket": known["gdop"]["p95_bracket"],
+        **gdop,
         "certified_scope": certified.scope,
     }

@@ -13,6 +13,12 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+#: How well figures at sites and in regions are known.
+AREAS_KNOWN = (
+    "proven, or between proven bounds, of the time at a site and of area and time in a region"
+)
+
+
 def area_blocks(areas: Sequence[AreaFigures]) -> tuple[Block, ...]:
     """A table of the areas and what is known of them, and for when it is; nothing without any."""
     if not areas:
@@ -45,10 +51,7 @@ def area_blocks(areas: Sequence[AreaFigures]) -> tuple[Block, ...]:
     metres = "; errors one sigma, wherever the Sun stands" if errors else ""
     return (
         Table("At sites and in regions", header, rows),
-        Sentence(
-            "proven, or between proven bounds, of the time at a site and of area and time in a "
-            f"region{metres}"
-        ),
+        Sentence(f"{AREAS_KNOWN}{metres}"),
         *(Sentence(f"{', '.join(names)}: {scope}") for scope, names in scopes.items()),
     )
 

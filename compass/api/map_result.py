@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compass.api.map_areas import area_blocks, with_areas
+from compass.api.map_areas import AREAS_KNOWN, area_blocks, with_areas
 from compass.api.map_statistics import (
     ROVER,
     error_statistics,
@@ -32,6 +32,7 @@ from compass.errors import ArgumentError
 from compass.quantities import QUANTITIES, quantity
 from compass.signal.budget import basis
 from compass.study.mapping import DesignMap
+from compass.words import listed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,7 +69,30 @@ class MapResult(Result):
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
         areas = [area.as_dict() for area in self.areas]
-        return plain(self.numbers() | {"areas": areas, "provenance": self.dataset.attrs})
+        known = {"evidence": self.evidence(), "areas": areas, "provenance": self.dataset.attrs}
+        return plain(self.numbers() | known)
+
+    def evidence(self) -> dict[str, str]:
+        """How well each number of the JSON is known, by its name there; `others` is the rest."""
+        found = {}
+        if self.certified:
+            sure = f"between proven bounds, {self.certified.scope}"
+            found = {f"gdop.p{percent}": sure for percent in self.certified.gdop}
+            found |= {"availability": sure, "pdop_worst_bracket": sure}
+        if self.areas:
+            found["areas"] = AREAS_KNOWN
+        return found | {"others": self.sampled}
+
+    @property
+    def sampled(self) -> str:
+        """What the figures that are not certified are of, and how well that says them."""
+        attrs = self.dataset.attrs
+        return (
+            f"sampled at {attrs['epochs']} epochs over {attrs['period_s'] / 3600:.6g} h on "
+            f"{attrs['grid']} of the {attrs['figure']}, {attrs['motion_model']} motion: "
+            "what lies between is not seen, and by how much that moves them is not known; "
+            "weighted by area and time, infinities count"
+        )
 
     def numbers(self) -> dict[str, Any]:
         """Numbers over all area and time; certified ones are the middle of their brackets."""
@@ -83,18 +107,12 @@ class MapResult(Result):
         numbers, attrs = self.numbers(), self.dataset.attrs
         fold, met = attrs["wanted_fold"], numbers["count"]["min"] >= attrs["wanted_fold"]
         p50, p95 = (self._percentile("gdop", numbers, q) for q in ("p50", "p95"))
-        sure = "sampled" + (", the last between proven bounds" if p95.evidence else "")
+        sure = "between proven bounds" if p50.evidence and p95.evidence else "sampled"
         claim = (
             f"{numbers['count']['min']} to {numbers['count']['max']} satellites in view, "
             f"{fold} wanted; GDOP {p50} (median), {p95} (95 % of area and time); {sure}"
         )
         others = "the other figures are " if self.certified else ""
-        how = (
-            f"{others}sampled at {attrs['epochs']} epochs over {attrs['period_s'] / 3600:.6g} h on "
-            f"{attrs['grid']} of the {attrs['figure']}, {attrs['motion_model']} motion: "
-            "what lies between is not seen; "
-            "weighted by area and time, infinities count"
-        )
         return Page(
             self.design.name,
             (
@@ -104,7 +122,7 @@ class MapResult(Result):
                 *self.error_blocks(),
                 *self.protection_blocks(),
                 *(Sentence(said) for said in self.certain()),
-                Sentence(how),
+                Sentence(others + self.sampled),
                 *self._between_epochs(),
             ),
         )
@@ -119,11 +137,10 @@ class MapResult(Result):
         """What was certified, and how, in a sentence; nothing where nothing was."""
         if not self.certified:
             return ()
-        named = " and ".join(f"{percent}th" for percent in self.certified.gdop)
-        named += " percentiles" if len(self.certified.gdop) > 1 else " percentile"
+        named = listed([f"{percent}th" for percent in self.certified.gdop])
         return (
-            f"Availability and the {named} of GDOP lie between the bounds shown, everywhere "
-            f"and not only at cells, {self.certified.scope}.",
+            f"Availability and the {named} percentiles of GDOP lie between the bounds shown, "
+            f"everywhere and not only at cells, {self.certified.scope}.",
             *self._worst(),
         )
 
@@ -262,11 +279,24 @@ class MapResult(Result):
         )
         percentiles = [f"p{int(q)}" for q in self.dataset.global_percentile.values]
         rows = tuple(
-            (quantity(name).title, *(self._percentile(name, numbers, p) for p in percentiles))
+            (
+                quantity(name).title,
+                *(self._percentile(name, numbers, p) for p in percentiles),
+                self._known(name, percentiles),
+            )
             for name in DOPS
         )
         title = "Dilution of precision: percentiles over area and time"
-        return in_view, Table(title, ("", *percentiles), rows)
+        return in_view, Table(title, ("", *percentiles, "evidence"), rows)
+
+    def _known(self, name: str, percentiles: list[str]) -> str:
+        """How well the percentiles of a dilution are known, in words."""
+        sampled, evidence = str(Sampled()), self.evidence()
+        proven = [p for p in percentiles if f"{name}.{p}" in evidence]
+        if not proven:
+            return sampled
+        rest = f"; the rest {sampled}" if len(proven) < len(percentiles) else ""
+        return f"{', '.join(proven)} between proven bounds{rest}"
 
     def write(self, path: str | Path, *, time_series: bool = False, progress: bool = False) -> None:
         """Write the maps as CF netCDF; with `time_series` also every epoch's counts and DOPs.

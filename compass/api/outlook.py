@@ -136,6 +136,11 @@ def _look(design: Design) -> dict[str, Any]:
         horizon = min(horizon, motion.table.stop / SECONDS_PER_DAY)
     if horizon < HORIZON:
         notes.append(f"looked {horizon:.4g} days ahead, which is as far as was affordable or known")
+    if not design.figure.is_sphere:
+        notes.append(
+            "margin, room and the box are of the sphere of the equatorial radius, days are proven "
+            "on the ellipsoid"
+        )
     claim = _claim(design, horizon)
     lost = claim.outcome is not Outcome.PROVEN
     over_time, keeping = None, None
@@ -194,12 +199,13 @@ def _claim(design: Design, horizon: float) -> Settled:
 
 
 def _everywhere(design: Design, path: Trajectory, stop: float) -> Settled:
-    """Its fold on the whole sphere."""
+    """Its fold everywhere."""
     mask = design.mask.highest
     found = prove_span(
         path,
         design.fold,
         sphere_radius=design.figure.equatorial_radius,
+        stretch=design.figure.stretch,
         mask=mask,
         start=0.0,
         stop=stop,

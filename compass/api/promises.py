@@ -14,6 +14,7 @@ from compass.document import Sentence, Table, Value, Verdict
 from compass.document.blocks import Block
 from compass.frames import SECONDS_PER_DAY
 from compass.quantities import quantity
+from compass.words import counted
 
 #: Figures of a requirement in the table.
 _FIGURES = ("days_proven", "first_loss_days", "room_deg", "slot_sideways_deg")
@@ -58,7 +59,8 @@ def promise_blocks(promises: Sequence[Promise]) -> list[Block]:
     holds = False if lost else True if wanted and proven == len(wanted) else None
     word = {True: "kept", False: "lost", None: "undecided"}[holds]
     told = (
-        f"{len(promises)} requirement(s): {proven} proven for the whole span, {lost} lost, "
+        f"{counted(len(promises), 'requirement')}: {proven} proven for the whole span, "
+        f"{lost} lost, "
         f"{len(promises) - len(wanted)} not followed"
     )
     return [

@@ -154,7 +154,9 @@ def _at_radius(design: Design, radius_km: float, stop: float, asked: Asked | Non
     else:
         fold, mask, region = asked.fold, asked.mask, asked.region
         sphere = design.figure.equatorial_radius
-        lasts = prove_span(path, fold, sphere_radius=sphere, mask=mask, region=region, stop=stop)
+        stretch = design.figure.stretch
+        asks: Any = {"sphere_radius": sphere, "stretch": stretch, "mask": mask, "region": region}
+        lasts = prove_span(path, fold, **asks, stop=stop)
         until, lost = lasts.proven_until, lasts.first_loss_days
     times = np.linspace(0.0, max(until, 1.0), MOMENTS)
     margins = margins_at(path, fold, times, sphere_radius=sphere, mask=mask, region=region)

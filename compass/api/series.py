@@ -11,7 +11,7 @@ import compass
 from compass.api.access_result import WINDOWS_GOOD_TO, check_suffix
 from compass.api.given import given_fold, given_site, joined_designs
 from compass.api.results import Result
-from compass.contacts.gaps import GapStatistics, gap_statistics
+from compass.contacts.gaps import GapStatistics, ages, gap_statistics
 from compass.contacts.spans import at_least
 from compass.contacts.survey import survey
 from compass.conventions import dated, epoch_text
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 #: What stands in files, over stations and time.
-NAMES = ("count", "gdop", "pdop", "hdop", "vdop", "tdop")
+NAMES = ("count", "gdop", "pdop", "hdop", "vdop", "tdop", "age_h")
 
 #: Kinds of files that series are written to.
 SUFFIXES = (".nc", ".csv")
@@ -91,6 +91,7 @@ class SeriesResult(Result):
                     "p95_gap_h": gaps.p95 / 3600.0,
                     "time_average_gap_h": gaps.time_average / 3600.0,
                     "response_h": gaps.response / 3600.0,
+                    "age_h": gaps.age / 3600.0,
                     "gdop_p95": _percentile(seen["gdop"].values),
                     "pdop_p95": _percentile(seen["pdop"].values),
                 }
@@ -107,9 +108,21 @@ class SeriesResult(Result):
                 "start_day": self.start_day,
                 "days": self.days,
                 "epochs": self.dataset.sizes["time"],
+                "evidence": self.evidence(),
                 "stations": self.rows(),
             }
         )
+
+    def evidence(self) -> dict[str, str]:
+        """How well the numbers of a station are known: of gaps, and at the moments looked at."""
+        epochs = self.dataset.sizes["time"]
+        return {
+            "gaps": f"by rise and set, to {WINDOWS_GOOD_TO}; of this span alone",
+            "dilutions": (
+                f"fewest in view and dilutions sampled at {epochs} moments, "
+                f"{86400 * self.days / epochs:.4g} s apart: what lies between is not seen"
+            ),
+        }
 
     def document(self) -> Page:
         """Whether there are gaps, then a table of them and of the dilutions."""
@@ -117,18 +130,19 @@ class SeriesResult(Result):
         claim = f"{self.fold} satellites in view at all times over {self.days:g} days"
         if lacking:
             claim = f"fewer than {self.fold} in view at times at {', '.join(lacking)}"
-        epochs = self.dataset.sizes["time"]
+        known = self.evidence()
         how = (
-            f"{self.motion}; gaps by rise and set, to {WINDOWS_GOOD_TO}, each station over its own "
-            "horizon; those that the ends of the span cut off count with what lies inside. "
-            f"Dilutions at {epochs} moments, {86400 * self.days / epochs:.4g} s apart: what lies "
-            "between is not seen; infinite with fewer than four in view, and that counts"
+            f"{self.motion}; gaps {known['gaps']}, each station over its own "
+            "horizon; those that the ends of the span cut off count with what lies inside; "
+            "data are as old in the mean as the mean response is long. "
+            f"{known['dilutions'].capitalize()}; infinite with fewer than four in view, and that "
+            "counts"
         )
         blocks = (Verdict("" if not lacking else "gaps", claim, not lacking), self._table())
         return Page(self.design.name, (*blocks, Sentence(how)))
 
     def _table(self) -> Table:
-        names = [name for name in self.rows()[0] if name != "station"]
+        names = [name for name in self.rows()[0] if name not in ("station", "age_h")]
         known = {
             name: quantity(
                 f"station.{name}"
@@ -172,7 +186,8 @@ class SeriesResult(Result):
         Parameters
         ----------
         name
-            ``count``, ``gdop``, ``pdop``, ``hdop``, ``vdop`` or ``tdop``.
+            ``count``, ``gdop``, ``pdop``, ``hdop``, ``vdop``, ``tdop`` or ``age_h``: hours since so
+            many were last in view.
         axes
             Where to; new ones without.
 
@@ -265,15 +280,18 @@ def series(
     else:
         options["path"] = moving.trajectory(c, start, start + duration)
     found = survey(c, sites, duration, figure=read.figure, **options)
-    gaps = {
-        site.name: gap_statistics(
-            at_least(wanted, [w.spans for w in found.of(site.name)]), duration
-        )
-        for site in sites
+    covered = {
+        site.name: at_least(wanted, [w.spans for w in found.of(site.name)]) for site in sites
     }
-    times = start + duration * np.arange(epochs) / epochs
+    gaps = {name: gap_statistics(spans, duration) for name, spans in covered.items()}
+    since = duration * np.arange(epochs) / epochs
     sited = replace(read, stations=sites)
-    made = _dataset(sited, times, moving)
+    made = _dataset(sited, start + since, moving)
+    made["age_h"] = (
+        ("station", "time"),
+        np.array([ages(spans, since) / 3600.0 for spans in covered.values()]),
+        {"units": "h", "long_name": f"time since {wanted} satellites were last in view"},
+    )
     return SeriesResult(
         design=sited,
         fold=wanted,
@@ -290,14 +308,15 @@ def _dataset(design: Design, times: np.ndarray, motion: Any) -> "xr.Dataset":
     import xarray as xr
 
     seen = [site_coverage(design.constellation, site, times, motion) for site in design.stations]
-    together = xr.concat([one[list(NAMES)] for one in seen], "station", combine_attrs="drop")
+    found = list(NAMES[:-1])
+    together = xr.concat([one[found] for one in seen], "station", combine_attrs="drop")
     made = together.assign_coords(station=[site.name for site in design.stations]).assign_attrs(
         title=f"What stations see of {design.name}",
         source=f"compass {compass.__version__}",
         epoch_tdb=epoch_text(design.constellation.epoch),
         motion_model=motion.model,
     )
-    for name in NAMES:
+    for name in found:
         made[name].attrs = seen[0][name].attrs
     return dated(made, "time")
 

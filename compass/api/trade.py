@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
+from compass.api.cluster import check_cluster, check_workers
 from compass.api.given import given_study
 from compass.api.progress import bar
 from compass.api.results import Result
@@ -19,14 +20,16 @@ from compass.inputs.study import Study
 from compass.quantities import quantity
 from compass.quantities.merits import MERITS
 from compass.saving import check_writable
+from compass.study.bounds import bounded_figures
 from compass.study.candidates import check_space
 from compass.study.cluster import Cluster, Tls
 from compass.study.judge import check_lander
 from compass.study.results import first_front, read_results, write_results
-from compass.study.sampling import sampled_over, sampling_of
+from compass.study.sampling import front_known, rests_on_samples, sampled_over, sampling_of
 from compass.study.store import Store
 from compass.study.trade import Summary, run_trade
 from compass.study.workers import Processes, Workers
+from compass.words import counted
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,9 +37,6 @@ if TYPE_CHECKING:
 
 #: Rows of the front that the text lists.
 LISTED = 25
-
-#: Most processes on one machine.
-MOST_WORKERS = 1024
 
 
 @dataclass(frozen=True, repr=False)
@@ -94,8 +94,11 @@ class TradeResult(Result):
                 "straddling": int(self.dataset.straddling.sum()),
                 "front": self.front,
                 "sampled_over": {
-                    name: how for name in MERITS if (how := sampling_of(self.study, name))
+                    name: how
+                    for name in MERITS
+                    if name not in self._bracketed and (how := sampling_of(self.study, name))
                 },
+                "rests_on_samples": rests_on_samples(self.study),
             }
         )
 
@@ -120,20 +123,20 @@ class TradeResult(Result):
         header = ("stage", "candidates", "computed now", "raised", "work s")
         return Page(self.study.name, (*blocks, Table("Stages", header, stages)))
 
+    @property
+    def _bracketed(self) -> list[str]:
+        """Figures of those that may be of the front that lie between proven bounds."""
+        return bounded_figures(self.study) if self.summary.bounded else []
+
     def _evidence(self) -> tuple[str, ...]:
         """How well the front is known: which figures are bracketed, which sampled."""
         front, said = self.front, []
-        bounded = [name for name in front[0] if f"{name}_bracket" in front[0]]
-        if bounded:
-            open_ = sum(not row["decided"] for row in front)
-            whether = f"of {open_} it is not decided within the budget" if open_ else "decided"
-            said.append(
-                f"between proven bounds, everywhere and for all time: "
-                f"{', '.join(MERITS[name].title for name in bounded)}; who is on the front: "
-                f"{whether}. Whom samples put beyond a limit was not looked at again"
-            )
-        rest = [name for name in front[0] if name not in bounded]
-        if how := sampled_over(self.study, rest):
+        if bounded := self._bracketed:
+            titles = ", ".join(MERITS[name].title for name in bounded)
+            said.append(f"between proven bounds, everywhere and for all time: {titles}")
+        said.append(front_known(self.study, sum(not row["decided"] for row in front)))
+        rest = [name for name in (*front[0], *self.study.named) if name not in bounded]
+        if how := sampled_over(self.study, list(dict.fromkeys(rest))):
             said.append(f"sampled: {how}")
         return tuple(said)
 
@@ -163,19 +166,21 @@ class TradeResult(Result):
         if s.unfinished:
             more = ["..."] if s.unfinished > len(s.lethal) else []
             notes.append(
-                f"{s.unfinished} candidate(s) left out, whose workers died or had too little "
-                "memory; the same command tries them again:\n  " + "\n  ".join(s.lethal + more)
+                f"{counted(s.unfinished, 'candidate')} left out, whose workers died or had too "
+                "little memory; the same command tries them again:\n  "
+                + "\n  ".join(s.lethal + more)
             )
         if open_ := int(self.dataset.straddling.sum()):
             notes.append(
-                f"of {open_} candidate(s) it is not decided within the budget whether they meet a "
-                "limit on geometry, which lies between their bounds; they are not counted"
+                f"of {counted(open_, 'candidate')} it is not decided within the budget "
+                "whether they meet a limit on geometry, which lies between their bounds; they "
+                "are not counted"
             )
         errors = [text for text in self.dataset.error.values if text]
         if errors:
             notes.append(
-                f"{len(errors)} candidate(s) raised an error and go no further; the first: "
-                f"{errors[0]}"
+                f"{counted(len(errors), 'candidate')} raised an error and went no "
+                f"further; the first: {errors[0]}"
             )
         if self.feasible and not self.front:
             of_them = self.dataset.isel(candidate=self.dataset.feasible.values)
@@ -247,11 +252,8 @@ def trade(
     >>> found.front[0]["satellites"], found.feasible
     (15, 63)
     """
-    tls = _tls(scheduler, tls_ca, tls_cert, tls_key)
-    if scheduler is not None and workers is not None:
-        raise ArgumentError("workers: not beside scheduler, whose cluster has its own")
-    if workers is not None and not 1 <= workers <= MOST_WORKERS:
-        raise ArgumentError(f"workers = {workers}: allowed 1 to {MOST_WORKERS}")
+    tls = check_cluster(workers, scheduler, tls_ca, tls_cert, tls_key)
+    check_workers(workers)
     read = given_study(study)
     check_space(read)
     if read.entry is not None:
@@ -264,8 +266,8 @@ def trade(
     with Store(folder, read) as store:
         if store.damaged:
             notice(
-                f"{store.path}: {len(store.damaged)} damaged line(s) ignored ({store.damaged[0]}); "
-                "candidates that no other line has are computed again"
+                f"{store.path}: {counted(len(store.damaged), 'damaged line')} ignored "
+                f"({store.damaged[0]}); candidates that no other line has are computed again"
             )
         for suffix in (".nc", ".csv"):
             check_writable(folder / f"trade{suffix}")
@@ -286,20 +288,6 @@ def _folder(study: Study | str | Path) -> Path:
             "output: needed for a study that is not read from a file; name a folder"
         )
     return Path("trades") / Path(study).stem
-
-
-def _tls(
-    scheduler: str | None,
-    authority: str | Path | None,
-    certificate: str | Path | None,
-    key: str | Path | None,
-) -> Tls | None:
-    """Certificates, if any are given; then all must be."""
-    if not any((authority, certificate, key)):
-        return None
-    if authority is None or certificate is None or key is None or scheduler is None:
-        raise ArgumentError("tls_ca, tls_cert, tls_key: all three go together, beside scheduler")
-    return Tls(Path(authority), Path(certificate), Path(key))
 
 
 def _team(study: Study, workers: int | None, scheduler: str | None, tls: Tls | None) -> Workers:

@@ -33,13 +33,14 @@ from compass.cli.shared import emit_json, say
     among=["two-body", "j2", "numerical"],
     help="How they move; else as the design says.",
 )
+@real("--start-day", default=0.0, help="Day after the epoch to begin at.")
 @json_option
 def command(design: Path, output: Path, as_json: bool, **options: Any) -> None:
     """Write a DESIGN down for other programs.
 
     OEM: states in ICRF about Mars, TDB, one message a satellite. CZML: satellites, paths and
-    stations on the Mars ellipsoid. GeoJSON: sub-satellite points, footprints and gaps at the
-    epoch, and ground tracks. TOML: the design file itself, every pattern and unit made plain.
+    stations on the Mars ellipsoid. GeoJSON: ground tracks, and sub-satellite points, footprints
+    and gaps at the first moment. TOML: the design file itself, every pattern and unit made plain.
     """
     import compass
     from compass.saving import check_new_folder, check_writable

@@ -5,12 +5,13 @@ from typing import Any
 
 import click
 
-from compass.cli.options import json_option, path, real, whole
+from compass.cli.options import area_options, json_option, path, real, whole
 from compass.cli.shared import announce_compilation, command_line, print_result, say, watched
 
 
 @click.command()
 @click.argument("designs", type=click.Path(path_type=Path), nargs=-1, required=True)
+@area_options
 @path("-s", "--scenario", required=True, help="Scenario file of the lander.")
 @whole("--samples", default=1024, help="Entries to judge on.")
 @whole("--seed", default=0, help="Of sites, times and noise.")
@@ -40,8 +41,9 @@ def command(designs: tuple[Path, ...], folder: Path | None, as_json: bool, **opt
     """Judge constellations as beacons of a lander: anywhere, along any azimuth, at any time.
 
     The lander of the scenario is flown to parachute deployment (its trigger of that name, or the
-    end of the scenario) at sites over the whole globe, at moments over the repeat period. Ranked
-    by the 95th percentile of the Cramer-Rao bound of position there, blackout taken into account.
+    end of the scenario) at sites over the whole globe, or at those named, at moments over the
+    repeat period. Ranked by the 95th percentile of the Cramer-Rao bound of position there,
+    blackout taken into account.
     """
     announce_compilation()
     import compass

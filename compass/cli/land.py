@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from compass.cli.options import json_option, path
+from compass.cli.options import json_option, path, real
 from compass.cli.shared import announce_compilation, command_line, print_result, say, watched
 
 
@@ -13,6 +13,10 @@ from compass.cli.shared import announce_compilation, command_line, print_result,
 @path("-o", "--output", help="netCDF file to write.")
 @path("--figures", help="Folder to write the pictures (SVG, maps PNG) into.")
 @click.option("--runs", type=click.IntRange(1, 100_000), help="Monte Carlo runs, 1 to 100000.")
+@real(
+    "--start-day",
+    help="Day after the beacons' epoch at which entry begins; else the scenario's.",
+)
 @click.option("--strict", is_flag=True, help="Exit with 1 if a filter is inconsistent.")
 @json_option
 def command(
@@ -20,6 +24,7 @@ def command(
     output: Path | None,
     figures: Path | None,
     runs: int | None,
+    start_day: float | None,
     strict: bool,
     as_json: bool,
 ) -> None:
@@ -38,7 +43,13 @@ def command(
     if figures:
         check_folder(figures)
     found = compass.land(
-        scenario, runs=runs, strict=strict, command=command_line(), progress=watched(), notice=say
+        scenario,
+        runs=runs,
+        start_day=start_day,
+        strict=strict,
+        command=command_line(),
+        progress=watched(),
+        notice=say,
     )
     if output:
         found.write(output)

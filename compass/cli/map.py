@@ -9,6 +9,7 @@ from compass.cli.options import (
     area_options,
     certified_options,
     choice,
+    cluster_options,
     design_argument,
     fold_option,
     json_option,
@@ -25,6 +26,7 @@ from compass.cli.shared import (
     command_line,
     print_result,
     say_written,
+    silence_the_cluster,
     watched,
 )
 
@@ -66,6 +68,8 @@ from compass.cli.shared import (
     help="How a fix weighs its ranges.",
 )
 @certified_options
+@whole("--workers", help="Threads of this machine; by default one a core.")
+@cluster_options
 @click.option("--time-series", is_flag=True, help="Also write every epoch's counts and DOPs.")
 @json_option
 def command(
@@ -91,6 +95,8 @@ def command(
         raise ArgumentError("--time-series: needs a file to write to; add -o FILE.nc")
     check_drawn(picture, "name")
     check_outputs(output, picture, options["leaves"], inputs=[design])
+    if options["scheduler"] is not None:
+        silence_the_cluster()
     made = compass.map(read, **options, command=command_line(), progress=watched())
     if output:
         made.write(output, time_series=time_series, progress=watched())

@@ -87,3 +87,15 @@ def certified_options(command: Decorator) -> Decorator:
     ):
         command = option(command)
     return command
+
+
+def cluster_options(command: Decorator) -> Decorator:
+    """Add the options of whatever a Dask cluster can do."""
+    for option in (
+        path("--tls-key", help="Own key (PEM)."),
+        path("--tls-cert", help="Own certificate (PEM)."),
+        path("--tls-ca", help="Certificate of the cluster's authority (PEM)."),
+        click.option("--scheduler", help="Address of a Dask scheduler, such as tcp://host:8786."),
+    ):
+        command = option(command)
+    return command

@@ -36,7 +36,7 @@ from compass.cli.shared import (
 @choice(
     "--of",
     "drawn",
-    among=["count", "gdop", "pdop", "hdop", "vdop", "tdop"],
+    among=["count", "gdop", "pdop", "hdop", "vdop", "tdop", "age_h"],
     default="count",
     help="What the curve shows.",
 )

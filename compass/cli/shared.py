@@ -102,11 +102,13 @@ def announce_compilation() -> None:
 
     from compass.core import kernel_cache
 
+    wanted = watched()  # a thread that compiles knows no command
+
     class Announcer(event.Listener):
         said = False
 
         def on_start(self, event: object) -> None:
-            if not self.said:
+            if wanted and not self.said:
                 self.said = True
                 if kernel_cache.is_lasting():
                     say("first run: compiling kernels, up to a minute; later runs start at once")
@@ -119,3 +121,14 @@ def announce_compilation() -> None:
     announcer = Announcer()
     event.register("numba:compile", announcer)
     click.get_current_context().call_on_close(lambda: event.unregister("numba:compile", announcer))
+
+
+def silence_the_cluster() -> None:
+    """Keep the cluster's own messages from stderr: what matters is said here."""
+    import logging
+    from contextlib import suppress
+
+    with suppress(ImportError):  # as the cluster says
+        import distributed  # noqa: F401  # which sets its loggers' levels itself
+    for name in ("distributed", "distributed.client", "tornado.application"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)

@@ -5,8 +5,14 @@ from typing import Any
 
 import click
 
-from compass.cli.options import json_option, path, whole
-from compass.cli.shared import announce_compilation, print_result, say, watched
+from compass.cli.options import cluster_options, json_option, path, whole
+from compass.cli.shared import (
+    announce_compilation,
+    print_result,
+    say,
+    silence_the_cluster,
+    watched,
+)
 
 _FILE = click.Path(path_type=Path)
 
@@ -15,10 +21,7 @@ _FILE = click.Path(path_type=Path)
 @click.argument("study", type=_FILE)
 @path("-o", "--output", help="Folder of the store; by default trades/NAME-OF-THE-FILE.")
 @whole("--workers", help="Processes on this machine; by default one a core.")
-@click.option("--scheduler", help="Address of a Dask scheduler, such as tcp://host:8786.")
-@path("--tls-ca", help="Certificate of the cluster's authority (PEM).")
-@path("--tls-cert", help="Own certificate (PEM).")
-@path("--tls-key", help="Own key (PEM).")
+@cluster_options
 @json_option
 def command(study: Path, as_json: bool, **options: Any) -> None:
     """Judge every candidate of a STUDY: an exact screen first, then maps, then entries.
@@ -31,20 +34,9 @@ def command(study: Path, as_json: bool, **options: Any) -> None:
     import compass
 
     if options["scheduler"] is not None:
-        _silence_the_cluster()
+        silence_the_cluster()
     found = compass.trade(study, **options, progress=watched(), notice=say)
     if as_json:
         for words in found.notes():
             say(words)
     print_result(found, as_json)
-
-
-def _silence_the_cluster() -> None:
-    """Keep the cluster's own messages from stderr: what matters is said here."""
-    import logging
-    from contextlib import suppress
-
-    with suppress(ImportError):  # as the cluster says
-        import distributed  # noqa: F401  # which sets its loggers' levels itself
-    for name in ("distributed", "distributed.client", "tornado.application"):
-        logging.getLogger(name).setLevel(logging.CRITICAL)

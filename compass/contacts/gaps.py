@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.contacts.spans import Spans, outside, total
 from compass.core.ranking import nearest_rank
@@ -25,6 +26,9 @@ class GapStatistics:
         ``sum L^2 / T``, seconds.
     response
         Mean wait for coverage from a random moment on, ``sum L^2 / (2 T)``, seconds.
+    age
+        Mean time since coverage at a random moment, the age of data: each gap is looked back on
+        as it is waited in, so the same.
     """
 
     count: int
@@ -35,6 +39,11 @@ class GapStatistics:
     p95: float
     time_average: float
     response: float
+
+    @property
+    def age(self) -> float:
+        """Mean age of data."""
+        return self.response
 
 
 def gap_statistics(spans: Spans, duration: float) -> GapStatistics:
@@ -52,3 +61,10 @@ def gap_statistics(spans: Spans, duration: float) -> GapStatistics:
         time_average=squares,
         response=0.5 * squares,
     )
+
+
+def ages(spans: Spans, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Age of data at moments: seconds since the last of `spans`, 0 inside, nan before the first."""
+    last = np.searchsorted(spans[:, 0], times, side="right") - 1
+    ends = np.append(spans[:, 1], np.nan)[last]  # -1 is the last one
+    return np.asarray(np.where(np.isnan(ends), np.nan, np.maximum(times - ends, 0.0)))

@@ -11,6 +11,10 @@ azimuth by at most ``asin(sin delta / cos elevation)``. Elevation less delta, ov
 of the profile in that range of azimuths, is a lower bound of its clearance in all of the box, and
 the k-th highest of these bounds is one of the k-th highest clearance.
 
+Where antennas have a beam, clearance is the lesser of that and of how far the user is inside the
+beam. The angle at the satellite between him and the way down changes by at most ``delta`` and what
+the satellite's own direction turns by, ``asin((swift ht + rho hl) / |q|)``.
+
 `least_clearance` keeps the least that any centre showed and halves the boxes whose bound is below
 it; `clear_share` adds up the boxes in which the clearance is surely positive or surely negative.
 
@@ -50,7 +54,7 @@ def bounds(orbits, figure, turn, azimuths, elevations, k, box, near):
         swift; shape (n, 10).
     figure
         Equatorial radius (m), eccentricity squared, height (m), bound of the meridian's radius
-        of curvature (m).
+        of curvature (m), half angle of the satellites' beam (pi for all around).
     turn
         Of the user with the phase, rad per rad.
     azimuths, elevations
@@ -104,12 +108,29 @@ def bounds(orbits, figure, turn, azimuths, elevations, k, box, near):
             far = delta >= 0.5 * math.pi or math.sin(delta) >= flat
             around = math.pi if far else math.asin(math.sin(delta) / flat) + SLACK
             bottom, top = profile_range(azimuths, elevations, azimuth, around)
+        lowest = max(elevation - delta, -0.5 * math.pi) - top
         central = elevation - here
+        highest = min(elevation + delta, 0.5 * math.pi) - bottom
+        if figure[4] < math.pi:
+            room = figure[4] - _off_nadir(x, y, z, ca * dx - sa * dy, sa * dx + ca * dy, dz)
+            away = math.sqrt(x * x + y * y + z * z)
+            moves = strays - figure[3] * box[3]
+            turn_of_it = math.asin(moves / away) if moves < away else math.pi
+            lowest = min(lowest, room - delta - turn_of_it - SLACK)
+            central = min(central, room)
+            highest = min(highest, room + delta + turn_of_it + SLACK)
         seen += 1 if central >= -SLACK else 0
-        _keep(near[0], max(elevation - delta, -0.5 * math.pi) - top)
+        _keep(near[0], lowest)
         _keep(near[1], central)
-        _keep(near[2], min(elevation + delta, 0.5 * math.pi) - bottom)
+        _keep(near[2], highest)
     return near[0, k - 1], near[1, k - 1], near[2, k - 1], seen
+
+
+@kernel
+def _off_nadir(x, y, z, dx, dy, dz):
+    """Angle at a satellite between the way down and a user, who sees it along d, rad."""
+    cx, cy, cz = y * dz - z * dy, z * dx - x * dz, x * dy - y * dx
+    return math.atan2(math.sqrt(cx * cx + cy * cy + cz * cz), x * dx + y * dy + z * dz)
 
 
 @kernel

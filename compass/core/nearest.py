@@ -21,11 +21,21 @@ EQUAL = 1e-13
 SLACK = 1e-9
 
 
+#: Up to so many satellites looking at all of them is quicker than finding out who is near.
+FEW = 40
+
+#: Points of a coarse grid for each satellite.
+POINTS = 4
+
+
 @kernel
-def _nearer_than(u, p, sign, cosine, k, i, j, m):
-    """Whether fewer than `k` satellites but i, j and m are nearer to ``sign p`` than `cosine`."""
+def _nearer_than(u, among, p, sign, cosine, k, i, j, m):
+    """Whether fewer than `k` satellites but i, j and m are nearer to ``sign p`` than `cosine`.
+
+    Only those `among` others are looked at: all that can be nearer.
+    """
     count = 0
-    for s in range(u.shape[0]):
+    for s in among:
         if s in (i, j, m):
             continue
         if sign * (u[s, 0] * p[0] + u[s, 1] * p[1] + u[s, 2] * p[2]) > cosine + EQUAL:
@@ -36,13 +46,49 @@ def _nearer_than(u, p, sign, cosine, k, i, j, m):
 
 
 @kernel
-def covering_radius(u, k, least, most, p_best):
+def _coarse_bound(u, k):
+    """Radius that the k-th nearest distance does not exceed anywhere, from a coarse grid, radians.
+
+    Cells are at most h high and wide, so that no point is farther than ``h/sqrt(2)`` from the
+    centre of one, and distances differ by no more than that.
+    """
+    n = u.shape[0]
+    rows = int(math.sqrt(POINTS * n * math.pi / 4.0)) + 1
+    height = math.pi / rows
+    nearest = np.empty(k)
+    farthest = 1.0
+    for row in range(rows):
+        latitude = (row + 0.5) * height - 0.5 * math.pi
+        low = max(abs(latitude) - 0.5 * height, 0.0)
+        columns = max(1, int(math.ceil(2.0 * math.pi * math.cos(low) / height)))
+        z, across = math.sin(latitude), math.cos(latitude)
+        for column in range(columns):
+            longitude = 2.0 * math.pi * column / columns
+            x, y = across * math.cos(longitude), across * math.sin(longitude)
+            nearest[:] = -2.0  # cosines, the greatest first
+            for s in range(n):
+                cosine = u[s, 0] * x + u[s, 1] * y + u[s, 2] * z
+                if cosine > nearest[k - 1]:
+                    place = k - 1
+                    while place > 0 and nearest[place - 1] < cosine:
+                        nearest[place] = nearest[place - 1]
+                        place -= 1
+                    nearest[place] = cosine
+            farthest = min(farthest, nearest[k - 1])
+    return min(math.acos(max(farthest, -1.0)) + 0.7072 * height, math.pi)
+
+
+@kernel
+def covering_radius(satellites, k, least, most, p_best):
     """Greatest k-th nearest distance, radians: the smallest radius of caps that cover k-fold.
+
+    Three satellites that are equally far from a point, no farther than is possible, are no
+    farther from one another than twice that: of many satellites few triples are looked at.
 
     Parameters
     ----------
-    u
-        Unit vectors to the satellites, shape (n, 3).
+    satellites
+        Unit vectors to them, shape (n, 3).
     k
         Fold, at least 1.
     least
@@ -58,20 +104,42 @@ def covering_radius(u, k, least, most, p_best):
     radius
         Radians; `least` if it is not above that, infinity if there are fewer than `k` satellites.
     """
-    n = u.shape[0]
+    n = satellites.shape[0]
     if n < k:
         return math.inf
+    # from south to north, so that who is near is near in the list
+    u = satellites[np.argsort(satellites[:, 2])]
+    if n > FEW and most > 0.25 * math.pi:
+        most = min(most, _coarse_bound(u, k))
     best = math.cos(min(max(least, 0.0), math.pi))
     squared = best * abs(best) + EQUAL
     lowest = math.cos(min(most, math.pi)) - SLACK
     low_squared = lowest * abs(lowest)
+    reach = min(2.0 * most + 1e-4, math.pi)
+    near_cosine, near_height = math.cos(reach) - 1e-12, 2.0 * math.sin(0.5 * reach)
     found = False
     p = np.empty(3)
+    near = np.empty(n, np.int64)
+    first = 0
     for i in range(n):
-        if lowest <= -1.0 < best and _nearer_than(u, u[i], -1.0, -1.0, k, i, i, i):
+        while u[i, 2] - u[first, 2] > near_height:
+            first += 1
+        count, before = 0, 0  # who is near, and how many of them come before i
+        for s in range(first, n):
+            if u[s, 2] - u[i, 2] > near_height:
+                break
+            cosine = u[s, 0] * u[i, 0] + u[s, 1] * u[i, 1] + u[s, 2] * u[i, 2]
+            if cosine >= near_cosine or reach == math.pi:
+                near[count] = s
+                count += 1
+                if s <= i:
+                    before += 1
+        among = near[:count]
+        if lowest <= -1.0 < best and _nearer_than(u, among, u[i], -1.0, -1.0, k, i, i, i):
             best, squared, found = -1.0, EQUAL - 1.0, True
             p_best[:] = -u[i]
-        for j in range(i + 1, n):
+        for second in range(before, count):
+            j = near[second]
             ax, ay, az = u[j, 0] - u[i, 0], u[j, 1] - u[i, 1], u[j, 2] - u[i, 2]
             p[0], p[1], p[2] = u[j, 0] + u[i, 0], u[j, 1] + u[i, 1], u[j, 2] + u[i, 2]
             norm = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
@@ -80,10 +148,11 @@ def covering_radius(u, k, least, most, p_best):
             else:
                 p /= norm
             far = -0.5 * norm
-            if lowest <= far < best and _nearer_than(u, p, -1.0, far, k, i, j, j):
+            if lowest <= far < best and _nearer_than(u, among, p, -1.0, far, k, i, j, j):
                 best, squared, found = far, EQUAL - far * far, True
                 p_best[:] = -p
-            for m in range(j + 1, n):
+            for third in range(second + 1, count):
+                m = near[third]
                 bx, by, bz = u[m, 0] - u[i, 0], u[m, 1] - u[i, 1], u[m, 2] - u[i, 2]
                 x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
                 # compare cosines by their squares with signs: most triples end here
@@ -99,7 +168,7 @@ def covering_radius(u, k, least, most, p_best):
                 cosine = height / norm
                 for sign in (1.0, -1.0):
                     if lowest <= sign * cosine < best and _nearer_than(
-                        u, p, sign, sign * cosine, k, i, j, m
+                        u, among, p, sign, sign * cosine, k, i, j, m
                     ):
                         best, found = sign * cosine, True
                         squared = best * abs(best) + EQUAL

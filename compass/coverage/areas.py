@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from compass.coverage.certified_effort import Effort
-from compass.coverage.certified_ranges import delays, ranges_of
+from compass.coverage.certified_ranges import skies_of
 from compass.coverage.fold_verdict import Course, course_of, users_of
 from compass.coverage.geometry_verdict import asked_place
 from compass.coverage.requirement_verdict import verdict_of
@@ -134,7 +134,7 @@ def _figures(
     found = [_Part(design, users, course, effort) for users in everyone]
     availability = _hull([part.share("pdop", pdop_max) for part in found])
     gdop = {q: _hull([part.gdop(q) for part in found]) for q in PERCENTS}
-    names = ERRORS[:3] if design.signal is not None and found[0].in_metres else ()
+    names = ERRORS[:3] if design.signal is not None else ()
     errors = {name: _hull([part.share(name, error_max) for part in found]) for name in names}
     fold = verdict_of(design, wanted, **later)
     return AreaFigures(
@@ -151,18 +151,11 @@ class _Part:
     course: Course
     effort: Effort
 
-    @property
-    def in_metres(self) -> bool:
-        """Whether errors are certified along the design's motion."""
-        return self.design.motion.is_closed_form or ranges_of(self.design).is_isotropic
-
     def share(self, name: str, limit: float) -> Bounds:
         """Share with a dilution or an error of at most a limit, wherever the Sun stands."""
         skies: list[Any] = [None]
         if name in ERRORS:
-            skies = [ranges_of(self.design)]
-            if delays(self.design):
-                skies.append(ranges_of(self.design, "set"))
+            skies = list(skies_of(self.design, self.course.span, self.users.height))
         found = [
             self.effort.share(
                 self.design.constellation,

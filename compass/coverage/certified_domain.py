@@ -208,11 +208,17 @@ def _check(
         raise ArgumentError("constellation: no satellite; nothing to certify")
     if not 0 <= height < np.inf:
         raise ArgumentError(f"height = {height:g} m: must be 0 or more")
-    if c.periapsis_radius.min() <= figure.equatorial_radius + height:
+    least, most = float(c.periapsis_radius.min()), float(c.apoapsis_radius.max())
+    if least <= figure.equatorial_radius:
         raise ArgumentError(
-            f"constellation: an orbit comes down to {c.periapsis_radius.min() / 1e3:.6g} km, "
+            f"constellation: an orbit comes down to {least / 1e3:.6g} km, "
             f"inside the planet of {figure.equatorial_radius / 1e3:.6g} km"
-            + (f" with users {height / 1e3:.6g} km above it" if height else "")
+        )
+    if least <= figure.equatorial_radius + height and figure.polar_radius + height <= most:
+        raise ArgumentError(
+            f"altitude_km = {height / 1e3:.6g}: among the satellites, from {least / 1e3:.6g} to "
+            f"{most / 1e3:.6g} km from the centre of Mars, which come as near as one likes; ask "
+            "for users below or above them"
         )
     if not 0 <= since < np.inf:
         raise ArgumentError(f"since = {since:g} s: must be 0 or more")

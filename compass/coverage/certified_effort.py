@@ -10,13 +10,9 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.coverage.certified_percentile import CertifiedPercentile, certified_percentile
 from compass.coverage.certified_question import Asked
-from compass.coverage.certified_share import (
-    CertifiedPercentile,
-    CertifiedShare,
-    certified_percentile,
-    certified_share,
-)
+from compass.coverage.certified_share import CertifiedShare, certified_share
 from compass.coverage.certified_worst import (
     CertifiedAlways,
     CertifiedWorst,

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from compass.coverage.certified_effort import Effort
-from compass.coverage.certified_share import CertifiedPercentile, CertifiedShare
+from compass.coverage.certified_percentile import CertifiedPercentile
+from compass.coverage.certified_share import CertifiedShare
 from compass.coverage.certified_worst import CertifiedWorst
 from compass.design import PDOP_MAX
 from compass.frames import Figure

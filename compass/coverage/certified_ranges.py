@@ -70,6 +70,25 @@ class Ranges:
         alone = not self.covariance[:, :3, 3].any()
         return alone and bool(np.all(self.covariance[:, :3, :3] == radial))
 
+    def alike_all_around(self, lean: float) -> tuple["Ranges", "Ranges"]:
+        """Ranges whose errors have no direction, none of them less than these, and none more.
+
+        Who is seen at an angle of a sine up to `lean` from the way down has ranges along
+        ``x = (c, s t)``: c in ``[sqrt(1 - lean^2), 1]``, s in ``[0, lean]``, t any unit vector
+        along and across the track. The variance, ``(x, 1)' P (x, 1)``, is between sums of the
+        bounds of its terms; those in c alone are linear in c or c^2, and extreme at the ends.
+        """
+        least, most = np.zeros_like(self.covariance), np.zeros_like(self.covariance)
+        ends = np.array([np.sqrt(max(0.0, 1.0 - lean * lean)), 1.0])
+        for k, p in enumerate(self.covariance):
+            down = np.sort(2.0 * p[0, 3] * ends)
+            across = np.linalg.eigvalsh(p[1:3, 1:3])
+            tied = 2.0 * lean * (np.linalg.norm(p[0, 1:3]) + np.linalg.norm(p[1:3, 3]))
+            low = (p[0, 0] * ends**2 + across[0] * (1.0 - ends**2)).min() + down[0] - tied
+            high = (p[0, 0] * ends**2 + across[1] * (1.0 - ends**2)).max() + down[1] + tied
+            least[k, 3, 3], most[k, 3, 3] = max(0.0, low + p[3, 3]), high + p[3, 3]
+        return replace(self, covariance=most), replace(self, covariance=least)
+
     def without(self, lost: Sequence[int]) -> "Ranges":
         """Return the ranges that are left without satellites of these indices."""
         return replace(self, covariance=np.delete(self.covariance, list(lost), axis=0))
@@ -181,6 +200,37 @@ def ranges_of(design: Design, sun: Literal["overhead", "set"] = "overhead") -> R
     )
 
 
+def skies_of(design: Design, span: tuple[float, float] | None, height: float) -> tuple[Ranges, ...]:
+    """Ranges whose fixes are no better than a design's, and those whose are no worse.
+
+    With the Sun overhead of all users, and set for all. Along integrated or given paths errors
+    that have a direction stand between two that have none. One where both are the same.
+
+    Parameters
+    ----------
+    design
+        Has a signal.
+    span
+        Seconds after the epoch; along paths there must be one.
+    height
+        Of the highest users, m.
+
+    Raises
+    ------
+    ArgumentError
+        As `ranges_of` and `compass.orbits.motion.Motion.trajectory`.
+    """
+    worst = ranges_of(design)
+    best = ranges_of(design, "set") if _delays(design) else worst
+    if not (design.motion.is_closed_form or worst.is_isotropic):
+        assert span is not None
+        path = design.motion.trajectory(design.constellation, *span)
+        lean = (design.figure.equatorial_radius + height) / float(path.bounds(*span)[:, 0].min())
+        worst, _ = worst.alike_all_around(min(lean, 1.0))
+        _, best = best.alike_all_around(min(lean, 1.0))
+    return (worst,) if worst is best else (worst, best)
+
+
 def ranges_wanted(
     design: Design, requirement: Requirement, sun: Literal["overhead", "set"] = "overhead"
 ) -> Ranges | None:
@@ -194,7 +244,7 @@ def sigma_allowed(requirement: Requirement, limit: float) -> float:
     return limit if requirement.error_as == "one-sigma" else limit / FACTOR_95
 
 
-def delays(design: Design) -> bool:
+def _delays(design: Design) -> bool:
     """Whether the ionosphere adds to ranges, so that it matters where the Sun stands."""
     return bool(shared_numbers(design)[error.DELAY2] > 0.0)
 

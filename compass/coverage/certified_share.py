@@ -1,6 +1,6 @@
-"""Shares and percentiles of dilution of precision between bounds that are proven."""
+"""Shares of area and time with a good dilution of precision, between bounds that are proven."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from time import monotonic
@@ -17,11 +17,15 @@ from compass.orbits import Constellation
 #: Boxes that one piece of work starts from: fixed, so that sums do not depend on who works.
 PIECE = 2048
 
+#: Part of the whole that a box may keep open in the first round of splitting; four times less in
+#: each that follows.
+FIRST = 1e-3
+
+#: How near bounds come at most to tell a share from one it is compared with.
+NEAREST = 1e-6
+
 #: What sums may be off by: a floor, and for every box.
 FLOOR, PER_BOX = 1e-10, 4e-16
-
-#: Percentiles beyond this count as infinite.
-GREATEST = 1e5
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +75,7 @@ def certified_share(
     budget_boxes: float = np.inf,
     workers: int = 1,
     start: CertifiedShare | None = None,
+    against: Sequence[float] = (),
     progress: Callable[[float], None] = lambda open_share: None,
     **asked: Unpack[Asked],
 ) -> CertifiedShare:
@@ -94,6 +99,8 @@ def certified_share(
         Threads; the numbers do not depend on them.
     start
         A result of the same question to go on from.
+    against
+        Shares it is compared with: bounds come nearer than `width` until none is between them.
     progress
         Called with the share that is still open.
     **asked
@@ -107,7 +114,8 @@ def certified_share(
     """
     question = Question(constellation, **asked)
     question.check(limit)
-    return _Search(question, workers).share(
+    search, began = Search(question, workers), monotonic()
+    found = search.share(
         limit,
         width,
         budget_s=budget_s,
@@ -115,108 +123,22 @@ def certified_share(
         start=start,
         progress=progress,
     )
+    left = budget_boxes - found.boxes + (start.boxes if start else 0)
+    for level in against:
+        if found.low < level <= found.high and not found.stopped:
+            found = search.share(
+                limit,
+                NEAREST,
+                budget_s=budget_s - (monotonic() - began),
+                budget_boxes=left,
+                level=level,
+                start=found,
+                progress=progress,
+            )
+    return found
 
 
-@dataclass(frozen=True)
-class CertifiedPercentile:
-    """A value that a share of area and time does not exceed, between proven bounds.
-
-    `open` is the share at the limit tried last where that could not be told from the percentage:
-    with the bounds, where it can go on from.
-    """
-
-    low: float
-    high: float
-    percent: float
-    scope: str
-    stopped: str = ""
-    open: CertifiedShare | None = None
-
-    @property
-    def value(self) -> float:
-        """Middle of the bounds."""
-        return 0.5 * (self.low + self.high)
-
-
-def certified_percentile(
-    constellation: Constellation,
-    percent: float,
-    *,
-    precision: float = 1e-3,
-    budget_s: float = np.inf,
-    budget_boxes: float = np.inf,
-    workers: int = 1,
-    start: CertifiedPercentile | None = None,
-    **asked: Unpack[Asked],
-) -> CertifiedPercentile:
-    """Bracket the dilution of precision that `percent` of area and time do not exceed.
-
-    Bisection on the limit: each share is refined no further than it takes to tell which side of
-    `percent` it lies on. Infinite where limits up to 1e5 are not enough.
-
-    Parameters
-    ----------
-    percent
-        Above 0 and below 100.
-    precision
-        Stop at bounds that are so near, relative to the value.
-    start
-        A result of the same question to go on from.
-    constellation, budget_s, budget_boxes, workers, asked
-        As in `certified_share`, ``dop`` by default ``gdop``.
-
-    Raises
-    ------
-    ArgumentError
-        As in `certified_share`, or a percentage that is not between 0 and 100.
-    """
-    if not 0 < percent < 100:
-        raise ArgumentError(f"percent = {percent:g}: allowed above 0 and below 100")
-    if not precision > 0:
-        raise ArgumentError(f"precision = {precision:g}: must be positive")
-    asked.setdefault("dop", "gdop")
-    question = Question(constellation, **asked)
-    search = _Search(question, workers)
-    if question.satellites < 4:
-        return CertifiedPercentile(np.inf, np.inf, percent, search.scope)
-    end, level = monotonic() + budget_s, percent / 100
-    low, high, stopped = 0.0, np.inf, ""
-    still: CertifiedShare | None = None
-    if start is not None:
-        low, high, still = start.low, start.high, start.open
-    while low < GREATEST and not (high < np.inf and high - low <= precision * high):
-        tried = _between(low, high)
-        found = search.share(
-            tried,
-            1e-6,
-            budget_s=end - monotonic(),
-            budget_boxes=budget_boxes,
-            level=level,
-            start=still,
-        )
-        budget_boxes -= found.boxes - (still.boxes if still else 0)
-        still = None
-        if found.low >= level:
-            high = tried
-        elif found.high < level:
-            low = tried
-        else:
-            still, stopped = found, found.stopped or "nearer than shares can tell"
-            break
-        if found.stopped == "interrupted":
-            stopped = found.stopped
-            break
-    return CertifiedPercentile(low, high, percent, search.scope, stopped, still)
-
-
-def _between(low: float, high: float) -> float:
-    """The limit to try next, of which all depends on the bounds known so far."""
-    if high == np.inf:
-        return 4.0 if low == 0.0 else min(4.0 * low, GREATEST)
-    return 0.25 * high if low == 0.0 else float((low * high) ** 0.5)
-
-
-class _Search:
+class Search:
     """One question, at any limit."""
 
     def __init__(self, question: Question, workers: int) -> None:
@@ -248,8 +170,8 @@ class _Search:
             leaves = self.question.boxes()
         end, stopped, most = monotonic() + budget_s, "", boxes + budget_boxes
         total = settled.sum() + leaves[:, 6:].sum()
-        coarse = max(1e-5, 0.1 * width)
-        eps = 4.0 * min(coarse * total, float(leaves[:, 9].max(initial=0.0)))
+        coarse = max(FIRST, 0.1 * width) * total
+        eps = 4.0 * min(coarse, float(leaves[:, 9].max(initial=0.0)))
         while not stopped:
             found = self._result(leaves, settled, boxes, stopped)
             progress(found.width)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from time import monotonic
-from typing import Any, Unpack
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 from compass.core.certified.worst import LEAF, pursue
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_question import DOPS, Asked, Question
-from compass.coverage.certified_ranges import Ranges
+from compass.coverage.certified_witness import WorstWitness, dilution_at
 from compass.errors import ArgumentError
-from compass.frames import mcmf_from_mci, planetocentric_latitude, prime_meridian_angle
+from compass.frames import planetocentric_latitude
 from compass.orbits import Constellation
-from compass.orbits.motion import Motion
 from compass.sites import Site
 from compass.words import counted
 
@@ -30,39 +29,6 @@ RATIOS = (4.0, 2.0, 1.25, 1.05)
 #: Boxes that one piece of work starts from, and may look at: at first and at most, twice as many
 #: in each turn. Fixed, so that nothing depends on who works.
 PIECE, FEW, MANY = 1024, 8192, 262_144
-
-
-@dataclass(frozen=True)
-class WorstWitness:
-    """A place and moment with a dilution of precision, evaluated there by itself.
-
-    Attributes
-    ----------
-    time
-        Seconds after the epoch.
-    latitude, longitude
-        Planetocentric and east, Mars-fixed, radians.
-    value
-        The dilution; inf with fewer than four in view.
-    satellites
-        Names of those in view.
-    """
-
-    time: float
-    latitude: float
-    longitude: float
-    value: float
-    satellites: tuple[str, ...]
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain values with degrees."""
-        return {
-            "time_s": self.time,
-            "latitude_deg": float(np.degrees(self.latitude)),
-            "longitude_deg": float(np.degrees(self.longitude)),
-            "value": self.value,
-            "satellites": list(self.satellites),
-        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -343,43 +309,3 @@ class _Pursuit:
         value, seen = dilution_at(q.constellation, site, time, moved, name, q.ranges)
         value = float(np.hypot(value, np.sqrt(q.shared)))
         return WorstWitness(float(time), latitude, east, value, seen)
-
-
-def dilution_at(
-    constellation: Constellation,
-    site: Site,
-    time: float,
-    motion: Motion,
-    dop: str,
-    ranges: Ranges | None = None,
-) -> tuple[float, tuple[str, ...]]:
-    """A dilution at a site and moment by inverting the normal matrix, and who is in view.
-
-    With ranges of rows over their sigmas: an error in metres, without what all satellites share.
-    """
-    angle = prime_meridian_angle(constellation.epoch, time)
-    r = mcmf_from_mci(motion.states(constellation, [time])[0][:, 0], angle)
-    seen = site.sees(r)
-    names = tuple(np.array(constellation.satellite_names)[seen].tolist())
-    sights = r[seen] - site.r_mcmf
-    units = sights / np.linalg.norm(sights, axis=1, keepdims=True)
-    rows = np.column_stack([units, np.ones(len(units))])
-    if len(rows) < 4:
-        return np.inf, names
-    if ranges is not None:
-        rows = rows / ranges.sigmas(constellation, site, time, motion)[:, np.newaxis]
-    _, singular, turns = np.linalg.svd(rows)
-    if singular[-1] < 1e-12 * singular[0]:
-        return np.inf, names
-    up = np.append(site.enu_mcmf[2], 0.0)
-    spread = turns / singular[:, np.newaxis]  # inverse of the normal matrix is spread' spread
-    position = float((spread[:, :3] ** 2).sum())
-    clock, vertical = float((spread[:, 3] ** 2).sum()), float(((spread @ up) ** 2).sum())
-    squares = {
-        "gdop": position + clock,
-        "pdop": position,
-        "hdop": position - vertical,
-        "vdop": vertical,
-        "tdop": clock,
-    }
-    return float(np.sqrt(squares[dop])), names

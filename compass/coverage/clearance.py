@@ -23,7 +23,7 @@ TOLERANCE, FINEST = 1e-4, 1e-7
 
 #: Boxes to look at, some seconds for fifteen satellites; and for a margin alone, once it is clear
 #: on which side of zero it lies.
-MOST_BOXES, MARGIN_BOXES = 4_000_000, 400_000
+MOST_BOXES, MARGIN_BOXES = 4_000_000, 200_000
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def least_clearance(
     Raises
     ------
     ArgumentError
-        A fold below 1, users above the satellites or who look through Mars, orbits of different
+        A fold below 1, satellites inside Mars, users who look through it, orbits of different
         periods without a span, a span of too many revolutions.
     """
     check_users(constellation, users, fold)

@@ -20,19 +20,18 @@ MOST_REVOLUTIONS = 5000.0
 
 
 def check_users(c: Constellation, users: Users, fold: int) -> None:
-    """Refuse a fold below 1, users above the satellites, and those who look through Mars."""
+    """Refuse a fold below 1, satellites that come down to Mars, and users who look through it."""
     whole_number("fold", fold, 1)
     surface = users.figure.equatorial_radius
-    if c.size and c.periapsis_radius.min() <= surface + users.height:
-        lowest = (c.periapsis_radius.min() - surface) / 1e3
+    if c.size and c.periapsis_radius.min() <= surface:
         raise ArgumentError(
-            f"altitude_km = {users.height / 1e3:g}: satellites come down to {lowest:.6g} km, and "
-            "who is above one sees it in a ring, not in a cap; ask for users below all of them"
+            f"constellation: an orbit comes down to {c.periapsis_radius.min() / 1e3:.6g} km, "
+            f"inside Mars of {surface / 1e3:.6g} km"
         )
     dip = float(np.arccos(min(1.0, surface / (users.figure.polar_radius + users.height))))
-    if users.mask.lowest + users.below < -dip - 1e-12:
+    if users.mask.lowest < -dip - 1e-12:
         raise ArgumentError(
-            f"mask_deg = {np.degrees(users.mask.lowest + users.below):g}: below the limb of Mars, "
+            f"mask_deg = {np.degrees(users.mask.lowest):g}: below the limb of Mars, "
             f"{-np.degrees(dip):.4g} deg as seen from {users.height / 1e3:g} km; ask for more"
         )
 
@@ -69,15 +68,15 @@ def lay_out(c: Constellation, users: Users, span: tuple[float, float] | None) ->
     pace = float(c.mean_motion.mean())
     flattening = 1.0 - (users.figure.polar_radius / users.figure.equatorial_radius) ** 2
     bend = users.figure.equatorial_radius / np.sqrt(1.0 - flattening) + users.height
-    figure = np.array([users.figure.equatorial_radius, flattening, users.height, bend])
-    horizon = np.array([users.mask.azimuth, np.array(users.mask.elevation) + users.below])
+    beam = np.pi if users.beam is None else users.beam
+    figure = np.array([users.figure.equatorial_radius, flattening, users.height, bend, beam])
+    horizon = np.array([users.mask.azimuth, users.mask.elevation])
     if users.alike_all_around:
         horizon = np.ascontiguousarray(horizon[:, :1])
     if span is None:
         turn, angle, start, missed = 0.0, 0.0, 0.0, 0.0
         domain, missed = _torus(c, users)
-        shortest = c.periapsis_radius.min() - users.figure.equatorial_radius - users.height
-        missed *= float(c.apoapsis_radius.max() / shortest)
+        missed = missed and missed * _lever(c, users)
     else:
         start, missed, turn = span[0], 0.0, MARS_ROTATION_RATE.value / pace
         angle = float(prime_meridian_angle(c.epoch, start))
@@ -94,6 +93,16 @@ def lay_out(c: Constellation, users: Users, span: tuple[float, float] | None) ->
         domain = np.array([[users.south, users.north], [west, east], phases])
     orbits = _orbits(c, pace, turn, angle, start)
     return Laid(orbits, figure, turn, horizon, users.region, domain, missed, pace, start)
+
+
+def _lever(c: Constellation, users: Users) -> float:
+    """By how much more than a satellite about Mars's centre its sights turn, at most."""
+    a, b = users.figure.equatorial_radius + users.height, users.figure.polar_radius + users.height
+    shortest = max(c.periapsis_radius.min() - a, b - c.apoapsis_radius.max())
+    if shortest <= 0.0:  # users among the satellites, which may come as near as one likes
+        return np.inf
+    turn = float(c.apoapsis_radius.max() / shortest)
+    return turn if users.beam is None else turn + 1.0
 
 
 def _orbits(

@@ -8,6 +8,7 @@ import numpy as np
 
 from compass.coverage.certificate import Certificate, Outcome, fold_range, prove_fold
 from compass.coverage.margin import (
+    TOLERANCE,
     CoveringRadius,
     Loss,
     after_losses,
@@ -140,7 +141,7 @@ def continuous_coverage(
     begin(STEPS[2], turns)
     worst = None
     if globe and stretch == 1.0:
-        worst = covering_radius(c, fold, span=span, progress=watch)
+        worst = covering_radius(c, fold, span=span, tolerance=0.5 * TOLERANCE, progress=watch)
     shares = (
         mean_fold_shares(c, sphere_radius=sphere, mask=high, span=span) if globe and alike else None
     )
@@ -183,6 +184,7 @@ def continuous_coverage(
         region=region,
         span=span,
         stretch=stretch,
+        radius=None if worst is None else worst.radius,
         progress=watch,
     )
     return ContinuousCoverage(

@@ -62,6 +62,7 @@ def drift_of(
     sphere_radius: float,
     mask: float = 0.0,
     region: Region = GLOBE,
+    stretch: float = 1.0,
     step_days: float | None = None,
     lasting: Lasting | None = None,
     progress: Callable[[Sequence[Any]], Any] = iter,
@@ -74,8 +75,9 @@ def drift_of(
         The nominal one, whose elements are the slots.
     path
         What its satellites do.
-    fold, sphere_radius, mask, region
-        As in `prove_span`.
+    fold, sphere_radius, mask, region, stretch
+        As in `prove_span`. Margin and room are of the sphere, also where the claim is settled on
+        an ellipsoid.
     days, start_day
         Span.
     step_days
@@ -93,7 +95,7 @@ def drift_of(
     start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY
     place: dict[str, Any] = {"sphere_radius": sphere_radius, "mask": mask, "region": region}
     if lasting is None:
-        lasting = prove_span(path, fold, **place, start=start, stop=stop)
+        lasting = prove_span(path, fold, **place, stretch=stretch, start=start, stop=stop)
     step = step_days or max(1.0, float(np.ceil(days / MOMENTS)))
     times = np.append(np.arange(start, stop - 1.0, step * SECONDS_PER_DAY), stop)
     first = min(start + SECONDS_PER_DAY, stop)

@@ -1,6 +1,7 @@
 """Error maps: how well a user anywhere is told where and when it is, in metres."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,7 +10,8 @@ from numpy.typing import NDArray
 from compass.core.error import SAMPLES, Ranges, empty_error_histograms, error_map_row
 from compass.core.ranking import histogram_quantile
 from compass.coverage.grid import Grid
-from compass.coverage.maps import CELL_PERCENTILES, by_blocks, nearest_ranks
+from compass.coverage.maps import CELL_PERCENTILES, nearest_ranks
+from compass.coverage.rows import Part, Rows, by_threads, gathered
 from compass.coverage.view import View
 from compass.errors import ArgumentError
 from compass.signal.ranges import RangeErrors
@@ -35,6 +37,7 @@ def error_map(
     limit: float = 30.0,
     workers: int | None = None,
     progress: Callable[[int], None] = lambda rows: None,
+    by: Rows | None = None,
 ) -> "xr.Dataset":
     """Errors of fixes in each cell over time, and over the whole sphere; one sigma, metres.
 
@@ -50,7 +53,7 @@ def error_map(
         Errors of the ranges at the same epochs.
     limit
         An error counts as within if it is at most this, metres.
-    workers, progress
+    workers, progress, by
         As of `compass.coverage.maps.coverage_map`.
 
     Returns
@@ -69,40 +72,47 @@ def error_map(
     """
     if not limit > 0:
         raise ArgumentError(f"error_max_m = {limit:g}: must be positive")
-    shape, epochs = (grid.rows, grid.columns), view.times.size
+    do = by or by_threads(workers, progress)
+    work = partial(error_rows, view, grid, ranges, limit)
+    total = empty_error_histograms()
+
+    def add(histograms: NDArray[np.float64]) -> None:
+        total[:] += histograms
+
+    cells = gathered(do("errors", work, grid), grid, add)
+    weight = grid.cell_share * grid.columns
+    return _dataset(cells["percentiles"], cells["share"], total, weight / weight.sum(), limit)
+
+
+def error_rows(
+    view: View, grid: Grid, ranges: RangeErrors, limit: float, rows: Sequence[int]
+) -> Part:
+    """Errors of some rows over time, and their histograms."""
+    shape, epochs = (len(rows), grid.columns), view.times.size
     share = np.empty((len(ERRORS), *shape), np.float32)
     percentiles = np.empty((len(ERRORS), len(CELL_PERCENTILES), *shape), np.float32)
     users, cell_share = view.rows(grid), grid.cell_share
     worth = Ranges(ranges.forms, ranges.sun, ranges.lit, ranges.numbers)
-    ranks = nearest_ranks(epochs)
-
-    def one_block(rows: Iterable[int]) -> NDArray[np.float64]:
-        histograms = empty_error_histograms()
-        errors = np.empty((len(ERRORS), grid.columns, epochs), np.float32)
-        good = np.empty((len(ERRORS), grid.columns))
-        for i in rows:
-            error_map_row(
-                view.r,
-                view.cos_cap,
-                users[i],
-                worth,
-                limit,
-                cell_share[i] / epochs,
-                i,
-                good,
-                errors,
-                histograms,
-            )
-            share[:, i] = good
-            errors.sort(axis=-1)
-            percentiles[:, :, i] = np.moveaxis(errors[..., ranks], -1, 1)
-        return histograms
-
-    total = empty_error_histograms()
-    for histograms in by_blocks(grid, one_block, workers, progress):
-        total += histograms
-    weight = cell_share * grid.columns
-    return _dataset(percentiles, share, total, weight / weight.sum(), limit)
+    ranks, histograms = nearest_ranks(epochs), empty_error_histograms()
+    errors = np.empty((len(ERRORS), grid.columns, epochs), np.float32)
+    good = np.empty((len(ERRORS), grid.columns))
+    for k, i in enumerate(rows):
+        error_map_row(
+            view.r,
+            view.cos_cap,
+            users[i],
+            worth,
+            limit,
+            cell_share[i] / epochs,
+            i,
+            good,
+            errors,
+            histograms,
+        )
+        share[:, k] = good
+        errors.sort(axis=-1)
+        percentiles[:, :, k] = np.moveaxis(errors[..., ranks], -1, 1)
+    return Part({"percentiles": percentiles, "share": share}, (histograms,))
 
 
 def _dataset(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from compass.bodies import MARS_ROTATION_RATE
+from compass.cores import shared
 from compass.coverage.clearance import (
     Clearance,
     Share,
@@ -24,6 +25,7 @@ from compass.frames import SECONDS_PER_DAY, prime_meridian_angle
 from compass.orbits import Constellation
 from compass.orbits.symmetry import one_circle, one_period
 from compass.sites import Mask
+from compass.words import counted
 
 #: Boxes for each share, and for that of a miss, which is told for what it is worth.
 SHARE_BOXES, MISSED_BOXES = 4_000_000, 300_000
@@ -66,8 +68,8 @@ def course_of(design: Design, days: float | None, start_day: float) -> Course | 
     if c.repeat is not None and not j2:
         revolutions, rotations = c.repeat
         words = (
-            f"for ever, {motion}, at the place: tracks declared closed after {revolutions} "
-            f"revolution(s) in {rotations} rotation(s) of Mars"
+            f"for ever, {motion}, at the place: tracks declared closed after "
+            f"{counted(revolutions, 'revolution')} in {counted(rotations, 'rotation')} of Mars"
         )
         return Course((0.0, rotations * 2 * np.pi / MARS_ROTATION_RATE.value), True, words)
     alike = one_circle(c) and np.unique(c.inclination).size <= 1
@@ -79,18 +81,13 @@ def course_of(design: Design, days: float | None, start_day: float) -> Course | 
 
 def users_of(design: Design, requirement: Requirement) -> tuple[Users, ...]:
     """Users of a requirement, over the higher of its mask and their own horizons."""
-    mask, below = design.mask, 0.0
-    if requirement.mask is not None:
-        below = min(requirement.mask, 0.0)
-        mask = Mask.constant(max(requirement.mask, 0.0))
+    mask = design.mask if requirement.mask is None else Mask.constant(requirement.mask)
     places = [site_users(site, site.mask.or_higher(mask)) for site in requirement.sites]
     for text in requirement.areas:
         for region in read_regions(text):
-            users = region_users(
-                region, design.figure, mask, below=below, height=requirement.altitude
-            )
+            users = region_users(region, design.figure, mask, height=requirement.altitude)
             places.append(replace(users, name=text))
-    return tuple(places)
+    return tuple(replace(users, beam=requirement.beam) for users in places)
 
 
 def fold_verdict(
@@ -202,11 +199,14 @@ def _always(
 ) -> Verdict:
     """Verdict on a fold wanted always: the tightest of all users, after all losses."""
     assert requirement.fold is not None
-    found = [
-        (_ask(left, each, requirement.fold, course), each, lost, alike, left)
+    fold = requirement.fold
+    cases = [
+        (each, lost, alike, left)
         for lost, alike, left in losses_of(c, requirement, users, course)
         for each in users
     ]
+    asked = shared(lambda case: _ask(case[3], case[0], fold, course), cases)
+    found = [(clearance, *case) for clearance, case in zip(asked, cases, strict=True)]
     low = min(clearance.low for clearance, *_ in found)
     tightest, whose, lost, alike, left = min(found, key=lambda one: one[0].high)
     met = True if low >= 0.0 else False if tightest.high < 0.0 else None
@@ -231,7 +231,7 @@ def _always(
         return replace(verdict, reason=reason)
     if met:
         return verdict
-    share = _missed_share(left, whose, tightest, requirement.fold, course)
+    share = _missed_share(left, whose, tightest, fold, course)
     alone = len(found) == 1 and whose.longitude is not None
     return replace(verdict, share=share if share is None or alone else (0.0, share[1]))
 

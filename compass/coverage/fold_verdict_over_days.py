@@ -49,8 +49,13 @@ def fold_verdict_over_days(
 
 def not_followed(design: Design, requirement: Requirement) -> str:
     """Why a requirement's satellites in view cannot be settled along paths; empty if they can."""
+    if requirement.beam is not None:
+        return "beams of antennas are not looked at along real paths; leave out beam_deg"
     if requirement.fold is None:
         return ""
+    lowest = design.constellation.periapsis_radius.min(initial=np.inf)
+    if requirement.areas and lowest <= design.figure.equatorial_radius + requirement.altitude:
+        return "users above satellites are not looked at along real paths"
     if requirement.share < 1.0:
         return (
             "shares of satellites in view along real paths are not bracketed; ask for a dilution "

@@ -1,9 +1,9 @@
 """Gaps of coverage over a span of time, cell by cell: how long, how many, how long the wait."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, field
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from compass.core.runs import Row
 from compass.cores import cores
 from compass.coverage.cap import cap_radius
 from compass.coverage.grid import Grid
+from compass.coverage.rows import Part, Rows, gathered
 from compass.coverage.view import View, view
 from compass.errors import whole_number
 from compass.orbits import Constellation
@@ -81,29 +82,14 @@ def next_prime(number: int) -> int:
     return number
 
 
-def coverage_gaps(
-    constellation: Constellation,
-    grid: Grid,
-    *,
-    sphere_radius: float,
-    span: float,
-    ring: bool,
-    fold: int = 4,
-    mask: Mask | None = None,
-    model: AnyMotion = "two-body",
-    epochs: int | None = None,
-    start: float = 0.0,
-    workers: int | None = None,
-    progress: Callable[[int], None] = lambda rows: None,
-) -> Gaps:
-    """Find how long fewer than `fold` satellites are in view, in every cell.
+@dataclass(frozen=True)
+class GapTrack:
+    """What gaps are followed along: satellites over a span of time.
 
-    Parameters
+    Attributes
     ----------
     constellation, sphere_radius, mask, model
         As in `compass.coverage.view.view`.
-    grid
-        Cells.
     span, start
         Seconds to look at, from so many after the epoch.
     ring
@@ -113,33 +99,96 @@ def coverage_gaps(
         Satellites wanted.
     epochs
         Equally spaced ones to look at; by default `gap_epochs`.
-    workers
-        Threads; the numbers do not depend on it.
-    progress
-        Called with the number of rows just finished, all of them once for every piece of time.
 
     Raises
     ------
     ArgumentError
-        `fold` below 1, a satellite that is not above the sphere.
+        `fold` below 1.
     """
-    whole_number("fold", fold, 1)
-    mask = mask or Mask()
-    number = epochs or gap_epochs(constellation, sphere_radius, mask, span)
-    step = span / number
-    states = [new_state(grid.columns) for _ in range(grid.rows)]
-    piece = max(1, PIECE // max(constellation.size, 1))
+
+    constellation: Constellation
+    sphere_radius: float
+    span: float
+    ring: bool
+    fold: int = 4
+    mask: Mask = field(default_factory=Mask)
+    model: AnyMotion = "two-body"
+    epochs: int | None = None
+    start: float = 0.0
+
+    def __post_init__(self) -> None:
+        whole_number("fold", self.fold, 1)
+
+    @cached_property
+    def number(self) -> int:
+        """How many epochs are looked at."""
+        known = self.constellation, self.sphere_radius, self.mask, self.span
+        return self.epochs or gap_epochs(*known)
+
+    @property
+    def step(self) -> float:
+        """Seconds between them."""
+        return self.span / self.number
+
+
+def coverage_gaps(
+    track: GapTrack,
+    grid: Grid,
+    *,
+    workers: int | None = None,
+    progress: Callable[[int], None] = lambda rows: None,
+    by: Rows | None = None,
+) -> Gaps:
+    """Find how long fewer satellites than wanted are in view, in every cell.
+
+    Parameters
+    ----------
+    track
+        What to follow.
+    grid
+        Cells.
+    workers
+        Threads; the numbers do not depend on it.
+    progress
+        Called with the number of rows just finished, all of them once for every piece of time.
+    by
+        Who does the rows, if not threads of this machine.
+
+    Raises
+    ------
+    ArgumentError
+        A satellite that is not above the sphere.
+    """
+    if by is None:
+        cells = gap_rows(track, grid, range(grid.rows), workers, progress).cells
+    else:
+        cells = gathered(by("gaps", partial(gap_rows, track, grid), grid), grid)
+    return Gaps(cells["longest"], cells["mean"], cells["response"], track.step, track.ring)
+
+
+def gap_rows(
+    track: GapTrack,
+    grid: Grid,
+    rows: Sequence[int],
+    workers: int | None = 1,
+    progress: Callable[[int], None] = lambda rows: None,
+) -> Part:
+    """Longest and mean gap and mean wait in some rows, seconds: positions once for all of them."""
+    states = [new_state(grid.columns) for _ in rows]
+    piece = max(1, PIECE // max(track.constellation.size, 1))
     with ThreadPoolExecutor(cores(workers)) as pool:
-        for first in range(0, number, piece):
-            times = start + np.arange(first, min(first + piece, number)) * step
-            seen = view(constellation, times, sphere_radius, mask, model)
-            for _ in pool.map(partial(_follow, seen, fold), seen.rows(grid), states):
+        for first in range(0, track.number, piece):
+            epochs = np.arange(first, min(first + piece, track.number))
+            times = track.start + epochs * track.step
+            seen = view(track.constellation, times, track.sphere_radius, track.mask, track.model)
+            users = seen.rows(grid)
+            for _ in pool.map(partial(_follow, seen, track.fold), (users[i] for i in rows), states):
                 progress(1)
-    gaps = np.empty((3, grid.rows, grid.columns))
-    for i, state in enumerate(states):
-        finish_gaps(state, number, ring, gaps[:, i])
-    longest, mean, response = (gaps * step).astype(np.float32)
-    return Gaps(longest, mean, response, step, ring)
+    gaps = np.empty((3, len(states), grid.columns))
+    for k, state in enumerate(states):
+        finish_gaps(state, track.number, track.ring, gaps[:, k])
+    found = (gaps * track.step).astype(np.float32)
+    return Part(dict(zip(("longest", "mean", "response"), found, strict=True)))
 
 
 def _follow(seen: View, fold: int, row: Row, state: NDArray[np.float64]) -> None:

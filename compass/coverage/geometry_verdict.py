@@ -1,8 +1,8 @@
 """Whether a dilution of precision, or an error, is small enough, always or for long enough.
 
-Errors are asked about with the Sun overhead of all users, when the ionosphere delays most, and set
-for all, when it delays none: what is kept by the first is kept, what is broken by the second is
-broken, wherever the Sun stands.
+Errors are asked about of ranges that are no better than they ever are, as with the Sun overhead of
+all users, when the ionosphere delays most, and of those that are no worse, as with the Sun set:
+what is kept by the first is kept, what is broken by the second is broken.
 """
 
 from collections.abc import Sequence
@@ -15,21 +15,24 @@ from compass.coverage.certified_places import Circle, Spot
 from compass.coverage.certified_ranges import (
     ERROR_DOPS,
     Ranges,
-    delays,
-    ranges_of,
     sigma_allowed,
+    skies_of,
 )
 from compass.coverage.certified_share import CertifiedShare
 from compass.coverage.certified_worst import CertifiedAlways
+from compass.coverage.certified_worst_place import certified_worst_place
 from compass.coverage.fold_verdict import Course, course_of, losses_of, users_of
 from compass.coverage.region import latitude_band
-from compass.coverage.users import Users, centric
+from compass.coverage.users import Users, by_horizon, centric, geodetic
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
 from compass.orbits import Constellation
 
 #: Boxes for each share, and how near its bounds are to come where the requirement leaves it open.
 SHARE_BOXES, WIDTH = 600_000, 1e-4
+
+
+Span = tuple[float, float] | None
 
 
 @dataclass(frozen=True)
@@ -45,8 +48,8 @@ class _Asked:
     factor
         What values found are multiplied by to mean what the requirement does.
     skies
-        Ranges that errors are of: with the Sun overhead and, where that matters, with the Sun set;
-        of a dilution None.
+        Ranges that errors are of, no better than they are and, where that differs, no worse; of a
+        dilution None.
     """
 
     name: str
@@ -70,6 +73,28 @@ class _Asked:
         ]
         return found[0] if len(found) == 1 else replace(found[0], high=found[1].high)
 
+    def worst_place(
+        self,
+        effort: Effort,
+        left: Constellation,
+        lost: Sequence[int],
+        where: dict[str, Any],
+        level: float,
+    ) -> tuple[CertifiedShare, float]:
+        """Share of time with the figure small enough where that is least, and the latitude.
+
+        Bounds of each sky, until they tell whether it is a share of `level` or more.
+        """
+        found = [
+            certified_worst_place(
+                left, self.limit, level, effort=effort, **self._asked(sky, lost), **where
+            )
+            for sky in self.skies
+        ]
+        if len(found) == 1:
+            return found[0]
+        return replace(found[0][0], high=found[1][0].high), found[0][1]
+
     def always(
         self, effort: Effort, left: Constellation, lost: Sequence[int], where: dict[str, Any]
     ) -> CertifiedAlways:
@@ -77,7 +102,7 @@ class _Asked:
         claim = effort.always(left, self.limit, **self._asked(self.skies[0], lost), **where)
         if len(self.skies) > 1 and claim.outcome == Outcome.REFUTED:
             claim = effort.always(left, self.limit, **self._asked(self.skies[1], lost), **where)
-            if claim.outcome == Outcome.PROVEN:  # with the Sun set alone
+            if claim.outcome == Outcome.PROVEN:  # of the better ranges alone
                 return replace(claim, outcome=Outcome.UNDECIDED)
         return claim
 
@@ -85,15 +110,14 @@ class _Asked:
         return {"dop": self.name, "ranges": None if sky is None else sky.without(lost)}
 
 
-def _question(design: Design, requirement: Requirement, name: str, limit: float) -> _Asked:
+def _question(
+    design: Design, requirement: Requirement, name: str, limit: float, span: Span, height: float
+) -> _Asked:
     title = requirement.titled(name)
     if name not in ERROR_DOPS:
         return _Asked(name, limit, title, 1.0, (None,))
-    skies = [ranges_of(design), ranges_of(design, "set")]
     allowed = sigma_allowed(requirement, limit)
-    return _Asked(
-        name, allowed, title, limit / allowed, tuple(skies if delays(design) else skies[:1])
-    )
+    return _Asked(name, allowed, title, limit / allowed, skies_of(design, span, height))
 
 
 def geometry_verdict(
@@ -124,35 +148,40 @@ def geometry_verdict(
         As `certified_share`; an error of a design without a signal.
     """
     effort, c = effort or Effort(), design.constellation
-    asked = _question(design, requirement, name, limit)
     course = course_of(design, days, start_day)
     if course is None:
-        reason = f"{asked.title} is certified for ever for orbits of one period alone; give days"
+        title = requirement.titled(name)
+        reason = f"{title} is certified for ever for orbits of one period alone; give days"
         return undecided(requirement, f"under {design.motion.title}", reason)
-    sky = asked.skies[0]
-    if sky is not None and not (design.motion.is_closed_form or sky.is_isotropic):
-        reason = (
-            f"{asked.title} is certified along integrated paths only where orbits are as well "
-            "known in all directions; compass map samples it"
-        )
-        return undecided(requirement, course.words, reason)
     found: list[tuple[CertifiedShare, Users, tuple[str, ...], int]] = []
     claims: list[tuple[CertifiedAlways, tuple[str, ...], int]] = []
     everyone = users_of(design, requirement)
+    height = max(users.height for users in everyone)
+    asked = _question(design, requirement, name, limit, course.span, height)
+    sky = asked.skies[0]
     same = sky is None or sky.keeps_symmetry
     for lost, alike, left in losses_of(c, requirement, everyone, course, alike=same):
         gone = [c.satellite_names.index(satellite) for satellite in lost]
         for users in everyone:
-            where = _place(users, requirement, course)
-            if where is None:
+            seen = by_horizon(users, c)
+            where = None if seen is None else asked_place(seen, course)
+            by_place = requirement.share < 1.0 and requirement.share_of == "time"
+            if seen is not None and by_place and users.south != users.north:
+                where = _worst_asked(seen, course)
+            if seen is None or where is None or (sky is not None and seen.mask.lowest < 0.0):
                 reason = f"{asked.title} of these users is not certified yet"
                 return undecided(requirement, course.words, reason)
             where |= {
                 "figure": users.figure,
-                "mask": users.mask,
+                "mask": seen.mask,
                 "budget_boxes": SHARE_BOXES,
                 "motion": design.motion,
             }
+            if "south" in where:
+                share, latitude = asked.worst_place(effort, left, gone, where, requirement.share)
+                there = geodetic(latitude, users.figure)
+                found.append((share, replace(users, south=there, north=there), lost, alike))
+                continue
             if requirement.share == 1.0:
                 claim = asked.always(effort, left, gone, where)
                 claims.append((claim, lost, alike))
@@ -184,18 +213,18 @@ def _always(
     return None
 
 
-def _place(users: Users, requirement: Requirement, course: Course) -> dict[str, Any] | None:
-    """As `asked_place`; None also where a share at the worst place of a region is wanted."""
-    worst_place = requirement.share_of == "time" and requirement.share < 1.0
-    if worst_place and users.south != users.north:
-        return None
-    return asked_place(users, course)
+def _worst_asked(users: Users, course: Course) -> dict[str, Any]:
+    """Among which places the worst is looked for, as `certified_worst_place` asks."""
+    south, north = (centric(b, users.figure) for b in (users.south, users.north))
+    asked: dict[str, Any] = {"height": users.height, "south": south, "north": north}
+    if course.span is not None:
+        start, stop = course.span
+        asked |= {"since": start, "duration": stop - start, "region": users.region}
+    return asked
 
 
 def asked_place(users: Users, course: Course) -> dict[str, Any] | None:
     """Where and when users are looked at, as certified figures ask; None where they cannot yet."""
-    if users.below < 0.0:
-        return None
     south, north = (centric(b, users.figure) for b in (users.south, users.north))
     asked: dict[str, Any] = {"height": users.height}
     # what holds for ever at all longitudes needs no span

@@ -90,22 +90,25 @@ def highest_mask(
     span: Span | None = None,
     stretch: float = 1.0,
     tolerance: float = TOLERANCE,
+    radius: float | None = None,
     progress: Callable[[Sequence[Any]], Any] = iter,
 ) -> float | None:
     """Highest elevation mask with continuous `fold`-fold coverage, radians; it may be negative.
 
     Circular orbits of one radius and the whole of a sphere: from `covering_radius`. Otherwise by
     halving a range of masks, each half settled by `prove_fold`. The mask is on the safe side,
-    by at most `tolerance`; None if no mask will do.
+    by at most `tolerance`; None if no mask will do. A `radius` that `covering_radius` has found
+    to half of that is not found again.
     """
     span = span or shortest_span(constellation, region)
     if constellation.size < fold:
         return None
     low, high = -np.pi / 2 + 1e-9, np.pi / 2 - 1e-9
     if region.is_globe and one_circle(constellation):
-        radius = covering_radius(
-            constellation, fold, span=span, tolerance=0.5 * tolerance, progress=progress
-        ).radius
+        if radius is None:
+            radius = covering_radius(
+                constellation, fold, span=span, tolerance=0.5 * tolerance, progress=progress
+            ).radius
         mask = float(mask_for_cap(radius, constellation.semi_major_axis[0], sphere_radius))
         if stretch == 1.0:
             return mask

@@ -202,6 +202,8 @@ def _slots(design: Design, requirement: Requirement) -> list[tuple[Claim, Slots]
     """Slots that cover each place of a requirement; None where one has none or is no sphere."""
     fold, found = in_view(requirement), []
     assert fold is not None
+    if requirement.beam is not None:
+        return None
     for claim in claims_of(design, requirement):
         slots = None
         if claim.stretch == 1.0:  # room is known on spheres only

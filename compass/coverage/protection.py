@@ -1,6 +1,7 @@
 """Protection maps: how far a fix may be off unnoticed, anywhere, should a satellite fail."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +12,8 @@ from compass.core.integrity import FACTOR, RISK, Promise, empty_level_histograms
 from compass.core.ranking import histogram_quantile
 from compass.coverage.errors import PERCENTILES
 from compass.coverage.grid import Grid
-from compass.coverage.maps import CELL_PERCENTILES, by_blocks, nearest_ranks
+from compass.coverage.maps import CELL_PERCENTILES, nearest_ranks
+from compass.coverage.rows import Part, Rows, by_threads, gathered
 from compass.coverage.view import View
 from compass.errors import ArgumentError
 from compass.integrity import Integrity
@@ -54,6 +56,7 @@ def protection_map(
     *,
     workers: int | None = None,
     progress: Callable[[int], None] = lambda rows: None,
+    by: Rows | None = None,
 ) -> "xr.Dataset":
     """Protection levels in each cell over time, and over the whole sphere, metres.
 
@@ -63,7 +66,7 @@ def protection_map(
 
     Parameters
     ----------
-    view, grid, ranges, workers, progress
+    view, grid, ranges, workers, progress, by
         As of `compass.coverage.errors.error_map`.
     integrity
         What is promised.
@@ -87,44 +90,16 @@ def protection_map(
         raise ArgumentError(
             f"integrity: {count} satellites; a fault is noticed with five in view or more"
         )
-    epochs, shape = view.times.size, (grid.rows, grid.columns)
-    percentiles = np.empty((2, len(CELL_PERCENTILES), *shape), np.float32)
-    shares = np.empty((2, *shape), np.float32)
-    users, cell_share = view.rows(grid), grid.cell_share
-    worth = Ranges(ranges.forms, ranges.sun, ranges.lit, ranges.numbers)
-    ranks = nearest_ranks(epochs)
-    promise = Promise(
-        promise_numbers(integrity, count),
-        np.array([integrity.unmonitored(n) for n in range(count + 1)]) / integrity.hazard,
-        np.array([integrity.alert_horizontal, integrity.alert_vertical]),
-    )
-
-    def one_block(rows: Iterable[int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        histograms, total = empty_level_histograms(), np.zeros(len(SHARES))
-        levels = np.empty((2, grid.columns, epochs), np.float32)
-        within = np.empty((2, grid.columns))
-        for i in rows:
-            protection_row(
-                view.r,
-                view.cos_cap,
-                users[i],
-                worth,
-                promise,
-                cell_share[i] / epochs,
-                levels,
-                within,
-                histograms,
-                total,
-            )
-            shares[:, i] = within
-            levels.sort(axis=-1)
-            percentiles[:, :, i] = np.moveaxis(levels[..., ranks], -1, 1)
-        return histograms, total
-
+    do = by or by_threads(workers, progress)
+    work = partial(protection_rows, view, grid, ranges, integrity)
     histograms, total = empty_level_histograms(), np.zeros(len(SHARES))
-    for histogram, part in by_blocks(grid, one_block, workers, progress):
-        histograms += histogram
-        total += part
+
+    def add(levels: NDArray[np.float64], shares: NDArray[np.float64]) -> None:
+        histograms[:] += levels
+        total[:] += shares
+
+    cells = gathered(do("protection", work, grid), grid, add)
+    percentiles, shares = cells["percentiles"], cells["shares"]
     by_cell = ("lat", "lon")
     data: dict[str, tuple] = {
         name: (
@@ -164,3 +139,42 @@ def protection_map(
         "protected": ("protected", list(SHARES)),
     }
     return xr.Dataset(data, coords)
+
+
+def protection_rows(
+    view: View, grid: Grid, ranges: RangeErrors, integrity: Integrity, rows: Sequence[int]
+) -> Part:
+    """Protection levels of some rows over time, with their histograms and shares."""
+    epochs, count = view.r.shape[:2]
+    shape = (len(rows), grid.columns)
+    percentiles = np.empty((2, len(CELL_PERCENTILES), *shape), np.float32)
+    shares = np.empty((2, *shape), np.float32)
+    users, cell_share = view.rows(grid), grid.cell_share
+    worth = Ranges(ranges.forms, ranges.sun, ranges.lit, ranges.numbers)
+    ranks = nearest_ranks(epochs)
+    promise = Promise(
+        promise_numbers(integrity, count),
+        np.array([integrity.unmonitored(n) for n in range(count + 1)]) / integrity.hazard,
+        np.array([integrity.alert_horizontal, integrity.alert_vertical]),
+    )
+
+    histograms, total = empty_level_histograms(), np.zeros(len(SHARES))
+    levels = np.empty((2, grid.columns, epochs), np.float32)
+    within = np.empty((2, grid.columns))
+    for k, i in enumerate(rows):
+        protection_row(
+            view.r,
+            view.cos_cap,
+            users[i],
+            worth,
+            promise,
+            cell_share[i] / epochs,
+            levels,
+            within,
+            histograms,
+            total,
+        )
+        shares[:, k] = within
+        levels.sort(axis=-1)
+        percentiles[:, :, k] = np.moveaxis(levels[..., ranks], -1, 1)
+    return Part({"percentiles": percentiles, "shares": shares}, (histograms, total))

@@ -7,13 +7,20 @@ from numpy.typing import NDArray
 
 from compass.orbits import Constellation
 
+#: Satellites that make one stretch more of a span, up to so many stretches.
+CROWD, MOST_OF_A_CROWD = 50, 32
+
 
 def revolutions(
     constellation: Constellation, start: float, stop: float
 ) -> list[tuple[float, float]]:
-    """Equal stretches of a span, s, none above a revolution of the fastest satellite."""
+    """Equal stretches of a span, s, none above a revolution of the fastest satellite.
+
+    Of many satellites, each of which costs time, there are more.
+    """
     fastest = float(constellation.mean_motion.max(initial=0.0))
-    number = max(1, int(np.ceil(fastest * (stop - start) / (2.0 * np.pi))))
+    turns = int(np.ceil(fastest * (stop - start) / (2.0 * np.pi)))
+    number = max(1, turns, min(constellation.size // CROWD, MOST_OF_A_CROWD))
     edges = np.linspace(start, stop, number + 1).tolist()
     return list(pairwise(edges))
 

@@ -33,6 +33,7 @@ from compass.orbits.symmetry import (
     shifts,
     widest_gap,
 )
+from compass.words import counted
 
 #: Sets of lost satellites that are looked at one by one.
 MOST_SUBSETS = 20_000
@@ -112,8 +113,8 @@ def _stretch(c: Constellation, duration: float | None) -> Span:
             0.0,
             track.duration,
             False,
-            f"over {track.sidereal_days} rotation(s) of Mars, after which the ground tracks "
-            f"repeat to {np.degrees(track.closure):.3g} deg",
+            f"over {counted(track.sidereal_days, 'rotation')} of Mars, after which the ground "
+            f"tracks repeat to {np.degrees(track.closure):.3g} deg",
         )
     most = MOST_REVOLUTIONS * 2 * np.pi / float(c.mean_motion.max())
     if duration > most:

@@ -2,8 +2,12 @@
 
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from compass.coverage.region import GLOBE, Region
 from compass.frames import Figure, planetocentric_latitude, planetographic_latitude
+from compass.orbits import Constellation
+from compass.orbits.symmetry import one_circle
 from compass.sites import Mask, Site
 
 
@@ -20,15 +24,15 @@ class Users:
     figure
         The figure over which they stand.
     mask
-        Their horizon by azimuth.
-    below
-        Added to the horizon, radians: negative for users who look down.
+        Their horizon by azimuth; below 0 for users who look down.
     height
         Above the figure along its normal, metres.
     longitude
         Of a site, radians east; None elsewhere.
     region
         To which part of the belt they belong, where that turns with Mars.
+    beam
+        Half angle of the satellites' antennas about the way down, radians; None all around.
     """
 
     name: str
@@ -36,10 +40,10 @@ class Users:
     north: float
     figure: Figure
     mask: Mask = field(default_factory=Mask)
-    below: float = 0.0
     height: float = 0.0
     longitude: float | None = None
     region: Region = GLOBE
+    beam: float | None = None
 
     @property
     def is_belt(self) -> bool:
@@ -70,9 +74,7 @@ def site_users(site: Site, mask: Mask | None = None) -> Users:
     )
 
 
-def region_users(
-    region: Region, figure: Figure, mask: Mask, *, below: float = 0.0, height: float = 0.0
-) -> Users:
+def region_users(region: Region, figure: Figure, mask: Mask, *, height: float = 0.0) -> Users:
     """Users in a region, at a height above the ground."""
     south, north = (geodetic(b, figure) for b in region.latitudes())
     return Users(
@@ -81,10 +83,28 @@ def region_users(
         north=north,
         figure=figure,
         mask=mask,
-        below=below,
         height=height,
         region=region if region.mars_fixed else GLOBE,
     )
+
+
+def by_horizon(users: Users, constellation: Constellation) -> Users | None:
+    """Users over the horizon that stands for the antennas' beam; None where none does.
+
+    Under circles of one radius r, on a sphere, a user at radius u stands at the edge of a beam at
+    the elevation ``acos(r sin(beam) / u)``, and above that inside it if his horizon is level.
+    """
+    if users.beam is None:
+        return users
+    level = users.figure.is_sphere and users.mask.lowest >= 0.0
+    if not (level and one_circle(constellation)):
+        return None
+    reach = float(constellation.semi_major_axis[0]) * np.sin(users.beam)
+    edge = reach / (users.figure.equatorial_radius + users.height)
+    if users.beam >= 0.5 * np.pi or edge >= 1.0:
+        return replace(users, beam=None)
+    narrowed = users.mask.or_higher(Mask.constant(float(np.arccos(edge))))
+    return replace(users, beam=None, mask=narrowed)
 
 
 def geodetic(latitude: float, figure: Figure) -> float:

@@ -234,13 +234,20 @@ def arranged(
 
 
 def facts(title: str, values: Iterable[Value]) -> Table:
-    """Table of single values: what, how much, unit, and how well it is known if any says so."""
+    """Table of single values: what, how much, unit, and how well it is known if any says so.
+
+    What is known alike of all is said once, behind the title.
+    """
     kept = list(values)
-    known = any(value.evidence for value in kept)
+    said = [str(value.evidence or "") for value in kept]
+    alike = len(kept) > 1 and len(set(said)) == 1
+    known = any(said) and not alike
+    if alike and said[0]:
+        title = f"{title} ({said[0]})"
     header = ("", "value", "unit") + (("evidence",) if known else ())
     rows = (
-        (v.title, v, v.quantity.shown_unit) + ((str(v.evidence or ""),) if known else ())
-        for v in kept
+        (v.title, v, v.quantity.shown_unit) + ((evidence,) if known else ())
+        for v, evidence in zip(kept, said, strict=True)
     )
     return Table(title, header, tuple(rows))
 

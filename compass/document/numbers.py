@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import ceil, floor, isfinite, isnan, log10
+from math import ceil, floor, inf, isfinite, isnan, log10
 
 from compass.document.evidence import Bracket, Evidence, Proven, Sampled
 from compass.quantities import Quantity
@@ -32,7 +32,7 @@ class Value:
         """The value in the quantity's digits, with bounds or an error, without the unit."""
         q, evidence = self.quantity, self.evidence
         if isinstance(evidence, Bracket) and evidence.low != evidence.high:
-            return f"{outward(evidence.low, q, floor)} to {outward(evidence.high, q, ceil)}"
+            return _between(evidence, q)
         if isinstance(evidence, Proven) and isinstance(self.value, float) and q.better:
             # never better than what was proven
             return outward(self.value, q, floor if q.better == "more" else ceil)
@@ -56,13 +56,31 @@ def in_words(value: float | int | str | bool | None, quantity: Quantity) -> str:
     return significant(100.0 * value if quantity.form == "share" else value, quantity.digits)
 
 
-def outward(bound: float, quantity: Quantity, away: Callable[[float], int]) -> str:
-    """One proven bound, rounded to its own side (floor or ceil), so that it still holds."""
+def _between(bounds: Bracket, quantity: Quantity) -> str:
+    """Two proven bounds, to no finer digits than a hundredth of what lies between them."""
+    scale = 100.0 if quantity.form == "share" else 1.0
+    width = scale * (bounds.high - bounds.low)
+    most = 2 - floor(log10(width)) if 0.0 < width < inf else None
+    low, high = (
+        outward(end, quantity, away, most)
+        for end, away in ((bounds.low, floor), (bounds.high, ceil))
+    )
+    return f"{low} to {high}"
+
+
+def outward(
+    bound: float, quantity: Quantity, away: Callable[[float], int], decimals: int | None = None
+) -> str:
+    """One proven bound, rounded to its own side (floor or ceil), so that it still holds.
+
+    It has at most so many `decimals`, fewer than the quantity's digits where those say nothing.
+    """
     scale = 100.0 if quantity.form == "share" else 1.0
     value = scale * bound
     if quantity.form == "count" or not isfinite(value) or abs(value) < SMALL:
         return in_words(bound, quantity)
-    place = 10.0 ** max(0, quantity.digits - 1 - floor(log10(abs(value))))
+    behind = max(0, quantity.digits - 1 - floor(log10(abs(value))))
+    place = 10.0 ** (behind if decimals is None else min(behind, max(0, decimals)))
     nearest = round(value * place) / place
     # what is written in full already needs no step further
     kept = nearest == value or abs(nearest - value) < 1e-15 * abs(value)

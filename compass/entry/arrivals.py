@@ -31,6 +31,10 @@ class Arrivals:
     azimuth: Array
     phase: Array
 
+    def part(self, chosen: slice) -> "Arrivals":
+        """Return some of them."""
+        return Arrivals(*(values[chosen] for values in vars(self).values()))
+
 
 def draw_arrivals(count: int, seed: int) -> Arrivals:
     """Spread arrivals evenly over the sphere's area, all azimuths and a period.

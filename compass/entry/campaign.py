@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.core.entry.dop853 import watched
 from compass.core.entry.many import fly_many
-from compass.entry.arrivals import Arrivals
+from compass.entry.arrivals import Arrivals, draw_arrivals
 from compass.entry.covariance import LONGEST_STEP
+from compass.entry.ground import Ground
 from compass.entry.guidance import Dispersion
 from compass.entry.model import EntryModel
 from compass.entry.radio import (
@@ -57,7 +58,11 @@ class Campaign:
     deployment
         What ends an entry, in words.
     again
-        Flies the same lander from other arrivals.
+        Flies the same lander from other arrivals, or to other goals.
+    ground
+        Where the entries come down; None anywhere.
+    goals
+        Where each is to come down; None anywhere.
     """
 
     model: EntryModel
@@ -71,6 +76,8 @@ class Campaign:
     arrival_probability: Array
     deployment: str
     again: Callable[[Arrivals], "Campaign"] = field(repr=False)
+    ground: Ground | None = None
+    goals: Arrivals | None = None
 
     def __post_init__(self) -> None:
         for part in (*vars(self).values(), *vars(self.arrivals).values()):
@@ -93,7 +100,8 @@ class Campaign:
         part = slice(0, count)
         return replace(
             self,
-            arrivals=Arrivals(*(values[part] for values in vars(self.arrivals).values())),
+            arrivals=self.arrivals.part(part),
+            goals=None if self.goals is None else self.goals.part(part),
             paths=self.paths[part],
             gains=self.gains[part],
             stops=self.stops[part],
@@ -101,6 +109,21 @@ class Campaign:
             worlds=self.worlds[part],
             arrival_probability=self.arrival_probability[part],
         )
+
+    @property
+    def asked(self) -> Arrivals:
+        """What was asked for: goals, or without these arrivals."""
+        return self.arrivals if self.goals is None else self.goals
+
+    def at(self, phase: Array) -> "Campaign":
+        """Return the same flights at other moments."""
+        goals = None if self.goals is None else replace(self.goals, phase=phase)
+        return replace(self, arrivals=replace(self.arrivals, phase=phase), goals=goals)
+
+    def drawn(self, seed: int) -> "Campaign":
+        """Fly as many entries of another seed."""
+        draw = draw_arrivals if self.ground is None else self.ground.draw
+        return self.again(draw(self.size, seed))
 
     @property
     def paths_to_stops(self) -> Array:

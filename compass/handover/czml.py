@@ -35,7 +35,7 @@ def czml(design: Design, times: NDArray[np.float64], motion: AnyMotion = "two-bo
     design
         What to export.
     times
-        Seconds after the epoch, increasing, from 0, shape (t,).
+        Seconds after the epoch, increasing, shape (t,).
     motion
         As in `orbits.states_mci`.
 
@@ -46,6 +46,7 @@ def czml(design: Design, times: NDArray[np.float64], motion: AnyMotion = "two-bo
     c = design.constellation
     start, stop = (f"{text}Z" for text in iso(utc(c.epoch, times[[0, -1]])))
     samples = np.round(positions_mcmf(c, times, motion), 3)
+    since = np.round(times - times[0], 6)
     periods = orbital_period(c.semi_major_axis, c.gm)
     per_plane = 1 if c.pattern is None else c.pattern.per_plane
     position = {
@@ -62,7 +63,7 @@ def czml(design: Design, times: NDArray[np.float64], motion: AnyMotion = "two-bo
             "clock": {
                 "interval": f"{start}/{stop}",
                 "currentTime": start,
-                "multiplier": max(1.0, float(np.round(times[-1] / 60))),  # all of it in a minute
+                "multiplier": max(1.0, float(np.round(since[-1] / 60))),  # all of it in a minute
                 "range": "LOOP_STOP",
                 "step": "SYSTEM_CLOCK_MULTIPLIER",
             },
@@ -77,13 +78,13 @@ def czml(design: Design, times: NDArray[np.float64], motion: AnyMotion = "two-bo
                 "name": name,
                 "availability": f"{start}/{stop}",
                 "position": position
-                | {"cartesian": np.column_stack([times, samples[k]]).ravel().tolist()},
+                | {"cartesian": np.column_stack([since, samples[k]]).ravel().tolist()},
                 "point": {"pixelSize": 8} | colour,
                 "label": _label(name),
                 "path": {
                     "leadTime": float(periods[k] / 2),
                     "trailTime": float(periods[k] / 2),
-                    "resolution": float(np.diff(times).max()),
+                    "resolution": float(np.diff(since).max()),
                     "width": 1.5,
                     "material": {"solidColor": colour},
                 },

@@ -9,7 +9,7 @@ from compass.design import Design, Launching, Radio, Requirement, Upkeep
 from compass.handover.decimals import decimal, number
 from compass.inputs.toml_values import toml_text, toml_value
 from compass.orbits.forces import ForceModel
-from compass.orbits.gravity import built_in_field
+from compass.orbits.gravity import MERIDIANS, GravityField, built_in_field
 
 KM, MHZ, SOL = 1e3, 1e6, SOLAR_DAY.value
 YEAR = 365.25 * 86400.0
@@ -42,10 +42,11 @@ def _not_kept(design: Design) -> Iterator[str]:
             "the trajectories of its ephemeris are not in the file, which has the ellipses that "
             "touch them at the epoch; export them as oem and name those files"
         )
-    if motion.forces is not None and not _is_built_in(motion.forces):
+    forces = motion.forces
+    if forces is not None and not (forces.field.file or _is_built_in(forces)):
         yield (
-            f"the gravity field {motion.forces.field.name} is not in the file; name its file under "
-            "motion.gravity_file"
+            f"the gravity field {forces.field.name} is not in the file; write it as one and "
+            "name that under motion.gravity_file"
         )
     named = {site.name: site for site in design.stations}
     for wanted in design.requirements:
@@ -65,13 +66,25 @@ def _motion(design: Design) -> list[str]:
     if motion.forces is not None:
         f = motion.forces
         lines += [
-            f"gravity_degree = {min(f.field.degree, built_in_field().degree)}",
+            *_gravity(f.field),
             f"sun = {toml_value(f.sun)}",
             f"moons = {toml_value(f.moons)}",
             f"radiation_m2_kg = {number(f.radiation)}",
             f"shadow = {toml_text(f.shadow)}",
         ]
     return lines
+
+
+def _gravity(field: GravityField) -> list[str]:
+    """Lines of the file that a field was read from, or of the built-in one instead."""
+    if not field.file:
+        return [f"gravity_degree = {min(field.degree, built_in_field().degree)}"]
+    (frame,) = (name for name, angle in MERIDIANS.items() if angle == field.meridian)
+    return [
+        f"gravity_file = {toml_text(field.file)}",
+        f"gravity_frame = {toml_text(frame)}",
+        f"gravity_degree = {field.degree}",
+    ]
 
 
 def _keeping(design: Design) -> list[str]:
@@ -169,6 +182,8 @@ def _requirement(wanted: Requirement) -> list[str]:
         f"share_of = {toml_text(wanted.share_of)}",
         f"altitude_km = {_kilometres(wanted.altitude)}",
         f"losses = {wanted.losses}",
+        *([] if wanted.beam is None else [f"beam_deg = {_degrees(wanted.beam)}"]),
+        *([f"error_as = {toml_text(wanted.error_as)}"] if wanted.error_as != "one-sigma" else []),
     ]
 
 

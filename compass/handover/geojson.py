@@ -1,4 +1,4 @@
-"""GeoJSON on Mars: satellites, footprints and gaps at the epoch, and ground tracks."""
+"""GeoJSON on Mars: satellites, footprints and gaps at a moment, and ground tracks."""
 
 import json
 from typing import TYPE_CHECKING, Any

@@ -32,9 +32,12 @@ _LEAPS = np.array(
 
 
 def sample_times(
-    constellation: Constellation, duration_h: float | None = None, step_s: float | None = None
+    constellation: Constellation,
+    duration_h: float | None = None,
+    step_s: float | None = None,
+    start: float = 0.0,
 ) -> NDArray[np.float64]:
-    """Seconds after the epoch from 0 to the duration, both included, whole microseconds.
+    """Seconds after the epoch from `start` for the duration, both included, whole microseconds.
 
     Parameters
     ----------
@@ -46,6 +49,8 @@ def sample_times(
         Seconds between samples (the last step may be shorter); by default `STEPS_A_TURN`
         samples in the time of a turn at the fastest satellite's rate at periapsis,
         ``n sqrt(1 + e) / (1 - e)^(3/2)``, whole seconds.
+    start
+        Seconds after the epoch of the first one.
 
     Raises
     ------
@@ -76,6 +81,7 @@ def sample_times(
         times = np.append(times, end)
     else:
         times[-1] = end
+    times = np.round(start + times, 6)
     if tdb(constellation.epoch, times[-1:])[0] > _LAST:
         raise ArgumentError(
             f"duration_h = {duration / 3600:g}: ends after the year 9999, which dates of four "

@@ -9,6 +9,7 @@ from compass.inputs.models import MotionTable
 from compass.orbits.motion import Motion
 
 if TYPE_CHECKING:
+    from compass.orbits.gravity import GravityField
     from compass.orbits.trajectory import Trajectory
 
 #: Degree of the field where none is given: beyond it a satellite at 20,000 km moves by less than
@@ -38,7 +39,8 @@ def motion_of_table(
         field = built_in_field()
         if table.gravity_file is not None:
             field = read_field(folder / table.gravity_file, table.gravity_frame)
-            degree = min(degree, field.degree) if table.gravity_degree is None else degree
+        if degree > field.degree:
+            raise DesignError(_too_low(table.gravity_degree, field))
         forces = ForceModel(
             field.truncated(degree),
             table.sun,
@@ -51,6 +53,15 @@ def motion_of_table(
     except DesignError as error:
         raise DesignError(f"{label}: {error}") from error
     return Motion("numerical", forces)
+
+
+def _too_low(asked: int | None, field: "GravityField") -> str:
+    """Refuse a field that ends below the degree that is asked for, or taken if none is."""
+    wanted = f" = {asked}" if asked else f": {DEGREE} if left out"
+    return (
+        f"motion.gravity_degree{wanted}: allowed 2 to {field.degree}, the degree of {field.name}; "
+        "write one of these, or give a fuller gravity_file"
+    )
 
 
 def motion_faults(raw: dict[str, Any]) -> list[str]:

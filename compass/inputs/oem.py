@@ -15,6 +15,7 @@ from compass.errors import DesignError
 from compass.frames import SECONDS_PER_DAY, mci_from_icrf
 from compass.orbits.tables import from_tables
 from compass.orbits.trajectory import Trajectory
+from compass.words import counted
 
 #: Frames that are read, all but turned alike: EME2000 is 0.02 arc seconds from the ICRF.
 FRAMES = ("ICRF", "EME2000", "GCRF")
@@ -103,7 +104,7 @@ def read_ephemerides(patterns: list[str], folder: Path, epoch: float | None) -> 
         [message.degree for message in messages],
         epoch=zero,
         satellite_names=names,
-        source=f"ephemerides of {len(messages)} file(s)",
+        source=f"ephemerides of {counted(len(messages), 'file')}",
     )
 
 

@@ -14,16 +14,16 @@ from compass.sites import Site
 
 Dilution = Annotated[float, Field(ge=1, le=1e5)]
 Metres = Annotated[float, Field(gt=0, le=1e9)]
+SiteNames = Annotated[list[str], Field(min_length=1, max_length=1000)]
+RegionTexts = str | Annotated[list[str], Field(min_length=1, max_length=100)]
 
 
 class RequirementTable(Table):
     """What must be so at sites or in regions."""
 
     name: str | None = Field(None, min_length=1, max_length=200, description="what to call it")
-    sites: list[str] | None = Field(
-        None, min_length=1, max_length=1000, description="names of [[station]] entries"
-    )
-    region: str | Annotated[list[str], Field(min_length=1, max_length=100)] | None = Field(
+    sites: SiteNames | None = Field(None, description="names of [[station]] entries")
+    region: RegionTexts | None = Field(
         None,
         description='"globe" (the default), "lat:MIN:MAX", "polygon:LAT,LON;LAT,LON;..." in '
         "degrees, or a list of them",
@@ -61,7 +61,18 @@ class RequirementTable(Table):
         "time", description="time (at the worst place) or area-time"
     )
     altitude_km: float = Field(
-        0.0, ge=0, le=1e6, description="height of the users above the ground, km"
+        0.0,
+        ge=0,
+        le=1e6,
+        description="height of the users above the ground, km; who is above satellites sees those "
+        "beyond the limb, from its mask_deg on",
+    )
+    beam_deg: float | None = Field(
+        None,
+        gt=0,
+        lt=180,
+        description="half angle of the satellites' antennas about the way down, outside of which "
+        "users see nothing; all around if left out",
     )
     losses: int = Field(
         0, ge=0, le=100, description="still so after the loss of any so many satellites"
@@ -81,7 +92,7 @@ def _requirement(table: RequirementTable, number: int, known: dict[str, Site]) -
     return Requirement.of(
         table.name or f"requirement {number}",
         sites=[known[name] for name in table.sites or ()],
-        regions=_texts(table.region),
+        regions=region_texts(table.region),
         fold=table.fold,
         mask_deg=table.mask_deg,
         share=table.share,
@@ -89,21 +100,28 @@ def _requirement(table: RequirementTable, number: int, known: dict[str, Site]) -
         altitude_km=table.altitude_km,
         losses=table.losses,
         error_as=table.error_as,
+        beam_deg=table.beam_deg,
         **{key: limit for key, limit in limits.items() if limit is not None},
     )
 
 
-def _texts(region: str | list[str] | None) -> tuple[str, ...]:
+def region_texts(region: str | list[str] | None) -> tuple[str, ...]:
+    """Texts of one region or several."""
     if region is None:
         return ()
     return (region,) if isinstance(region, str) else tuple(region)
 
 
+def station_names(raw: dict[str, Any]) -> list[str]:
+    """Names of the raw ``[[station]]`` tables that have one."""
+    stations = raw.get("station")
+    places = [s for s in stations if isinstance(s, dict)] if isinstance(stations, list) else []
+    return [s["name"] for s in places if isinstance(s.get("name"), str)]
+
+
 def requirement_faults(raw: dict[str, Any]) -> list[str]:
     """Faults of ``[[requirement]]`` across fields, found on the raw tables, whatever is in them."""
-    tables, stations = raw.get("requirement"), raw.get("station")
-    places = [s for s in stations if isinstance(s, dict)] if isinstance(stations, list) else []
-    names = [s["name"] for s in places if isinstance(s.get("name"), str)]
+    tables, names = raw.get("requirement"), station_names(raw)
     faults: list[str] = []
     told: set[str] = set()
     for k, table in enumerate(tables if isinstance(tables, list) else [], start=1):
@@ -128,7 +146,8 @@ def _error_faults(table: dict[str, Any], field: str, has_signal: bool) -> list[s
     return []
 
 
-def _faults(table: dict[str, Any], field: str, names: list[str]) -> list[str]:
+def where_faults(table: dict[str, Any], field: str, names: list[str]) -> list[str]:
+    """Faults of the sites and regions of a table, of stations of these names."""
     faults = []
     sites = table.get("sites")
     for name in sites if isinstance(sites, list) else []:
@@ -143,6 +162,11 @@ def _faults(table: dict[str, Any], field: str, names: list[str]) -> list[str]:
                 read_regions(text)
             except ArgumentError as error:
                 faults.append(f"{field}.{error}")
+    return faults
+
+
+def _faults(table: dict[str, Any], field: str, names: list[str]) -> list[str]:
+    faults, sites = where_faults(table, field, names), table.get("sites")
     wants = [key for key in ("fold", *(f"{name}_at_most" for name in LIMITS)) if key in table]
     if not wants:
         limits = ", ".join(f"{name}_at_most" for name in LIMITS)

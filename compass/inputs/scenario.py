@@ -27,7 +27,7 @@ from compass.entry.state import azimuth_from_heading, state_from_cartesian
 from compass.entry.vehicle import Vehicle
 from compass.entry.views import cartesian_of, spherical_jacobian
 from compass.errors import ArgumentError, CompassError, DesignError
-from compass.frames import prime_meridian_angle
+from compass.frames import SECONDS_PER_DAY, prime_meridian_angle
 from compass.inputs.design import read_design
 from compass.inputs.fusion_models import FusionTable
 from compass.inputs.guidance_models import dispersion_of, guidance_of
@@ -204,8 +204,15 @@ class Scenario:
         return found
 
 
-def read_scenario(path: str | Path) -> Scenario:
+def read_scenario(path: str | Path, start_day: float | None = None) -> Scenario:
     """Read a scenario file.
+
+    Parameters
+    ----------
+    path
+        The file.
+    start_day
+        Day after the epoch of its beacons' design at which entry begins; else as the file says.
 
     Raises
     ------
@@ -219,18 +226,35 @@ def read_scenario(path: str | Path) -> Scenario:
     'Landing anywhere, to parachute deployment'
     """
     place = Path(path)
-    return read_scenario_text(read_text(place), readable(path), place.parent)
+    return read_scenario_text(read_text(place), readable(path), place.parent, start_day)
 
 
-def read_scenario_text(text: str, label: str = "scenario", folder: Path = Path()) -> Scenario:
+def read_scenario_text(
+    text: str,
+    label: str = "scenario",
+    folder: Path = Path(),
+    start_day: float | None = None,
+) -> Scenario:
     """Read a scenario from its TOML text; files it names are looked for from `folder`."""
     file = parse(text, label, ScenarioFile, scenario_faults)
     try:
+        if start_day is not None:
+            file = _on_day(file, start_day)
         return _scenario(file, text, label, folder)
     except DesignError as error:
         raise DesignError([f"{label}: {fault}" for fault in error.faults]) from error
     except CompassError as error:
         raise DesignError(f"{label}: {error}") from error
+
+
+def _on_day(file: ScenarioFile, day: float) -> ScenarioFile:
+    """Let the entry begin on a day after the epoch of the design whose satellites are beacons."""
+    if not 0 <= day < np.inf:
+        raise ArgumentError(f"start_day = {day:g}: must be 0 or more days")
+    if file.beacons.design is None:
+        raise ArgumentError(f"start_day = {day:g}: no beacons.design moves on; leave it out")
+    beacons = file.beacons.model_copy(update={"start_s": day * SECONDS_PER_DAY})
+    return file.model_copy(update={"beacons": beacons})
 
 
 def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenario:

@@ -17,7 +17,7 @@ from compass.frames import FIGURES, Figure
 from compass.inputs.design import launching_of, read_design, site_of
 from compass.inputs.motion import motion_of_table
 from compass.inputs.reading import parse, read_text
-from compass.inputs.requirements import requirements_of
+from compass.inputs.requirements import region_texts, requirements_of
 from compass.inputs.scenario import Scenario, read_scenario
 from compass.inputs.signal import signal_of_table
 from compass.inputs.study_faults import study_faults
@@ -38,6 +38,7 @@ from compass.orbits.motion import Motion
 from compass.quantities.merits import MERITS, STAGES
 from compass.ranging import Signal
 from compass.saving import readable
+from compass.sites import Site
 
 FileKind = TypeVar("FileKind", Scenario, Design)
 
@@ -134,6 +135,7 @@ class EntryStage:
     Those that the report singles out are judged again on `finalist_samples` entries and their
     filter is run `filter_runs` times. Density and L/D are unknown by relative sigmas; the position
     sigma wanted at the end is `goal`, metres; `doubts` is what is not known of clocks and orbits.
+    Landers deploy at `sites` and in `regions`, by turns; anywhere without any.
     """
 
     scenario: Scenario
@@ -145,6 +147,8 @@ class EntryStage:
     lift_sigma: float = 0.0
     goal: float = 10.0
     doubts: Doubts = NO_DOUBTS
+    sites: tuple[Site, ...] = ()
+    regions: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, repr=False)
@@ -273,6 +277,7 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         raise DesignError([f"{label}: {line}" for line in faults])
     motion = motion_of_table(file.motion, folder, label)
     digest.update(digest_of((scenario, compare, doubts, motion)).encode())
+    stations = [site_of(station, FIGURES[file.figure]) for station in file.station]
     entry = None
     if file.entry and scenario is not None:
         entry = EntryStage(
@@ -285,6 +290,8 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
             file.entry.lift_sigma,
             file.entry.goal_m,
             doubts,
+            tuple(site for site in stations if site.name in (file.entry.sites or ())),
+            region_texts(file.entry.region),
         )
     return Study(
         name=file.name,
@@ -312,9 +319,7 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         text=text,
         digest=digest.hexdigest(),
         label=label,
-        requirements=requirements_of(
-            file.requirement, [site_of(station, FIGURES[file.figure]) for station in file.station]
-        ),
+        requirements=requirements_of(file.requirement, stations),
         signal=None if file.signal is None else signal_of_table(file.signal),
     )
 

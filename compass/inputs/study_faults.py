@@ -8,7 +8,7 @@ from compass.frames import FIGURES
 from compass.inputs.design import place_faults
 from compass.inputs.faults import fault
 from compass.inputs.motion import motion_faults
-from compass.inputs.requirements import requirement_faults
+from compass.inputs.requirements import requirement_faults, station_names, where_faults
 from compass.inputs.signal import signal_faults
 from compass.orbits.patterns import FARTHEST_KM
 from compass.quantities.merits import MERITS
@@ -63,6 +63,7 @@ def study_faults(raw: dict[str, Any]) -> list[str]:
             if name in seen:
                 faults.append(fault(f"objective[{k}].figure", name, "is an objective already"))
             seen.add(name)
+    faults += where_faults(_table(raw, "entry"), "entry", station_names(raw))
     return faults + place_faults(raw) + requirement_faults(raw) + signal_faults(raw)
 
 

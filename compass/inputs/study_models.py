@@ -9,7 +9,7 @@ from pydantic_core import CoreSchema
 from compass.design import PDOP_MAX
 from compass.entry.arrivals import MOST_SAMPLES
 from compass.inputs.models import DeploymentTable, MotionTable, SatelliteCount, StationTable
-from compass.inputs.requirements import RequirementTable
+from compass.inputs.requirements import RegionTexts, RequirementTable, SiteNames
 from compass.inputs.signal import Sigma, SignalTable
 from compass.inputs.table import Table
 from compass.orbits.kinds import KIND_NAMES
@@ -159,6 +159,12 @@ class EntryStageTable(Table):
         None, description="one sigma of a bias of the ranges to each satellite, m"
     )
     goal_m: float = Field(10.0, gt=0, le=1e9, description="position sigma wanted at the end, m")
+    sites: SiteNames | None = Field(
+        None, description="names of [[station]] entries at which landers deploy, by turns"
+    )
+    region: RegionTexts | None = Field(
+        None, description="where else they deploy, as of a requirement; anywhere without either"
+    )
     finalists: int = Field(
         100, ge=1, le=1_000_000, description="how many candidates are judged, best fronts first"
     )

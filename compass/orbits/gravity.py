@@ -1,7 +1,7 @@
 """Fields of gravity: the built-in one, and readers for those that others publish."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -47,6 +47,8 @@ class GravityField:
         Coefficients, shape (degree + 1, degree + 1), [n, m]; below degree 2 only the leading 1.
     meridian
         Angle from the program's prime meridian east to the field's x axis, radians.
+    file
+        Path of the file that it was read from, some of its degrees left out or none; else empty.
     """
 
     name: str
@@ -55,6 +57,7 @@ class GravityField:
     c: NDArray[np.float64]
     s: NDArray[np.float64]
     meridian: float = 0.0
+    file: str = ""
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, GravityField) and self._values == other._values
@@ -87,7 +90,7 @@ class GravityField:
         c, s = (a[: degree + 1, : degree + 1].copy() for a in (self.c, self.s))
         if order is not None:
             c[:, order + 1 :], s[:, order + 1 :] = 0.0, 0.0
-        return GravityField(self.name, self.gm, self.radius, c, s, self.meridian)
+        return replace(self, c=c, s=s, file=self.file if order is None else "")
 
     def terms(self) -> NDArray[np.float64]:
         """Recursion numbers and weights for `compass.core.gravity.field_acceleration`.
@@ -141,8 +144,12 @@ def built_in_field() -> GravityField:
 
 def field_from_csv(text: str, name: str, gm: float, radius: float) -> GravityField:
     """Field of a table ``n,m,C,S,...`` of normalised coefficients, IAU 2000 meridian."""
-    lines = [line for line in text.splitlines() if line and line[0].isdigit()]
-    return _field(name, gm, radius, [line.split(",") for line in lines], 0.0)
+    rows = [
+        (k, line.split(","))
+        for k, line in enumerate(text.splitlines(), start=1)
+        if line and line[0].isdigit()
+    ]
+    return _field(name, gm, radius, rows, 0.0)
 
 
 def read_field(path: Path, frame: str | None) -> GravityField:
@@ -171,23 +178,32 @@ def read_field(path: Path, frame: str | None) -> GravityField:
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise DesignError(f"{path}: cannot be read: {error}") from error
+        why = getattr(error, "strerror", None) or error
+        raise DesignError(f"{path}: cannot be read: {why}") from error
     reader = _icgem if "product_type" in text or "end_of_head" in text else _shadr
     try:
-        return reader(text, path.name, MERIDIANS[frame])
-    except (ValueError, IndexError) as error:
+        return replace(reader(text, path.name, MERIDIANS[frame]), file=str(path.resolve()))
+    except ValueError as error:
         raise DesignError(f"{path}: {error}") from error
 
 
 def _shadr(text: str, name: str, meridian: float) -> GravityField:
     """Field of a SHADR table: a line of constants, then ``n, m, C, S, ...``."""
-    lines = [line.replace(",", " ").split() for line in text.splitlines() if line.strip()]
-    if not lines or len(lines[0]) < 6:
+    lines = [
+        (k, line.replace(",", " ").split())
+        for k, line in enumerate(text.splitlines(), start=1)
+        if line.strip()
+    ]
+    try:
+        head = [_float(text) for text in lines[0][1][:6]]
+    except (ValueError, IndexError):
+        head = []
+    # a table without its first line begins with a degree, where the radius is expected
+    if len(head) < 6 or head[0] < MOST:
         raise ValueError(
             "is neither a SHADR table (first line: radius, GM, its uncertainty, degree, order, "
             "normalisation) nor an ICGEM file (product_type ... end_of_head); convert it to one"
         )
-    head = [_float(text) for text in lines[0]]
     if head[5] != 1:
         raise ValueError(
             f"normalisation state {head[5]:g}: allowed 1, full (4 pi); convert the coefficients"
@@ -215,33 +231,64 @@ def _icgem(text: str, name: str, meridian: float) -> GravityField:
             f"tide_system = {keys['tide_system']}: allowed {', '.join(TIDES)}; take the Sun's "
             "permanent tide out of C20, some 1e-9, and say so"
         )
-    rows = [line.split()[1:] for line in body.splitlines() if line.startswith("gfc")]
+    above = head.count("\n") + 1
+    rows = [
+        (above + k, line.split()[1:])
+        for k, line in enumerate(body.splitlines())
+        if line.startswith("gfc")
+    ]
     gm, radius = _float(keys["earth_gravity_constant"]), _float(keys["radius"])
     return _field(name, gm, radius, rows, meridian)
 
 
 def _field(
-    name: str, gm: float, radius: float, rows: list[list[str]], meridian: float
+    name: str, gm: float, radius: float, rows: list[tuple[int, list[str]]], meridian: float
 ) -> GravityField:
-    """Field of rows n, m, C, S, with checks that tell another planet or another unit."""
-    numbers = [(int(r[0]), int(r[1]), _float(r[2]), _float(r[3])) for r in rows]
-    numbers = [row for row in numbers if 2 <= row[0] <= MOST and row[1] <= row[0]]
+    """Field of numbered lines n, m, C, S, with checks that tell another planet or another unit."""
     if not 4.2e13 < gm < 4.4e13:
         raise ValueError(f"GM = {gm:g} m^3/s^2: is not that of Mars, 4.2828e13; check the units")
     if not 3.3e6 < radius < 3.5e6:
         raise ValueError(f"radius = {radius:g} m: is not that of Mars, 3.396e6; check the units")
-    if not numbers:
-        raise ValueError("no coefficients of degree 2 or more; a field needs at least degree 2")
-    degree = max(row[0] for row in numbers)
-    c, s = np.zeros((degree + 1, degree + 1)), np.zeros((degree + 1, degree + 1))
-    for n, m, cosine, sine in numbers:
+    known = _coefficients(rows)
+    degree = max((n for n, _ in known), default=0)
+    c, s = np.full((2, degree + 1, degree + 1), np.nan)
+    c[:2], s[:2] = 0.0, 0.0
+    for (n, m), (cosine, sine) in known.items():
         c[n, m], s[n, m] = cosine, sine
     if not -8.9e-4 < c[2, 0] < -8.6e-4:
         raise ValueError(
             f"C20 = {c[2, 0]:g}: Mars's fully normalised one is -8.75e-4; "
             "unnormalised or foreign coefficients must be converted"
         )
+    c, s = np.tril(c), np.tril(s)
+    for n, m in np.argwhere(np.isnan(c))[:1]:
+        raise ValueError(
+            f"degree {n}, order {m}: missing, though degree {degree} is there; the file is cut off "
+            "or has a hole: give the coefficients, zeros if they are none"
+        )
     return GravityField(name, gm, radius, c, s, meridian)
+
+
+def _coefficients(rows: list[tuple[int, list[str]]]) -> dict[tuple[int, int], tuple[float, float]]:
+    """Cosine and sine coefficients by degree and order, of degree 2 to `MOST`."""
+    known: dict[tuple[int, int], tuple[float, float]] = {}
+    for line, words in rows:
+        try:
+            n, m = int(words[0]), int(words[1])
+            pair = _float(words[2]), _float(words[3])
+            if not (0 <= m <= n and math.isfinite(pair[0]) and math.isfinite(pair[1])):
+                raise ValueError
+        except (ValueError, IndexError):
+            raise ValueError(
+                f"line {line}: {' '.join(words)[:60]!r}: must be degree, order, C and S, finite"
+            ) from None
+        if (n, m) in known:
+            raise ValueError(f"line {line}: degree {n}, order {m}: given twice; leave one out")
+        if 2 <= n <= MOST:
+            known[n, m] = pair
+    if not known:
+        raise ValueError("no coefficients of degree 2 or more; a field needs at least degree 2")
+    return known
 
 
 def _float(text: str) -> float:

@@ -10,8 +10,8 @@ it back, as fast as it may go to turn just before the other edge under the push 
 
 For a constant push that gives a burn every ``4 sqrt(w / |u''|)`` and ``a |u''| / 3`` of delta-v a
 second, whatever the box; here both are outcomes. About an unstable point of the field there is no
-turning before the other edge: a satellite that comes out there is sent less far by half from then
-on, so that it turns before that point.
+turning before the other edge: a satellite that comes out there is sent less far by half the next
+time, so that it turns before that point, and further again by and by.
 
 Across the track the orbits' poles are compared with those of the slots, turned as one by the best
 rotation; where one has come too far off, an impulse where the satellite crosses the plane that it
@@ -44,6 +44,11 @@ LOOKS = 25
 #: Smallest push that counts, rad/s^2: 1e-4 degrees a day squared. Where it is weaker a satellite
 #: is sent back at the speed for this one.
 WEAKEST = np.radians(1e-4) / SECONDS_PER_DAY**2
+
+
+#: By how much further a satellite is sent after each time that it came back as it was to: eight
+#: make up for once too far, for slots leave an unstable point behind over the years.
+RECOVERY = 2.0**0.125
 
 
 @dataclass(frozen=True)
@@ -217,8 +222,9 @@ class _Slots:
         self.pushes.append(push)
         side = np.sign(place)
         out = (np.abs(place) >= self.half_width) & (speed * side > 0.0)
-        across = out & (self.side == -side)
+        across, back = out & (self.side == -side), out & (self.side == side)
         self.reach = np.where(across, 0.5 * self.reach, self.reach)
+        self.reach = np.where(back, np.minimum(RECOVERY * self.reach, 1.0), self.reach)
         self.side = np.where(out, side, self.side)
         way = self.reach * (np.abs(place) + self.half_width)  # up to the other edge
         wanted = -side * np.sqrt(2.0 * way * np.maximum(np.abs(push), WEAKEST))

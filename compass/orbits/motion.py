@@ -91,10 +91,14 @@ class Motion:
         seconds = np.atleast_1d(np.asarray(times, dtype=float))
         if self.is_closed_form:
             return elliptic(constellation, seconds, drifting=self.model == "j2")
+        if self.table is not None:
+            if seconds.size:
+                check_span(self.table, float(seconds.min()), float(seconds.max()))
+            return self.table.of(constellation.satellite_names).states(seconds)
         low, high = min(seconds.min(initial=0.0), 0.0), max(seconds.max(initial=0.0), 0.0)
         if low == high == 0.0:
             high = 1.0
-        if low == 0.0 or self.table is not None:
+        if low == 0.0:
             return self.trajectory(constellation, low, high).states(seconds)
         r = np.empty((constellation.size, seconds.size, 3))
         v = np.empty_like(r)

@@ -12,6 +12,7 @@ from compass.api.check import CheckResult
 from compass.api.map_statistics import ROVER
 from compass.coverage.certificate import Outcome
 from compass.coverage.site import site_coverage
+from compass.design import Design
 from compass.document import Answer, Answers, Bracket, Proven, Sampled, Section, Sentence, Value
 from compass.document.blocks import Block
 from compass.document.numbers import significant
@@ -22,6 +23,10 @@ from compass.quantities import quantity
 from compass.ranging import FACTOR_95
 from compass.signal.budget import basis
 from compass.study.choice import notation
+from compass.words import counted
+
+#: Satellites that ranges of one moment take for a fix, and who fixes with fewer.
+ENOUGH, LOCATE = 4, "compass locate, which gathers them over hours"
 
 
 def requirements(found: Found) -> list[Answer]:
@@ -42,13 +47,32 @@ def requirements(found: Found) -> list[Answer]:
     return rows
 
 
-def flown(found: Found) -> list[Answer]:
+def flown(design: Design) -> str:
     """What is to be built: satellites, planes, inclination, orbit."""
-    c, pattern = found.design.constellation, found.design.constellation.pattern
-    if pattern is None:
-        return [Answer("What flies", notation(c))]
-    planes = f"{pattern.planes} plane{'s' if pattern.planes > 1 else ''}"
-    return [Answer("What flies", f"{c.size} satellites in {planes}: {notation(c)}")]
+    c, pattern = design.constellation, design.constellation.pattern
+    size = counted(c.size, "satellite")
+    if design.motion.table is not None:
+        return f"{size} on given paths"
+    if pattern is not None:
+        return f"{size} in {counted(pattern.planes, 'plane')}: {notation(c)}"
+    around = _span(c.semi_major_axis / 1e3, " km")
+    shape = _span(c.eccentricity, "") if c.eccentricity.any() else ""
+    return (
+        f"{size}, semi-major axis {around}, "
+        + (f"eccentricity {shape}, " if shape else "")
+        + f"inclination {_span(np.degrees(c.inclination), '°')}"
+    )
+
+
+def _span(values: np.ndarray, unit: str) -> str:
+    """Write a number that all have, or the least and the largest."""
+    least, most = (significant(float(v), 5) for v in (values.min(), values.max()))
+    return f"{least}{unit}" if least == most else f"{least} to {most}{unit}"
+
+
+def subtitle(design: Design) -> str:
+    """What flies and where that comes from, to stand under the title of a page."""
+    return f"{flown(design)}. {' '.join(design.source.split()) or 'No source given.'}"
 
 
 def coverage(found: Found) -> list[Answer]:
@@ -62,23 +86,27 @@ def coverage(found: Found) -> list[Answer]:
     margin = result.margins().rows[3][1]
     assert isinstance(margin, Value)
     known = result.mask_margin_deg
-    question = (
-        "The mask may rise to"
-        if known is None or known >= result.mask_deg
-        else "It would take a mask of"
-    )
-    rows.append(Answer(question, "no mask has it" if known is None else margin))
-    if place := result.to_dict()["worst"]:
-        rows.append(
-            Answer(
-                "Tightest place and moment",
-                f"{latitude_words(place['latitude_deg'])}, "
-                f"{significant(place['longitude_deg'] % 360, 4)}° E, "
-                f"{moment_words(place['time_s'])} after the epoch",
-                evidence="by symmetry one of several" if found.design.constellation.pattern else "",
-            )
-        )
+    if known is not None and known >= result.mask_deg:
+        rows.append(Answer("The mask may rise to", margin))
+    elif known is not None and known >= 0.0:
+        rows.append(Answer("It would take a mask of", margin))
+    else:
+        rows.append(Answer("It would take a mask", "below the horizon: none has it"))
     return rows
+
+
+def tightest(found: Found) -> list[Answer]:
+    """Where and when the least is to spare."""
+    place = found.fold.to_dict()["worst"]
+    if not place:
+        return []
+    said = (
+        f"{latitude_words(place['latitude_deg'])}, "
+        f"{significant(place['longitude_deg'] % 360, 4)}° E, "
+        f"{moment_words(place['time_s'])} after the epoch"
+    )
+    alike = "by symmetry one of several" if found.design.constellation.pattern else ""
+    return [Answer("Tightest place and moment", said, evidence=alike)]
 
 
 def moment_words(seconds: float) -> str:
@@ -97,26 +125,50 @@ def latitude_words(latitude_deg: float) -> str:
 
 def geometry(found: Found) -> list[Answer]:
     """How good the geometry is over all area and time."""
-    numbers, attrs = found.mapped.numbers(), found.mapped.dataset.attrs
-    sampled = Sampled(None, f"{attrs['epochs']} epochs, {attrs['grid']}")
-    scope = found.mapped.certified.scope.split(";")[0] if found.mapped.certified else ""
-
-    def known(name: str, of: dict[str, Any], key: str) -> Value:
-        if f"{key}_bracket" not in of:
-            return Value(quantity(name), of[key], sampled)
-        low, high = of[f"{key}_bracket"]
-        return Value(quantity(name), of[key], Bracket(low, high, scope))
-
-    gdop, within = numbers["gdop"], attrs["pdop_threshold"]
+    if found.design.constellation.size < ENOUGH:
+        few = "never: it takes four satellites in view"
+        return [Answer("A fix from ranges of one moment", few, None, f"see {LOCATE}")]
+    numbers, within = found.mapped.numbers(), found.mapped.dataset.attrs["pdop_threshold"]
+    gdop = numbers["gdop"]
     return [
-        Answer("GDOP, half of area and time below", known("gdop", gdop, "p50")),
-        Answer("GDOP, 95 % below", known("gdop", gdop, "p95")),
+        *_errors(found, numbers),
+        Answer("GDOP, 95 % below", _known(found, "gdop", gdop, "p95")),
+        Answer("GDOP, half of area and time below", _known(found, "gdop", gdop, "p50")),
         Answer(
             f"Area and time with PDOP {within:g} or less",
-            known("availability", numbers, "availability"),
+            _known(found, "availability", numbers, "availability"),
         ),
-        *_errors(found, numbers),
     ]
+
+
+def _known(found: Found, name: str, of: dict[str, Any], key: str) -> Value:
+    """A figure of the map with its proven bounds, or with what it was sampled on."""
+    if f"{key}_bracket" in of:
+        scope = found.mapped.certified.scope.split(";")[0] if found.mapped.certified else ""
+        low, high = of[f"{key}_bracket"]
+        return Value(quantity(name), of[key], Bracket(low, high, scope))
+    attrs = found.mapped.dataset.attrs
+    sampled = Sampled(None, f"{attrs['epochs']} epochs, {attrs['grid']}")
+    return Value(quantity(name), of[key], sampled)
+
+
+def accurate(found: Found) -> str:
+    """How accurate a fix is, in a sentence."""
+    if found.design.constellation.size < ENOUGH:
+        return f"A fix from ranges of one moment takes four satellites in view: see {LOCATE}."
+    numbers = found.mapped.numbers()
+    if errors := _errors(found, numbers):
+        return (
+            f"A rover anywhere knows its place to {errors[0].written} horizontally: 95 % of its "
+            f"fixes, in 95 % of area and time, with {basis(found.design)}."
+        )
+    for key, share in (("p95", "95 %"), ("p50", "half")):
+        value = _known(found, "gdop", numbers["gdop"], key)
+        if isinstance(value.evidence, Bracket):
+            value = Value(value.quantity, value.evidence.high, Proven())
+        if value.value is not None and np.isfinite(value.value):
+            return f"GDOP is below {value} in {share} of area and time."
+    return "In more than half of area and time no bound of GDOP is known."
 
 
 def _errors(found: Found, numbers: dict[str, Any]) -> list[Answer]:
@@ -178,9 +230,9 @@ def lasting(found: Found) -> list[Answer]:
 ANSWERS: tuple[Callable[[Found], list[Answer]], ...] = (
     requirements,
     coverage,
-    flown,
     lasting,
     geometry,
+    tightest,
     stations,
     losses,
 )
@@ -202,7 +254,14 @@ def _of_requirements(checked: CheckResult, real: str) -> str:
     count = len(checked.verdicts)
     if missed:
         listed = ", ".join(f"“{name}”" for name in missed)
-        return f"Do not build it as it is: it misses {listed} of its {count} requirements. {real}"
+        which = (
+            f"its requirement {listed}" if count == 1 else f"{listed} of its {count} requirements"
+        )
+        remedy = f"What meets {'it' if count == 1 else 'all'} is found by compass search --require "
+        remedy += f"{checked.design.label}."
+        return " ".join(
+            part for part in (f"Do not build it as it is: it misses {which}.", remedy, real) if part
+        )
     if open_:
         listed = ", ".join(f"“{name}”" for name in open_)
         return f"Decide after a finer look: {listed} cannot be told yet. {real}"
@@ -216,27 +275,33 @@ def what_to_do(found: Found, neighbours: Sequence[Neighbour]) -> list[str]:
     wanted = f"{result.fold}-fold coverage above {result.mask_deg:g}°"
     real = lasting_advice(found.outlook) if found.outlook else ""
     if found.checked is not None:
-        return [_of_requirements(found.checked, real)]
+        return [f"{_of_requirements(found.checked, real)} {accurate(found)}".strip()]
+    when = result.scope.split(",")[0]
     words = {
-        Outcome.PROVEN: f"Build it as it is: it has {wanted}, with nothing left to chance."
+        Outcome.PROVEN: f"Build it as it is: it has {wanted}, proven {when}."
         if not real
-        else f"It has {wanted} on undisturbed orbits. {real}",
+        else f"It has {wanted}, proven {when} on undisturbed orbits. {real}",
         Outcome.REFUTED: f"Do not build it for {wanted}: there is a place and a moment without.",
     }.get(result.outcome, f"Decide after a finer look: {wanted} is neither proven nor refuted.")
-    said = [words]
+    said = [words, accurate(found)] if result.outcome is Outcome.PROVEN else [words]
     margin = result.mask_margin_deg
     here = -np.inf if margin is None else margin
     sure = result.margins().rows[3][1]  # rounded to the safe side, as the table has it
     room = here >= result.mask_deg  # of a miss there is none to speak of
-    if neighbours:
-        best = max(neighbours, key=lambda n: n.mask_deg)
-        if best.mask_deg > here + 0.1:
-            said.append(
-                f"Its rival of the same size: {best.notation}, with a mask up to "
-                f"{significant(best.mask_deg, 3)}°" + (f" instead of {sure}°." if room else ".")
-            )
-        else:
-            said.append("No other phasing or inclination of as many satellites has more margin.")
+    best = max(neighbours, key=lambda n: n.mask_deg, default=None)
+    there = f"a mask up to {significant(best.mask_deg, 3)}°" if best else ""
+    if room and best:
+        said.append(
+            f"Its rival of the same size: {best.notation}, with {there} instead of {sure}°."
+            if best.mask_deg > here + 0.1
+            else "No other phasing or inclination of as many satellites has more margin."
+        )
+    elif best and best.mask_deg >= result.mask_deg:
+        said.append(f"Build {best.notation} in its place: as many satellites, with {there}.")
+    elif not room:
+        others = "No other phasing or inclination of as many satellites has it. " if best else ""
+        search = f"compass search --fold {result.fold} --mask-deg {result.mask_deg:g}"
+        said.append(f"{others}How many it takes is found by {search}.")
     if room:
         said.append(f"A mask above {sure}° would change this.")
     if room and result.coverage.losses and c.size > 1:

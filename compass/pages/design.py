@@ -35,7 +35,7 @@ from compass.document.blocks import (
 )
 from compass.orbits.symmetry import one_circle
 from compass.pages.access import access_section
-from compass.pages.answers import answer_section
+from compass.pages.answers import answer_section, subtitle
 from compass.pages.coverage import count_picture, dilution_pictures, fold_pictures, one_colour
 from compass.pages.deployment import deployment_section
 from compass.pages.fold import fold_section
@@ -89,7 +89,7 @@ def design_report(
             sections.append(section)
     page = render(
         design.name,
-        " ".join(design.source.split()) or "No source given.",
+        subtitle(design),
         sections,
         provenance_rows(found, command),
         design.text,
@@ -106,7 +106,7 @@ def look_at(
 ) -> Found:
     """Ask the commands, each once."""
     progress("coverage map")
-    certified = certified_figures(design, options, percents=(50, 95))
+    certified = certified_figures(design, options)
     areas = certified_areas(design, options, *places)
     mapped = MapResult(design, make_map(design, options, command), certified, areas)
     progress("continuous fold")

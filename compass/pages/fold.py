@@ -19,6 +19,7 @@ from compass.orbits.symmetry import one_circle
 from compass.pages.neighbours import Neighbour
 from compass.pictures.maps import LARGE, draw_map
 from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, look, new_figure, picture
+from compass.words import counted
 
 
 def fold_section(
@@ -44,8 +45,9 @@ def fold_section(
         f"Continuous {result.fold}-fold coverage of the whole of Mars above "
         f"{np.degrees(mask):g} deg, {when}, in two-body motion, {design.figure.title}: "
         f"{result.outcome}. "
-        f"No grid and no time step is involved: {certificate.intervals} interval(s) were settled "
-        f"by caps shrunk by as much as they can move ({span.reason})."
+        "No grid and no time step is involved: "
+        f"{counted(certificate.intervals, 'interval')} settled by caps shrunk by as much "
+        f"as they can move ({span.reason})."
     )
     if witness:
         text += (

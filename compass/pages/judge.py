@@ -21,7 +21,7 @@ from compass.inputs.scenario import Scenario
 from compass.pages.landing import scenario_provenance
 from compass.pages.page import render
 from compass.pictures.judge import bound_distributions, bound_map
-from compass.study.ranking import Ranking, judge_more
+from compass.study.ranking import Ranking, ground_words, judge_more
 
 #: How many of the best are mapped, and on how many times the ranking's entries.
 MAPPED, BATCHES = 4, 4
@@ -60,8 +60,10 @@ def answer_section(record: dict[str, Any], carrying: Picture) -> Section:
         lead += (
             " That is the bound: the filter flown on it is inconsistent, so no accuracy is claimed."
         )
-    answers = (landing_answer(str(row["design"]), row, record) for row in rows)
-    title = f"Within {goal:g} m at {record['deployment']}, anywhere and at any time?"
+    answers = [landing_answer(str(row["design"]), row, record) for row in rows]
+    left = "Left alone on real orbits they last"
+    answers.append(Answer(left, "not asked here", None, "compass drift DESIGN"))
+    title = f"Within {goal:g} m at {record['deployment']}, {ground_words(record)} and at any time?"
     return Section("The answer", (Sentence(lead), Answers(title, tuple(answers)), carrying))
 
 
@@ -78,6 +80,12 @@ def landing_answer(question: str, row: dict[str, Any], record: dict[str, Any]) -
         bool(p95 <= record["goal_m"] and worst <= record["goal_m"] and believed),
         f"bound of {record['samples']:,} entries{_filter_words(row)}",
     )
+
+
+def _spread(record: dict[str, Any]) -> str:
+    """Over what entries are spread."""
+    named = ", ".join(record["ground"])
+    return f"over deployments at {named}" if named else "over the globe"
 
 
 def _filter_words(row: dict[str, Any]) -> str:
@@ -117,7 +125,7 @@ def judge_section(
     unknown = ", ".join(unknown_air(record))
     paragraphs = (
         f'{campaign.size:,} entries of the lander of "{scenario.name}" to {campaign.deployment}, '
-        "spread evenly over the globe, all azimuths and the repeat period. For each, the "
+        f"spread evenly {_spread(record)}, all azimuths and the repeat period. For each, the "
         f"posterior Cramer-Rao bound of position and velocity there from {_measured(scenario)} to "
         "every satellite in view, each weighted with the probability that it gets through the "
         f"plasma{'; ' + unknown if unknown else ''}. {record['counted']}",

@@ -1,6 +1,7 @@
 """The page of a landing: how well the place is known, where it comes down, then the flight."""
 
 from collections.abc import Sequence
+from math import inf
 
 from compass.api.land import LandResult
 from compass.api.land_flight import entry_tables, findings
@@ -8,6 +9,7 @@ from compass.document import Answer, Answers, Section, Sentence
 from compass.document.blocks import Picture, arranged
 from compass.document.numbers import significant
 from compass.entry.assess import Assessment
+from compass.entry.dispersed import Dispersed
 from compass.inputs.scenario import Scenario, provenance
 from compass.pages.page import render
 from compass.pictures.ellipse import landing_ellipse
@@ -44,7 +46,8 @@ def landing_sections(found: LandResult) -> tuple[Section, ...]:
     consistency, *words = findings(found.scenario, flown)
     answer = Section(
         "The answer",
-        (Sentence(found.claim), Answers("Known, and how sure", answers(flown)),
+        (Sentence(found.claim),
+         Answers("Known, and how sure", (*answers(flown), *dispersed_answers(found.dispersed))),
          landing_ellipse(flown.accuracy)),
     )  # fmt: skip
     navigation = arranged(
@@ -56,6 +59,16 @@ def landing_sections(found: LandResult) -> tuple[Section, ...]:
         "Who is in view", (), _those(drawn, "view", "observability"), (tables["Beacons"],)
     )
     return (answer, navigation, flight, view, *found.sections()[1:])
+
+
+def dispersed_answers(found: Dispersed | None) -> tuple[Answer, ...]:
+    """How far from the target or the planned place dispersed entries come, if any are flown."""
+    if found is None:
+        return ()
+    far, count = found.within(95.0), found.times.size
+    what = "Guided, entries come to the target within" if found.guided else "Entries come within"
+    said = f"{significant(far / KM, 3)} km in 95 %" if far < inf else "not in 95 %"
+    return (Answer(what, said, None, f"sampled, {count:,} dispersed entries"),)
 
 
 def _those(drawn: dict[str, Picture], *names: str) -> Sequence[Picture]:

@@ -17,6 +17,7 @@ from compass.orbits import orbital_period, positions_mci, positions_mcmf, repeat
 from compass.pictures.maps import LARGE
 from compass.pictures.mars_map import MarsMap
 from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture
+from compass.words import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -140,8 +141,9 @@ def track_picture(design: Design) -> Picture:
         figure,
         "ground-tracks",
         "Ground tracks",
-        f"Satellites at the epoch and their tracks; after {repeat.sidereal_days} rotation(s) of "
-        f"Mars and {repeat.revolutions} revolution(s) the tracks miss their start by "
+        "Satellites at the epoch and their tracks; after "
+        f"{counted(repeat.sidereal_days, 'rotation')} of Mars and "
+        f"{counted(repeat.revolutions, 'revolution')} the tracks miss their start by "
         f"{np.degrees(repeat.closure):.3g}°.",
         wide=True,
     )

@@ -36,7 +36,7 @@ from compass.study.bounds import bounded_figures, ends
 from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, finalists_of, notation, rows_in
 from compass.study.results import known_figures, read_results
-from compass.study.sampling import sampled_over
+from compass.study.sampling import front_known, sampled_over
 from compass.study.yardstick import Yardstick, yardstick
 
 if TYPE_CHECKING:
@@ -168,8 +168,8 @@ def _looked_at(study: Study, results: "xr.Dataset") -> Section:
         tables.append(Table("Errors, first 20", ("candidate", "error"), lines))
     text = (
         "Every candidate went through the exact screen (costs, fold, margin); those that met its "
-        "constraints were mapped over area and time; the best fronts of these were judged as "
-        "beacons of a lander, where the study asks for it."
+        "constraints were mapped over area and time; the best fronts of these, by what was known "
+        "so far, were judged as beacons of a lander, where the study asks for it."
     )
     return arranged("What was looked at", (text,), (), tuple(tables))
 
@@ -195,16 +195,18 @@ def _fronts(study: Study, results: "xr.Dataset", pictures: Sequence[Picture]) ->
         "None is better than one of the first front in an objective and as good in all others; "
         "one of the front need not be the best in any two of them alone."
     )
-    if how := sampled_over(study, known_figures(study)):
+    rest = [name for name in known_figures(study) if name not in bounded_figures(study)]
+    if how := sampled_over(study, rest):
         text += f" Sampled: {how}; what differs by less than another sampling would has no order."
     if bounded := bounded_figures(study):
         titles = ", ".join(MERITS[name].title for name in bounded)
-        open_ = int((~front.decided.values).sum())
         text += (
             f" Of those that may be of the front, {titles} lie between proven bounds, for all "
-            f"time, brought as near as it takes to tell who is: of {open_ or 'none'} that is "
-            "not decided within the budget. Bars show the bounds."
+            "time, brought as near as it takes to tell who is, and who keeps a limit. Bars show "
+            "the bounds."
         )
+    known = front_known(study, int((~front.decided.values).sum()))
+    text += f" {known[0].upper()}{known[1:]}."
     return arranged("Pareto fronts", (text,), pictures, (table,))
 
 

@@ -25,7 +25,7 @@ from compass.pages.judge import judge_section, landing_answer, surface_section
 from compass.quantities.merits import MERITS
 from compass.sites import Mask
 from compass.study.choice import Finalist
-from compass.study.ranking import Ranking, rank_designs
+from compass.study.ranking import Ranking, ground_words, rank_designs
 from compass.study.results import known_figures
 from compass.study.sampling import sampled_over, sampling_of
 from compass.study.yardstick import Yardstick, compared_mask_deg
@@ -98,7 +98,8 @@ def recommendation(
         return arranged("Recommendation", (text,))
     first = chosen[0].finalist
     of_each = "; ".join(
-        f"{MERITS[o.figure].title}: {worth(o.figure, first.figures[o.figure])}"
+        f"{MERITS[o.figure].title}: "
+        + (_proven(first, o.figure) or worth(o.figure, first.figures[o.figure]))
         for o in study.objectives
     )
     paragraphs = [
@@ -116,8 +117,9 @@ def recommendation(
     if ranking is not None:
         row = next(row for row in ranking["designs"] if row["given"] == 1)
         paragraphs.append(
-            f"Does a lander anywhere and at any time know its position to {ranking['goal_m']:g} m "
-            f"at {ranking['deployment']}? {row['answer'][0].upper()}{row['answer'][1:]}."
+            f"Does a lander {ground_words(ranking)} and at any time know its position to "
+            f"{ranking['goal_m']:g} m at {ranking['deployment']}? "
+            f"{row['answer'][0].upper()}{row['answer'][1:]}."
         )
     tables = (_objective_table(study, chosen, measure), _figure_table(study, chosen, measure))
     return arranged("Recommendation", tuple(paragraphs), (), tables)
@@ -155,10 +157,8 @@ def answer_section(
             if measure is None
             else f"; {measure.role} has {worth(o.figure, measure.figures[o.figure])}"
         )
-        sure = f"sampled over {how}" + (f", ± {error:.2g}" if error else "") if how else "exact"
-        if o.figure in first.brackets:
-            bracket = Bracket(*first.brackets[o.figure])
-            known = Value(MERITS[o.figure].quantity, first.figures[o.figure], bracket)
+        sure = f"sampled over {how}" + (f", ± {error:.2g}" if error else "") if how else _exactly(o)
+        if known := _proven(first, o.figure):
             sure = f"proven, for all time: {known}"
         title = MERITS[o.figure].title
         rows.append(Answer(title[0].upper() + title[1:], value, None, sure + beside))
@@ -170,6 +170,19 @@ def answer_section(
     return Section(
         "The answer", (Sentence(lead), Answers("What it is worth", tuple(rows)), carrying)
     )
+
+
+def _exactly(objective: Objective) -> str:
+    """How well a figure that is not sampled is known."""
+    return "proven" if MERITS[objective.figure].stage in ("requirements", "orbits") else "exact"
+
+
+def _proven(one: Finalist, name: str) -> str:
+    """Proven bounds of a figure with its unit; nothing where it has none."""
+    if name not in one.brackets:
+        return ""
+    value = Value(MERITS[name].quantity, one.figures[name], Bracket(*one.brackets[name]))
+    return f"{value} {MERITS[name].unit}".strip()
 
 
 def _lasts(one: Entrant) -> Answer:
@@ -359,6 +372,8 @@ def rank_finalists(
         density_sigma=study.entry.density_sigma,
         lift_sigma=study.entry.lift_sigma,
         doubts=study.entry.doubts,
+        sites=study.entry.sites,
+        regions=study.entry.regions,
         finalists=len(designs) if runs else 0,
         runs=max(runs, 1),
         threads=cores(),

@@ -9,6 +9,7 @@ from compass.api.given import given_design
 from compass.api.results import Result
 from compass.design import Design
 from compass.document import Page, Section, Sentence
+from compass.pages.answers import subtitle
 from compass.pages.globe.piece import globe
 from compass.pages.globe.still import still_picture
 from compass.pages.page import render
@@ -90,5 +91,5 @@ def view(design: Design | str | Path, *, command: str = "") -> ViewResult:
         ("reference figure", shown.figure.title),
     ]
     section = Section("Globe", (globe(shown, still_picture(shown)),))
-    subtitle = " ".join(shown.source.split()) or "No source given."
-    return ViewResult(shown, render(shown.name, subtitle, [section], rows, shown.text))
+    page = render(shown.name, subtitle(shown), [section], rows, shown.text)
+    return ViewResult(shown, page)

@@ -31,13 +31,14 @@ def landing_ellipse(at: Accuracy) -> Picture:
         axes.grid(True, color=FAINT, alpha=0.4)
         figure.legend(loc="outside lower center", ncols=3, fontsize=8, frameon=False)
     sizes = f"{delivery.semi_major / KM:.3g} by {delivery.semi_minor / KM:.3g} km"
-    smaller = significant(delivery.semi_major / max(knowledge.semi_major, 1e-9), 3)
+    ratio = delivery.semi_major / max(knowledge.semi_major, 1e-9)
+    smaller = significant(float(f"{ratio:.2g}"), 2)
     return picture(
         figure,
         "landing-ellipse",
         "Landing ellipse",
-        f"Unguided: half axes {sizes} for 95 %. What the lander knows of its place is an ellipse "
-        f"{smaller} times smaller, drawn to the same scale.",
+        f"Unguided: half axes {sizes} for 95 %. What the lander knows of its place, by linear "
+        f"covariance, is an ellipse {smaller} times smaller, drawn to the same scale.",
         alt=f"Ellipse of {sizes} about the nominal place; that of knowledge is {smaller} times "
         "smaller.",
     )

@@ -16,19 +16,20 @@ TALLEST = 20.0
 
 
 def draw_series(axes: "Axes", dataset: "xr.Dataset", name: str, fold: int) -> None:
-    """Draw a count or a dilution of every station against time, and the fold wanted."""
+    """Draw a count, a dilution or the age of data of every station against time."""
     days = dataset.time.values / SECONDS_PER_DAY
     with look():
         for k, station in enumerate(dataset.station.values.tolist()):
             values = dataset[name].values[k].astype(float)
-            shown = np.where(values > TALLEST, np.nan, values) if name != "count" else values
+            dilutes = name not in ("count", "age_h")
+            shown = np.where(values > TALLEST, np.nan, values) if dilutes else values
             draw = axes.step if name == "count" else axes.plot
             draw(days, shown, color=CYCLE[k % len(CYCLE)], lw=1.0, label=station)
         if name == "count":
             axes.axhline(fold, color=INK, lw=0.8, ls="--", label=f"{fold} wanted")
         axes.set_xlabel("time after the epoch (days)")
-        word = "satellites in view" if name == "count" else f"{name.upper()}, up to {TALLEST:g}"
-        axes.set_ylabel(word)
+        word = {"count": "satellites in view", "age_h": f"since {fold} were last in view (h)"}
+        axes.set_ylabel(word.get(name, f"{name.upper()}, up to {TALLEST:g}"))
         axes.set_title("What stations see")
         axes.grid(axis="y")
         axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))

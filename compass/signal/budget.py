@@ -71,7 +71,7 @@ def basis(design: Design) -> str:
         clocks = "clocks that are as good as their last setting"
     ages = f", data up to {signal.update / 3600:.3g} h old" if signal.update else ""
     if signal.determined and design.tracking is not None:
-        whom = listed(design.tracking.kinds)
+        whom = listed(list(design.tracking.kinds))
         return f"{clocks}{ages}, orbits and clocks as tracking by {whom} leaves them"
     given = signal.of_satellites(design.constellation.size).mean(axis=0).diagonal() ** 0.5
     told = ", ".join(f"{sigma:.3g}" for sigma in given)

@@ -5,17 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.coverage.certified_percentile import CertifiedPercentile, percentile_about
 from compass.coverage.certified_question import Asked
-from compass.coverage.certified_share import (
-    CertifiedPercentile,
-    CertifiedShare,
-    certified_percentile,
-    certified_share,
-)
+from compass.coverage.certified_share import CertifiedShare, certified_share
 from compass.inputs.study import Study
 from compass.orbits import Constellation
 from compass.sites import Mask
 from compass.study.candidates import make_constellation
+from compass.study.pattern_map import map_figures
 
 #: Figures of merit that have proven bounds: the dilution, and per cent of area and time below it;
 #: None for the share below the study's limit.
@@ -39,9 +36,9 @@ class Level:
 #: One after the other, each for those that the one before leaves undecided. Boxes and not seconds
 #: end them, so that any machine and any number of workers come to the same order.
 LEVELS = {
-    "bounds-1": Level(1e-2, 0.1, 20_000),
-    "bounds-2": Level(1e-3, 0.01, 200_000),
-    "bounds-3": Level(1e-4, 0.001, 2_000_000),
+    "bounds-1": Level(2e-2, 0.4, 240_000),
+    "bounds-2": Level(2e-3, 0.04, 1_000_000),
+    "bounds-3": Level(2e-4, 0.004, 4_000_000),
 }
 
 
@@ -61,32 +58,57 @@ def bounded_figures(study: Study) -> list[str]:
     return [figure for figure in BOUNDED if figure in asked]
 
 
+def limited_figures(study: Study) -> list[str]:
+    """Figures that the study limits, and that have proven bounds."""
+    return [figure for figure in bounded_figures(study) if _limits(study, figure)]
+
+
 def bounds(level: Level, study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
     """Bounds of what a study asks of geometry, shape (n,) each; nan where it does not.
 
     For all area and all time, on the study's figure; a share holds whatever the turn of Mars.
+    The search for them begins at what is sampled, and a limit of the study's between them is
+    looked at itself.
     """
     found = {name: np.full(rows.size, np.nan) for name in bound_columns()}
+    sampled = map_figures(study, rows)
     for k, row in enumerate(rows):
         pattern = make_constellation(row)
         mask = Mask.constant(float(np.radians(row["mask_deg"])))
         for figure in bounded_figures(study):
-            known = _bound(level, study, figure, pattern, mask)
+            asked: Asked = {"dop": BOUNDED[figure][0], "figure": study.figure, "mask": mask}
+            known = _bound(level, study, figure, float(sampled[figure][k]), pattern, asked)
             low, high = ends(figure)
             found[low][k], found[high][k] = known.low, known.high
     return found
 
 
 def _bound(
-    level: Level, study: Study, figure: str, pattern: Constellation, mask: Mask
+    level: Level, study: Study, figure: str, sampled: float, pattern: Constellation, asked: Asked
 ) -> CertifiedShare | CertifiedPercentile:
     """Bounds of one figure of one candidate."""
-    dop, percent = BOUNDED[figure]
-    asked: Asked = {"dop": dop, "figure": study.figure, "mask": mask}
-    if percent is None:
-        return certified_share(
-            pattern, study.map.pdop_max, width=level.width, budget_boxes=level.boxes, **asked
+    percent, limits = BOUNDED[figure][1], _limits(study, figure)
+    if percent is not None:
+        return percentile_about(
+            pattern,
+            percent,
+            sampled,
+            precision=level.precision,
+            budget_boxes=level.boxes,
+            limits=limits,
+            **asked,
         )
-    return certified_percentile(
-        pattern, percent, precision=level.precision, budget_boxes=level.boxes, **asked
+    return certified_share(
+        pattern,
+        study.map.pdop_max,
+        width=level.width,
+        budget_boxes=level.boxes,
+        against=limits,
+        **asked,
     )
+
+
+def _limits(study: Study, figure: str) -> list[float]:
+    """Ends of what a study allows of a figure."""
+    ends = [end for c in study.constraints if c.figure == figure for end in (c.low, c.high)]
+    return [end for end in ends if np.isfinite(end)]

@@ -13,13 +13,14 @@ from compass.orbits import repeat_period
 from compass.sites import Site
 from compass.study.mapping import MapOptions, option_mask
 
+#: Percentiles of GDOP that are bracketed: the usual, the seldom, and the tail samples see worst.
+PERCENTS = (50, 95, 99)
+
 
 def certified_figures(
     design: Design,
     options: MapOptions,
     effort: Effort | None = None,
-    *,
-    percents: Sequence[int] = (95,),
 ) -> CertifiedGeometry | None:
     """Bracket a map's figures over the whole surface; None where there is nothing to bracket.
 
@@ -31,8 +32,6 @@ def certified_figures(
         As of `compass.study.mapping.make_map`.
     effort
         How far to go; by default some seconds on all cores.
-    percents
-        Which percentiles of GDOP.
     """
     motion = design.motion.or_of(options.motion)
     if not design.constellation.size:
@@ -48,7 +47,7 @@ def certified_figures(
         figure=design.figure,
         mask=design.mask if options.mask_deg is None else option_mask(options.mask_deg),
         pdop_max=options.pdop_max,
-        percents=percents,
+        percents=PERCENTS,
         since=since,
         duration=None if hours is None else hours * 3600.0,
         motion=motion,

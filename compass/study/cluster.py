@@ -13,7 +13,7 @@ import queue
 import ssl
 import sys
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -24,10 +24,9 @@ from numpy.typing import NDArray
 
 import compass
 from compass.errors import ArgumentError, CompassError
-from compass.inputs.study import Study
 from compass.study.errand import ByValue, able, work
-from compass.study.stages import Found, evaluate
-from compass.study.workers import Result
+from compass.study.stages import evaluate
+from compass.words import counted
 
 #: Batches on their way for each thread of a cluster.
 AHEAD = 2
@@ -44,8 +43,6 @@ WATCH = 5.0
 #: Seconds for which a scheduler may be silent, or without a worker; Dask's own limit to drop a
 #: client, so waiting longer would be in vain.
 SILENCE = 30.0
-
-_STORED = "every finished candidate is stored"
 
 
 @dataclass(frozen=True)
@@ -83,19 +80,31 @@ class Tls:
             ) from error
 
 
-def evaluated(stage: str, study: bytes, rows: bytes) -> Found:
-    """As `compass.study.stages.evaluate`, of a study and candidates that come pickled."""
-    return evaluate(stage, _unpacked(study), pickle.loads(rows))
+def evaluated(stage: str, job: bytes, rows: bytes) -> Any:
+    """Do a part of a job that comes pickled: how a part is done, and what all have in common."""
+    do, common = _unpacked(job)
+    return do(stage, common, pickle.loads(rows))
 
 
 @lru_cache(maxsize=4)
-def _unpacked(study: bytes) -> Study:
-    unpacked: Study = pickle.loads(study)
+def _unpacked(job: bytes) -> tuple[Callable[..., Any], Any]:
+    unpacked: tuple[Callable[..., Any], Any] = pickle.loads(job)
     return unpacked
 
 
 class Cluster:
     """A Dask cluster, by its scheduler's address.
+
+    Parameters
+    ----------
+    common
+        What every part of the work needs, sent to the machines: a study.
+    address, tls
+        Of the scheduler.
+    do
+        Does a part: called with a stage, `common` and some rows; known on every machine.
+    kept
+        What a user has of the work if it ends before its time.
 
     Raises
     ------
@@ -104,12 +113,21 @@ class Cluster:
         answer, is none, has no workers, or one that cannot do the work.
     """
 
-    def __init__(self, study: Study, address: str, tls: Tls | None = None) -> None:
+    def __init__(
+        self,
+        common: Any,
+        address: str,
+        tls: Tls | None = None,
+        *,
+        do: Callable[[str, Any, NDArray], Any] = evaluate,
+        kept: str = "every finished candidate is stored",
+    ) -> None:
         try:
             from distributed import Client, Security
         except ImportError as error:
             raise ArgumentError("--scheduler: needs Dask; install compass-mars[cluster]") from error
-        self._study, self._option = pickle.dumps(study), f"--scheduler = {address}"
+        self._job, self._option = pickle.dumps((do, common)), f"--scheduler = {address}"
+        self._kept = kept
         address = self._checked(address, tls)
         security = Security()  # of Dask's own configuration
         if tls is not None:
@@ -167,9 +185,10 @@ class Cluster:
         if unfit:
             named = "; ".join(f"{where}: {why}" for where, why in sorted(unfit.items())[:NAMED])
             raise ArgumentError(
-                f"{self._option}: {len(unfit)} of {len(versions)} worker(s) cannot do the work: "
-                f"{named}; they are left as they are: install compass-mars {compass.__version__} "
-                "with the same Python there, or end them"
+                f"{self._option}: {len(unfit)} of {counted(len(versions), 'worker')} "
+                f"cannot do the work: {named}; they are left as they are: "
+                f"install compass-mars {compass.__version__} with the same Python there, or "
+                "end them"
             )
 
     def _checked(self, address: str, tls: Tls | None) -> str:
@@ -215,7 +234,7 @@ class Cluster:
         if found.get("type") != "Scheduler":
             raise ArgumentError(f"{self._option}: a Dask {found.get('type')}, not a scheduler")
 
-    def run(self, stage: str, batches: Iterable[NDArray]) -> Iterator[Result]:
+    def run(self, stage: str, batches: Iterable[NDArray]) -> Iterator[tuple[NDArray, Any]]:
         """As `Workers.run`.
 
         Raises
@@ -262,28 +281,28 @@ class Cluster:
         from distributed.client import ClosedClientError
 
         try:
-            arguments = compass.__version__, stage, self._study, pickle.dumps(rows)
+            arguments = compass.__version__, stage, self._job, pickle.dumps(rows)
             return self._client.submit(self._work, *arguments, pure=False)
         except ClosedClientError as error:
             raise self._lost() from error
 
-    def _result(self, future: Any) -> Found | None:
+    def _result(self, future: Any) -> Any:
         from distributed import CancelledError
         from distributed.scheduler import KilledWorker
 
         try:
-            found: Found = future.result(timeout=PATIENCE)
+            found = future.result(timeout=PATIENCE)
         except KilledWorker:
             return None
         except CancelledError as error:  # as all are when the connection breaks
             raise self._lost() from error
         except (OSError, CompassError):
             raise
-        except Exception as error:  # what the work itself raises is in `Found`
+        except Exception as error:  # what a candidate raises is in what was found
             raise CompassError(
                 f"{self._option}: cannot do the work ({_why(error)}); have compass "
                 f"{compass.__version__} and the same Python and Dask on every worker, and run the "
-                f"same command; {_STORED}"
+                f"same command; {self._kept}"
             ) from error
         return found
 
@@ -304,14 +323,14 @@ class Cluster:
             self.count, self._attended = count, self._looked
         elif self._looked - self._attended > SILENCE:
             raise CompassError(
-                f"{self._option}: has had no worker for {SILENCE:g} s; {_STORED}; start workers "
+                f"{self._option}: has had no worker for {SILENCE:g} s; {self._kept}; start workers "
                 "again and run the same command"
             )
 
     def _lost(self) -> CompassError:
         return CompassError(
-            f"{self._option}: lost; {_STORED}; see that the network is there and the scheduler and "
-            "its workers run, and run the same command"
+            f"{self._option}: lost; {self._kept}; see that the network is there and the scheduler "
+            "and its workers run, and run the same command"
         )
 
     def close(self) -> None:

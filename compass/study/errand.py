@@ -20,8 +20,8 @@ def able() -> str:
     return compass.__version__
 
 
-def work(version: str, stage: str, study: bytes, rows: bytes) -> Any:
-    """Put candidates through a stage, with the client's version or not at all."""
+def work(version: str, stage: str, job: bytes, rows: bytes) -> Any:
+    """Do a part of a job, with the client's version or not at all."""
     try:
         import compass
         from compass.study.cluster import evaluated
@@ -35,7 +35,7 @@ def work(version: str, stage: str, study: bytes, rows: bytes) -> Any:
         raise RuntimeError(
             f"{get_worker().address}: compass {compass.__version__}, this is {version}"
         )
-    return evaluated(stage, study, rows)
+    return evaluated(stage, job, rows)
 
 
 class ByValue:

@@ -3,23 +3,26 @@
 from collections import OrderedDict
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry.many import bounds, count_in_view, information, own_information
+from compass.coverage.region import read_regions
 from compass.digest import digest_of
-from compass.entry.arrivals import draw_arrivals
+from compass.entry.arrivals import Arrivals, draw_arrivals
 from compass.entry.campaign import Campaign, check_sigmas, fly_campaign
+from compass.entry.ground import Ground, aimed
+from compass.entry.guidance import Dispersion
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
 from compass.entry.unknowns import NOTHING, Unknowns
 from compass.errors import ArgumentError
 from compass.frames import Figure, prime_meridian_angle
 from compass.inputs.scenario import Scenario
 from compass.orbits import Constellation, repeat_period, states_mci
-from compass.sites import Mask
+from compass.sites import Mask, Site
 from compass.study.judgement import Judgement, unpacked
 
 Array = NDArray[np.float64]
@@ -41,6 +44,7 @@ class _Request:
     seed: int
     density_sigma: float
     lift_sigma: float
+    ground: Ground | None
 
 
 #: The last campaigns flown, by their requests' digests.
@@ -65,10 +69,10 @@ def _flown(request: _Request) -> Campaign:
 
 
 def _fly(request: _Request) -> Campaign:
-    scenario = request.scenario
-    arrivals = draw_arrivals(request.samples, request.seed)
+    scenario, ground = request.scenario, request.ground
     check_sigmas(request.density_sigma, request.lift_sigma)
-    try:
+
+    def fly(arrivals: Arrivals, electrons: Any, dispersion: Dispersion | None) -> Campaign:
         return fly_campaign(
             scenario.model,
             scenario.state,
@@ -76,12 +80,23 @@ def _fly(request: _Request) -> Campaign:
             scenario.times,
             arrivals,
             trigger=scenario.deployment,
-            electrons=request.electrons,
+            electrons=electrons,
             density_sigma=request.density_sigma,
             lift_sigma=request.lift_sigma,
-            dispersion=scenario.dispersion,
+            dispersion=dispersion,
             seed=request.seed,
         )
+
+    def to(goals: Arrivals) -> Campaign:
+        entries = aimed(lambda tried: fly(tried, None, None).deployment_place, goals)
+        flown = fly(entries, request.electrons, scenario.dispersion)
+        return replace(flown, again=to, ground=ground, goals=goals)
+
+    try:
+        if ground is not None:
+            return to(ground.draw(request.samples, request.seed))
+        drawn = draw_arrivals(request.samples, request.seed)
+        return fly(drawn, request.electrons, scenario.dispersion)
     except ArgumentError as error:  # what is left is the lander's fault
         raise ArgumentError(f"{scenario.label}: {error}") from error
 
@@ -94,8 +109,11 @@ def campaign_of(
     electrons: ElectronModel | ElectronTable | None = WAKE,
     density_sigma: float = 0.0,
     lift_sigma: float = 0.0,
+    ground: Ground | None = None,
 ) -> Campaign:
     """Entries of the scenario's lander spread over sites, azimuths and time; kept for reuse.
+
+    With a ground they are aimed so as to deploy there.
 
     The scenario's own site, its beacons and the bias of its truth play no role. Where its link
     counts plasma itself, signals are lost by that alone. Each differs by the scenario's dispersion.
@@ -108,11 +126,27 @@ def campaign_of(
         How many entries, and the seed of where and when they begin.
     electrons, density_sigma, lift_sigma
         As in `compass.entry.campaign.fly_campaign`.
+    ground
+        Where they deploy; anywhere if left out.
     """
     link = scenario.measurements.link
     if link is not None and link.electrons is not None:
         electrons = None
-    return _flown(_Request(scenario, electrons, samples, seed, density_sigma, lift_sigma))
+    return _flown(_Request(scenario, electrons, samples, seed, density_sigma, lift_sigma, ground))
+
+
+def ground_of(sites: Sequence[Site], regions: Sequence[str]) -> Ground | None:
+    """Ground of sites, and of regions as `compass.coverage.region.read_regions` reads them.
+
+    None without any, and where one is the globe and nothing else is named: anywhere.
+    """
+    if not sites and set(regions) <= {"globe"}:
+        return None
+    return Ground(
+        (*(site.name for site in sites), *regions),
+        (*((site.latitude, site.longitude) for site in sites), *(None for _ in regions)),
+        (*(() for _ in sites), *(read_regions(text) for text in regions)),
+    )
 
 
 def judge(

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from compass.cores import cores
 from compass.entry.beacons import Beacons, orbiting_beacons
 from compass.entry.consistency import FALSE_ALARM, nees_bounds
+from compass.entry.ground import Ground
 from compass.entry.layout import Part
 from compass.entry.navigation import MonteCarlo, run_monte_carlo
 from compass.entry.quantiles import percentiles
@@ -53,6 +54,7 @@ def judge_filter(
     density_sigma: float = 0.0,
     lift_sigma: float = 0.0,
     unknowns: Unknowns = NOTHING,
+    ground: Ground | None = None,
     threads: int | None = None,
     progress: Callable[..., Iterable[Any]] = lambda items, **_: items,
 ) -> dict[str, Any]:
@@ -67,7 +69,7 @@ def judge_filter(
         least, the same number in each entry, with its own errors, noise and arrivals.
     seed
         Of the entries and of the runs.
-    electrons
+    electrons, ground
         As in `compass.study.judge.campaign_of`.
     density_sigma, lift_sigma, unknowns
         What is not known: the filter estimates density, L/D and its clock, and considers errors of
@@ -101,6 +103,7 @@ def judge_filter(
         electrons=electrons,
         density_sigma=density_sigma,
         lift_sigma=lift_sigma,
+        ground=ground,
     )
     air = (("air", density_sigma), ("lift", lift_sigma * abs(scenario.model.vehicle.lift_to_drag)))
     parts_of_air = tuple(Part(name, (sigma,)) for name, sigma in air if sigma)

@@ -1,12 +1,12 @@
 """The worst entry, searched for rather than met by chance."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from compass.entry.arrivals import Arrivals
 from compass.entry.campaign import Campaign
+from compass.entry.ground import Ground
 from compass.entry.unknowns import NOTHING, Unknowns
 from compass.errors import ArgumentError
 from compass.frames import Figure
@@ -65,14 +65,14 @@ def worst_entry(
     found = start or judge_entries(constellation, campaign, scenario, **place)
     generator = np.random.default_rng(seed)
     cases = (None,) if lost is None else (None, lost)
-    best = {case: _worst(found, np.empty((0, 9)), case) for case in cases}
+    best = {case: _worst(found, np.empty((0, 10)), case) for case in cases}
     for _ in range(MOMENTS):
-        moved = replace(campaign.arrivals, phase=generator.random(campaign.size))
-        later = judge_entries(constellation, replace(campaign, arrivals=moved), scenario, **place)
+        moved = campaign.at(generator.random(campaign.size))
+        later = judge_entries(constellation, moved, scenario, **place)
         best = {case: _worst(later, rows, case) for case, rows in best.items()}
     for case in cases:
         for k in range(rounds):
-            tried = _around(best[case], SHRINK**k * REACH, generator)
+            tried = _around(best[case], SHRINK**k * REACH, generator, campaign.ground)
             try:
                 flown = campaign.again(tried)
             except ArgumentError:  # one of them comes to no deployment
@@ -85,12 +85,15 @@ def worst_entry(
     return result
 
 
-def _around(best: np.ndarray, reach: np.ndarray, generator: np.random.Generator) -> Arrivals:
-    """`BATCH` arrivals around the worst so far."""
+def _around(
+    best: np.ndarray, reach: np.ndarray, generator: np.random.Generator, ground: Ground | None
+) -> Arrivals:
+    """`BATCH` arrivals around the worst so far, none of them outside of the ground."""
     centres = np.repeat(best[:, :4], -(-BATCH // len(best)), axis=0)[:BATCH]
     tried = centres + reach * generator.uniform(-1, 1, centres.shape)
     latitude = np.clip(tried[:, 0], -np.pi / 2, np.pi / 2)
-    return Arrivals(latitude, tried[:, 1], tried[:, 2], tried[:, 3] % 1)
+    found = Arrivals(latitude, tried[:, 1], tried[:, 2], tried[:, 3] % 1)
+    return found if ground is None else ground.kept(found, Arrivals(*centres.T))
 
 
 def _as_plain(row: np.ndarray) -> dict[str, Any]:
@@ -99,15 +102,18 @@ def _as_plain(row: np.ndarray) -> dict[str, Any]:
         "value": float(row[4]),
         "latitude_deg": float(np.degrees(row[5])),
         "longitude_deg": float(np.degrees(row[6])),
-        "azimuth_deg": float(np.degrees(row[2]) % 360),
+        "azimuth_deg": float(np.degrees(row[9]) % 360),
         "epoch_s": float(row[7]),
         "in_view": int(row[8]),
     }
 
 
 def _worst(found: Judgement, others: np.ndarray, lost: int | None) -> np.ndarray:
-    """Worst first, of a judgement and other rows: arrival (4), sigma, place (2), epoch, fold."""
-    a = found.campaign.arrivals
+    """Worst first, of a judgement and other rows.
+
+    What was asked (4), sigma, place (2), epoch, fold, azimuth at entry.
+    """
+    a = found.campaign.asked
     latitude, longitude = found.campaign.deployment_place
     flying = np.arange(found.campaign.times.size) <= found.campaign.stops[:, None]
     kept = np.arange(found.constellation.size) != lost
@@ -117,7 +123,7 @@ def _worst(found: Judgement, others: np.ndarray, lost: int | None) -> np.ndarray
     rows = np.stack(
         [
             a.latitude, a.longitude, a.azimuth, a.phase, sigma, latitude, longitude,
-            found.epochs, fold,
+            found.epochs, fold, found.campaign.arrivals.azimuth,
         ],
         axis=1,
     )  # fmt: skip

@@ -6,13 +6,14 @@ under all forces, trimmed where they can be, and no symmetry (`compass.coverage.
 """
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.resonance import push_on_patterns
 from compass.coverage.lasting import prove_span
-from compass.frames import SECONDS_PER_DAY, prime_meridian_angle
+from compass.frames import SECONDS_PER_DAY, Figure, prime_meridian_angle
 from compass.inputs.study import Study
 from compass.orbits import Constellation
 from compass.orbits.forces import ForceModel
@@ -74,7 +75,7 @@ def orbits_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]
             make_constellation(row),
             study.fold,
             study.orbits.days,
-            study.figure.equatorial_radius,
+            study.figure,
             float(np.radians(row["mask_deg"])),
             study.motion,
         )
@@ -87,7 +88,7 @@ def proven_days(
     c: Constellation,
     fold: int,
     days: float,
-    sphere: float,
+    figure: Figure,
     mask: float,
     motion: Motion | None = None,
 ) -> float:
@@ -96,4 +97,5 @@ def proven_days(
     if moved.forces is not None and can_trim(c):
         c = trim(c, moved.forces, stop).constellation
     path = moved.trajectory(c, 0.0, stop, tolerance=COARSE)
-    return prove_span(path, fold, sphere_radius=sphere, mask=mask, stop=stop).days_proven
+    ground: Any = {"sphere_radius": figure.equatorial_radius, "stretch": figure.stretch}
+    return prove_span(path, fold, **ground, mask=mask, stop=stop).days_proven

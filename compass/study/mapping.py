@@ -1,20 +1,22 @@
 """From a design to its coverage map, with the provenance that the map carries."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import compass
 from compass.conventions import epoch_text
-from compass.cores import cores
-from compass.coverage.errors import error_map
-from compass.coverage.gaps import coverage_gaps, shortest_pass
+from compass.coverage.errors import error_map, error_rows
+from compass.coverage.gaps import GapTrack, coverage_gaps, gap_rows, shortest_pass
 from compass.coverage.grid import Grid, make_grid
-from compass.coverage.maps import coverage_map
-from compass.coverage.protection import protection_map
+from compass.coverage.maps import count_rows, coverage_map
+from compass.coverage.protection import protection_map, protection_rows
+from compass.coverage.rows import Part, Rows, by_threads
 from compass.coverage.view import View, view
 from compass.design import PDOP_MAX, Design
 from compass.errors import ArgumentError
@@ -22,8 +24,9 @@ from compass.frames import SECONDS_PER_DAY
 from compass.memory import check_fits
 from compass.orbits import RepeatPeriod, repeat_period
 from compass.orbits.motion import Motion, MotionModel
-from compass.signal.ranges import Weighting, range_errors
+from compass.signal.ranges import RangeErrors, Weighting, range_errors
 from compass.sites import Mask
+from compass.study.map_cost import Cost, map_cost
 from compass.words import counted
 
 if TYPE_CHECKING:
@@ -34,15 +37,6 @@ MAX_DURATION_H = 1e6
 
 #: Days after the epoch, a century, up to which a map may begin: rounding of time stays small.
 MAX_START_DAY = 36525.0
-
-# Bytes, as measured: a satellite at an epoch (the same where orbits are integrated, all epochs at
-# once), a cell, an epoch of a cell in the row at work.
-POSITION_BYTES, INTEGRATED_BYTES, CELL_BYTES, ROW_BYTES = 40, 110, 180, 25
-# And with errors besides, in the same order; their forms are made of all epochs at once.
-ERROR_POSITION_BYTES, ERROR_CELL_BYTES, ERROR_ROW_BYTES = 700, 50, 20
-# Seconds of one core, as measured (`tox -e bench` shows them): a cell at an epoch, and every
-# satellite of it; a satellite of it where errors are asked for; gaps are a satellite of it too.
-CELL_S, SATELLITE_S, ERROR_SATELLITE_S = 4e-8, 9e-10, 8e-9
 
 
 @dataclass(frozen=True)
@@ -86,6 +80,129 @@ class MapOptions:
     error_max_m: float = 30.0
     weights: Weighting = "variance"
 
+    def check(self) -> None:
+        """Refuse what is outside what is allowed.
+
+        Raises
+        ------
+        ArgumentError
+            Naming the option, its value and the range.
+        """
+        if not 1 <= self.epochs <= MAX_EPOCHS:
+            raise ArgumentError(f"epochs = {self.epochs}: allowed 1 to {MAX_EPOCHS}")
+        if self.duration_h is not None and not 0 < self.duration_h <= MAX_DURATION_H:
+            raise ArgumentError(
+                f"duration_h = {self.duration_h}: must be above 0, at most {MAX_DURATION_H:g} hours"
+            )
+        if not self.pdop_max >= 1:
+            raise ArgumentError(
+                f"pdop_max = {self.pdop_max:g}: a dilution of precision to ask for is 1 or more"
+            )
+        if self.weights not in ("variance", "equal"):
+            raise ArgumentError(f"weights = {self.weights!r}: allowed variance, equal")
+        if not self.error_max_m > 0:
+            raise ArgumentError(f"error_max_m = {self.error_max_m:g}: must be positive")
+        if not 0 <= self.start_day <= MAX_START_DAY:
+            raise ArgumentError(
+                f"start_day = {self.start_day:g}: allowed 0 to {MAX_START_DAY:g}, a century"
+            )
+
+
+class MapRows:
+    """What rows of a design's map are found from.
+
+    It goes to another machine as the design and the options, and is made anew there.
+
+    Parameters
+    ----------
+    design, options
+        What is mapped, and how.
+    """
+
+    def __init__(self, design: Design, options: MapOptions) -> None:
+        self.design, self.options = design, options
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return MapRows, (self.design, self.options)
+
+    def __call__(self, kind: str, rows: Sequence[int]) -> Part:
+        """Find a kind of figures in some rows: gaps, counts, errors or protection."""
+        if kind == "gaps":
+            return gap_rows(self.track, self.grid, rows)
+        seen, grid = self.view, self.grid
+        if kind == "counts":
+            return count_rows(seen, grid, self.options.pdop_max, rows)
+        if kind == "errors":
+            return error_rows(seen, grid, self.ranges, self.options.error_max_m, rows)
+        assert self.design.integrity is not None
+        return protection_rows(seen, grid, self.ranges, self.design.integrity, rows)
+
+    @cached_property
+    def mask(self) -> Mask:
+        """Mask of all users."""
+        given = self.options.mask_deg
+        return self.design.mask if given is None else option_mask(given)
+
+    @cached_property
+    def motion(self) -> Motion:
+        """How the satellites move."""
+        return self.design.motion.or_of(self.options.motion)
+
+    @cached_property
+    def grid(self) -> Grid:
+        """The cells, on the design's figure."""
+        figure = self.design.figure
+        polar = figure.polar_radius / figure.equatorial_radius
+        return make_grid(self.options.grid, self.options.step_deg, polar)
+
+    @cached_property
+    def repeat(self) -> RepeatPeriod:
+        """After which the ground tracks repeat."""
+        return repeat_period(self.design.constellation)
+
+    @property
+    def duration(self) -> float:
+        """Seconds that are mapped."""
+        given = self.options.duration_h
+        return self.repeat.duration if given is None else given * 3600
+
+    @cached_property
+    def times(self) -> NDArray[np.float64]:
+        """Epochs, seconds after that of the orbits."""
+        epochs = self.options.epochs
+        start = self.options.start_day * SECONDS_PER_DAY
+        return np.asarray(start + np.arange(epochs) * (self.duration / epochs), dtype=np.float64)
+
+    @property
+    def fold(self) -> int:
+        """Satellites wanted."""
+        return self.design.fold if self.options.fold is None else self.options.fold
+
+    @cached_property
+    def view(self) -> View:
+        """The satellites at the epochs."""
+        radius = self.design.figure.equatorial_radius
+        return view(self.design.constellation, self.times, radius, self.mask, self.motion)
+
+    @cached_property
+    def ranges(self) -> RangeErrors:
+        """Errors of the ranges at the epochs."""
+        return range_errors(self.design, self.times, self.motion, self.options.weights)
+
+    @cached_property
+    def track(self) -> GapTrack:
+        """What gaps are followed along."""
+        return GapTrack(
+            self.design.constellation,
+            self.design.figure.equatorial_radius,
+            self.duration,
+            self.options.duration_h is None and closes(self.motion, self.repeat),
+            self.fold,
+            self.mask,
+            self.motion,
+            start=float(self.times[0]),
+        )
+
 
 @dataclass(frozen=True)
 class DesignMap:
@@ -107,14 +224,6 @@ class DesignMap:
     repeat: RepeatPeriod
 
 
-@dataclass(frozen=True)
-class Cost:
-    """What a map will take of this machine: seconds, to a factor of two, and bytes."""
-
-    seconds: float
-    bytes: float
-
-
 def make_map(
     design: Design,
     options: MapOptions | None = None,
@@ -123,10 +232,12 @@ def make_map(
     workers: int | None = None,
     foretell: Callable[[Cost], None] = lambda cost: None,
     progress: Callable[[int], None] = lambda rows: None,
+    by: Callable[[MapRows], Rows] | None = None,
 ) -> DesignMap:
     """Map a design over one repeat period of its ground tracks (or over a given duration).
 
-    What it will take is told to `foretell` before it is begun.
+    What it will take is told to `foretell` before it is begun; `by` says who does the rows, if
+    not threads of this machine.
 
     Raises
     ------
@@ -134,32 +245,9 @@ def make_map(
         An option outside what is allowed.
     """
     chosen = options or MapOptions()
-    if not 1 <= chosen.epochs <= MAX_EPOCHS:
-        raise ArgumentError(f"epochs = {chosen.epochs}: allowed 1 to {MAX_EPOCHS}")
-    if chosen.duration_h is not None and not 0 < chosen.duration_h <= MAX_DURATION_H:
-        raise ArgumentError(
-            f"duration_h = {chosen.duration_h}: must be above 0, at most {MAX_DURATION_H:g} hours"
-        )
-    if not chosen.pdop_max >= 1:
-        raise ArgumentError(
-            f"pdop_max = {chosen.pdop_max:g}: a dilution of precision to ask for is 1 or more"
-        )
-    if chosen.weights not in ("variance", "equal"):
-        raise ArgumentError(f"weights = {chosen.weights!r}: allowed variance, equal")
-    if not chosen.error_max_m > 0:
-        raise ArgumentError(f"error_max_m = {chosen.error_max_m:g}: must be positive")
-    mask = design.mask if chosen.mask_deg is None else option_mask(chosen.mask_deg)
-    repeat = repeat_period(design.constellation)
-    duration = repeat.duration if chosen.duration_h is None else chosen.duration_h * 3600
-    if not 0 <= chosen.start_day <= MAX_START_DAY:
-        raise ArgumentError(
-            f"start_day = {chosen.start_day:g}: allowed 0 to {MAX_START_DAY:g}, a century"
-        )
-    times = np.arange(chosen.epochs) * (duration / chosen.epochs)
-    times += chosen.start_day * SECONDS_PER_DAY
-    motion = design.motion.or_of(chosen.motion)
-    figure = design.figure
-    grid = make_grid(chosen.grid, chosen.step_deg, figure.polar_radius / figure.equatorial_radius)
+    chosen.check()
+    rows = MapRows(design, chosen)
+    grid, motion, figure = rows.grid, rows.motion, design.figure
     size, in_metres = design.constellation.size, design.signal is not None
     cost = map_cost(size, chosen.epochs, grid, workers, motion, in_metres)
     check_fits(
@@ -169,84 +257,30 @@ def make_map(
         "ask for fewer epochs or larger cells",
     )
     foretell(cost)
-    sphere = figure.equatorial_radius
-    fold = design.fold if chosen.fold is None else chosen.fold
-    seen = view(design.constellation, times, sphere, mask, motion)
-    gaps = coverage_gaps(
-        design.constellation,
-        grid,
-        sphere_radius=sphere,
-        span=duration,
-        ring=chosen.duration_h is None and closes(motion, repeat),
-        fold=fold,
-        mask=mask,
-        model=motion,
-        start=float(times[0]),
-        workers=workers,
-    )
+    do = by(rows) if by else None
+    gaps = coverage_gaps(rows.track, grid, workers=workers, by=do)
+    do = do or by_threads(workers, progress)
     dataset = coverage_map(
-        seen,
-        grid,
-        fold=fold,
-        gaps=gaps,
-        pdop_threshold=chosen.pdop_max,
-        workers=workers,
-        progress=progress,
+        rows.view, grid, fold=rows.fold, gaps=gaps, pdop_threshold=chosen.pdop_max, by=do
     )
     if design.signal is not None:
-        ranges = range_errors(design, times, motion, chosen.weights)
-        errors = error_map(
-            seen, grid, ranges, limit=chosen.error_max_m, workers=workers, progress=progress
-        )
+        errors = error_map(rows.view, grid, rows.ranges, limit=chosen.error_max_m, by=do)
         dataset = dataset.assign(errors.data_vars).assign_coords(errors.coords)
         dataset.attrs |= errors.attrs | {"error_weights": chosen.weights}
         if design.integrity is not None:
-            levels = protection_map(
-                seen, grid, ranges, design.integrity, workers=workers, progress=progress
-            )
+            levels = protection_map(rows.view, grid, rows.ranges, design.integrity, by=do)
             dataset = dataset.assign(levels.data_vars).assign_coords(levels.coords)
+    quickest = shortest_pass(design.constellation, figure.equatorial_radius, rows.mask.highest)
     dataset.attrs |= provenance(design, command) | {
-        "elevation_mask_deg": np.degrees(mask.elevation).tolist(),
+        "elevation_mask_deg": np.degrees(rows.mask.elevation).tolist(),
         "motion_model": motion.model,
         "figure": figure.title,
         "start_day": chosen.start_day,
-        "period_s": duration,
-        "shortest_pass_s": shortest_pass(design.constellation, sphere, mask.highest),
-        "repeat_miss_deg": float(np.degrees(repeat.closure)),
+        "period_s": rows.duration,
+        "shortest_pass_s": quickest,
+        "repeat_miss_deg": float(np.degrees(rows.repeat.closure)),
     }
-    return DesignMap(dataset, grid, seen, repeat)
-
-
-def map_cost(
-    satellites: int,
-    epochs: int,
-    grid: Grid,
-    workers: int | None,
-    motion: Motion,
-    errors: bool = False,
-) -> Cost:
-    """Work out what a map will take.
-
-    Held are the positions of every satellite at every epoch (with what is made on the way to
-    them, where that is not done in pieces), the figures of every cell, and the dilutions of a row
-    that each thread sorts.
-    """
-    threads = cores(workers)
-    cells = grid.rows * grid.columns
-    needed = (
-        (POSITION_BYTES if motion.is_closed_form else INTEGRATED_BYTES) * satellites * epochs
-        + CELL_BYTES * cells
-        + ROW_BYTES * threads * grid.columns * epochs
-    )
-    seconds = CELL_S + SATELLITE_S * satellites
-    if errors:
-        needed += (
-            ERROR_POSITION_BYTES * satellites * epochs
-            + ERROR_CELL_BYTES * cells
-            + ERROR_ROW_BYTES * threads * grid.columns * epochs
-        )
-        seconds += ERROR_SATELLITE_S * satellites
-    return Cost(seconds * cells * epochs / threads, needed)
+    return DesignMap(dataset, grid, rows.view, rows.repeat)
 
 
 def closes(motion: Motion, repeat: RepeatPeriod) -> bool:

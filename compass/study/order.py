@@ -1,14 +1,15 @@
 """Which candidates are on the front for sure: an order of brackets, refined where it is open."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.inputs.study import Study
+from compass.inputs.study import Constraint, Study
 from compass.study.bounds import LEVELS, bounded_figures, ends
 from compass.study.pareto import fronts
+from compass.study.sampling import rests_on_samples
 
 Figures = dict[str, NDArray[np.float64]]
 
@@ -27,7 +28,9 @@ class Order:
         Of the feasible with a value for every objective, by sure dominance: one that may be
         beaten but is not for sure is of the front; -1 elsewhere.
     decided
-        Whether it is known for sure that it is of the front, or that it is not.
+        Whether it is known for sure that it is of the front, or that it is not: by proven bounds
+        and exact figures. Where the study names a figure that is sampled, only what breaks
+        another limit is.
     open
         Whose bounds have to come nearer to decide what is not.
     """
@@ -57,7 +60,7 @@ def order_of(study: Study, figures: Figures, known: NDArray[np.bool_]) -> Order:
         one, other = (constraint.holds(end) for end in interval(figures, constraint.figure))
         straddling |= known & (one != other)
         feasible &= one & other
-    straddling = straddling & _may_hold(study, figures)
+    straddling &= may_hold(study.constraints, figures)
     sides = [(o.sign * np.stack(interval(figures, o.figure)))[:: o.sign] for o in study.objectives]
     low, high = (np.column_stack([pair[k] for pair in sides]) for k in (0, 1))
     chosen = np.flatnonzero(feasible & ~np.isnan(low).any(axis=1))
@@ -70,6 +73,8 @@ def order_of(study: Study, figures: Figures, known: NDArray[np.bool_]) -> Order:
     beats = may_beat(low[rivals], high[first])
     unsure, may = beats.any(axis=0), beats[: first.size].any(axis=1)
     decided[first] = ~unsure
+    if sampled := rests_on_samples(study):
+        decided &= ~may_hold([c for c in study.constraints if c.figure not in sampled], figures)
     wide = np.array((low < high).any(axis=1))
     open_[first] |= (unsure | may) & wide[first]
     return Order(feasible, straddling, front, decided, open_)
@@ -85,13 +90,13 @@ def interval(figures: Figures, figure: str) -> tuple[NDArray[np.float64], NDArra
     return np.where(known, figures[low], value), np.where(known, figures[high], value)
 
 
-def _may_hold(study: Study, figures: Figures) -> NDArray[np.bool_]:
-    """Whether no constraint is broken for sure, shape (n,)."""
-    held = [
-        np.any([constraint.holds(end) for end in interval(figures, constraint.figure)], axis=0)
-        for constraint in study.constraints
-    ]
-    return np.asarray(np.all(held, axis=0))
+def may_hold(constraints: Iterable[Constraint], figures: Figures) -> NDArray[np.bool_]:
+    """Whether none of some constraints is broken for sure, shape (n,)."""
+    held = np.ones(next(iter(figures.values())).size, dtype=bool)
+    for constraint in constraints:
+        pair = interval(figures, constraint.figure)
+        held &= np.any([constraint.holds(end) for end in pair], axis=0)
+    return held
 
 
 def may_beat(low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -104,6 +109,12 @@ def may_beat(low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.
     beats = no_larger & smaller
     np.fill_diagonal(beats, False)
     return np.asarray(beats)
+
+
+def bound_limits(rows: NDArray, refine: Callable[[str, NDArray], None]) -> None:
+    """Bound candidates as far as the first level goes, where limits decide who goes on."""
+    for level in list(LEVELS)[:1]:
+        refine(level, rows)
 
 
 def settle(

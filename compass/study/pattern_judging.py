@@ -14,7 +14,7 @@ from compass.orbits.period import closing_days
 from compass.quantities.merits import merits_of, worked_out
 from compass.sites import Mask
 from compass.study.candidates import make_constellation, pattern_columns
-from compass.study.judge import campaign_of, check_measurements, due, judge_entries
+from compass.study.judge import campaign_of, check_measurements, due, ground_of, judge_entries
 
 
 def judged(study: Study, c: Constellation, mask_deg: float) -> dict[str, float]:
@@ -23,7 +23,7 @@ def judged(study: Study, c: Constellation, mask_deg: float) -> dict[str, float]:
     assert entry is not None
     campaign = campaign_of(
         entry.scenario, entry.samples, study.seed, density_sigma=entry.density_sigma,
-        lift_sigma=entry.lift_sigma,
+        lift_sigma=entry.lift_sigma, ground=ground_of(entry.sites, entry.regions),
     )  # fmt: skip
     found = judge_entries(
         c, campaign, entry.scenario, figure=study.figure,
@@ -34,7 +34,7 @@ def judged(study: Study, c: Constellation, mask_deg: float) -> dict[str, float]:
 
 
 def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
-    """Landing navigation over entries everywhere and at any time, (n,) each.
+    """Landing navigation over entries wherever the study lands and at any time, (n,) each.
 
     The figures are those of `compass.study.judge.judge` without the losses of satellites, to
     within its interpolation of orbits (2e-6 m at areosynchronous height) and rounding.
@@ -62,6 +62,7 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         study.seed,
         density_sigma=study.entry.density_sigma,
         lift_sigma=study.entry.lift_sigma,
+        ground=ground_of(study.entry.sites, study.entry.regions),
     )
     motion = np.sqrt(MARS_GM.value / radius**3)
     days, _ = closing_days(motion[:, np.newaxis])

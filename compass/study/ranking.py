@@ -4,18 +4,22 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from compass.coverage.areas import AreaFigures
+from compass.coverage.certified_effort import Effort
 from compass.design import Design
-from compass.entry.arrivals import draw_arrivals
 from compass.entry.doubts import NO_DOUBTS, Doubts
 from compass.entry.guidance import Dispersion
 from compass.entry.schedule import Measurements
 from compass.errors import ArgumentError, said_of
 from compass.inputs.scenario import Scenario
-from compass.study.judge import campaign_of, check_lander, judge_entries
+from compass.sites import Site
+from compass.study.certified import certified_areas
+from compass.study.judge import campaign_of, check_lander, ground_of, judge_entries
 from compass.study.judge_filter import NOT_RUN, judge_filter
 from compass.study.judge_surface import judge_surface
 from compass.study.judge_worst import worst_entry
 from compass.study.judgement import Judgement
+from compass.study.mapping import MapOptions
 
 #: Most runs of the filter on one design.
 MOST_RUNS = 100_000
@@ -31,10 +35,13 @@ class Ranking:
         Plain values with units in their names, the best design first.
     judgements
         What they come from, in the same order.
+    areas
+        What users have at the sites and in the regions that were named, likewise.
     """
 
     record: dict[str, Any]
     judgements: tuple[Judgement, ...]
+    areas: tuple[tuple[AreaFigures, ...], ...] = ()
 
 
 def rank_designs(
@@ -49,6 +56,8 @@ def rank_designs(
     doubts: Doubts = NO_DOUBTS,
     finalists: int = 3,
     runs: int = 512,
+    sites: Sequence[Site] = (),
+    regions: Sequence[str] = (),
     threads: int = 1,
     progress: Callable[..., Iterable[Any]] = lambda items, **_: items,
 ) -> Ranking:
@@ -73,6 +82,9 @@ def rank_designs(
         What the lander does not know of clocks, orbits and biases.
     finalists, runs
         On how many of the best to run the filter, and how often for each.
+    sites, regions
+        Where the landers deploy, by turns; anywhere without any. For users there each design is
+        asked too (`compass.coverage.areas.area_figures`).
     threads
         Threads; the numbers do not depend on them.
     progress
@@ -87,11 +99,13 @@ def rank_designs(
         raise ArgumentError("designs: none given; name at least one design file")
     check_ranking(goal, finalists, runs)
     check_lander(scenario, samples, seed)
-    campaign = campaign_of(
-        scenario, samples, seed, density_sigma=density_sigma, lift_sigma=lift_sigma
-    )
+    ground = ground_of(sites, regions)
+    air: dict[str, Any] = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
+    campaign = campaign_of(scenario, samples, seed, ground=ground, **air)
+    effort = Effort(workers=threads)
     rows: list[dict[str, Any]] = []
     kept: list[Judgement] = []
+    areas: list[tuple[AreaFigures, ...]] = []
     for design in progress(designs, total=len(designs), desc="designs"):
         with said_of(design.label):
             place: dict[str, Any] = {"figure": design.figure, "mask": design.mask}
@@ -99,6 +113,7 @@ def rank_designs(
             place["unknowns"] = unknowns
             found = judge_entries(c, campaign, scenario, threads=threads, **place)
             kept.append(found)
+            areas.append(certified_areas(design, MapOptions(), sites, regions, effort))
             judged = found.figures(goal)
             worst = worst_entry(
                 c, scenario, campaign, seed=seed, start=found, lost=found.worst_loss, **place
@@ -119,6 +134,7 @@ def rank_designs(
                     "surface": judge_surface(
                         c, fold=design.fold, figure=design.figure, mask=design.mask
                     ),
+                    "areas": [one.as_dict() for one in areas[-1]],
                 }
             )
     order = sorted(
@@ -137,10 +153,10 @@ def rank_designs(
                     seed=seed,
                     figure=design.figure,
                     mask=design.mask,
-                    density_sigma=density_sigma,
-                    lift_sigma=lift_sigma,
                     unknowns=doubts.of(design),
+                    ground=ground,
                     threads=threads,
+                    **air,
                 )
             )
         rows[k]["answer"] = believed_answer(rows[k], goal)
@@ -150,15 +166,20 @@ def rank_designs(
         "samples": samples,
         "seed": seed,
         "goal_m": goal,
-        "density_sigma": density_sigma,
-        "lift_sigma": lift_sigma,
+        "ground": [] if ground is None else list(ground.names),
+        **air,
         "doubts": asdict(doubts),
         "counted": doubts.sentence([d.name for d in designs if d.signal is not None])
         + measured_words(scenario.measurements)
         + dispersed_words(scenario.dispersion),
         "designs": [{"rank": rank + 1, **rows[k]} for rank, k in enumerate(order)],
     }
-    return Ranking(record, tuple(kept[k] for k in order))
+    return Ranking(record, tuple(kept[k] for k in order), tuple(areas[k] for k in order))
+
+
+def ground_words(record: dict[str, Any]) -> str:
+    """Say where landers come down in words that follow a comma: at named places, or anywhere."""
+    return f"at {', '.join(record['ground'])}" if record["ground"] else "anywhere"
 
 
 def measured_words(measurements: Measurements) -> str:
@@ -267,8 +288,7 @@ def judge_more(
     """
     record, more = ranking.record, [[one] for one in ranking.judgements[:best]]
     for k in range(1, times):
-        drawn = draw_arrivals(record["samples"], record["seed"] + k)
-        campaign = ranking.judgements[0].campaign.again(drawn)
+        campaign = ranking.judgements[0].campaign.drawn(record["seed"] + k)
         for own, row in zip(more, record["designs"], strict=False):
             design = designs[row["given"] - 1]
             judged = judge_entries(

@@ -80,7 +80,7 @@ class Moments:
         """
         limits = self._limits()
         mask = self.users.mask
-        azimuths, elevations = np.array(mask.azimuth), np.array(mask.elevation) + self.users.below
+        azimuths, elevations = np.array(mask.azimuth), np.array(mask.elevation)
         if mask.is_constant:
             azimuths, elevations = azimuths[:1], elevations[:1]
         sample_pattern(

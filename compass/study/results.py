@@ -33,9 +33,9 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
         figures (nan where a stage was not reached), ``stage`` (the last reached), ``error``
         (its text, or empty), ``feasible`` (whether it is known to meet every constraint; of one
         on entries only those that were judged), ``front`` (of the feasible with a value for every
-        objective; -1 elsewhere), ``decided`` (whether it is known for sure that it is of the first
-        front, or that it is not). Figures between proven bounds are the middle of these, which
-        are beside them as ``FIGURE_low`` and ``FIGURE_high``.
+        objective; -1 elsewhere), ``decided`` (whether it is known for sure, not from samples, that
+        it is of the first front, or that it is not). Figures between proven bounds are the middle
+        of these, which are beside them as ``FIGURE_low`` and ``FIGURE_high``.
 
     Raises
     ------
@@ -86,7 +86,8 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
         if figure not in data:
             attrs = merit.quantity.attributes()
             if how := sampling_of(study, figure):
-                attrs["sampled_over"] = how
+                bounded = figure in bounded_figures(study)
+                attrs["sampled_over"] = how + ("; where there are bounds, their middle" * bounded)
             data[figure] = ("candidate", _middle(figures, figure), attrs)
     for figure in bounded_figures(study):
         for end, side in zip(ends(figure), ("lower", "upper"), strict=True):

@@ -1,8 +1,9 @@
 """How well sampled figures are known: what was sampled, and by how much another would differ.
 
-Costs, fold and margins are exact (but for rounding and a stated bracket). Figures of geometry are
-of cells and epochs; how far they move when both are made finer says how far off they may be.
-Figures of landings are of the entries judged, the same for all candidates.
+Costs, fold and margins are exact (but for rounding and a stated bracket), requirements and days on
+real orbits proven. Figures of geometry are of cells and epochs, but for those that have proven
+bounds; how far they move when both are made finer says how far off they may be. Figures of landings
+are of the entries judged, the same for all candidates.
 """
 
 from dataclasses import replace
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from compass.inputs.study import Study
 from compass.quantities.merits import MERITS, merits_of
+from compass.study.bounds import bounded_figures
 from compass.study.pattern_map import map_figures
 
 
@@ -21,11 +23,26 @@ def sampling_of(study: Study, figure: str) -> str:
     if stage == "map":
         grid = study.map
         return f"{grid.step_deg:g} deg cells, {grid.epochs} epoch{'s' * (grid.epochs > 1)}"
-    if stage == "orbits":
-        return f"{study.orbits.days:g} days"
     if stage == "entry" and study.entry is not None:
         return f"{study.entry.samples} entr{'ies' if study.entry.samples > 1 else 'y'}"
     return ""
+
+
+def rests_on_samples(study: Study) -> list[str]:
+    """Figures that a study sorts by or limits, and that are known from samples alone."""
+    proven = bounded_figures(study)
+    return [f for f in MERITS if f in study.named and f not in proven and sampling_of(study, f)]
+
+
+def front_known(study: Study, undecided: int) -> str:
+    """Return how well it is known who is on the front, in words."""
+    if sampled := rests_on_samples(study):
+        titles = ", ".join(MERITS[name].title for name in sampled)
+        return f"who is on the front is not proven: it rests on samples of {titles}"
+    told = f"of {undecided} it is not decided within the budget" if undecided else "decided"
+    if study.sampling.method == "nsga2":
+        told += ", among those that evolution by samples came upon"
+    return f"who is on the front: {told}"
 
 
 def sampled_over(study: Study, figures: list[str]) -> str:

@@ -6,7 +6,7 @@ and a finished study is read, not computed. What is found does not depend on the
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from compass.inputs.study import Study
 from compass.quantities.merits import MERITS
-from compass.study.bounds import LEVELS, bound_columns
+from compass.study.bounds import LEVELS, bound_columns, limited_figures
 from compass.study.candidates import ROW, batches, candidates, described, identities
-from compass.study.order import settle
+from compass.study.order import bound_limits, may_hold, settle
 from compass.study.pareto import best
 from compass.study.stages import FINDERS, figures_of, passing
 from compass.study.store import Store
@@ -81,6 +81,9 @@ class Summary:
 def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summary:
     """Bring a study to its end: screen, map, orbits, entry; or generation by generation (NSGA-II).
 
+    Limits on geometry are told by proven bounds, right behind the map; NSGA-II, which looks at
+    many that are given up again, goes by samples until its end.
+
     Raises
     ------
     DesignError
@@ -89,6 +92,10 @@ def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summa
         The store cannot be written; what it holds stays good.
     """
     summary = Summary()
+
+    def refine(level: str, rows: NDArray) -> None:
+        _refine(level, rows, store, workers, bars, summary)
+
     if study.sampling.method == "nsga2":
         from compass.study.evolve import evolve
 
@@ -99,7 +106,7 @@ def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summa
             bars,
         )
         summary.candidates = store.finished
-        _settle(study, store, workers, bars, summary)
+        _settle(study, store, refine)
         return summary
     found = candidates(study)
     summary.candidates = len(found)
@@ -108,30 +115,37 @@ def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summa
     for stage in ("map", "requirements", "orbits"):
         if stage in study.stages:
             _stage(stage, passed(study, store, before), store, workers, bars, summary)
+            if stage == "map" and limited_figures(study):
+                bound_limits(mapped(study, store), refine)
             before = stage
     if study.entry is not None:
         _stage("entry", finalists(study, store), store, workers, bars, summary)
-    _settle(study, store, workers, bars, summary)
+    _settle(study, store, refine)
     return summary
 
 
-def _settle(study: Study, store: Store, workers: Workers, bars: Bars, summary: Summary) -> None:
+def _settle(study: Study, store: Store, refine: Callable[[str, NDArray], None]) -> None:
     """Bound the geometry of those that may be of the front as near as it takes to tell."""
     rows = passed(study, store, study.stages[-1])
     wanted = gather(store, identities(rows), {o.figure for o in study.objectives})
     rows = rows[~np.isnan(np.column_stack(list(wanted.values()))).any(axis=1)]
 
-    def refine(level: str, some: NDArray) -> None:
-        own = Summary()
-        _stage(level, some, store, workers, bars, own)
-        summary.bounded[level], summary.seconds[level] = some.size, own.seconds.get(level, 0.0)
-        summary.unfinished += own.unfinished
-        summary.lethal = [*summary.lethal, *own.lethal][:NAMED]
-
     def figures(some: NDArray) -> dict[str, NDArray[np.float64]]:
         return gather(store, identities(some), study.named | set(bound_columns()))
 
     settle(study, rows, figures, refine)
+
+
+def _refine(
+    level: str, rows: NDArray, store: Store, workers: Workers, bars: Bars, summary: Summary
+) -> None:
+    """Bound the geometry of candidates at a level, but for those whose bounds the store has."""
+    own = Summary()
+    _stage(level, rows, store, workers, bars, own)
+    summary.bounded[level] = own.reached[level]
+    summary.seconds[level] = summary.seconds.get(level, 0.0) + own.seconds.get(level, 0.0)
+    summary.unfinished += own.unfinished
+    summary.lethal = [*summary.lethal, *own.lethal][:NAMED]
 
 
 def _stage(
@@ -192,7 +206,26 @@ def _missing(rows: Iterable[NDArray], done: set[str]) -> Iterator[NDArray]:
 
 
 def passed(study: Study, store: Store, stage: str) -> NDArray:
-    """Candidates that meet every constraint up to and with this stage, in the order of rows."""
+    """Candidates that meet every constraint up to and with this stage, in the order of rows.
+
+    Limits on geometry break by proven bounds where there are any: who may keep them goes on.
+    """
+    if stage == "map" and (limited := limited_figures(study)):
+        rows = mapped(study, store)
+        known = gather(store, identities(rows), {*limited, *bound_columns()})
+        return rows[may_hold([c for c in study.constraints if c.figure in limited], known)]
+    return _passed(study, store, stage)
+
+
+def mapped(study: Study, store: Store) -> NDArray:
+    """Candidates that have been mapped, and break at most limits that proven bounds tell."""
+    limited = limited_figures(study)
+    others = tuple(c for c in study.constraints if c.figure not in limited)
+    return _passed(replace(study, constraints=others), store, "map")
+
+
+def _passed(study: Study, store: Store, stage: str) -> NDArray:
+    """Candidates at a stage that meet its constraints, as it found them."""
     found = [np.empty(0, ROW)]
     for batch in store.batches(stage):
         figures = batch.found.figures

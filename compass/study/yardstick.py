@@ -166,7 +166,7 @@ def _by_itself(
         figures |= settled(study, c, mask)
     if "orbits" in study.stages:
         days = study.orbits.days
-        figures["days_proven"] = proven_days(c, study.fold, days, sphere, mask, study.motion)
+        figures["days_proven"] = proven_days(c, study.fold, days, study.figure, mask, study.motion)
     if study.entry is not None:
         figures |= judged(study, c, mask_deg)
     return figures, errors

@@ -8,6 +8,7 @@ import pytest
 
 import compass
 from compass import Mask, Requirement, Site, walker_delta
+from compass.coverage.promises import box_of
 from compass.coverage.verdict import Verdict, both
 from compass.design import Design
 from compass.errors import ArgumentError
@@ -53,7 +54,7 @@ def test_a_ring_is_seen_from_the_equator_and_not_from_the_pole():
     ]
     assert (known[0]["met"], known[0]["evidence"], known[0]["share"]) == (True, "proven", [1, 1])
     json.dumps(found.to_dict(), allow_nan=False)
-    assert str(found).startswith("ring: MISSED: 2 requirement(s): 1 met, 1 missed")
+    assert str(found).startswith("ring: MISSED: 2 requirements: 1 met, 1 missed")
 
 
 def test_without_requirements_the_coverage_of_the_file_is_asked():
@@ -189,6 +190,14 @@ def test_along_real_paths_over_days():
     seen = positions_mcmf(design.constellation, [missed.worst.time])[:, 0]
     there = Site("w", missed.worst.latitude, missed.worst.longitude, figure=flat.figure)
     assert there.sees(seen).sum() == missed.worst.value < 3
+    for asked, reason in (
+        ({"altitude": 3e7}, "users above satellites are not looked at"),
+        ({"beam": 0.2}, "beams of antennas are not looked at along real paths"),
+    ):
+        (told,) = compass.check(
+            replace(design, requirements=(replace(belt, **asked),)), days=0.5
+        ).verdicts
+        assert told.met is None and reason in told.reason
     above = replace(belt, altitude=1e5, sites=(EQUATOR,))
     assert "above an ellipsoid" in verdict(replace(flat, requirements=(above,)), days=0.5).reason
 
@@ -256,6 +265,22 @@ def test_what_cannot_be_asked_is_told():
         compass.check(ring(), budget_s=0)
     with pytest.raises(ArgumentError, match="a: asks for nothing; add a fold or a limit"):
         compass.check(ring(Requirement("a")))
+
+
+def test_users_in_orbit_and_in_beams():
+    """A ring around the equator as seen from over it, past Mars, and by those in its beams."""
+    over = {"altitude": 4e7, "mask": np.radians(-85), "regions": ("lat:-1:1",)}
+    seen = Requirement("past Mars", fold=3, **over)
+    narrow = replace(seen, name="narrow", beam=np.radians(10))
+    found = compass.check(ring(seen, narrow, satellites=12))
+    assert [verdict.met for verdict in found.verdicts] == [True, False]
+    assert "40000 km above the ground, in beams of 10 deg" in str(found)
+    # geometry in a beam is a horizon's under circles over a sphere, else it is not known
+    below = Requirement("g", regions=("lat:-1:1",), limits=(("pdop", 6.0),), beam=0.1)
+    assert verdict(ring(below)).met is False
+    odd = replace(ring(below), figure="iau-ellipsoid")
+    assert "PDOP of these users is not certified" in verdict(odd).reason
+    assert box_of(ring(replace(below, limits=(), fold=1))) is None
 
 
 def made(met, share=None, evidence="bracket"):

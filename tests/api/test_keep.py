@@ -17,7 +17,7 @@ from compass.orbits import states_mci
 from compass.orbits.constellation import keplerian
 from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import built_in_field
-from compass.orbits.keeping import _into_plane, keep_slots
+from compass.orbits.keeping import _into_plane, _Slots, keep_slots
 from compass.orbits.trajectory import integrate
 
 STILL = """
@@ -247,3 +247,24 @@ def test_no_box_is_made_of_a_margin_that_is_none(designs):
     said = "fold = 4: the whole sphere does not have it above 10 deg, so no slot has any room"
     with pytest.raises(ArgumentError, match=said):
         compass.keep(designs / "five-landing-sites.toml", years=0.1, mask_deg=10.0)
+
+
+def test_a_slot_that_has_left_an_unstable_point_is_kept_by_few_burns_again():
+    """Under a constant push every ``4 sqrt(w / u'')``, though it once came out on the other side.
+
+    Burns fall on the day after the edge is met: up to a day in an interval of 24.
+    """
+    width, bend, axis = np.radians(3.0), np.radians(0.08), 2.04e7
+    controller = _Slots(1, axis, width, 0.0)
+    controller.reach[:] = 0.5
+    place, speed, burnt = np.zeros(1), np.zeros(1), []
+    for day in range(700):
+        kick = controller.look(day * DAY, place, place, np.ones(1))
+        if kick[0]:
+            burnt.append(day)
+        # the impulse comes half a step after the look
+        after = speed + 0.5 * bend - 3.0 * kick * DAY / axis
+        place, speed = place + 0.5 * (speed + after) + 0.125 * bend, after + 0.5 * bend
+    assert np.diff(burnt)[0] < 20
+    assert controller.reach[0] == 1.0
+    assert np.diff(burnt)[-5:] == pytest.approx(4.0 * np.sqrt(width / bend), abs=1.0)

@@ -7,7 +7,8 @@ import pytest
 import compass
 from compass import Mask, Site
 from compass.coverage import areas as module
-from compass.coverage.certified_share import CertifiedPercentile, CertifiedShare
+from compass.coverage.certified_percentile import CertifiedPercentile
+from compass.coverage.certified_share import CertifiedShare
 from compass.design import Design
 from compass.errors import ArgumentError
 from compass.orbits.motion import Motion
@@ -101,8 +102,10 @@ def test_what_is_no_place_is_refused():
         compass.report("designs/entry-compass.toml", regions="globe", output="page")
 
 
-def test_errors_along_paths_are_left_out_where_they_are_not_certified(told):
-    d = design(signal=SIGNAL, motion=Motion("numerical"))
+def test_errors_along_paths_are_asked_of_ranges_without_a_direction(told):
+    d = design(signal=replace(SIGNAL, ephemeris=(2, 8, 5)), motion=Motion("numerical"))
     (site,) = figures(replace(d, requirements=()), sites=(HERE,), span=(0.0, 3600.0))
-    assert site.errors == {} and "numerical" in site.fold.scope
-    assert "error_limit_m" not in site.as_dict()
+    assert site.errors["error_vertical_m"] == (0.5, 0.6) and "numerical" in site.fold.scope
+    worst, best = (one[3]["ranges"] for one in told if one[1] == "error_vertical_m")
+    assert worst.is_isotropic and best.is_isotropic
+    assert worst.covariance[0, 3, 3] > best.covariance[0, 3, 3] >= 4.0

@@ -29,6 +29,9 @@ def test_gaps_and_counts_are_those_of_dense_samples():
     at = found.dataset["count"].values[0]
     again = SITE.sees(np.moveaxis(positions_mcmf(RING, found.dataset.time.values), 1, 0))
     assert at.tolist() == again.sum(axis=1).tolist()
+    age = found.dataset["age_h"].values[0]
+    assert (age[at >= 1] == 0).all() and np.nanmax(age) <= row["longest_gap_h"]
+    assert row["age_h"] == row["response_h"]
     assert found.to_dict()["stations"][0]["gdop_p95"] is None
     assert row["gdop_p95"] == np.inf
     assert "∞" in str(found)
@@ -58,7 +61,7 @@ def test_two_designs_are_one_network(tmp_path):
         joined.write(tmp_path / f"f{suffix}")
     lines = (tmp_path / "f.csv").read_text().splitlines()
     assert lines[0].startswith("station,time_s,count,gdop") and len(lines) == 21
-    joined.save_plot(tmp_path / "f.png", "pdop")
+    joined.save_plot(tmp_path / "f.png", "age_h")
     assert (tmp_path / "f.png").read_bytes()[:4] == b"\x89PNG"
 
 

@@ -84,7 +84,7 @@ def test_text_is_a_summary(design, monkeypatch, capsys):
     ):
         assert heading in out
     assert any(line.split()[:2] == ["Base", "P1S1"] for line in out.splitlines())
-    assert "season(s) below 2 deg" in out
+    assert "0 seasons below 2 deg" in out
 
 
 def test_many_stations_are_not_compared_with_each_other(design, monkeypatch, capsys):

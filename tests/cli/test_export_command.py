@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import compass
-from compass.handover.instants import sample_times
 
 SHORT = ["--duration-h", 2, "--step-s", 600]
 
@@ -51,17 +50,20 @@ def test_toml_reads_as_the_same_design(run, seed, tmp_path):
     assert one.stations == other.stations
 
 
-def test_motion_is_used(run, designs, tmp_path):
+def test_motion_is_used_from_a_day_on(run, designs, tmp_path):
     design = designs / "relay-orbiters.toml"
     ends = []
     for motion in ("two-body", "j2"):
         path = tmp_path / f"{motion}.czml"
-        options = ["--motion", motion, "--duration-h", 24]
+        options = ["--motion", motion, "--duration-h", 2, "--start-day", 20]
         assert run("export", design, "--format", "czml", "-o", path, *options)[0] == 0
         packets = json.loads(path.read_text(encoding="utf-8"))
         ends.append(packets[2]["position"]["cartesian"][-3:])
+        # readers count from the first moment, which the packet names
+        assert packets[2]["position"]["epoch"].startswith("2000-01-21T11:58:55.816")
+        assert packets[2]["position"]["cartesian"][::4][:1] == [0.0]
     c = compass.read_design(design).constellation
-    end = sample_times(c, 24.0)[-1:]
+    end = [20 * 86400 + 7200]
     expected = compass.ephemeris(c, end, "j2").r_mcmf.values[0, 0]
     np.testing.assert_allclose(ends[1], expected, atol=5.1e-4)
     assert np.linalg.norm(np.subtract(*ends)) > 1e4
@@ -70,6 +72,8 @@ def test_motion_is_used(run, designs, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (["--format", "toml", "--start-day", "3"], "--start-day = 3.0: a design file holds orbits"),
+        (["--format", "oem", "--start-day", "-3"], "--start-day = -3: must be 0 or more days"),
         (["--format", "toml", "--duration-h", "2"], "--duration-h = 2.0: a design file holds orbits"),
         (["--format", "czml", "--duration-h", "-1"], "--duration-h = -1: must be above 0"),
         (["--format", "czml", "--step-s", "inf"], "--step-s = inf: must be at least 0.001"),

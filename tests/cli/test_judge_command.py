@@ -53,6 +53,27 @@ fold = 1
     return tmp_path
 
 
+def test_landers_come_down_at_the_sites_and_in_the_regions_named(run, files):
+    asked = (
+        "judge", files / "2.toml", "-s", files / "lander.toml", "--site", "Gale=-4.6,137.4",
+        "--region", "lat:10:30", "--samples", 4, "--finalists", 0,
+    )  # fmt: skip
+    status, out, _ = run(*asked, "--json")
+    assert status == 0
+    found = json.loads(out)
+    assert found["ground"] == ["Gale", "lat:10:30"]
+    (row,) = found["designs"]
+    assert [area["name"] for area in row["areas"]] == found["ground"]
+    assert row["areas"][0]["fold"]["met"] is False
+    for worst in (row["worst_found"], row["after_loss"]["worst_found"]):
+        at_gale = abs(worst["latitude_deg"] + 4.6) < 1e-3
+        assert at_gale or 10 - 1e-3 < worst["latitude_deg"] < 30 + 1e-3
+    status, out, _ = run(*asked)
+    assert "at Gale, lat:10:30 and at any time?" in out and "At sites and in regions" in out
+    status, _, err = run(*asked[:4], "--site", "Gale")
+    assert status == 2 and "no [[station]] of that name; there are none" in err
+
+
 def test_json_has_the_promised_keys(run, files):
     status, out, _ = run(
         "judge", files / "2.toml", files / "3.toml", "-s", files / "lander.toml",

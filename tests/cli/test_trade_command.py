@@ -8,6 +8,7 @@ import pytest
 from compass.pages import trade_pictures
 from compass.study import stages
 from compass.study.workers import Processes
+from compass.words import counted
 from tests.one_process import OneProcess
 
 STUDY = """
@@ -116,7 +117,7 @@ def test_candidates_that_raise_say_why(study, run, monkeypatch):
     status, out, err = run("trade", study(), "--json")
     assert status == 1 and json.loads(out)["feasible"] == 0
     count = json.loads(out)["failed"]["map"]
-    assert f"{count} candidate(s) raised an error" in err
+    assert f"{counted(count, 'candidate')} raised an error" in err
     assert "the first: ZeroDivisionError: by nothing" in err
 
 
@@ -129,7 +130,7 @@ def test_a_large_pool_is_offered_by_default(study, run, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--workers", 0], "--workers = 0: allowed 1 to 1024"),
+        (["--workers", 0], "--workers = 0: must be a whole number from 1 to 1024"),
         (["--workers", 1, "--scheduler", "tcp://a:1"], "--workers: not beside scheduler"),
         (["--tls-ca", "a.pem"], "tls_ca, tls_cert, tls_key: all three go together"),
         (
@@ -182,7 +183,7 @@ def test_a_damaged_store_is_said(study, run, tmp_path):
     whole = store.read_bytes()
     store.write_bytes(whole[:-10])
     status, _, err = run("trade", path, "--workers", 1)
-    assert status == 0 and "1 damaged line(s) ignored" in err
+    assert status == 0 and "1 damaged line ignored" in err
     assert len(store.read_bytes()) == pytest.approx(len(whole), abs=20)
 
 
@@ -221,7 +222,7 @@ def test_candidates_whose_workers_died_are_named(study, run, monkeypatch):
     status, out, err = run("trade", study(), "--workers", 1, "--json")
     result = json.loads(out)
     assert status == 1 and result["unfinished"] > len(result["lethal"]) == 5
-    assert f"{result['unfinished']} candidate(s) left out, whose workers died" in err
+    assert f"{counted(result['unfinished'], 'candidate')} left out, whose workers died" in err
     assert re.search(r"\n  walker-\w+ \d/\d/\d at \d+ deg, radius [\d.]+ km, mask 5 deg\n", err)
     assert err.endswith("\n  ...\n")
     monkeypatch.setattr(Processes, "run", honest)

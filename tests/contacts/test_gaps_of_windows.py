@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from compass.contacts.gaps import gap_statistics
+from compass.contacts.gaps import ages, gap_statistics
 
 
 def test_gaps_are_those_of_a_fine_clock():
@@ -22,6 +22,14 @@ def test_gaps_are_those_of_a_fine_clock():
     later = np.append(spans[:, 0], 1000.0)
     wait = np.where(inside, 0.0, later[np.searchsorted(later, t)] - t)
     assert found.response == pytest.approx(wait.mean(), rel=1e-3)
+    old = ages(spans, t)
+    earlier = np.where(inside, t, 0.0)
+    since = t - np.maximum.accumulate(earlier)
+    begun = t >= spans[0, 0]
+    assert np.isnan(old[~begun]).all()
+    assert np.abs(old - since)[begun].max() < 2e-3
+    whole = np.concatenate([t[~begun], old[begun]])  # a span's begin is an end
+    assert found.age == pytest.approx(whole.mean(), rel=1e-3)
     assert found.time_average == pytest.approx(2 * found.response)
 
 
@@ -30,3 +38,4 @@ def test_the_ends_of_a_span_are_ends():
     assert (nothing.count, nothing.cut, nothing.share, nothing.longest) == (1, 1, 0.0, 50.0)
     whole = gap_statistics(np.array([[0.0, 50.0]]), 50.0)
     assert (whole.count, whole.longest, whole.mean, whole.p95, whole.response) == (0, 0, 0, 0, 0)
+    assert np.isnan(ages(np.empty((0, 2)), np.arange(3.0))).all()

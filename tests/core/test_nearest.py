@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compass.core.nearest import covering_radius
+from compass.core.nearest import FEW, _coarse_bound, covering_radius
 
 
 def directions(seed, n):
@@ -42,3 +42,10 @@ def test_covering_radius_and_what_is_known_about_it(seed, n, k, more):
         assert covering_radius(u, k, 0.0, most, point) == found
         assert covering_radius(u, k, found - 1e-3 - more, most, point) == found
     assert covering_radius(u, k, found + more + 1e-9, np.pi, point) == found + more + 1e-9
+
+
+@pytest.mark.parametrize("k", [1, 3])
+def test_of_many_only_those_near_one_another_are_looked_at(k):
+    u, point = directions(k, FEW + 5), np.empty(3)
+    assert covering_radius(u, k, 0.0, np.pi, point) == pytest.approx(twin(u, k), abs=1e-12)
+    assert _coarse_bound(u, k) >= twin(u, k)

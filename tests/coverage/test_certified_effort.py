@@ -7,8 +7,9 @@ import pytest
 
 from compass.coverage import certified_effort
 from compass.coverage.certified_effort import Effort
+from compass.coverage.certified_percentile import certified_percentile
 from compass.coverage.certified_places import Circle
-from compass.coverage.certified_share import certified_percentile, certified_share
+from compass.coverage.certified_share import certified_share
 from compass.errors import ArgumentError, OutputError
 from compass.orbits import walker_delta
 

@@ -10,14 +10,13 @@ from compass import Requirement, check
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_places import Spot
-from compass.coverage.certified_ranges import ranges_of
+from compass.coverage.certified_ranges import ranges_of, skies_of
 from compass.coverage.certified_share import CertifiedShare, certified_share
+from compass.coverage.certified_witness import WorstWitness, dilution_at
 from compass.coverage.certified_worst import (
     CertifiedAlways,
-    WorstWitness,
     certified_always,
     certified_worst,
-    dilution_at,
 )
 from compass.coverage.errors import error_map
 from compass.coverage.geometry_verdict import geometry_verdict
@@ -212,9 +211,6 @@ def test_a_requirement_in_metres_is_refused_or_left_open():
         wanted(error_time_m_at_most=0.0)
     with pytest.raises(ArgumentError, match="error_as = 'sigma'"):
         wanted(error_time_m_at_most=1.0, error_as="sigma")
-    far = replace(d, motion=Motion("numerical"), requirements=(met,))
-    (verdict,) = check(far, days=0.5).verdicts
-    assert verdict.met is None and "as well known in all directions" in verdict.reason
 
 
 @pytest.mark.slow
@@ -258,6 +254,40 @@ def test_both_skies_are_asked_where_the_ionosphere_delays(monkeypatch):
         if verdict.worst is not None and verdict.worst.of != "share":
             assert verdict.worst.value == pytest.approx(9.0 * FACTOR_95)
     assert list(found.values()) == [(True, (1.0, 1.0)), (None, (0.5, 1.0)), (False, None)]
+
+
+def test_ranges_without_a_direction_stand_above_and_below():
+    """Of users who are seen at up to an angle from the way down, in any direction around it."""
+    generator = np.random.default_rng(7)
+    lean = 0.3
+    s = lean * np.sqrt(generator.uniform(size=4000))
+    around = generator.uniform(0.0, 2 * np.pi, 4000)
+    x = np.stack([np.sqrt(1 - s * s), s * np.cos(around), s * np.sin(around), np.ones(4000)], 1)
+    tied = np.array(TIED) + 0.0
+    tied[0, 1] = tied[1, 0] = 3.0
+    tied[2, 3] = tied[3, 2] = -2.0
+    for covariance in (np.diag([4.0, 64.0, 25.0, 9.0]), np.array(TIED), tied):
+        ranges = replace(ranges_of(design()), covariance=np.repeat(covariance[None], 3, axis=0))
+        most, least = ranges.alike_all_around(lean)
+        assert most.is_isotropic and least.is_isotropic
+        variance = np.einsum("ni,ij,nj->n", x, covariance, x)
+        assert least.covariance[0, 3, 3] <= variance.min()
+        assert variance.max() <= most.covariance[2, 3, 3]
+        if covariance is not tied:  # as near as the angle allows
+            assert variance.max() == pytest.approx(most.covariance[0, 3, 3], rel=0.01)
+
+
+def test_along_paths_errors_with_a_direction_lie_between_two_without():
+    d = replace(design(24, 3, 1, 56.0), motion=Motion("numerical"))
+    worst, best = skies_of(d, (0.0, 3600.0), 0.0)
+    sigmas = [np.sqrt(sky.covariance[0, 3, 3]) for sky in (worst, best)]
+    # 2 m along the radius and 8 along the track, seen at up to 9.6 degrees, and 3 m of clocks
+    assert sigmas[1] == pytest.approx(np.sqrt(4 + 9), rel=1e-3)
+    assert sigmas[0] == pytest.approx(np.sqrt(4 + 60 * 0.166**2 + 9), rel=1e-2)
+    limits = {"error_horizontal_m_at_most": 200, "error_vertical_m_at_most": 0.3}
+    met, missed = (wanted(**{name: limit}) for name, limit in limits.items())
+    found = check(replace(d, requirements=(met, replace(missed, name="no"))), days=0.01)
+    assert [verdict.met for verdict in found.verdicts] == [True, False]
 
 
 def test_questions_in_metres_need_ranges_and_limits_above_nothing():

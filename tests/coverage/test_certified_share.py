@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from compass.coverage.certified_domain import domain_of
+from compass.coverage.certified_percentile import certified_percentile
 from compass.coverage.certified_places import Circle, Spot, Tile
 from compass.coverage.certified_question import DOPS
-from compass.coverage.certified_share import certified_percentile, certified_share
+from compass.coverage.certified_share import certified_share
 from compass.coverage.region import GLOBE, convex_polygon, latitude_band
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
@@ -39,13 +40,14 @@ def dilutions(sights, up):
     return np.sqrt(np.maximum(squares, 0.0))
 
 
-def sampled(constellation, limit, dop, figure, mask, places, times, motion="two-body", fixed=True):
+def sampled(constellation, limit, dop, figure, mask, places, times, motion="two-body", fixed=True,
+            height=0.0):  # fmt: skip
     """Share of random places and times that keep a limit, with its standard error."""
     positions = positions_mcmf if fixed else positions_mci
     r = positions(constellation, times, motion)
     good = 0
     for k, (latitude, longitude) in enumerate(places):
-        site = Site("", latitude, longitude, 0.0, mask, figure)
+        site = Site("", latitude, longitude, height, mask, figure)
         seen = site.sees(r[:, k])
         sights = r[seen, k] - site.r_mcmf
         sights /= np.linalg.norm(sights, axis=1, keepdims=True)
@@ -271,15 +273,22 @@ def test_an_interrupted_search_gives_the_bracket_it_has(monkeypatch):
     assert (found.low, found.high) == (0.0, 1.0)
 
 
-@pytest.mark.parametrize("mask", [0.1, Mask((0.0, 2.0), (0.1, 0.2))])
-def test_moments_at_a_place_meet_random_ones(mask):
-    pattern, spot, hours = walker(6, 3, 1), Spot(0.3, 0.4), 1.0
-    found = certified_share(pattern, 9.0, mask=mask, place=spot, duration=hours * 3600, width=0.05)
+@pytest.mark.parametrize(
+    ("mask", "height", "limit"),
+    [(0.1, 0.0, 4.0), (Mask((0.0, 2.0), (0.1, 0.2)), 0.0, 4.5), (-0.3, 3e5, 1.2),
+     (-1.45, 3e7, 4.8)],
+)  # fmt: skip
+def test_moments_at_a_place_meet_random_ones(mask, height, limit):
+    """On the ground, in a low orbit past whose horizon one looks, and above the satellites."""
+    pattern, spot, hours = walker(12, 3, 1), Spot(0.3, 0.4), 6.0
+    options = {"mask": mask, "place": spot, "duration": hours * 3600, "height": height}
+    found = certified_share(pattern, limit, width=0.05, **options)
     times = np.random.default_rng(3).uniform(0, hours * 3600, 300)
     horizon = mask if isinstance(mask, Mask) else Mask.constant(mask)
     where = np.full((300, 2), (0.3, 0.4))
     sphere = FIGURES["iau-sphere"]
-    agrees(found, *sampled(pattern, 9.0, "pdop", sphere, horizon, where, times))
+    agrees(found, *sampled(pattern, limit, "pdop", sphere, horizon, where, times, height=height))
+    assert 0.3 < found.value < 0.7
 
 
 def test_percentiles_stop_for_want_of_time_and_at_infinity():
@@ -316,6 +325,9 @@ def test_orbits_inside_the_planet_and_none_at_all_are_refused():
     low = keplerian(np.full(5, 4e6), 0.5, 1.0, np.arange(5.0), 0.0, np.arange(5.0))
     with pytest.raises(ArgumentError, match="inside the planet"):
         certified_share(low, 6.0)
+    with pytest.raises(ArgumentError, match="altitude_km = 17030: among the satellites"):
+        certified_share(keplerian(np.full(5, 2e7), 0.1, 1.0, 0.0, 0.0, np.arange(5.0)), 6.0,
+                        height=1.703e7)  # fmt: skip
     with pytest.raises(ArgumentError, match="no satellite"):
         certified_share(walker(5, 5, 1).without(range(5)), 6.0)
     for percent in (0, 100):

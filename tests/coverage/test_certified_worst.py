@@ -8,7 +8,8 @@ import pytest
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_places import Circle, Spot, Tile
 from compass.coverage.certified_question import DOPS
-from compass.coverage.certified_worst import certified_always, certified_worst, dilution_at
+from compass.coverage.certified_witness import dilution_at
+from compass.coverage.certified_worst import certified_always, certified_worst
 from compass.coverage.region import convex_polygon, latitude_band
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
@@ -168,6 +169,6 @@ def test_what_cannot_be_asked_is_refused():
         certified_worst(pattern, since=-1.0)
     with pytest.raises(ArgumentError, match="off the resonance"):
         certified_worst(pattern, place=convex_polygon([0.1, 0.1, 0.2], [1.0, 1.1, 1.0]))
-    low = keplerian(np.full(5, 4e6), 0.0, 1.0, np.arange(5.0), 0.0, np.arange(5.0))
-    with pytest.raises(ArgumentError, match="users 700 km above"):
-        certified_worst(low, height=7e5)
+    oval = keplerian(np.full(5, 4.5e6), 0.1, 1.0, np.arange(5.0), 0.0, np.arange(5.0))
+    with pytest.raises(ArgumentError, match="altitude_km = 700: among the satellites"):
+        certified_worst(oval, height=7e5)

@@ -12,7 +12,7 @@ from compass.coverage.certificate import prove_fold
 from compass.coverage.clearance import clear_share, least_clearance, worst_share
 from compass.coverage.region import read_region
 from compass.coverage.share import mean_fold_shares
-from compass.coverage.users import Users, geodetic, region_users, site_users
+from compass.coverage.users import Users, by_horizon, geodetic, region_users, site_users
 from compass.errors import ArgumentError
 from compass.frames import FIGURES, prime_meridian_angle
 from compass.orbits import Constellation, positions_mcmf, states_mci, walker_delta
@@ -48,32 +48,51 @@ def some_mask(rng):
     return Mask(tuple(azimuths), tuple(rng.uniform(0, 0.4, 6)))
 
 
-def clearances(c, site, longitude, phase):
-    """Clearances over a site's horizon at inertial longitudes and phases (n,): by definition."""
+def clearances(c, site, longitude, phase, beam=None):
+    """Clearances over a site's horizon at inertial longitudes and phases (n,): by definition.
+
+    With a beam the lesser of these and of how far the site is inside each.
+    """
     r, _ = states_mci(c, phase / c.mean_motion[0])
     found = []
     for angle, moment in zip(longitude, np.moveaxis(r, 1, 0), strict=True):
         there = Site("u", site.latitude, float(angle), site.height, site.mask, site.figure)
         elevation, azimuth = there.elevation_azimuth(moment)
-        found.append(np.sort(elevation - site.mask.at(azimuth))[::-1])
+        clear = elevation - site.mask.at(azimuth)
+        if beam is not None:
+            away = moment - there.r_mcmf
+            lengths = np.linalg.norm(away, axis=1) * np.linalg.norm(moment, axis=1)
+            clear = np.minimum(clear, beam - np.arccos((away * moment).sum(axis=1) / lengths))
+        found.append(np.sort(clear)[::-1])
     return np.array(found)
 
 
 @pytest.mark.slow
-@given(seed=st.integers(0, 10**6), figure=st.sampled_from([SPHERE, ELLIPSOID]))
+@given(
+    seed=st.integers(0, 10**6),
+    figure=st.sampled_from([SPHERE, ELLIPSOID]),
+    above=st.booleans(),
+    beam=st.sampled_from([None, 0.15, 0.5]),
+)
 @settings(max_examples=12, deadline=None)
-def test_no_sample_is_below_the_bracket_and_its_place_shows_it(seed, figure):
+def test_no_sample_is_below_the_bracket_and_its_place_shows_it(seed, figure, above, beam):
+    """Of users near the ground, or above or among the satellites, who look past Mars."""
     rng = np.random.default_rng(seed)
     n = int(rng.integers(3, 13))
     c = some_orbits(rng, n)
-    site = Site("a", rng.uniform(-1.5, 1.5), 0.3, rng.uniform(0, 3e5), some_mask(rng), figure)
-    sampled = clearances(c, site, *rng.uniform(0, 2 * np.pi, (2, 300)))
+    height, mask = rng.uniform(0, 3e5), some_mask(rng)
+    if above:
+        height = rng.uniform(3.5e7, 7e7)
+        mask = Mask(mask.azimuth, tuple(np.array(mask.elevation) - 1.45))
+    site = Site("a", rng.uniform(-1.5, 1.5), 0.3, height, mask, figure)
+    sampled = clearances(c, site, *rng.uniform(0, 2 * np.pi, (2, 300)), beam)
+    users = replace(site_users(site).belt(), beam=beam)
     for fold in (1, n // 2 + 1, n):
-        found = least_clearance(c, site_users(site).belt(), fold, tolerance=0.05, most=4000)
+        found = least_clearance(c, users, fold, tolerance=0.05, most=4000)
         assert found.low <= min(found.high, sampled[:, fold - 1].min() + 1e-9)
         angle = float(prime_meridian_angle(c.epoch, found.time))
         there = clearances(
-            c, site, [found.longitude + angle], np.array([found.time * c.mean_motion[0]])
+            c, site, [found.longitude + angle], np.array([found.time * c.mean_motion[0]]), beam
         )
         # straight below, where azimuths say little, the profile is read 1e-8 rad apart
         assert there[0, fold - 1] == pytest.approx(found.high, abs=1e-6)
@@ -137,9 +156,39 @@ def test_users_above_the_ground_are_users_of_a_larger_sphere():
     claim = {"sphere_radius": R + 4e5}
     assert prove_fold(c, 4, mask=found.low - 1e-6, **claim).outcome == "proven"
     assert prove_fold(c, 4, mask=found.high + 1e-6, **claim).outcome == "refuted"
-    users = region_users(read_region("globe"), SPHERE, Mask(), below=dip, height=4e5)
+    users = region_users(read_region("globe"), SPHERE, Mask.constant(dip), height=4e5)
     # looking down by the dip gives all of it as room
     assert least_clearance(c, users, 4).low == pytest.approx(found.low - dip, abs=2e-4)
+
+
+def test_users_above_a_ring_see_a_ring():
+    """Who is over the equator sees satellites between the limb and the edge of their beam.
+
+    Seen from the centre of Mars they are away from him by 180 degrees less the angles at him and at
+    the satellite: at the limb by ``acos(R/u) + acos(R/r)``.
+    """
+    r, u, beam = 20e6, 60e6, np.radians(25)
+    c = walker_delta(5, 1, 0, inclination_deg=0, radius_km=r / 1e3)
+    mask = Mask.constant(-float(np.arccos(R / u)) + 1e-12)
+    here = Users("here", 0.0, 0.0, SPHERE, mask, height=u - R, beam=beam)
+    near = np.pi - beam - np.arcsin(r * np.sin(beam) / u)
+    far = np.arccos(R / u) + np.arccos(R / r)
+    share = clear_share(c, here, 1, width=1e-3)
+    assert near < far
+    assert share.low <= 5 * (far - near) / np.pi <= share.high
+    wide = clear_share(c, replace(here, beam=None), 1, width=1e-3)
+    assert wide.low == pytest.approx(1.0, abs=1e-3)
+    # under them the edge of a beam is a horizon, of all sights and of geometry alike
+    under = replace(here, height=0.0, mask=Mask(), beam=np.radians(8))
+    raised = by_horizon(under, c)
+    assert raised.beam is None
+    edge = np.arccos(r * np.sin(under.beam) / R)
+    assert raised.mask.lowest == pytest.approx(edge, rel=1e-12)
+    for k in (1, 2):
+        one, other = (clear_share(c, users, k, width=1e-3) for users in (under, raised))
+        assert max(one.low, other.low) <= min(one.high, other.high)
+    assert by_horizon(replace(under, beam=1.0), c).mask == Mask()
+    assert by_horizon(here, c) is None and by_horizon(raised, c) is raised
 
 
 def test_shares_of_a_belt_against_exact_areas_and_of_a_circle_against_samples():
@@ -235,10 +284,12 @@ def test_bad_claims_are_told():
     mixed = orbits(np.array([[1e7, 2e7], *np.zeros((5, 2))]))
     with pytest.raises(ArgumentError, match="orbits of different periods: a claim for ever"):
         least_clearance(mixed, users, 1)
-    with pytest.raises(ArgumentError, match="who is above one sees it in a ring, not in a cap"):
-        least_clearance(c, replace(users, height=1.7e7), 1)
+    low = orbits(np.array([[3e6], [0.1], *np.zeros((4, 1))]))
+    with pytest.raises(ArgumentError, match=r"comes down to 2700 km, inside Mars of 3396.19 km"):
+        least_clearance(low, users, 1)
+    down = replace(users, height=2.1e5, mask=Mask.constant(-0.4))
     with pytest.raises(ArgumentError, match=r"below the limb of Mars, -19.* deg as seen from 210"):
-        least_clearance(c, replace(users, height=2.1e5, below=-0.4), 1)
+        least_clearance(c, down, 1)
     with pytest.raises(ArgumentError, match="revolutions, more than 5000"):
         least_clearance(c, users, 1, span=(0.0, 1e9))
     assert least_clearance(c, users, 4).high == -np.inf

@@ -14,12 +14,14 @@ from compass.contacts.windows import windows
 from compass.core.gaps import finish_gaps, follow_gaps, new_state
 from compass.coverage.count import count_map
 from compass.coverage.gaps import (
+    GapTrack,
     coverage_gaps,
     gap_epochs,
     next_prime,
     shortest_pass,
 )
 from compass.coverage.grid import make_grid
+from compass.coverage.rows import by_threads
 from compass.coverage.view import view
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
@@ -85,7 +87,11 @@ def test_following_in_pieces_is_the_history_of_every_cell(seed, fold, ring, piec
 
 def test_maps_of_gaps_count_what_count_maps_count():
     c = circular(6e6, 0.5, [0, 1, 2], [0, 1, 2])
-    made = coverage_gaps(c, COARSE, sphere_radius=R, span=8 * 3600.0, ring=True, fold=1, epochs=8)
+    track = GapTrack(c, R, span=8 * 3600.0, ring=True, fold=1, epochs=8)
+    made = coverage_gaps(track, COARSE)
+    # by rows that somebody else does, in blocks
+    other = coverage_gaps(track, COARSE, by=by_threads(2, lambda rows: None))
+    np.testing.assert_array_equal(made.longest, other.longest)
     counts = count_map(view(c, np.arange(8) * 3600.0, R), COARSE)
     for i, j in np.ndindex(made.longest.shape):
         longest, mean, response = by_history(counts[:, i, j], 1, True) * 3600
@@ -100,7 +106,8 @@ def test_gaps_are_those_of_events_to_a_step(designs):
     design = read_design(designs / "relay-orbiters.toml")
     c, span = design.constellation, 86400.0
     grid = make_grid("equal-angle", 30)
-    found = coverage_gaps(c, grid, sphere_radius=R, span=span, ring=False, fold=1, mask=design.mask)
+    track = GapTrack(c, R, span=span, ring=False, fold=1, mask=design.mask)
+    found = coverage_gaps(track, grid)
     assert found.step < 60
     for i, j in [(0, 0), (2, 3), (3, 7), (5, 11)]:
         site = Site(
@@ -131,10 +138,9 @@ def test_a_map_at_few_epochs_tells_gaps_as_at_many_and_warns(designs):
     path = designs / "relay-orbiters.toml"
     made = compass.map(path, step_deg=10, fold=1)
     design = read_design(path)
-    fine = coverage_gaps(
-        design.constellation, make_grid("equal-angle", 10), sphere_radius=R,
-        span=made.dataset.attrs["period_s"], ring=False, fold=1, mask=design.mask, epochs=20_011,
-    )  # fmt: skip
+    span = made.dataset.attrs["period_s"]
+    track = GapTrack(design.constellation, R, span, False, 1, design.mask, epochs=20_011)
+    fine = coverage_gaps(track, make_grid("equal-angle", 10))
     told, step = made.to_dict(), made.dataset.attrs["gap_step_s"] + fine.step
     assert told["longest_gap_s"] == pytest.approx(float(fine.longest.max()), abs=step)
     assert told["longest_gap_s"] / 3600 == pytest.approx(6.23, abs=0.01)
@@ -150,9 +156,10 @@ def test_a_span_that_does_not_repeat_has_ends():
     """One pass a span: a cell that has it in the middle has a gap at both ends, or one."""
     c = circular(6e6, 0.0, [0.0], [0.0])
     span = 2 * np.pi / (c.mean_motion[0] - MARS_ROTATION_RATE.value)
-    options = {"sphere_radius": R, "span": float(span), "fold": 1, "epochs": 401}
-    cut = coverage_gaps(c, COARSE, ring=False, **options)
-    joined = coverage_gaps(c, COARSE, ring=True, **options)
+    cut, joined = (
+        coverage_gaps(GapTrack(c, R, float(span), ring, fold=1, epochs=401), COARSE)
+        for ring in (False, True)
+    )
     assert np.all(cut.longest <= joined.longest)
     both = np.isfinite(cut.longest) & (cut.longest < joined.longest)
     # where a gap lies at both ends, joining makes one of two
@@ -182,5 +189,4 @@ def test_epochs_are_chosen_by_the_quickest_pass():
 
 def test_a_fold_below_one_is_told():
     with pytest.raises(ArgumentError, match="fold = 0: must be a whole number from 1"):
-        coverage_gaps(circular(2e7, 0, [0], [0]), COARSE, sphere_radius=R, span=1.0, ring=False,
-                      fold=0)  # fmt: skip
+        GapTrack(circular(2e7, 0, [0], [0]), R, span=1.0, ring=False, fold=0)

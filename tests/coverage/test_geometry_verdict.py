@@ -58,7 +58,8 @@ def test_a_share_of_area_and_time_lies_between_those_of_its_parts(monkeypatch):
     def settled(highs, share_of):
         found = iter([SimpleNamespace(low=0.1, high=h, value=h, stopped="") for h in highs])
         monkeypatch.setattr(Effort, "share", lambda *_, **__: next(found))
-        monkeypatch.setattr(module, "_place", lambda *_: {})
+        monkeypatch.setattr(module, "asked_place", lambda *_: {})
+        monkeypatch.setattr(module, "certified_worst_place", lambda *_, **__: (next(found), 0.1))
         asked = replace(wanted, share_of=share_of)
         return geometry_verdict(Design(pattern), asked, "pdop", 6.0)
 

@@ -272,7 +272,7 @@ def test_a_map_that_does_not_fit_is_refused_with_how_much_it_would_take():
 
 
 def test_who_leaves_a_map_waits_for_the_rows_at_work_and_no_more():
-    from compass.coverage.maps import by_blocks
+    from compass.coverage.rows import Part, by_threads
 
     begun = []
 
@@ -280,8 +280,9 @@ def test_who_leaves_a_map_waits_for_the_rows_at_work_and_no_more():
         for i in rows:
             begun.append(i)
             time.sleep(0.001)
+        return Part({})
 
-    parts = by_blocks(make_grid("equal-angle", 1), one_block, 2, lambda rows: None)
+    parts = by_threads(2, lambda rows: None)("counts", one_block, make_grid("equal-angle", 1))
     next(parts)
     parts.close()
     assert 6 <= len(begun) < 60  # of 180
@@ -299,7 +300,7 @@ def test_a_thread_a_core_that_may_be_used_unless_asked_otherwise(monkeypatch):
 def test_what_a_map_takes_is_told_before_it_is_begun(capsys):
     from compass.api.progress import foretell
     from compass.orbits.motion import Motion
-    from compass.study.mapping import map_cost
+    from compass.study.map_cost import map_cost
 
     half = make_grid("equal-angle", 0.5)
     large = map_cost(1000, 10_000, half, 2, Motion())

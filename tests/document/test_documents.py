@@ -71,3 +71,12 @@ def test_walking_finds_blocks_inside_blocks():
     assert kinds == [
         "Verdict", "Table", "Details", "Sentence", "Section", "Table", "Picture", "Table",
     ]  # fmt: skip
+
+
+def test_what_is_known_alike_of_all_is_said_once():
+    alike = facts("M", [Value(FOLD, 4, Proven("ever")), Value(MASK, 6.238541, Proven("ever"))])
+    assert (alike.title, alike.header) == ("M (proven, ever)", ("", "value", "unit"))
+    assert str(alike.rows[1][1]) == "6.23"  # still never better than what was proven
+    mixed = facts("M", [Value(FOLD, 4, Proven("ever")), Value(MASK, 6.2)])
+    assert (mixed.title, mixed.header[-1]) == ("M", "evidence")
+    assert facts("M", [Value(FOLD, 4, Proven("ever"))]).header[-1] == "evidence"

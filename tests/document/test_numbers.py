@@ -94,6 +94,8 @@ def test_bounds_are_rounded_to_their_own_sides():
     assert str(Value(share, 0.97, Bracket(0.97364159, 0.97367801))) == "97.364 to 97.368"
     assert str(Value(dilution, 3.4, Bracket(3.4059, 3.4101))) == "3.4 to 3.42"
     assert str(Value(dilution, 3.4, Bracket(2.5, float("inf")))) == "2.5 to ∞"
+    wide = Value(share, 0.5, Bracket(0.00724262, 0.708544))  # what the width does not know is left
+    assert str(wide) == "0.7 to 70.9"
 
 
 def test_a_wrong_name_is_answered_with_the_near_ones():

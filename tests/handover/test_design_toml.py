@@ -250,6 +250,9 @@ pdop_at_most = 6
 share = 0.95
 share_of = "area-time"
 altitude_km = 12
+beam_deg = 20
+error_vertical_m_at_most = 30
+error_as = "95-percent"
 [signal]
 clock = "rafs"
 update_h = 6
@@ -275,6 +278,10 @@ def test_every_table_is_kept():
     assert design.stations == again.stations
     assert design.motion.title == again.motion.title
     assert design.motion.forces.radiation == again.motion.forces.radiation
+    bare = compass.Requirement("")
+    for field in dataclasses.fields(bare):
+        tried = {getattr(wanted, field.name) for wanted in design.requirements}
+        assert tried - {getattr(bare, field.name)}, f"{field.name} of a requirement is not tried"
     known = {f.name for f in dataclasses.fields(compass.Design)}
     assert known == {*KEPT, "constellation", "stations", "motion", "text", "label"}
     assert compass.export(design, format="toml").not_kept == ()

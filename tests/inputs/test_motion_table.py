@@ -8,7 +8,9 @@ import pytest
 from compass.errors import DesignError
 from compass.frames import SECONDS_PER_DAY as DAY
 from compass.frames import seconds_past_j2000
+from compass.handover.design_tables import not_kept
 from compass.handover.oem import oem
+from compass.handover.toml import design_toml
 from compass.inputs import read_design, read_design_text
 from compass.inputs.oem import read_oem
 from compass.orbits import states_mci
@@ -59,9 +61,17 @@ def test_a_gravity_file_stands_beside_the_design(tmp_path):
     (tmp_path / "d.toml").write_text(
         DESIGN + '[motion]\nmodel = "numerical"\ngravity_file = "x.tab"\ngravity_frame = "iau-1991"'
     )
-    forces = read_design(tmp_path / "d.toml").motion.forces
-    assert (forces.field.name, forces.field.degree) == ("x.tab", 3)
-    assert np.degrees(forces.field.meridian) == pytest.approx(-0.238)
+    with pytest.raises(DesignError, match=r"gravity_degree: 8 if left out: allowed 2 to 3.*x\.tab"):
+        read_design(tmp_path / "d.toml")
+    with (tmp_path / "d.toml").open("a") as file:
+        file.write("\ngravity_degree = 3")
+    design = read_design(tmp_path / "d.toml")
+    field = design.motion.forces.field
+    assert (field.name, field.degree) == ("x.tab", 3)
+    assert np.degrees(field.meridian) == pytest.approx(-0.238)
+    # a design written anew, elsewhere, names the same file
+    assert read_design_text(design_toml(design)).motion == design.motion
+    assert not_kept(design) == ()
 
 
 def test_motions_compare_by_value():
@@ -77,7 +87,7 @@ def test_motions_compare_by_value():
     ("text", "message"),
     [
         ('model = "numeric"', "motion.model = 'numeric': allowed"),
-        ('model = "numerical"\ngravity_degree = 21', "gravity_degree = 21: allowed 0 to 20"),
+        ('model = "numerical"\ngravity_degree = 21', "gravity_degree = 21: allowed 2 to 20"),
         ('model = "numerical"\ngravity_degree = 1', "gravity_degree = 1: must be at least 2"),
         ("sun = true", 'motion.sun = true: counts with model = "numerical" only'),
         ('model = "numerical"\ngravity_frame = "iau-2000"', "is of a gravity_file; add it"),

@@ -40,14 +40,14 @@ def test_all_keys_arrive_in_si_and_words():
     (one,) = design(
         '[[requirement]]\nname = "shell"\nregion = ["lat:-45:45", "polygon:0,0;0,9;9,0"]\n'
         "fold = 5\nmask_deg = -3\npdop_at_most = 6\ntdop_at_most = 2.5\nshare = 0.95\n"
-        'share_of = "area-time"\naltitude_km = 400\nlosses = 1\n'
+        'share_of = "area-time"\naltitude_km = 400\nlosses = 1\nbeam_deg = 20\n'
     ).requirements
     assert (one.fold, one.share, one.share_of, one.losses) == (5, 0.95, "area-time", 1)
     assert one.mask == pytest.approx(np.radians(-3))
     assert (one.altitude, one.limits) == (4e5, (("pdop", 6.0), ("tdop", 2.5)))
     assert one.claim == (
         "5 satellites and PDOP at most 6 and TDOP at most 2.5 without any 1, for 95 % of area and "
-        "time, lat:-45:45, polygon:0,0;0,9;9,0, 400 km above the ground"
+        "time, lat:-45:45, polygon:0,0;0,9;9,0, 400 km above the ground, in beams of 20 deg"
     )
 
 

@@ -85,6 +85,9 @@ SHADR = """  3396.0, 42828.372854, 0.1, 3, 3, 1, 0.0, 0.0
  2, 1, 5.9D-10, -4.9D-11, 1e-12, 1e-12
  2, 2, -8.46D-05, 4.89D-05, 1e-12, 1e-12
  3, 0, -1.19e-05, 0.0, 1e-12, 0.0
+ 3, 1, 0.0, 0.0, 0.0, 0.0
+ 3, 2, 0.0, 0.0, 0.0, 0.0
+ 3, 3, 3.5e-05, 2.6e-05, 1e-12, 1e-12
 """
 ICGEM = """product_type gravity_field
 modelname made_up
@@ -96,6 +99,7 @@ tide_system tide_free
 end_of_head ====
 gfc 0 0 1.0 0.0
 gfc 2 0 -8.75021132354e-04 0.0
+gfc 2 1 0.0 0.0
 gfc 2 2 -8.46e-05 4.89e-05
 """
 
@@ -130,7 +134,18 @@ def test_an_old_frame_turns_the_field_west(tmp_path):
         ("x.tab", SHADR.replace("42828.", "398600."), "iau-2000", "is not that of Mars"),
         ("x.tab", SHADR.replace("3396.0,", "6378.0,"), "iau-2000", "radius = 6.378e"),
         ("x.tab", "hello\n", "iau-2000", "is neither a SHADR table"),
-        ("x.tab", SHADR.replace("5.9D-10", "oops"), "iau-2000", "could not convert"),
+        ("x.tab", SHADR.split("\n", 1)[1], "iau-2000", "is neither a SHADR table"),
+        ("x.tab", SHADR.replace("5.9D-10", "oops"), "iau-2000", "line 3: '2 1 oops"),
+        ("x.tab", SHADR.replace("5.9D-10", "nan"), "iau-2000", "line 3: '2 1 nan"),
+        (
+            "x.tab",
+            SHADR.replace("1, 5.9D-10, -4.9D-11, 1e-12, 1e-12", "1"),
+            "iau-2000",
+            "line 3: '2 1",
+        ),
+        ("x.tab", SHADR.replace("2, 1,", "2, 0,"), "iau-2000", "line 3: degree 2, order 0: given"),
+        ("x.tab", SHADR[: SHADR.index(" 3, 2")], "iau-2000", "degree 3, order 2: missing"),
+        ("x.gfc", ICGEM.replace("gfc 2 2 -", "gfc 2 2 x"), "iau-2000", "line 12: '2 2 x8.46"),
         (
             "x.gfc",
             ICGEM.replace("fully_normalized", "unnormalized"),

@@ -7,7 +7,7 @@ import compass
 from compass.coverage.lasting import least_margins
 from compass.coverage.margin import highest_mask
 from compass.coverage.symmetry import shortest_span
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, DesignError
 from compass.frames import SECONDS_PER_DAY as DAY
 from compass.frames import mci_from_icrf
 from compass.inputs.scenario import read_scenario
@@ -96,7 +96,16 @@ def test_a_lander_flies_past_the_real_orbits(tmp_path, designs):
     )
     (tmp_path / "landing.toml").write_text(lander)
     (tmp_path / "schema").mkdir()
-    (orbiters,) = read_scenario(tmp_path / "landing.toml").orbiters
+    read = read_scenario(tmp_path / "landing.toml")
+    (orbiters,) = read.orbiters
+    (same,) = read_scenario(tmp_path / "landing.toml", start_day=0.5).orbiters
+    assert same == orbiters
+    with pytest.raises(ArgumentError, match="start_day = 1: this scenario has been read"):
+        compass.land(read, start_day=1)
+    with pytest.raises(DesignError, match="start_day = -1: must be 0 or more days"):
+        compass.land(tmp_path / "landing.toml", start_day=-1)
+    with pytest.raises(DesignError, match=r"start_day = 1: no beacons\.design moves on"):
+        compass.land(designs / "entry-ground-beacons.toml", start_day=1)
     design = compass.read_design(tmp_path / "compass-15-5-1.toml")
     assert orbiters.constellation.epoch == design.constellation.epoch + 43200.0
     path = design.motion.trajectory(design.constellation, 0.0, 0.5 * DAY)

@@ -3,6 +3,7 @@
 import json
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,10 @@ from compass.inputs import read_design_text
 from compass.pages.answers import (
     ANSWERS,
     _errors,
+    accurate,
     answer_section,
+    flown,
+    geometry,
     latitude_words,
     losses,
     moment_words,
@@ -21,6 +25,7 @@ from compass.pages.answers import (
 )
 from compass.pages.found import Found
 from compass.pages.neighbours import Neighbour
+from compass.ranging import Receiver, Signal
 from compass.study.mapping import MapOptions, make_map
 
 FILE = """
@@ -73,7 +78,7 @@ def test_what_is_met_is_said_with_its_margin_and_how_sure(met):
     assert "for all time" in coverage.sure
     assert rows["The mask may rise to"].written.startswith("11.")
     assert rows["After any one loss, in view at least"].written == "0"
-    assert rows["What flies"].written == "5 satellites in 5 planes: delta 43.7°: 5/5/1, 20428 km"
+    assert flown(met.design) == "5 satellites in 5 planes: delta 43.7°: 5/5/1, 20428 km"
     assert rows["After any one loss, in view at least"].sure == (
         "proven, for all time, two-body motion, IAU 2015 sphere"
     )
@@ -96,9 +101,11 @@ def test_what_is_missed_is_not_to_be_built():
     section = answer_section(found, [], beside(found, 1.0, 2.0))
     (words,) = section.paragraphs
     assert words.startswith("Do not build it for 4-fold coverage above 0°")
-    assert "with a mask up to 2°." in words and "instead" not in words
+    assert "Build 90°: 5/5/1 in its place: as many satellites, with a mask up to 2°." in words
+    assert "instead" not in words
     (words,) = what_to_do(found, beside(found, -80.0, -70.0))  # no rival: its mask is lower still
     assert "No other phasing or inclination" in words and "rival" not in words
+    assert "compass search --fold 4 --mask-deg 0" in words
     assert losses(found) == []
     assert "missed" in compass.document.text(compass.document.Page("x", section.blocks))
 
@@ -126,6 +133,55 @@ mask_deg = 20
 """
 
 
+ELLIPSES = """
+name = "two"
+[constellation]
+pattern = "elements"
+[[constellation.satellite]]
+name = "A"
+semi_major_axis_km = 14453
+eccentricity = {}
+inclination_deg = 63.4
+[[constellation.satellite]]
+name = "B"
+semi_major_axis_km = 14453
+inclination_deg = 50
+"""
+
+
+def test_what_flies_is_said_in_a_line():
+    text = FILE.format(fold=1, inclination=43.7).replace("= 5\n", "= 1\n")
+    one = read_design_text(text.replace("phasing = 1", "phasing = 0"))
+    assert flown(one) == "1 satellite in 1 plane: delta 43.7°: 1/1/0, 20428 km"
+    said = "2 satellites, semi-major axis 14453 km, eccentricity 0 to 0.5, inclination 50 to 63.4°"
+    assert flown(read_design_text(ELLIPSES.format(0.5))) == said
+    assert "eccentricity" not in flown(read_design_text(ELLIPSES.format(0)))
+    paths = SimpleNamespace(constellation=one.constellation, motion=SimpleNamespace(table=1))
+    assert flown(paths) == "1 satellite on given paths"
+
+
+def mapped(**numbers):
+    """As much of what was found as the accuracy is read from."""
+    attrs = {"epochs": 2, "grid": "cells", "pdop_threshold": 6.0}
+    numbers = {"gdop": {"p50": np.inf, "p95": np.inf}, "availability": 0.5, **numbers}
+    shown = SimpleNamespace(
+        numbers=lambda: numbers, dataset=SimpleNamespace(attrs=attrs), certified=None
+    )
+    design = read_design_text(FILE.format(fold=1, inclination=43.7))
+    return SimpleNamespace(design=design, mapped=shown)
+
+
+def test_how_accurate_a_fix_is_is_one_sentence():
+    few = SimpleNamespace(design=read_design_text(ELLIPSES.format(0.5)))
+    assert "takes four satellites in view" in accurate(few)
+    assert [row.written for row in geometry(few)] == ["never: it takes four satellites in view"]
+    assert "no bound of GDOP is known" in accurate(mapped())
+    half = mapped(gdop={"p50": 2.0, "p95": 9.0, "p95_bracket": (8.0, np.inf)})
+    assert accurate(half) == "GDOP is below 2 in half of area and time."
+    most = mapped(gdop={"p50": 2.0, "p95": 3.4, "p95_bracket": (3.4059, 3.4101)})
+    assert accurate(most) == "GDOP is below 3.42 in 95 % of area and time."
+
+
 def test_requirements_come_first_and_decide_the_advice(met):
     design = read_design_text(FILE.format(fold=1, inclination=43.7) + FIVE)
     checked = compass.check(design)
@@ -148,12 +204,15 @@ def test_a_rover_anywhere_is_answered_where_a_signal_is_known(met):
     signal = Signal(ephemeris=(2, 8, 5), clock_sigma=3, receiver=Receiver(0.5))
     found = replace(met, design=replace(met.design, signal=signal))
     numbers = {
-        name: {"p95": 12.0, "sampling": {"p95": 0.5}} for name in ("error_horizontal_m", "error_vertical_m")
+        name: {"p95": 12.0, "sampling": {"p95": 0.5}}
+        for name in ("error_horizontal_m", "error_vertical_m")
     } | {"rover_horizontal_m": 23.5, "rover_vertical_m": 23.5}
     row, _ = _errors(found, numbers)
     assert row.question.startswith("A rover anywhere: horizontal, 95 % of fixes")
     assert row.written.startswith("23.5 ± 0.98") and "2, 8, 5, 3 m (radial" in row.sure
     assert _errors(replace(met, design=replace(met.design, signal=None)), {}) == []
+    told = accurate(replace(found, mapped=SimpleNamespace(numbers=lambda: numbers)))
+    assert told.startswith("A rover anywhere knows its place to 23.5 ± 0.98 m horizontally: 95 %")
 
 
 def test_maps_and_losses_of_a_page(met):

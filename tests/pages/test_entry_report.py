@@ -16,11 +16,13 @@ from compass.api.land_flight import (
 from compass.api.optimize import OptimizeResult, search_scenario
 from compass.document import Table
 from compass.entry.consistency import consistency
+from compass.entry.dispersed import Dispersed
 from compass.entry.search import Optimum, Start
 from compass.entry.trajectory import fly
 from compass.errors import ArgumentError, OutputError
+from compass.frames import direction
 from compass.inputs.scenario import read_scenario, read_scenario_text
-from compass.pages.landing import answers, landing_report
+from compass.pages.landing import answers, dispersed_answers, landing_report
 from compass.pictures.files import check_folder, write_pictures
 
 DESIGNS = Path(__file__).parents[2] / "designs"
@@ -151,3 +153,17 @@ def test_a_landings_page_has_the_answer_first(coarse):
     bad = replace(flown.assessment, consistency=replace(own, nees=own.nees + 99.0))
     assert bad.claim_m is None
     assert answers(bad)[0].written == "not claimed" and answers(bad)[0].mark == "missed"
+
+
+def test_dispersed_entries_are_a_row_of_the_answer():
+    at = direction(np.zeros(4), np.radians([0.0, 0.01, 0.02, 0.03]))
+    ends = np.hstack([3.4e6 * at, np.zeros((4, 3))])
+    found = Dispersed("parachute", np.ones(4), ends, direction(0.0, 0.0), True)
+    (row,) = dispersed_answers(found)
+    assert (
+        row.question.startswith("Guided") and row.written == "1.78 km in 95 %"
+    )  # 3400 km * 0.03 deg
+    some = replace(found, times=np.array([1.0, np.nan, 1.0, 1.0]), guided=False)
+    (row,) = dispersed_answers(some)
+    assert row.written == "not in 95 %" and row.question == "Entries come within"
+    assert row.sure == "sampled, 4 dispersed entries" and dispersed_answers(None) == ()

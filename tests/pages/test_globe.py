@@ -147,6 +147,11 @@ def test_the_globe_moves_and_obeys_the_keyboard(browser, tmp_path, seed_design):
     assert state()[3] < 0.2
     browser.find_element("css selector", "option[value=gdop]").click()
     assert "none" in browser.find_element("css selector", ".legend").text
+    sideways = {"width": 844, "height": 390, "deviceScaleFactor": 1, "mobile": True}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", sideways)
+    assert 300 < canvas.size["height"] < 390  # a phone held sideways shows all of it
+    nav = browser.find_element("tag name", "nav")
+    assert nav.value_of_css_property("position") == "static"
     assert browser.get_log("browser") == []
     assert not browser.find_element("css selector", "img.still").is_displayed()
 

@@ -74,7 +74,7 @@ def ranking_of(designs, scenario, samples):
         )  # fmt: skip
     record = {
         "designs": rows, "samples": samples, "counted": "Counted.", "seed": 0, "goal_m": 10.0, "density_sigma": 0.0,
-        "lift_sigma": 0.0,
+        "lift_sigma": 0.0, "ground": [],
     }  # fmt: skip
     return Ranking(record, tuple(judgements))
 
@@ -145,15 +145,21 @@ def test_the_answer_says_which_is_best_and_whether_to_believe_it():
         row("C", 9.0, nees=7.0, consistent=False),
         row("D", 20.0),
     ]
-    record = {"designs": rows, "goal_m": 10.0, "deployment": "the end", "samples": 2048}
+    record = {
+        "designs": rows,
+        "goal_m": 10.0,
+        "deployment": "the end",
+        "samples": 2048,
+        "ground": [],
+    }
     section = module.answer_section(record, picture)
     (lead,) = section.paragraphs
     assert "A is the best of 4" in lead and "4 m in 95 % of 2,048 entries" in lead
     assert "rival B has 2 times" in lead and "no accuracy is claimed" in lead
     (answers,) = (block for block in section.blocks if isinstance(block, Answers))
-    assert [a.holds for a in answers.rows] == [False, False, False, False]
+    assert [a.holds for a in answers.rows] == [False, False, False, False, None]
     assert module.answer_section({**record, "goal_m": 16.0}, picture).blocks[1].rows[1].holds
-    said = [a.evidence.partition("; ")[2] for a in answers.rows]
+    said = [a.evidence.partition("; ")[2] for a in answers.rows[:-1]]
     assert said == [
         "the filter's errors are 3.21 times what it claims", "the filter is consistent",
         "the filter is not consistent", "",

@@ -2,8 +2,13 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from compass.inputs.study import read_study_text
 from compass.pages import trade_finalists as module
+from compass.study.candidates import ROW
+from compass.study.choice import Finalist
+from compass.study.results import known_figures
 
 STUDY = """
 name = "t"
@@ -29,3 +34,17 @@ def test_a_yardstick_that_is_called_as_a_finalist_is(designs, monkeypatch):
     _, judged = module.rank_finalists(replace(study, compare=old), [own], print)
     assert [d.label for d in judged] == ["finalist-1.toml", "./finalist-1.toml"]
     assert judged[0].name == "another"
+
+
+def test_a_recommendation_says_proven_bounds_where_it_has_them(designs):
+    text = STUDY.replace(
+        'figure = "satellites"', 'figure = "satellites"\n[[objective]]\nfigure = "gdop_p95"'
+    )
+    study = read_study_text(text.replace("patterns", "fold = 4\npatterns"), folder=designs)
+    row = np.array([(0, 15, 5, 1, 45.0, 20427.0, 0.0)], ROW)[0]
+    figures = dict.fromkeys(known_figures(study), np.nan) | {"satellites": 15.0, "gdop_p95": 2.9}
+    first = Finalist("balanced", row, figures, {}, {"gdop_p95": (2.85, 2.95)})
+    one = module.Entrant(first, study.compare, "proven")
+    said = str(module.recommendation(study, [one], None, None))
+    assert "2.85 to 2.95" in said and "2.9;" not in said
+    assert "15 satellites in 5 planes" in said

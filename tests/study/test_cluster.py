@@ -76,6 +76,17 @@ def test_a_cluster_finds_the_same(tiny, tmp_path, monkeypatch, local):
     assert one.identical(two)
 
 
+def test_a_map_by_a_cluster_has_the_same_bytes(designs, local):
+    address, few = local(2).scheduler_address, {"step_deg": 45, "epochs": 2}
+    here, there = (
+        compass.map(designs / "draim-four.toml", **few, **where).dataset.drop_attrs(deep=False)
+        for where in ({}, {"scheduler": address})
+    )
+    assert here.identical(there)
+    with pytest.raises(ArgumentError, match="workers: not beside scheduler"):
+        compass.map(designs / "draim-four.toml", workers=2, scheduler=address)
+
+
 @pytest.mark.slow
 def test_only_the_candidate_that_kills_its_workers_is_left_out(tiny, tmp_path, monkeypatch):
     monkeypatch.setitem(trade.BATCH, "screen", 26)

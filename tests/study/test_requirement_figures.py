@@ -81,5 +81,14 @@ def test_what_is_missed_ends_the_asking(tiny):
 def test_faults_of_requirements_in_studies_are_told(tiny):
     with pytest.raises(DesignError, match="sites = 'F': no such"):
         tiny(REQUIRED.replace('"E"]', '"F"]'))
+    landing = '[entry]\nscenario = "entry-compass.toml"\n'
+    entry = tiny(REQUIRED + landing + 'sites = ["E"]\nregion = "lat:0:9"').entry
+    assert ([site.name for site in entry.sites], entry.regions) == (["E"], ("lat:0:9",))
+    with pytest.raises(
+        DesignError, match=r"entry.sites = 'X': no such \[\[station\]\]; there are E"
+    ):
+        tiny(REQUIRED + landing + 'sites = ["X"]')
+    with pytest.raises(DesignError, match=r"entry.region = lat:9:0: latitudes must lie"):
+        tiny(landing + 'region = "lat:9:0"')
     with pytest.raises(DesignError, match="without requirements; add a"):
         tiny('[[constraint]]\nfigure = "requirement_margin_deg"\nat_least = 2')

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compass import Requirement, walker_delta
-from compass.coverage.certified_worst import dilution_at
+from compass.coverage.certified_witness import dilution_at
 from compass.coverage.region import read_region
 from compass.coverage.users import Users, region_users, site_users
 from compass.frames import FIGURES, direction, planetocentric_latitude, prime_meridian_angle
@@ -90,7 +90,7 @@ def in_matrices(c, moments):
         local = (r - eye) @ axes.T
         local /= np.linalg.norm(local, axis=1, keepdims=True)
         azimuth = np.mod(np.arctan2(local[:, 0], local[:, 1]), 2 * np.pi)
-        seen = local[np.arcsin(local[:, 2]) >= profile.at(azimuth) + moments.users.below]
+        seen = local[np.arcsin(local[:, 2]) >= profile.at(azimuth)]
         if len(seen) < moments.fold:
             found.append(np.inf)
             continue

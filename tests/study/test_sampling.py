@@ -69,10 +69,7 @@ def test_what_is_sampled_says_over_what(study):
         "share of area and time with a good PDOP; GDOP, 95th percentile: over "
         "15 deg cells, 4 epochs"
     )
-    assert all(
-        bool(sampling_of(study, name)) == (MERITS[name].stage in ("map", "orbits"))
-        for name in MERITS
-    )
+    assert all(bool(sampling_of(study, name)) == (MERITS[name].stage == "map") for name in MERITS)
 
 
 def one(value, error):

@@ -18,8 +18,11 @@ from compass.coverage.symmetry import shortest_span
 from compass.coverage.view import view
 from compass.inputs.study import EntryStage, read_study_text
 from compass.orbits import walker_delta, walker_star
+from compass.sites import Site
 from compass.study import stages
 from compass.study.candidates import ROW, candidates, make_constellation
+from compass.study.judge import campaign_of, ground_of
+from compass.study.pattern_judging import entry_figures, judged
 from compass.study.pattern_map import map_figures
 from compass.study.search import closest_approach
 from compass.study.stages import TOLERANCE, evaluate, passing
@@ -276,3 +279,19 @@ def test_a_symmetric_pattern_that_fails_the_poles_is_found_out():
     # that share is constant: 10 % for one sigma
     assert figures["gdop_p95_zone"] == pytest.approx(np.percentile(values, 95), rel=0.3)
     assert figures["gdop_p95_zone"] > 25
+
+
+def test_landers_of_a_study_deploy_where_it_says(short):
+    here = Site.of("here", latitude_deg=20, longitude_deg=50)
+    entry = EntryStage(short(), 2, 9, 2, 1, sites=(here,))
+    s = replace(study(satellites="[6]"), entry=entry)
+    rows = candidates(s).rows(0, 1)
+    found = entry_figures(s, rows)
+    alone = judged(s, make_constellation(rows[0]), float(rows["mask_deg"][0]))
+    assert found["crlb_position_m.p95"][0] == pytest.approx(alone["crlb_position_m.p95"], rel=1e-3)
+    campaign = campaign_of(entry.scenario, 2, s.seed, ground=ground_of((here,), ()))
+    latitude, longitude = np.degrees(campaign.deployment_place)
+    assert latitude == pytest.approx([20, 20], abs=1e-4)
+    assert longitude == pytest.approx([50, 50], abs=1e-4)
+    anywhere = entry_figures(replace(s, entry=EntryStage(short(), 2, 9, 2, 1)), rows)
+    assert anywhere["crlb_position_m.p95"][0] != found["crlb_position_m.p95"][0]

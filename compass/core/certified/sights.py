@@ -28,7 +28,7 @@ the frame is carried parallel, turned at ``w = n x n'``; then e' becomes ``e' - 
 by v and D2 by ``2 v V/rm + v^2 + wn``.
 
 In sight where ``G = n.(q - p) - sin m |q - p| >= 0``; ``|G''|`` is at most
-``wn |q| + 2 v S + A ht^2 + |M - n.p| hb^2 + sin m (Acc + V^2/rm)``.
+``wn |q| + 2 v S + A ht^2 + |M - n.p| hb^2 + |sin m| (Acc + V^2/rm)``.
 """
 
 import math
@@ -251,8 +251,9 @@ def sights(box, user, orbits, q, dq, numbers, level, azimuths, elevations, rows,
         tx, ty, tz = dq[k, 0] * ht, dq[k, 1] * ht, dq[k, 2] * ht
         up = nx * rx + ny * ry + nz * rz
         speed, farthest = orbits[k, 10] * ht, orbits[k, 0] * (1.0 + orbits[k, 1])
-        # G <= n.(q - p), which changes by no more than this: most satellites below end here
-        if up + v * (farthest + speed + user[24]) + speed + slack < 0.0:
+        # G <= n.(q - p) over a mask from 0 on, which changes by no more than this: most satellites
+        # below end here
+        if lowest >= 0.0 and up + v * (farthest + speed + user[24]) + speed + slack < 0.0:
             continue
         bend = orbits[k, 11] * ht * ht
         speed = min(math.sqrt(tx * tx + ty * ty + tz * tz) + bend, speed)
@@ -304,7 +305,7 @@ def sights(box, user, orbits, q, dq, numbers, level, azimuths, elevations, rows,
             row[LOW + 1 + d] = slope - sin_low * along
             least -= abs(row[HIGH + 1 + d])
             most += abs(row[LOW + 1 + d])
-        row[BEND] = 0.5 * (curve + sin_high * far) + error
+        row[BEND] = 0.5 * (curve + max(abs(sin_high), abs(sin_low)) * far) + error
         if most + row[BEND] < 0.0:
             continue
         kinds[count] = 1 if least - row[BEND] >= 0.0 else 2

@@ -124,6 +124,7 @@ class Globe {
       this.held = [e.clientX, e.clientY]; this.canvas.setPointerCapture(e.pointerId);
     });
     on(this.canvas, "pointerup", () => { this.held = null; });
+    on(this.canvas, "pointercancel", () => { this.held = null; });
     on(this.canvas, "pointermove", e => this.pointed(e));
     on(this.canvas, "wheel", e => {
       e.preventDefault(); this.zoomed(Math.exp(-e.deltaY / 600));

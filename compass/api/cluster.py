@@ -1,0 +1,50 @@
+"""Who does the work, as the arguments of a command name them."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from compass.errors import ArgumentError, whole_number
+
+if TYPE_CHECKING:
+    from compass.study.cluster import Tls
+
+#: Most workers on one machine.
+MOST_WORKERS = 1024
+
+
+def check_workers(workers: int | None) -> None:
+    """Refuse a number of workers that cannot be.
+
+    Raises
+    ------
+    ArgumentError
+        Outside 1 to 1024.
+    """
+    if workers is not None:
+        whole_number("workers", workers, 1, MOST_WORKERS)
+
+
+def check_cluster(
+    workers: int | None,
+    scheduler: str | None,
+    authority: str | Path | None,
+    certificate: str | Path | None,
+    key: str | Path | None,
+) -> "Tls | None":
+    """Return a cluster's certificates, if any are given; then all must be.
+
+    Raises
+    ------
+    ArgumentError
+        Workers of this machine beside a cluster, some certificates of three, or without a
+        scheduler.
+    """
+    if scheduler is not None and workers is not None:
+        raise ArgumentError("workers: not beside scheduler, whose cluster has its own")
+    if not any((authority, certificate, key)):
+        return None
+    if authority is None or certificate is None or key is None or scheduler is None:
+        raise ArgumentError("tls_ca, tls_cert, tls_key: all three go together, beside scheduler")
+    from compass.study.cluster import Tls
+
+    return Tls(Path(authority), Path(certificate), Path(key))
