@@ -145,7 +145,7 @@ def _value(verdict: Answer) -> str:
     worst = verdict.worst
     assert worst is not None
     if worst.of == "share":
-        return f"{100 * worst.value:.4f} % of the time"
+        return f"at most {100 * worst.value:.4f} % of the time"
     if worst.of == "fold":
         return f"{worst.value:.0f} in view"
     wanted = verdict.requirement

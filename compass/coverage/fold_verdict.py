@@ -260,8 +260,8 @@ def _often(
         told = [part for part in parts if part is not None]
         if len(told) < len(parts):
             reason = (
-                "the share of time at the worst place of a region that turns with Mars is not "
-                'bracketed; ask for its latitudes, or for share_of = "area-time" on closed tracks'
+                "the share of area and time of a region that turns with Mars is bracketed on "
+                "closed tracks alone; ask for its latitudes, or for the time at the worst place"
             )
             return undecided(requirement, course.words, reason)
         least = min(told, key=lambda part: part[0].low)
@@ -275,7 +275,7 @@ def _often(
     met = True if share.low >= wanted else False if high < wanted else None
     reason = "" if met is not None else f"the bounds lie on both sides of {wanted:g}"
     by_time = requirement.share_of == "time"
-    worst = Worst(None, latitude, None, 0.5 * (share.low + high), "share") if by_time else None
+    worst = Worst(None, latitude, None, high, "share") if by_time else None
     bounds = (min(share.low, high), high)
     return Verdict(
         requirement, met, "bracket", course.words, bounds, None, worst, lost, alike, reason
@@ -299,7 +299,6 @@ def _share_of(
         span = None if users.is_belt and one_period(c) else course.span
         asked: dict[str, Any] = {"span": span, "width": 1e-3, "level": level, "most": SHARE_BOXES}
         return clear_share(c, users, fold, **asked), latitude
-    if course.span is not None:  # a place's own share, not that of its circle
-        return None
-    share, worst = worst_share(c, users.belt(), fold, level=level, most=SHARE_BOXES)
+    asked_of = users.belt() if course.span is None else users
+    share, worst = worst_share(c, asked_of, fold, span=course.span, level=level, most=SHARE_BOXES)
     return share, centric(worst, users.figure)

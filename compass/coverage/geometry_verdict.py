@@ -164,6 +164,8 @@ def geometry_verdict(
         gone = [c.satellite_names.index(satellite) for satellite in lost]
         for users in everyone:
             seen = by_horizon(users, c)
+            if seen is not None and requirement.share == 1.0 and course.span is None:
+                seen = seen.belt()  # at every longitude, a region is as good as its latitudes
             where = None if seen is None else asked_place(seen, course)
             by_place = requirement.share < 1.0 and requirement.share_of == "time"
             if seen is not None and by_place and users.south != users.north:
@@ -259,7 +261,7 @@ def _verdict(
     verdict = Verdict(requirement, met, "bracket", scope, (low, high), None, None, lost, alike)
     if users.south == users.north:
         latitude = centric(users.south, users.figure)
-        verdict = replace(verdict, worst=Worst(None, latitude, None, least.value, "share"))
+        verdict = replace(verdict, worst=Worst(None, latitude, None, least.high, "share"))
     if met is None:
         late = f", stopped early ({least.stopped})" if least.stopped else ""
         bounds = f"lies between {low:.6g} and {high:.6g}"

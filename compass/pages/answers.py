@@ -55,12 +55,10 @@ def flown(design: Design) -> str:
         return f"{size} on given paths"
     if pattern is not None:
         return f"{size} in {counted(pattern.planes, 'plane')}: {notation(c)}"
-    around = _span(c.semi_major_axis / 1e3, " km")
-    shape = _span(c.eccentricity, "") if c.eccentricity.any() else ""
+    shape = f", eccentricity {_span(c.eccentricity, '')}" if c.eccentricity.any() else ""
     return (
-        f"{size}, semi-major axis {around}, "
-        + (f"eccentricity {shape}, " if shape else "")
-        + f"inclination {_span(np.degrees(c.inclination), '°')}"
+        f"{size}, semi-major axis {_span(c.semi_major_axis / 1e3, ' km')}{shape}, inclination "
+        f"{_span(np.degrees(c.inclination), '°')}"
     )
 
 

@@ -151,6 +151,11 @@ def test_geometry_of_a_ring_is_useless_on_the_equator():
     assert (found.met, found.share) == (False, (0.0, 0.0))
     again = verdict(ring(replace(asked, fold=1), satellites=3))
     assert again.met is False
+    # off the resonance always in a polygon is always on its latitudes
+    part = replace(asked, sites=(), regions=("polygon:0,0;0,40;10,10;40,0",), share=1.0)
+    found = verdict(ring(part))
+    assert (found.met, found.evidence) == (False, "proven")
+    assert 0 <= found.worst.latitude <= np.radians(40)
 
 
 @pytest.mark.slow
