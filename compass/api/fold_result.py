@@ -8,7 +8,7 @@ from compass.api.fold_claim import FoldClaim
 from compass.coverage.certificate import Outcome
 from compass.coverage.clearance import Clearance
 from compass.coverage.continuous import ContinuousCoverage
-from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
+from compass.document import Bracket, Page, Proven, Sampled, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block, facts
 from compass.document.plain import plain
 from compass.frames import latitude_longitude, mcmf_from_mci, prime_meridian_angle
@@ -248,12 +248,13 @@ class FoldResult(FoldClaim):
         shares, share = self.coverage.shares, quantity("fold_share")
         if shares is None:
             return ()
-        rows = tuple(
-            (f"exactly {k} in view", Value(share, float(part)), share.shown_unit)
+        evidence = Sampled(shares.error, "areas exact, integrated over time")
+        known = (
+            Value(share, float(part), evidence, f"exactly {k} in view")
             for k, part in enumerate(shares.share)
             if part > 0
         )
-        return (Table("Share of area and time by fold", ("", share.title, "unit"), rows),)
+        return (facts("Share of area and time by fold", known),)
 
     def _shares(self) -> list[Block]:
         shares = self.coverage.shares
@@ -262,8 +263,8 @@ class FoldResult(FoldClaim):
         return [
             *self.shares_tables(),
             Sentence(
-                f"areas exact, integrated over time to {shares.error:.1g}; with 4 in view there "
-                "are curves on which GDOP is infinite"
+                f"shares good to {shares.error:.1g}; with 4 in view there are curves on which GDOP "
+                "is infinite"
             ),
         ]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compass.api.given import given_design, given_places, given_scenario
+from compass.api.given import given_in_metres, given_places, given_scenario
 from compass.api.judge_tables import (
     budget_table,
     filter_table,
@@ -66,7 +66,20 @@ class JudgeResult(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        return plain({**self.ranking.record, "start_day": self.start_day})
+        known = {"evidence": self.evidence(), "start_day": self.start_day}
+        return plain(self.ranking.record | known)
+
+    def evidence(self) -> dict[str, str]:
+        """How well the numbers of a design are known, by where they stand in the JSON."""
+        return {
+            "entries": (
+                f"percentiles and shares over {self.ranking.record['samples']} entries drawn; "
+                "beside percentiles as _interval: bounds that hold that of all entries in 95 of "
+                "100 cases"
+            ),
+            "worst_found": "a search's, and no bound: another entry may be worse",
+            "filter": "of as many runs as `runs` says; nees_interval as the percentiles' bounds",
+        }
 
     def document(self) -> Page:
         """The best and its bound, an answer a design, then the tables."""
@@ -313,7 +326,7 @@ def _read(
 
     several = [designs] if isinstance(designs, Design | str | Path) else designs
     lander = read(given_scenario, scenario)
-    candidates = [read(given_design, each) for each in several]
+    candidates = [read(given_in_metres, each) for each in several]
     if faults:
         raise DesignError(list(dict.fromkeys(faults)))
     return lander, candidates

@@ -127,8 +127,8 @@ def not_told_apart(rows: Sequence[dict[str, Any]]) -> list[str]:
     if not names:
         return []
     return [
-        f"not told apart from {best['design']} by so few entries: {', '.join(names)}; their bounds "
-        "of the 95th percentile overlap"
+        f"so few entries do not put {' or '.join(names)} behind {best['design']}: the bounds of "
+        "their 95th percentiles overlap"
     ]
 
 

@@ -345,8 +345,9 @@ def clear_share(
     orbits, figure, turn, azimuths, elevations, normals, floors, k, domain
         As in `least_clearance`.
     whole
-        Whether all latitudes of the domain must be clear at once: shares are then of longitude
-        and phase. Else they are of area and phase, of users on the figure itself.
+        1 if all latitudes of the domain must be clear at once: shares are then of longitude and
+        phase; 2 if all longitudes too: of phase alone. With 0 they are of area and phase, of users
+        on the figure itself.
     finest
         Boxes of a smaller measure are not split.
     most
@@ -358,10 +359,9 @@ def clear_share(
         Measures, and boxes looked at.
     """
     near, cells = np.empty((3, max(k, 1))), _cells(domain)
-    if whole:
-        cells[0] = 1
+    cells[:whole] = 1
     pace = _pace(orbits)
-    box, stack = np.zeros(BOX), np.empty((DEEPEST, BOX))
+    box, stack, kept = np.zeros(BOX), np.empty((DEEPEST, BOX)), np.empty(3)
     clear, hidden, undecided, boxes = 0.0, 0.0, 0.0, 0
     for cell in range(cells.prod()):
         _cell(domain, cells, cell, stack[0])
@@ -384,13 +384,11 @@ def clear_share(
             if part <= finest or boxes >= most or depth + 2 > DEEPEST:
                 undecided += part
                 continue
-            split = box[3] if whole else 0.0
-            if whole:
-                box[3] = 0.0
+            kept[:whole] = box[3 : 3 + whole]
+            box[3 : 3 + whole] = 0.0
             longest = _longest(box, pace)
             box[3 + longest] *= 0.5
-            if whole:
-                box[3] = split
+            box[3 : 3 + whole] = kept[:whole]
             for sign in (-1.0, 1.0):
                 stack[depth] = box
                 stack[depth, longest] += sign * box[3 + longest]
@@ -405,7 +403,7 @@ def _measure(box, figure, whole, domain):
     Sides of length zero, of a domain that has no more, count as one.
     """
     part = 1.0
-    for axis in (1, 2):
+    for axis in range(max(whole, 1), 3):
         part *= 2.0 * box[3 + axis] if domain[axis, 1] > domain[axis, 0] else 1.0
     if whole or domain[0, 1] == domain[0, 0]:
         return part

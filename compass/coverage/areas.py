@@ -127,7 +127,7 @@ def _figures(
     everyone = users_of(design, wanted)
     start, days = span[0] / SECONDS_PER_DAY, (span[1] - span[0]) / SECONDS_PER_DAY
     course = course_of(design, None, 0.0) if ever else None
-    if course is None or any(asked_place(users, course) is None for users in everyone):
+    if course is None:
         course = course_of(design, days, start)
         assert course is not None  # days were given
     later: dict[str, Any] = {} if course.for_ever else {"days": days, "start_day": start}
@@ -181,9 +181,7 @@ class _Part:
         return found.low, found.high
 
     def _asked(self) -> dict[str, Any]:
-        where = asked_place(self.users, self.course)
-        assert where is not None
-        return where | {
+        return asked_place(self.users, self.course) | {
             "figure": self.users.figure,
             "mask": self.users.mask,
             "motion": self.design.motion,

@@ -52,6 +52,8 @@ class Domain:
         Whether longitudes turn with Mars.
     motion
         How the satellites move.
+    weighed
+        A polygon by whose width in longitude latitudes weigh; None: all alike.
     """
 
     sides: NDArray[np.float64]
@@ -66,6 +68,7 @@ class Domain:
     drift: float = 0.0
     turning: bool = False
     motion: Motion = field(default_factory=Motion)
+    weighed: Region | None = None
     breaks: NDArray[np.float64] = field(default_factory=lambda: np.zeros(1))
     paths: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 1, 3, 1)))
 
@@ -131,6 +134,7 @@ def domain_of(
     drifting = moved.model == "j2"
     steady = moved.is_closed_form and one_period(c) and duration is None
     steady &= not drifting or (c.is_circular and np.unique(c.inclination).size == 1)
+    weighed = place if isinstance(place, Region) and place.mars_fixed else None
     place = for_ever(place) if steady and not closed else place
     south, north, west, east, normals = sides_of(place, figure)
     turning = isinstance(place, Spot | Tile) or len(normals) > 0
@@ -145,7 +149,15 @@ def domain_of(
                 )
                 drift, pace = float(node[0]), float(periapsis[0] + mean[0])
             scope = f"{title}; {torus.scope}"
-            return replace(torus, scope=scope, height=high, pace=pace, drift=drift, motion=moved)
+            return replace(
+                torus,
+                scope=scope,
+                height=high,
+                pace=pace,
+                drift=drift,
+                motion=moved,
+                weighed=weighed,
+            )
         sides = np.array([[south, north], [0.0, 2 * np.pi], [0.0, 2 * np.pi]])
         pace = float(c.mean_motion[0])
         orbits, circles = orbit_rows(c, figure, pace, 0.0, 0.0, False)
@@ -161,6 +173,7 @@ def domain_of(
             scope=scope,
             pace=pace,
             motion=moved,
+            weighed=weighed,
         )
     span = Span(
         since, since + (repeat_period(c).duration if duration is None else duration), False, ""

@@ -46,17 +46,17 @@ def _check_tile(tile: Tile) -> None:
 
 
 def for_ever(place: Place) -> Place:
-    """What stands for a place when tracks do not close: it meets every longitude alike."""
+    """What stands for a place when tracks do not close: it meets every longitude alike.
+
+    Of a polygon its latitudes, which in shares weigh by its width in longitude.
+    """
     if isinstance(place, Spot):
         return Circle(place.latitude)
     if isinstance(place, Tile):
         _check_tile(place)
         return latitude_band(place.south, place.north)
     if isinstance(place, Region) and place.mars_fixed:
-        raise ArgumentError(
-            f"region = {place.name}: off the resonance its longitudes weigh by latitude; give a "
-            "duration, or say that the ground tracks close"
-        )
+        return latitude_band(*place.latitudes())
     return place
 
 

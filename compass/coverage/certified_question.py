@@ -5,6 +5,7 @@ their ranges' sigmas over the least of these, whose square times that variance, 
 satellites share, is the error's.
 """
 
+from copy import copy
 from dataclasses import replace
 from itertools import pairwise
 from typing import TypedDict
@@ -127,6 +128,13 @@ class Question:
         self.shared = ranges.shared_in(self.name)
         columns = ranges.columns(d.orbits, self.scale)
         self.domain = replace(d, orbits=np.hstack([d.orbits, columns]))
+
+    def belt(self, south: float, north: float) -> "Question":
+        """Return the same question at every longitude between two geodetic latitudes."""
+        part = copy(self)
+        sides = np.vstack([[south, north], self.domain.sides[1:]])
+        part.domain = replace(self.domain, sides=sides, weighed=None)
+        return part
 
     def check(self, limit: float) -> None:
         """Refuse a limit that nothing keeps.

@@ -4,13 +4,16 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from time import monotonic
-from typing import Unpack
+from typing import TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.certified.shares import BOX, refine
+from compass.coverage.certified_longitudes import weighed_share
+from compass.coverage.certified_places import for_ever, sides_of
 from compass.coverage.certified_question import Asked, Question
+from compass.coverage.region import Region
 from compass.errors import ArgumentError
 from compass.orbits import Constellation
 
@@ -138,6 +141,15 @@ def certified_share(
     return found
 
 
+class Ends(TypedDict):
+    """What ends a search of a weighed share."""
+
+    budget_s: float
+    budget_boxes: float
+    level: float | None
+    progress: Callable[[float], None]
+
+
 class Search:
     """One question, at any limit."""
 
@@ -163,6 +175,16 @@ class Search:
             raise ArgumentError(f"width = {width:g}: must be positive")
         if self.question.satellites < 4:
             return CertifiedShare(0.0, 0.0, 0, self.scope + "; fewer than four satellites")
+        if self.question.domain.weighed is not None:
+            return self._weighed(
+                self.question.domain.weighed,
+                limit,
+                width,
+                budget_s=budget_s,
+                budget_boxes=budget_boxes,
+                level=level,
+                progress=progress,
+            )
         settled, boxes = np.zeros(3), 0
         if start is not None and start.leaves is not None:
             leaves, settled, boxes = start.leaves, np.array(start.settled), start.boxes
@@ -182,6 +204,25 @@ class Search:
             leaves, sums, stopped = self._round(leaves, eps, limit, end, most - boxes)
             settled, boxes = settled + sums[:3], boxes + int(sums[3])
         return self._result(leaves, settled, boxes, stopped)
+
+    def _weighed(
+        self, polygon: Region, limit: float, width: float, **ends: Unpack[Ends]
+    ) -> CertifiedShare:
+        """Weigh belts of latitude by the width of a polygon; begun anew each time."""
+
+        def belt(
+            south: float, north: float, near: float, seconds: float, boxes: float
+        ) -> tuple[float, float, int, str]:
+            search = Search(self.question.belt(south, north), self.workers)
+            found = search.share(limit, near, budget_s=seconds, budget_boxes=boxes)
+            return found.low, found.high, found.boxes, found.stopped
+
+        q = self.question
+        south, north, *_ = sides_of(for_ever(polygon), q.figure)
+        e2 = q.domain.flattening
+        known = weighed_share(polygon.normals, e2, (south, north), belt, width, **ends)
+        low, high, boxes, stopped = known
+        return CertifiedShare(max(low, 0.0), min(high, 1.0), boxes, self.scope, stopped)
 
     def _round(
         self, leaves: NDArray[np.float64], eps: float, limit: float, end: float, most: float

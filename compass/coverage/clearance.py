@@ -6,7 +6,6 @@ claim for ever: longitude and phase together come arbitrarily near every pair of
 """
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from math import inf
 
 import numpy as np
@@ -14,6 +13,7 @@ import numpy as np
 from compass.core import clearance as kernels
 from compass.coverage.clearance_layout import Laid, check_users, lay_out, place_of
 from compass.coverage.region import GLOBE
+from compass.coverage.tiles import Sides, Tiles
 from compass.coverage.users import Users, centric
 from compass.errors import ArgumentError
 from compass.orbits import Constellation
@@ -185,7 +185,7 @@ def clear_share(
     most = MOST_BOXES if most is None else most
     finest, total = 1e-2, 0
     while True:
-        found = _share(laid, fold, False, finest, most - total)
+        found = _share(laid, fold, 0, finest, most - total)
         total += found.boxes
         told = level is not None and (found.low >= level or found.high < level)
         if told or found.high - found.low <= width or total >= most:
@@ -193,15 +193,17 @@ def clear_share(
         finest *= 0.25
 
 
-def _share(laid: Laid, fold: int, everywhere: bool, finest: float, most: int) -> Share:
+def _share(laid: Laid, fold: int, whole: int, finest: float, most: int) -> Share:
     """Bounds of a share from boxes down to a measure.
 
-    `everywhere`: of several latitudes, of the time in which all of them at one longitude have the
-    fold; the upper bound is then none of that.
+    With `whole` 1 of the time in which all latitudes at one longitude have the fold, with 2 all
+    longitudes too; the upper bound is then none of that.
     """
     clear, hidden, undecided, boxes = kernels.clear_share(
-        *laid.arrays(), fold, laid.domain, everywhere, finest, most
+        *laid.arrays(), fold, laid.domain, whole, finest, most
     )
+    if not clear + hidden + undecided > 0.0:
+        raise ArgumentError("region: has no area")
     whole = clear + hidden + undecided
     # sums of so many parts round by so many last places; what symmetry misses moves rims
     error = 4e-16 * boxes + 1e-10 + 0.5 * laid.orbits.shape[0] * laid.missed
@@ -215,15 +217,14 @@ def worst_share(
     users: Users,
     fold: int,
     *,
+    span: tuple[float, float] | None = None,
     width: float = 1e-3,
     level: float | None = None,
     most: int | None = None,
 ) -> tuple[Share, float]:
-    """Bracket the share of time with `fold` in view at the worst latitude of a belt, for ever.
+    """Bracket the share of time with `fold` in view where that is least (`compass.coverage.tiles`).
 
-    Of a belt, the time in which all of it at one longitude has the fold is a lower bound for each
-    of its latitudes, the share at one of them an upper bound; the belt whose bound is lowest is
-    halved.
+    Of circles of latitude for ever, or of every place of the users' region by itself in a span.
 
     Returns
     -------
@@ -233,38 +234,31 @@ def worst_share(
     check_users(constellation, users, fold)
     if constellation.size < fold:
         return Share(0.0, 0.0, 0), users.south
-    most = MOST_BOXES if most is None else most
-    south = 0.0 if users.south == -users.north and users.alike_all_around else users.south
-    edges = np.linspace(south, users.north, max(2, int(np.ceil((users.north - south) / 0.1)) + 1))
-    open_belts: list[tuple[float, float, float]] = []
-    least, where, total = 1.0, users.south, 0
+    most, places = MOST_BOXES if most is None else most, span is not None
 
-    def look(low: float, high: float) -> None:
-        nonlocal least, where, total
-        middle = 0.5 * (low + high)
-        circle = replace(users, south=middle, north=middle, longitude=None, region=GLOBE)
-        at = clear_share(constellation, circle, fold, width=0.25 * width, most=most - total)
-        total += at.boxes
-        if at.high < least:
-            least, where = at.high, middle
-        laid = lay_out(constellation, replace(circle, south=low, north=high), None)
-        fine = max(0.02 * (high - low) ** 2, 1e-8)
-        all_of_it = _share(laid, fold, True, fine, most)
-        total += all_of_it.boxes
-        open_belts.append((all_of_it.low, low, high))
+    def at(latitude: float, longitude: float) -> tuple[float, int]:
+        here = replace(users, south=latitude, north=latitude, region=GLOBE)
+        here = replace(here, longitude=longitude if places else None)
+        found = clear_share(
+            constellation, here, fold, span=span, width=0.25 * width, level=level, most=most // 4
+        )
+        return found.high, found.boxes
 
-    for low, high in pairwise(edges):
-        look(float(low), float(high))
-    while True:
-        open_belts.sort()
-        bound, low, high = open_belts[0]
-        told = level is not None and (bound >= level or least < level)
-        if told or least - bound <= width or total >= most:
-            return Share(min(bound, least), least, total), where
-        del open_belts[0]
-        middle = 0.5 * (low + high)
-        look(low, middle)
-        look(middle, high)
+    def bound(tile: Sides) -> tuple[float, int]:
+        south, north, west, east = tile
+        laid = lay_out(constellation, replace(users, south=south, north=north, region=GLOBE), span)
+        if places:
+            laid.domain[1] = west, east
+        side = max(north - south, east - west)
+        fine = max(0.05 * side, 1e-6) if places else max(0.02 * side**2, 1e-8)
+        found = _share(laid, fold, 2 if places else 1, fine, most)
+        return found.low, found.boxes
+
+    mirrored = users.south == -users.north and users.alike_all_around and not places
+    tiles = Tiles(bound, at, users.figure, places, users.region)
+    south = 0.0 if mirrored else users.south
+    found = tiles.least(south, users.north, width=width, level=level, most=most)
+    return Share(found.low, found.high, found.looked), found.latitude
 
 
 def _least(

@@ -18,7 +18,14 @@ from compass.coverage.clearance import (
 )
 from compass.coverage.region import Region, read_regions
 from compass.coverage.symmetry import unlike_subsets
-from compass.coverage.users import Users, centric, geodetic, region_users, site_users
+from compass.coverage.users import (
+    Users,
+    centric,
+    check_limb,
+    geodetic,
+    region_users,
+    site_users,
+)
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
 from compass.frames import SECONDS_PER_DAY, prime_meridian_angle
@@ -80,13 +87,21 @@ def course_of(design: Design, days: float | None, start_day: float) -> Course | 
 
 
 def users_of(design: Design, requirement: Requirement) -> tuple[Users, ...]:
-    """Users of a requirement, over the higher of its mask and their own horizons."""
+    """Users of a requirement, over the higher of its mask and their own horizons.
+
+    Raises
+    ------
+    ArgumentError
+        A mask below the limb of Mars.
+    """
     mask = design.mask if requirement.mask is None else Mask.constant(requirement.mask)
     places = [site_users(site, site.mask.or_higher(mask)) for site in requirement.sites]
     for text in requirement.areas:
         for region in read_regions(text):
             users = region_users(region, design.figure, mask, height=requirement.altitude)
             places.append(replace(users, name=text))
+    for users in places:
+        check_limb(users)
     return tuple(replace(users, beam=requirement.beam) for users in places)
 
 
@@ -260,8 +275,8 @@ def _often(
         told = [part for part in parts if part is not None]
         if len(told) < len(parts):
             reason = (
-                "the share of time at the worst place of a region that turns with Mars is not "
-                'bracketed; ask for its latitudes, or for share_of = "area-time" on closed tracks'
+                "the share of area and time of a region that turns with Mars is bracketed on "
+                "closed tracks alone; ask for its latitudes, or for the time at the worst place"
             )
             return undecided(requirement, course.words, reason)
         least = min(told, key=lambda part: part[0].low)
@@ -275,7 +290,7 @@ def _often(
     met = True if share.low >= wanted else False if high < wanted else None
     reason = "" if met is not None else f"the bounds lie on both sides of {wanted:g}"
     by_time = requirement.share_of == "time"
-    worst = Worst(None, latitude, None, 0.5 * (share.low + high), "share") if by_time else None
+    worst = Worst(None, latitude, None, high, "share") if by_time else None
     bounds = (min(share.low, high), high)
     return Verdict(
         requirement, met, "bracket", course.words, bounds, None, worst, lost, alike, reason
@@ -299,7 +314,6 @@ def _share_of(
         span = None if users.is_belt and one_period(c) else course.span
         asked: dict[str, Any] = {"span": span, "width": 1e-3, "level": level, "most": SHARE_BOXES}
         return clear_share(c, users, fold, **asked), latitude
-    if course.span is not None:  # a place's own share, not that of its circle
-        return None
-    share, worst = worst_share(c, users.belt(), fold, level=level, most=SHARE_BOXES)
+    asked_of = users.belt() if course.span is None else users
+    share, worst = worst_share(c, asked_of, fold, span=course.span, level=level, most=SHARE_BOXES)
     return share, centric(worst, users.figure)

@@ -164,13 +164,12 @@ def geometry_verdict(
         gone = [c.satellite_names.index(satellite) for satellite in lost]
         for users in everyone:
             seen = by_horizon(users, c)
-            where = None if seen is None else asked_place(seen, course)
-            by_place = requirement.share < 1.0 and requirement.share_of == "time"
-            if seen is not None and by_place and users.south != users.north:
-                where = _worst_asked(seen, course)
-            if seen is None or where is None or (sky is not None and seen.mask.lowest < 0.0):
+            if seen is None or (sky is not None and seen.mask.lowest < 0.0):
                 reason = f"{asked.title} of these users is not certified yet"
                 return undecided(requirement, course.words, reason)
+            by_place = requirement.share < 1.0 and requirement.share_of == "time"
+            among = by_place and users.south != users.north
+            where = _worst_asked(seen, course) if among else asked_place(seen, course)
             where |= {
                 "figure": users.figure,
                 "mask": seen.mask,
@@ -223,8 +222,8 @@ def _worst_asked(users: Users, course: Course) -> dict[str, Any]:
     return asked
 
 
-def asked_place(users: Users, course: Course) -> dict[str, Any] | None:
-    """Where and when users are looked at, as certified figures ask; None where they cannot yet."""
+def asked_place(users: Users, course: Course) -> dict[str, Any]:
+    """Where and when users are looked at, as certified figures ask."""
     south, north = (centric(b, users.figure) for b in (users.south, users.north))
     asked: dict[str, Any] = {"height": users.height}
     # what holds for ever at all longitudes needs no span
@@ -237,7 +236,7 @@ def asked_place(users: Users, course: Course) -> dict[str, Any] | None:
         return asked | {"place": Spot(south, users.longitude)}
     if users.is_belt:
         return asked | {"place": latitude_band(south, north)}
-    return asked | {"place": users.region} if "duration" in asked else None
+    return asked | {"place": users.region}
 
 
 def _verdict(
@@ -259,7 +258,7 @@ def _verdict(
     verdict = Verdict(requirement, met, "bracket", scope, (low, high), None, None, lost, alike)
     if users.south == users.north:
         latitude = centric(users.south, users.figure)
-        verdict = replace(verdict, worst=Worst(None, latitude, None, least.value, "share"))
+        verdict = replace(verdict, worst=Worst(None, latitude, None, least.high, "share"))
     if met is None:
         late = f", stopped early ({least.stopped})" if least.stopped else ""
         bounds = f"lies between {low:.6g} and {high:.6g}"

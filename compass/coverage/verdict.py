@@ -21,8 +21,8 @@ class Worst:
     latitude, longitude
         Planetocentric and Mars-fixed, radians; longitude None where it does not count.
     value
-        Satellites in view, the dilution of precision, the error as the requirement means it, or the
-        share of time.
+        Satellites in view, the dilution of precision, the error as the requirement means it, or
+        what the share of time is at most.
     of
         Which of these: ``fold``, one of `compass.design.LIMITS`, or ``share``.
     """

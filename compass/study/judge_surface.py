@@ -37,7 +37,7 @@ def judge_surface(
     dict
         ``fold``: wanted, and whether it is proven for all time (`prove_fold`);
         ``mask_margin_deg``: the highest mask with that fold, None if no mask has it;
-        ``availability`` and ``gdop`` with p50 and p95, each with its bracket
+        ``availability`` and ``gdop`` with p50 and p95, each with its bracket, and ``evidence``
         (`compass.coverage.certified_geometry`).
     """
     sphere, high = figure.equatorial_radius, mask.highest
@@ -50,4 +50,5 @@ def judge_surface(
         "fold": {"wanted": fold, "outcome": certificate.outcome},
         "mask_margin_deg": None if margin is None else float(np.degrees(margin)),
         **geometry.numbers(),
+        "evidence": f"between proven bounds, {geometry.scope}",
     }

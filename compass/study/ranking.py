@@ -255,7 +255,7 @@ def _answer(figures: dict[str, Any], goal: float) -> str:
     if worst["value"] <= goal:
         return f"yes; the worst that a search finds is {where}"
     if missed > 0:
-        return f"no: not in {missed:.3g} % of entries; worst {where}"
+        return f"no: beyond it in {missed:.3g} % of entries; worst {where}"
     return f"not quite: in all entries judged, but a search finds {where}"
 
 

@@ -108,7 +108,7 @@ def test_tables_and_the_answer(run, files):
     assert "density unknown by 20 %" in out and "L/D unknown" not in out
     assert "Users on the surface" in out
     assert "Within 10 m at deployment, anywhere and at any time?" in out
-    assert "2 satellites: no: not in" in out
+    assert "2 satellites: no: beyond it in" in out
 
 
 def test_rival_is_written_and_ranked(run, files):

@@ -12,6 +12,7 @@ from types import SimpleNamespace
 import pytest
 from numba import config
 
+from compass.cli.main import QUIET
 from compass.cli.shared import announce_compilation
 from compass.core import kernel_cache
 from compass.core.kernel_cache import KernelCache, Turn
@@ -220,3 +221,21 @@ def test_who_must_compile_each_time_is_told_what_helps(monkeypatch, capsys, last
         pass
     closing[0]()
     assert said in (found := capsys.readouterr().err) and found.count("\n") == 1
+
+
+def test_who_wants_quiet_hears_nothing_of_a_thread_that_compiles(monkeypatch, capsys):
+    from numba.core import event
+
+    closing = []
+    context = SimpleNamespace(call_on_close=closing.append, meta={QUIET: True})
+    here = threading.current_thread()
+    monkeypatch.setattr(
+        "click.get_current_context",
+        lambda **_: context if threading.current_thread() is here else None,
+    )
+    announce_compilation()
+    asked = threading.Thread(target=lambda: event.trigger_event("numba:compile").__enter__())
+    asked.start()
+    asked.join()
+    closing[0]()
+    assert capsys.readouterr().err == ""

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from compass.core.clearance import profile_range
 from compass.coverage.certificate import prove_fold
 from compass.coverage.clearance import clear_share, least_clearance, worst_share
-from compass.coverage.region import read_region
+from compass.coverage.region import read_region, read_regions
 from compass.coverage.share import mean_fold_shares
 from compass.coverage.users import Users, by_horizon, geodetic, region_users, site_users
 from compass.errors import ArgumentError
@@ -296,3 +296,21 @@ def test_bad_claims_are_told():
     assert clear_share(c, users, 4).high == 0.0
     assert worst_share(c, users, 4)[0].high == 0.0
     assert geodetic(np.pi / 2, ELLIPSOID) == np.pi / 2
+
+
+def test_the_worst_place_of_a_region_has_the_least_share_under_closed_tracks():
+    """Of all places that a grid finds in a polygon, at dense moments of one repeat."""
+    c = walker_delta(6, 3, 1, inclination_deg=50, orbit="areosynchronous")
+    (part,) = read_regions("polygon:0,0;0,40;40,0")
+    users = region_users(part, SPHERE, Mask())
+    span = (0.0, 88642.66)
+    found, latitude = worst_share(c, users, 2, span=span, width=0.05, level=0.999, most=20_000)
+    assert users.south <= latitude <= users.north and found.low <= found.high
+    r = np.moveaxis(positions_mcmf(c, np.linspace(*span, 500)), 1, 0)
+    shares = []
+    for b, lon in ((0.0, 0.0), (0.0, 40.0), (40.0, 0.0), (20.0, 19.9)):
+        site = Site.of("p", latitude_deg=b, longitude_deg=lon, figure=SPHERE)
+        shares.append((site.sees(r).sum(axis=1) >= 2).mean())
+    # a moment of 500 is off by one at each of some twenty rises and sets
+    assert found.low <= min(shares) + 0.04
+    assert found.high < 0.999 or found.low >= 0.999

@@ -164,8 +164,8 @@ def test_the_answer_says_which_is_best_and_whether_to_believe_it():
         "the filter's errors are 3.21 times what it claims", "the filter is consistent",
         "the filter is not consistent", "",
     ]  # fmt: skip
-    assert section.pictures == (picture,) and "told apart" not in lead
+    assert section.pictures == (picture,) and "So few" not in lead
     for known, bounds in zip(rows, ((3.0, 8.5), (7.0, 9.0), (8.6, 9.5), (15.0, 25.0)), strict=True):
         known["crlb_position_m"]["p95_interval"] = bounds
     (lead,) = module.answer_section(record, picture).paragraphs
-    assert "Not told apart from A by so few entries: B; their bounds" in lead
+    assert "So few entries do not put B behind A: the bounds of their 95th" in lead

@@ -86,8 +86,8 @@ def test_ties_go_to_fewer_satellites(scenario, quick, monkeypatch):
     result = ranking.rank_designs(blind, scenario, samples=2, finalists=0).record
     assert [row["design"] for row in result["designs"]] == ["two", "three"]
     answer = result["designs"][0]["answer"]
-    assert answer.startswith("no: not in 100 % of entries; worst 17")
-    assert "After the loss of P1S1: no: not in 100 % of entries; worst 17" in answer
+    assert answer.startswith("no: beyond it in 100 % of entries; worst 17")
+    assert "After the loss of P1S1: no: beyond it in 100 % of entries; worst 17" in answer
 
 
 @pytest.mark.parametrize(
@@ -296,7 +296,7 @@ def test_answers():
     for worst, share, said in (
         (9.0, 1.0, f"yes; the worst that a search finds is 9.00 {where}, 4 in view at least"),
         (11.0, 1.0, f"not quite: in all entries judged, but a search finds 11.00 {where}"),
-        (11.0, 0.9, f"no: not in 10 % of entries; worst 11.00 {where}"),
+        (11.0, 0.9, f"no: beyond it in 10 % of entries; worst 11.00 {where}"),
     ):
         assert ranking.answer(figures(worst, share), 10.0).startswith(said)
 

@@ -1,0 +1,137 @@
+"""The place where a share is least: tiles of latitude and longitude by bounds, halved.
+
+The share at one place is a bound from above; what a whole tile has at once is one from below for
+each of its places. The tile whose bound is lowest is looked at in its middle, or where it meets the
+region, and halved.
+"""
+
+import heapq
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise, product
+
+import numpy as np
+
+from compass.coverage.region import GLOBE, Region
+from compass.frames import Figure, direction, planetocentric_latitude
+
+#: Longest sides of the first tiles, radians.
+FIRST = 0.1
+
+#: South, north (geodetic), west and east of a tile, radians.
+Sides = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Least:
+    """A least share between bounds, the geodetic latitude of the place with the upper, the cost."""
+
+    low: float
+    high: float
+    latitude: float
+    looked: int
+    stopped: str
+
+
+@dataclass(frozen=True)
+class Tiles:
+    """Where the least share is looked for, and how.
+
+    Attributes
+    ----------
+    bound
+        Of a tile the share that all of it has at once, and boxes looked at.
+    at
+        Of a place (geodetic latitude, longitude) a share from above, and boxes looked at.
+    figure
+        On which the places are.
+    places
+        Whether every place counts by itself; else all of a circle of latitude count alike.
+    region
+        Of which places count, where they do by themselves.
+    """
+
+    bound: Callable[[Sides], tuple[float, int]]
+    at: Callable[[float, float], tuple[float, int]]
+    figure: Figure
+    places: bool = False
+    region: Region = GLOBE
+
+    def least(
+        self, south: float, north: float, *, width: float, level: float | None, most: float
+    ) -> Least:
+        """Bracket the least share between two geodetic latitudes.
+
+        Until the bounds are `width` apart, both on one side of `level`, or `most` boxes are spent.
+        """
+        tiles: list[tuple[float, Sides]] = []
+        high, where, looked, stopped = 1.0, south, 0, ""
+
+        def push(tile: Sides) -> None:
+            nonlocal looked
+            if not self._outside(tile):
+                low, boxes = self.bound(tile)
+                looked += boxes
+                heapq.heappush(tiles, (low, tile))
+
+        def look(tile: Sides) -> None:
+            nonlocal looked, high, where
+            if spot := next(self._spots(tile), None):
+                found, boxes = self.at(*spot)
+                looked += boxes
+                if found <= high:
+                    high, where = found, spot[0]
+
+        columns = _parts(-np.pi, np.pi) if self.places else [(0.0, 0.0)]
+        for (a, b), (west, east) in product(_parts(south, north), columns):
+            push((a, b, west, east))
+        while tiles:
+            low, tile = tiles[0]
+            told = level is not None and (low >= level or high < level)
+            if told or high - low <= width:
+                break
+            if looked >= most:
+                stopped = "boxes"
+                break
+            heapq.heappop(tiles)
+            look(tile)
+            for half in self._halves(tile):
+                push(half)
+        if high == 1.0 and tiles:  # told from below alone: say what a place has too
+            look(tiles[0][1])
+        return Least(min(tiles[0][0] if tiles else 1.0, high), high, where, looked, stopped)
+
+    def _spots(self, tile: Sides) -> Iterator[tuple[float, float]]:
+        """Places of a tile in the region: of its middle, its sides and corners."""
+        south, north, west, east = tile
+        for part, along in product((0.5, 0.0, 1.0), (0.5, 0.0, 1.0)):
+            latitude, longitude = south + part * (north - south), west + along * (east - west)
+            if not self.places or self.region.contains(self._direction(latitude, longitude)):
+                yield latitude, longitude
+
+    def _halves(self, tile: Sides) -> tuple[Sides, Sides]:
+        south, north, west, east = tile
+        middle = 0.5 * (south + north)
+        if self.places and (east - west) * np.cos(middle) > north - south:
+            cut = 0.5 * (west + east)
+            return (south, north, west, cut), (south, north, cut, east)
+        return (south, middle, west, east), (middle, north, west, east)
+
+    def _outside(self, tile: Sides) -> bool:
+        """Whether no place of a tile is in the region, surely."""
+        if not (self.places and self.region.mars_fixed):
+            return False
+        south, north, west, east = tile
+        # a planetocentric latitude turns by at most so much of the geodetic one
+        reach = 0.5 * (north - south) * self.figure.stretch**2 + 0.5 * (east - west) + 1e-9
+        middle = self._direction(0.5 * (south + north), 0.5 * (west + east))
+        return bool(np.any(self.region.normals @ middle - self.region.floors < -reach))
+
+    def _direction(self, latitude: float, longitude: float) -> np.ndarray:
+        return direction(float(planetocentric_latitude(latitude, self.figure)), longitude)
+
+
+def _parts(low: float, high: float) -> list[tuple[float, float]]:
+    """Equal parts of a stretch, none longer than `FIRST`."""
+    count = max(int(np.ceil((high - low) / FIRST)), 1)
+    return list(pairwise(np.linspace(low, high, count + 1).tolist()))
