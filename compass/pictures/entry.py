@@ -59,17 +59,18 @@ def draw_landing(axes: Axes, found: Assessment, dispersed: Dispersed | None = No
     at, states = found.accuracy, found.flight.states
     lon0 = float(np.degrees(states[:, 1].mean()))
     rim = _degrees(around(at.path[:3], at.delivery.ellipse.outline()), lon0)
-    corner = axes.inset_axes((0.02, 0.03, 0.36, 0.3))
+    corner = axes.inset_axes((0.03, 0.03, 0.36, 0.3))
     for part in (axes, corner):
         part.plot(*rim, color=CYCLE[3], lw=1.4, label="comes down, 95 %")
         if dispersed is not None:
             spots = _degrees(dispersed.ends[dispersed.reached, :3], lon0)
             part.plot(*spots, ".", color=INK, ms=2.5, alpha=0.6, label="dispersed entries")
-    within = corner.get_xlim(), corner.get_ylim()
+    within, narrow = corner.get_xlim(), max(0.05, float(np.cos(states[-1, 2])))
+    across = np.radians(within[1] - within[0]) * narrow * np.linalg.norm(at.path[:3]) / KM
+    corner.set(xlim=within, ylim=corner.get_ylim(), xticks=[], yticks=[])
     corner.plot(np.degrees(states[:, 1]), np.degrees(states[:, 2]), color=MARS, lw=1.4, zorder=1)
-    corner.set(xlim=within[0], ylim=within[1])
-    corner.set_aspect(1 / max(0.05, float(np.cos(states[-1, 2]))), adjustable="datalim")
-    corner.tick_params(labelsize=6)
+    corner.set_aspect(1 / narrow)
+    corner.set_title(f"{significant(float(across), 2)} km across", fontsize=7)
     axes.indicate_inset_zoom(corner, edgecolor=FAINT)
 
 
