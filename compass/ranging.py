@@ -100,8 +100,8 @@ class Signal:
         `clock_sigma`: one matrix for all satellites, or one each. A clock counts positive where
         it makes ranges longer.
     determined
-        Whether covariance and growth are those that tracking implies and are still to be worked
-        out (`compass.determine`): nothing can be said of ranges before.
+        Whether covariance and growth are those that tracking implies. Without a covariance they
+        are still to be worked out: nothing can be said of ranges before.
     common_time
         Error of the constellation's time that all satellites share, m.
     common_orientation
@@ -158,7 +158,7 @@ class Signal:
         ArgumentError
             Covariances for another number of satellites, or those that are to be determined.
         """
-        if self.determined:
+        if self.determined and not self.covariance:
             raise ArgumentError(
                 'signal.ephemeris_m = "determined": is still to be worked out; write a design with '
                 "its numbers by compass determine DESIGN -o NEW, and give NEW"

@@ -6,7 +6,7 @@ from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from compass.api.given import joined_designs
+from compass.api.given import in_metres, joined_designs
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.cores import cores, shared
@@ -196,7 +196,7 @@ def check(
     >>> found.holds, found.verdicts[0].evidence
     (True, 'proven')
     """
-    read = joined_designs((design, *others))
+    read = in_metres(joined_designs((design, *others)))
     effort = Effort(width, budget_s, None if leaves is None else Path(leaves), cores())
     if motion is not None:
         read = replace(read, motion=read.motion.or_of(motion))

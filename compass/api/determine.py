@@ -22,8 +22,14 @@ from compass.orbits.motion import MotionModel
 from compass.quantities import quantity
 from compass.ranging import MAS, Signal
 from compass.saving import replacing
-from compass.signal.determination import Determination, determine_orbits, implied_signal
+from compass.signal.determination import (
+    Determination,
+    check_clocks_measured,
+    determine_orbits,
+    implied_signal,
+)
 from compass.tracking import Tracking
+from compass.words import listed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -118,7 +124,7 @@ class DetermineResult(Result):
             for name in COMPONENTS
             if known[f"{name}_sigma_m"] is not None
         )
-        whom = " and ".join(found.tracking.kinds)
+        whom = listed(list(found.tracking.kinds))
         claim = f"after {_days(found.arc)} of tracking by {whom}: {told}"
         header = ("", *(f"{quantity(f'{name}_sigma_m').title}, m" for name in COMPONENTS))
         names = self.design.constellation.satellite_names
@@ -191,11 +197,7 @@ class DetermineResult(Result):
         OutputError
             The file cannot be written.
         """
-        if not self.clock_known:
-            raise ArgumentError(
-                "output: no [signal] follows, for nothing measures the clocks; add time_m to a "
-                "tracker, or one_way to stations"
-            )
+        check_clocks_measured(self.found.tracking)
         text = self.design_text()
         with replacing(Path(path)) as temporary:
             temporary.write_text(text, encoding="utf-8")
@@ -248,7 +250,7 @@ def determine(
     design: Design | str | Path,
     *,
     days: float | None = None,
-    update_h: float = 6.0,
+    update_h: float | None = None,
     motion: MotionModel | None = None,
 ) -> DetermineResult:
     """How well the satellites' orbits and clocks are known, by whom they are tracked.
@@ -260,7 +262,8 @@ def determine(
     days
         Arc from the epoch; else the design's.
     update_h
-        Hours between uploads to users: how long orbits are predicted.
+        Hours between uploads to users: how long orbits are predicted; else those of the design's
+        signal, or 6 without one.
     motion
         ``two-body``, ``j2`` or ``numerical``; else the design's.
 
@@ -277,6 +280,8 @@ def determine(
     True
     """
     read = given_design(design)
+    if update_h is None:
+        update_h = 6.0 if read.signal is None else read.signal.update / HOUR
     if not 0.0 <= update_h <= 1e4:
         raise ArgumentError(f"update_h = {update_h:g}: allowed 0 to 10000 hours")
     tracking = read.tracking

@@ -10,7 +10,7 @@ import numpy as np
 from compass.api.drift_files import drift_dataset, elements_text, injected_design
 from compass.api.lasting import LastingResult
 from compass.api.promises import box_dict, followed, promise_blocks, promise_dict
-from compass.api.radii import RadiusLasts
+from compass.api.radii import RESONANT, RadiusLasts, real_motion
 from compass.api.results import Result
 from compass.conventions import dated
 from compass.coverage.certificate import Outcome
@@ -22,10 +22,12 @@ from compass.document.blocks import Block, facts
 from compass.document.plain import plain
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.approach import Approach
+from compass.orbits.forces import ForceModel
 from compass.orbits.trimming import Trim, beat_of
 from compass.quantities import quantity
 from compass.saving import replacing, save_netcdf
 from compass.study.mapping import provenance
+from compass.words import counted
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -209,14 +211,20 @@ class DriftResult(Result):
         return Page(self.design.name, tuple(blocks))
 
     def _advice(self) -> Sentence:
-        c = self.design.constellation
-        beat = beat_of(c) / SECONDS_PER_DAY if c.size else np.inf
-        if beat > 100.0:
+        forces = real_motion(self.design).forces or ForceModel()
+        told = beat_of(self.design.constellation, forces.field)
+        beat = told.period / SECONDS_PER_DAY
+        if beat > RESONANT:
+            often = "every day"
+            if told.ratio != "1:1":
+                often = f"every {counted(told.revolutions, 'revolution')}"
             return Sentence(
-                "the orbits keep pace with Mars's rotation: the field pushes each satellite the "
-                "same way every day, so that no trim helps; some hundred kilometres lower or "
-                "higher the push averages out"
+                f"the orbits keep pace with Mars's rotation, {told.ratio}: the field pushes each "
+                f"satellite the same way {often}, so that no trim helps; some hundred kilometres "
+                "lower or higher the push averages out"
             )
+        if not beat:
+            return Sentence("no term of Mars's field swings the satellites along their tracks")
         how = "trimmed once" if self.trim else "not trimmed; --trim makes mean rates agree"
         return Sentence(f"the push of Mars's field swings to and fro every {beat:.3g} days; {how}")
 
@@ -343,7 +351,9 @@ class DriftResult(Result):
                 Value(proven, r.days_proven),
                 "never" if r.first_loss_days is None else f"{r.first_loss_days:.4f}",
                 Value(margin, r.margin_deg, Sampled(how="at moments of the span")),
-                f"{r.beat_days:.4g}" + ("" if r.trimmed else ", resonant: no trim"),
+                f"{r.beat_days:.4g}"
+                + (f", {r.resonance} resonance" if r.resonance else "")
+                + ("" if r.trimmed else ": no trim"),
             )
             for r in self.radii
         )

@@ -38,6 +38,26 @@ def given_design(design: Design | str | Path) -> Design:
     )
 
 
+def given_in_metres(design: Design | str | Path) -> Design:
+    """Return the design as `given_design`, its signal worked out where tracking is to imply it.
+
+    Raises
+    ------
+    ArgumentError, DesignError
+        As `given_design`; or nothing measures the satellites' clocks.
+    """
+    return in_metres(given_design(design))
+
+
+def in_metres(design: Design) -> Design:
+    """Return a design with its signal worked out where tracking is to imply it."""
+    if design.signal is None or not design.signal.determined:
+        return design
+    from compass.signal.determination import with_determined_signal  # brings kernels with it
+
+    return with_determined_signal(design)
+
+
 def _written(design: Design) -> Design:
     """Return a design that is of no file with the text of one, by which results are told apart."""
     from compass.handover.toml import design_toml

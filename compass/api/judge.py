@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compass.api.given import given_design, given_places, given_scenario
+from compass.api.given import given_in_metres, given_places, given_scenario
 from compass.api.judge_tables import (
     budget_table,
     filter_table,
@@ -326,7 +326,7 @@ def _read(
 
     several = [designs] if isinstance(designs, Design | str | Path) else designs
     lander = read(given_scenario, scenario)
-    candidates = [read(given_design, each) for each in several]
+    candidates = [read(given_in_metres, each) for each in several]
     if faults:
         raise DesignError(list(dict.fromkeys(faults)))
     return lander, candidates

@@ -303,8 +303,8 @@ def entry_tables(found: Assessment) -> tuple[Table, ...]:
             float(flight.times[k]),
             int(found.seen[k].sum()),
             int(found.observability.rank[k]),
+            float(found.observability.spherical_degree[k]),
             float(found.observability.degree[k]),
-            float(found.observability_scaled.degree[k]),
             float(found.observability.index[k]),
             float(bound.position_sigma[k]),
             float(mc.position_rms[k]),
@@ -333,13 +333,13 @@ def entry_tables(found: Assessment) -> tuple[Table, ...]:
             # sqrt(2 / n), its root half of that
             f"Navigation ({len(mc.errors)} runs, which know rms errors to "
             f"{100 / math.sqrt(2 * len(mc.errors)):.2g} % or better, 1 sigma; "
-            "delta in m, s, rad and with 3400 km, 100 s)",
+            "delta of angles in SI, not free of latitude, and of axes in 3400 km, 100 s)",
             (
                 "time, s",
                 "in view",
                 "rank",
-                "delta SI",
-                "delta scaled",
+                "delta of angles",
+                "delta of axes",
                 "index I",
                 "bound, m",
                 "rms error, m",
@@ -363,7 +363,6 @@ def _noise(sigmas: NDArray[np.float64] | None, beacon: int) -> str:
 def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
     """Return the numbers as one JSON object, names with their units."""
     flight, mc, bound = found.flight, found.monte_carlo, found.bound
-    finest = found.observability_scaled
     return {
         "scenario": scenario.name,
         "rotation": flight.model.rotation,
@@ -396,8 +395,8 @@ def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
         },
         "observability": {
             "rank_min": found.observability.rank.min(),
-            "degree_si_min": found.observability.degree.min(),
-            "degree_scaled_min": finest.degree.min(),
+            "degree_si_min": found.observability.spherical_degree.min(),
+            "degree_scaled_min": found.observability.degree.min(),
             "index_mean": found.observability.index.mean(),
             "worst_time_s": flight.times[found.blind_epoch],
             "hidden": list(found.blind.words),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.api.given import given_design, given_site
+from compass.api.given import given_in_metres, given_site
 from compass.api.results import Result
 from compass.clocks import clock_named
 from compass.design import Design
@@ -248,7 +248,7 @@ def locate(
     >>> [way.title for way in found.ways][0]
     'clock held, height known'
     """
-    read = given_design(design)
+    read = given_in_metres(design)
     if read.signal is None:
         raise ArgumentError(
             f"{read.label}: has no table [signal], which says how well orbits and clocks are known;"

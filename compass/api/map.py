@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from compass.api.cluster import check_cluster, check_workers
-from compass.api.given import given_design, given_places
+from compass.api.given import given_in_metres, given_places
 from compass.api.map_result import MapResult
 from compass.api.progress import bar, foretell, parts_bar
 from compass.cores import cores
@@ -127,7 +127,7 @@ def map(
     )
     check_workers(workers)
     tls = check_cluster(workers, scheduler, tls_ca, tls_cert, tls_key)
-    read = given_design(design)
+    read = given_in_metres(design)
     places = given_places(sites, regions, read)
     file, threads = None if leaves is None else Path(leaves), cores(workers)
     effort = Effort(width, budget_s, file, threads)

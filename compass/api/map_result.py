@@ -8,7 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.api.map_areas import AREAS_KNOWN, area_blocks, with_areas
-from compass.api.map_statistics import protection_statistics, statistics
+from compass.api.map_statistics import (
+    ROVER,
+    error_statistics,
+    protection_statistics,
+    statistics,
+)
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.conventions import dated
@@ -25,7 +30,7 @@ from compass.document.blocks import facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.quantities import QUANTITIES, quantity
-from compass.ranging import FACTOR_95
+from compass.signal.budget import basis
 from compass.study.mapping import DesignMap
 from compass.words import listed
 
@@ -175,15 +180,16 @@ class MapResult(Result):
             f"% within {attrs['error_limit_m']:g} m",
         )
         title = "Errors of a fix, m, one sigma: percentiles over area and time"
-        p95 = float(made.global_error.sel(error="error_horizontal_m", global_percentile=95))
+        found = error_statistics(made)
+        horizontal, vertical = (Value(quantity(q), found[q]) for q in ROVER.values())
         known = "their variances" if attrs["error_weights"] == "variance" else "nothing: all alike"
         return (
             Table(title, header, tuple(rows)),
             Sentence(
-                f"a user on the surface who weighs ranges by {known}: for 95 % of area and time, "
-                f"95 % of the fixes are within {FACTOR_95 * p95:.3g} m horizontally (1.96 times "
-                "one sigma, at least 95 % whatever the shape of the error ellipse); ± is a "
-                "standard error of sampling"
+                f"a rover anywhere: {horizontal} m horizontal, {vertical} m vertical, 95 % of its "
+                "fixes for 95 % of area and time (1.96 times one sigma, at least 95 % whatever "
+                f"the shape of the error ellipse), with {basis(self.design)}; it weighs ranges by "
+                f"{known}; ± is a standard error of sampling"
             ),
         )
 

@@ -14,7 +14,7 @@ import numpy as np
 from compass.api.drift import drift
 from compass.api.keep import keep
 from compass.api.promises import promise_dict
-from compass.api.radii import RadiusLasts, at_radii, real_motion
+from compass.api.radii import RESONANT, RadiusLasts, at_radii, forces_of, real_motion
 from compass.coverage.certificate import Outcome
 from compass.coverage.lasting import Lasting, prove_span
 from compass.coverage.promises import Promise, promises_of
@@ -35,9 +35,6 @@ SATELLITE_DAYS, MOST_SATELLITES = 15 * HORIZON, 40
 
 #: Other radii that are tried, km from the design's: the second pair where the first does not last.
 STEPS = ((-400.0, 400.0), (-800.0, 800.0))
-
-#: Beat, days, above which orbits keep pace with Mars and no trim helps.
-RESONANT = 100.0
 
 
 @dataclass(frozen=True)
@@ -275,7 +272,8 @@ def _other_radii(design: Design, horizon: float) -> tuple[RadiusLasts, ...]:
     own = float(c.semi_major_axis[0]) / 1e3
     lowest = design.figure.equatorial_radius / 1e3
     found: tuple[RadiusLasts, ...] = ()
-    tried = [(0.0,)] if beat_of(c) < RESONANT * SECONDS_PER_DAY else []
+    beat = beat_of(c, forces_of(real_motion(design)).field).period
+    tried = [(0.0,)] if beat < RESONANT * SECONDS_PER_DAY else []
     for steps in (*tried, *STEPS):
         radii = [own + step for step in steps if own + step > lowest]
         found += at_radii(design, radii, days=horizon)

@@ -26,6 +26,9 @@ from compass.orbits.trimming import beat_of, can_trim, trim, with_axes
 #: Moments of what is proven at which the margin is looked at.
 MOMENTS = 100
 
+#: Beat, days, above which orbits keep pace with Mars and no trim helps.
+RESONANT = 100.0
+
 
 @dataclass(frozen=True)
 class RadiusLasts:
@@ -42,9 +45,11 @@ class RadiusLasts:
     margin_deg
         Least exact margin at the moments looked at, degrees.
     beat_days
-        Half the synodic period with Mars: long near the resonance.
+        Period of the swing under the field's strongest term there: long near a resonance.
     trimmed
         Whether a trim was possible.
+    resonance
+        Revolutions to rotations of Mars where the beat is longer than `RESONANT`; else empty.
     """
 
     radius_km: float
@@ -53,6 +58,7 @@ class RadiusLasts:
     margin_deg: float
     beat_days: float
     trimmed: bool
+    resonance: str = ""
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values."""
@@ -138,8 +144,11 @@ def _at_radius(design: Design, radius_km: float, stop: float, asked: Asked | Non
             "radius_km: a sweep needs a design of circular orbits of one radius and inclination"
         )
     moved = with_axes(c, np.full(c.size, radius_km * 1e3))
-    beat, trimmed = beat_of(moved) / SECONDS_PER_DAY, can_trim(moved)
-    chosen = trim(moved, forces_of(motion), stop).constellation if trimmed else moved
+    forces = forces_of(motion)
+    told = beat_of(moved, forces.field)
+    trimmed, beat = can_trim(told), told.period / SECONDS_PER_DAY
+    resonance = told.ratio if beat > RESONANT else ""
+    chosen = trim(moved, forces, stop).constellation if trimmed else moved
     path = motion.trajectory(chosen, 0.0, stop, tolerance=COARSE)
     if asked is None:
         flown = replace(design, constellation=chosen)
@@ -161,7 +170,8 @@ def _at_radius(design: Design, radius_km: float, stop: float, asked: Asked | Non
     times = np.linspace(0.0, max(until, 1.0), MOMENTS)
     margins = margins_at(path, fold, times, sphere_radius=sphere, mask=mask, region=region)
     days = until / SECONDS_PER_DAY
-    return RadiusLasts(radius_km, days, lost, degrees(float(margins.min())), beat, trimmed)
+    least = degrees(float(margins.min()))
+    return RadiusLasts(radius_km, days, lost, least, beat, trimmed, resonance)
 
 
 def read_radii(text: str) -> list[float]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compass.api.given import given_design
+from compass.api.given import given_in_metres
 from compass.api.reproduce import comparison_table
 from compass.api.results import Result
 from compass.api.show_signal import signal_blocks, signal_facts
@@ -146,7 +146,7 @@ def show(design: Design | str | Path) -> ShowResult:
     >>> round(found.geometry.cap.fraction, 5)
     0.41687
     """
-    read = given_design(design)
+    read = given_in_metres(design)
     geometry = pattern_geometry(read.constellation, read.figure.equatorial_radius, read.mask.lowest)
     rows: tuple[Row, ...] = ()
     if read.paper and geometry:

@@ -8,7 +8,7 @@ from compass.design import Design
 from compass.document import Sentence, Table, Value
 from compass.document.blocks import Block, columns
 from compass.quantities import quantity
-from compass.signal.budget import TERMS, range_budget
+from compass.signal.budget import TERMS, basis, range_budget
 from compass.signal.weights import average_weights
 
 ELEVATIONS = (0.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 90.0)
@@ -91,6 +91,7 @@ def _left_out(design: Design) -> str:
     told = "clocks are set to a constant" if clock is None else f"clock {clock.name}"
     told += f" ({clock.source})" if clock is not None and clock.source else ""
     shared = design.signal.common_time or design.signal.common_orientation
+    told += f"; {basis(design)}" if design.signal.determined else ""
     return (
         f"{told}; along and cross errors as the mean over azimuths at the satellite's lowest; left "
         "out: troposphere (centimetres), multipath, antenna offsets"

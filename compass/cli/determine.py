@@ -12,7 +12,7 @@ from compass.cli.shared import announce_compilation, check_outputs, print_result
 @click.command()
 @design_argument
 @real("--days", help="Arc of tracking from the epoch; else the design's.")
-@real("--update-h", default=6.0, help="Hours between uploads: the prediction.")
+@real("--update-h", help="Hours between uploads, the prediction; else the design's.")
 @motion_option
 @path("-o", "--output", help="Design file to write, with the [signal] that follows.")
 @path("--figure", "picture", help="PNG of sigma against time.")

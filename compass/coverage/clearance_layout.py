@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from compass.bodies import MARS_ROTATION_RATE
 from compass.coverage.region import Region
 from compass.coverage.symmetry import deciding_part
-from compass.coverage.users import Users, centric
+from compass.coverage.users import Users, centric, check_limb
 from compass.errors import ArgumentError, whole_number
 from compass.frames import prime_meridian_angle
 from compass.orbits import Constellation
@@ -28,12 +28,7 @@ def check_users(c: Constellation, users: Users, fold: int) -> None:
             f"constellation: an orbit comes down to {c.periapsis_radius.min() / 1e3:.6g} km, "
             f"inside Mars of {surface / 1e3:.6g} km"
         )
-    dip = float(np.arccos(min(1.0, surface / (users.figure.polar_radius + users.height))))
-    if users.mask.lowest < -dip - 1e-12:
-        raise ArgumentError(
-            f"mask_deg = {np.degrees(users.mask.lowest):g}: below the limb of Mars, "
-            f"{-np.degrees(dip):.4g} deg as seen from {users.height / 1e3:g} km; ask for more"
-        )
+    check_limb(users)
 
 
 @dataclass(frozen=True, eq=False)

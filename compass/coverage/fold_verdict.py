@@ -18,7 +18,14 @@ from compass.coverage.clearance import (
 )
 from compass.coverage.region import Region, read_regions
 from compass.coverage.symmetry import unlike_subsets
-from compass.coverage.users import Users, centric, geodetic, region_users, site_users
+from compass.coverage.users import (
+    Users,
+    centric,
+    check_limb,
+    geodetic,
+    region_users,
+    site_users,
+)
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
 from compass.frames import SECONDS_PER_DAY, prime_meridian_angle
@@ -80,13 +87,21 @@ def course_of(design: Design, days: float | None, start_day: float) -> Course | 
 
 
 def users_of(design: Design, requirement: Requirement) -> tuple[Users, ...]:
-    """Users of a requirement, over the higher of its mask and their own horizons."""
+    """Users of a requirement, over the higher of its mask and their own horizons.
+
+    Raises
+    ------
+    ArgumentError
+        A mask below the limb of Mars.
+    """
     mask = design.mask if requirement.mask is None else Mask.constant(requirement.mask)
     places = [site_users(site, site.mask.or_higher(mask)) for site in requirement.sites]
     for text in requirement.areas:
         for region in read_regions(text):
             users = region_users(region, design.figure, mask, height=requirement.altitude)
             places.append(replace(users, name=text))
+    for users in places:
+        check_limb(users)
     return tuple(replace(users, beam=requirement.beam) for users in places)
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from compass.coverage.region import GLOBE, Region
+from compass.errors import ArgumentError
 from compass.frames import Figure, planetocentric_latitude, planetographic_latitude
 from compass.orbits import Constellation
 from compass.orbits.symmetry import one_circle
@@ -86,6 +87,23 @@ def region_users(region: Region, figure: Figure, mask: Mask, *, height: float = 
         height=height,
         region=region if region.mars_fixed else GLOBE,
     )
+
+
+def check_limb(users: Users) -> None:
+    """Refuse users who look through Mars: the horizon from a height dips by ``acos(a/(b + h))``.
+
+    Raises
+    ------
+    ArgumentError
+        Their mask is below that.
+    """
+    seen_from = users.figure.polar_radius + users.height
+    dip = float(np.arccos(min(1.0, users.figure.equatorial_radius / seen_from)))
+    if users.mask.lowest < -dip - 1e-12:
+        raise ArgumentError(
+            f"mask_deg = {np.degrees(users.mask.lowest):g}: below the limb of Mars, "
+            f"{-np.degrees(dip):.4g} deg as seen from {users.height / 1e3:g} km; ask for more"
+        )
 
 
 def by_horizon(users: Users, constellation: Constellation) -> Users | None:

@@ -179,10 +179,11 @@ def signal_faults(raw: dict[str, Any]) -> list[str]:
                 fault(f"signal.{key}", table[key], "covariance_m2 says the same; keep one of them")
             )
     if table.get("ephemeris_m") == "determined":
+        remedy = "nobody tracks; add a table [tracking]"
+        if "study" in raw:
+            remedy = "follows from tracking, which a study has none of; give numbers"
         if "tracking" not in raw:
-            faults.append(
-                fault("signal.ephemeris_m", "determined", "nobody tracks; add a table [tracking]")
-            )
+            faults.append(fault("signal.ephemeris_m", "determined", remedy))
         faults += [
             fault(f"signal.{key}", table[key], "follows from what is determined; leave it out")
             for key in ("clock_m", "ephemeris_rate_m_h")

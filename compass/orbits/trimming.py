@@ -5,14 +5,16 @@ Equal osculating axes are unequal mean ones: J2 alone sets the axes of a 20,000 
 the mean rate of the angle turned in the orbit's own plane, ``theta' = h / r^2``, which is that of
 the argument of latitude plus cos(i) times that of the node.
 
-The trap is the fit of that rate. Near the resonance with Mars's rotation J22 swings theta by
-degrees with a beat of weeks, and a plain line over a month errs by a tenth of a degree a day. So
-the line is fitted over the whole horizon asked for, never less than four beats, with a Hann
-window, whose response to a swing of m beats in the horizon falls as m^-3.
+The trap is the fit of that rate. Near a resonance with Mars's rotation one term of the field, J22
+where they keep pace, swings theta by degrees with a beat of weeks, and a plain line over a month
+errs by a tenth of a degree a day. So the line is fitted over the whole horizon asked for, never
+less than four beats, with a Hann window, whose response to a swing of m beats in the horizon falls
+as m^-3.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import gcd
 from typing import Any
 
 import numpy as np
@@ -24,8 +26,10 @@ from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.constellation import Constellation
 from compass.orbits.forces import ForceModel
+from compass.orbits.gravity import GravityField
 from compass.orbits.motion import Motion
 from compass.orbits.period import secular_rates
+from compass.orbits.resonance import slow_pushes
 from compass.orbits.trajectory import COARSE, Trajectory
 
 #: Corrections of the axes at most, and beats that the horizon must hold.
@@ -36,6 +40,35 @@ GOOD = 0.05
 
 #: Longest horizon that is followed for a trim, s: two Mars years.
 LONGEST = 1400.0 * SECONDS_PER_DAY
+
+#: Swing, radians, that rounding alone makes of a field that has no such term.
+ROUNDING = 1e-12
+
+#: A term with too long a beat to be fitted, which swings a satellite by less in all that time than
+#: this, radians, is let be. Eccentricity above which the law of circular orbits is not asked.
+SLIGHT, OVAL = np.radians(0.05), 0.05
+
+
+@dataclass(frozen=True)
+class Beat:
+    """The term of Mars's field that swings satellites furthest along their tracks.
+
+    Attributes
+    ----------
+    period
+        Of the swing, s: long near a resonance.
+    revolutions, rotations
+        Whose numbers are equal in time at that resonance: of a satellite, of Mars.
+    """
+
+    period: float
+    revolutions: int = 1
+    rotations: int = 1
+
+    @property
+    def ratio(self) -> str:
+        """The resonance, such as 2:1 for two revolutions in a rotation."""
+        return f"{self.revolutions}:{self.rotations}"
 
 
 @dataclass(frozen=True)
@@ -51,7 +84,7 @@ class Trim:
     horizon
         Over which rates were fitted, s.
     beat
-        Half the synodic period with Mars's rotation, s.
+        Period of the swing under the term of the field that moves satellites most, s.
     spread_before, spread
         Largest difference between mean rates, rad/s; what is left is how well they agree.
     excursion_before, excursion
@@ -97,12 +130,13 @@ def trim(
         An orbit so near the resonance that its beat is longer than can be fitted.
     """
     c = constellation
-    beat = beat_of(c)
-    if not can_trim(c):
+    told = beat_of(c, forces.field)
+    beat = told.period
+    if not can_trim(told):
         raise ArgumentError(
-            f"trim: the orbits keep pace with Mars to a beat of {beat / SECONDS_PER_DAY:.4g} days: "
-            "they are in resonance, and no initial axis keeps them apart; choose a radius some "
-            "hundred kilometres away, or keep them by burns"
+            f"trim: the orbits keep pace with Mars, {told.ratio}, to a beat of "
+            f"{beat / SECONDS_PER_DAY:.4g} days: they are in resonance, and no initial axis keeps "
+            "them apart; choose a radius some hundred kilometres away, or keep them by burns"
         )
     span = float(np.clip(horizon, BEATS * beat, LONGEST))
     best: tuple[float, float, Constellation] | None = None
@@ -137,17 +171,42 @@ def trim(
     )
 
 
-def beat_of(constellation: Constellation) -> float:
-    """Half the synodic period of the mean orbit with Mars's rotation, s: the beat of J22."""
+def beat_of(constellation: Constellation, field: GravityField) -> Beat:
+    """Beat of the term of a field that swings satellites furthest, in `LONGEST` at most.
+
+    Of circular orbits by `compass.orbits.resonance.slow_pushes`; a term in exact resonance moves a
+    satellite by ``3/2 |a_t| / a`` times the time squared. Of oval ones it is that of J22, half the
+    synodic period with Mars's rotation.
+    """
     c = constellation
+    oval = c.eccentricity > OVAL
     node, periapsis, anomaly = secular_rates(c.semi_major_axis, c.eccentricity, c.inclination, c.gm)
-    slip = np.abs(node + periapsis + anomaly - MARS_ROTATION_RATE.value)
-    return float(np.pi / max(float(slip.min(initial=np.inf)), 1e-12))
+    slip = np.abs(node + periapsis + anomaly - MARS_ROTATION_RATE.value)[oval]
+    found = [Beat(float(np.pi / max(slip.min(), 1e-12)))] if slip.size else []
+    places = np.column_stack([np.round(c.semi_major_axis, -3), np.round(c.inclination, 4)])[~oval]
+    if len(places):
+        found.append(_strongest(field, *np.unique(places, axis=0).T))
+    return max(found, key=lambda beat: beat.period, default=Beat(0.0))
 
 
-def can_trim(constellation: Constellation) -> bool:
-    """Whether orbits are far enough from the resonance for their beats to be fitted."""
-    return beat_of(constellation) * BEATS <= LONGEST
+def _strongest(field: GravityField, a: NDArray[np.float64], i: NDArray[np.float64]) -> Beat:
+    """Beat of the strongest term along circular orbits of radii, m, and inclinations, radians."""
+    slow = slow_pushes(field, a, i)
+    period = 2.0 * np.pi / np.maximum(np.abs(slow.rates), 1e-12)
+    gone = 1.5 * np.hypot(*np.moveaxis(slow.pushes, -1, 0)) / a[:, None] * LONGEST**2
+    swing = np.minimum(slow.swings, gone)
+    swing = np.where((BEATS * period > LONGEST) & (swing < SLIGHT), 0.0, swing)
+    most = np.unravel_index(int(np.argmax(swing)), swing.shape)
+    if swing[most] < ROUNDING:
+        return Beat(0.0)
+    rotations, revolutions = (int(wave) for wave in slow.waves[most])
+    common = gcd(rotations, revolutions)
+    return Beat(float(period[most]), revolutions // common, rotations // common)
+
+
+def can_trim(beat: Beat) -> bool:
+    """Whether orbits are far enough from a resonance for their beat to be fitted."""
+    return beat.period * BEATS <= LONGEST
 
 
 def turned(path: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

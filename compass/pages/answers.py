@@ -3,14 +3,16 @@
 Further answers join `ANSWERS` in the order of the page: a function from `Found` to rows.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
 from compass.api.check import CheckResult
+from compass.api.map_statistics import ROVER
 from compass.coverage.certificate import Outcome
 from compass.coverage.site import site_coverage
+from compass.coverage.verdict import Verdict
 from compass.design import Design
 from compass.document import Answer, Answers, Bracket, Proven, Sampled, Section, Sentence, Value
 from compass.document.blocks import Block
@@ -19,6 +21,8 @@ from compass.pages.found import Found
 from compass.pages.lasting import lasting_advice, lasting_answers
 from compass.pages.neighbours import Neighbour
 from compass.quantities import quantity
+from compass.ranging import FACTOR_95
+from compass.signal.budget import basis
 from compass.study.choice import notation
 from compass.words import counted
 
@@ -28,10 +32,13 @@ ENOUGH, LOCATE = 4, "compass locate, which gathers them over hours"
 
 def requirements(found: Found) -> list[Answer]:
     """Each requirement of the design: met or missed, by how much, and how sure."""
-    if found.checked is None:
-        return []
+    return [] if found.checked is None else verdict_answers(found.checked.verdicts)
+
+
+def verdict_answers(verdicts: Iterable[Verdict]) -> list[Answer]:
+    """Requirements and their verdicts, an answer each."""
     rows = []
-    for verdict in found.checked.verdicts:
+    for verdict in verdicts:
         asked, share, margin = verdict.requirement, verdict.share, verdict.margin
         how = ""
         if share is not None:
@@ -126,7 +133,7 @@ def geometry(found: Found) -> list[Answer]:
     numbers, within = found.mapped.numbers(), found.mapped.dataset.attrs["pdop_threshold"]
     gdop = numbers["gdop"]
     return [
-        *_errors(numbers),
+        *_errors(found, numbers),
         Answer("GDOP, 95 % below", _known(found, "gdop", gdop, "p95")),
         Answer("GDOP, half of area and time below", _known(found, "gdop", gdop, "p50")),
         Answer(
@@ -152,9 +159,11 @@ def accurate(found: Found) -> str:
     if found.design.constellation.size < ENOUGH:
         return f"A fix from ranges of one moment takes four satellites in view: see {LOCATE}."
     numbers = found.mapped.numbers()
-    if errors := _errors(numbers):
-        what = quantity("error_horizontal_m").title
-        return f"The {what}, one sigma, is below {errors[0].written} in 95 % of area and time."
+    if errors := _errors(found, numbers):
+        return (
+            f"A rover anywhere knows its place to {errors[0].written} horizontally: 95 % of its "
+            f"fixes, in 95 % of area and time, with {basis(found.design)}."
+        )
     for key, share in (("p95", "95 %"), ("p50", "half")):
         value = _known(found, "gdop", numbers["gdop"], key)
         if isinstance(value.evidence, Bracket):
@@ -164,18 +173,17 @@ def accurate(found: Found) -> str:
     return "In more than half of area and time no bound of GDOP is known."
 
 
-def _errors(numbers: dict[str, Any]) -> list[Answer]:
-    """Errors of a fix on the ground, where the design says what a range is worth."""
+def _errors(found: Found, numbers: dict[str, Any]) -> list[Answer]:
+    """What a rover anywhere knows of its place, where the design says what a range is worth."""
+    if found.design.signal is None:
+        return []
     rows = []
-    for name in ("error_horizontal_m", "error_vertical_m"):
-        if name in numbers:
-            doubt = numbers[name]["sampling"]["p95"]
-            value = Value(
-                quantity(name), numbers[name]["p95"], Sampled(doubt, "over area and time")
-            )
-            rows.append(
-                Answer(f"{quantity(name).title} (one sigma), 95 % below".capitalize(), value)
-            )
+    for name, most in ROVER.items():
+        doubt = FACTOR_95 * numbers[name]["sampling"]["p95"]
+        value = Value(quantity(most), numbers[most], Sampled(doubt, "over area and time"))
+        said = f"A rover anywhere: {name.split('_')[1]}, 95 % of fixes, 95 % of area and time"
+        evidence = f"{value.evidence}; with {basis(found.design)}"
+        rows.append(Answer(said, value, evidence=evidence))
     return rows
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from compass.api.given import given_design, given_places, given_scenario, given_study
+from compass.api.given import given_in_metres, given_places, given_scenario, given_study
 from compass.api.judge import JudgeResult
 from compass.api.land import LandResult, land
 from compass.api.progress import bar
@@ -148,7 +148,7 @@ def report(
     elif kind == "ranking":
         title, (page, several) = name, judge_report(read, command)
     else:
-        chosen = given_design(read)
+        chosen = given_in_metres(read)
         places = given_places(sites, regions, chosen)
         with bar(progress, "report", total=PARTS, unit="part", leave=False) as parts:
             title = chosen.name

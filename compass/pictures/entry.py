@@ -137,13 +137,14 @@ def _observability_picture(found: Assessment) -> Picture:
     with look():
         figure = new_figure(5.8, 4.6)
         upper, lower = figure.subplots(2, 1, sharex=True)
-        for result, label, colour in (
-            (found.observability, "metres, seconds, radians", CYCLE[0]),
-            (found.observability_scaled, "lengths in 3400 km, times in 100 s", CYCLE[1]),
+        visible = found.observability
+        for degree, label, colour in (
+            (visible.spherical_degree, "of angles, in m, s, rad", CYCLE[0]),
+            (visible.degree, "of axes, in 3400 km, 100 s", CYCLE[1]),
         ):
             # beyond full rank only rounding is left to show
-            degree = np.where(result.rank == 6, result.degree, np.nan)
-            upper.plot(times, degree, color=colour, lw=1.8, label=label)
+            shown = np.where(visible.rank == 6, degree, np.nan)
+            upper.plot(times, shown, color=colour, lw=1.8, label=label)
         _logarithmic(upper)
         upper.set_ylabel("degree δ")
         upper.legend(fontsize=8, frameon=False)
@@ -158,7 +159,8 @@ def _observability_picture(found: Assessment) -> Picture:
         "entry-observability",
         "Observability degree and geometric index over time",
         "Above: smallest over largest singular value of the exact observability matrix of the "
-        "beacons in view, in two systems of units (gaps: rank below 6). Below: sum over triples "
+        "beacons in view, of radius, angles and speed as papers have it, and of position and "
+        "velocity, however the axes stand (gaps: rank below 6). Below: sum over triples "
         "of beacons of [n_i . (n_j x n_k)]^2.",
     )
 

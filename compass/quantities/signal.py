@@ -64,6 +64,15 @@ SIGNAL = (
     _error("error_position_m", "position error", "Root of the three variances"),
     _error("error_time_m", "time error", "Of the user's clock, as length"),
     Quantity(
+        "rover_horizontal_m", "m", "horizontal error of a rover anywhere, 95 %", 3, "less",
+        meaning="For 95 % of area and time at least 95 % of the fixes are within it: 1.96 times "
+        "the 95th percentile of one sigma.",
+    ),
+    Quantity(
+        "rover_vertical_m", "m", "vertical error of a rover anywhere, 95 %", 3, "less",
+        meaning="For 95 % of area and time 95 % of the heights are within it.",
+    ),
+    Quantity(
         "protection_horizontal_m", "m", "horizontal protection level", 3, "less",
         limits=(1.0, 1000.0), ticks=(1, 3, 10, 30, 100, 300, 1000),
         meaning="The horizontal error exceeds it unnoticed no more often than is allowed, should "

@@ -10,6 +10,7 @@ from compass.errors import ArgumentError
 from compass.ranging import Signal
 from compass.signal.ionosphere import obliquity, zenith_delay
 from compass.signal.weights import off_nadir
+from compass.words import listed
 
 #: The terms of a budget, in order.
 TERMS = ("clock", "orbit", "receiver", "ionosphere")
@@ -58,6 +59,23 @@ def aged_covariance(signal: Signal, satellites: int, age: float) -> NDArray[np.f
     if signal.clock is not None:
         found[:, 3, 3] += float(signal.clock.variance(age))
     return found
+
+
+def basis(design: Design) -> str:
+    """What the errors of a design's ranges stand on, in words: its clocks, its tracking."""
+    signal = design.signal
+    assert signal is not None
+    if signal.clock is not None:
+        clocks = f"{signal.clock.name} clocks"
+    else:
+        clocks = "clocks that are as good as their last setting"
+    ages = f", data up to {signal.update / 3600:.3g} h old" if signal.update else ""
+    if signal.determined and design.tracking is not None:
+        whom = listed(list(design.tracking.kinds))
+        return f"{clocks}{ages}, orbits and clocks as tracking by {whom} leaves them"
+    given = signal.of_satellites(design.constellation.size).mean(axis=0).diagonal() ** 0.5
+    told = ", ".join(f"{sigma:.3g}" for sigma in given)
+    return f"{clocks}{ages}, {told} m (radial, along, cross, clock) at upload"
 
 
 def range_radio(design: Design) -> Radio | None:

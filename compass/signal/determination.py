@@ -1,6 +1,7 @@
 """How well orbits and clocks are known: a covariance study over an arc of tracking."""
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -215,6 +216,34 @@ def _check_memory(satellites: int, steps: int, tracking: Tracking) -> None:
         raise ArgumentError(
             f"tracking: {satellites} satellites over {steps} steps would take "
             f"{needed / 1e9:.3g} GB; allowed 4; take a shorter arc (days) or longer steps (step_s)"
+        )
+
+
+@lru_cache(maxsize=8)
+def with_determined_signal(design: Design) -> Design:
+    """Return a design whose signal is known: the one that tracking implies, where it leaves it so.
+
+    Worked out once for each design that is asked for, as `compass.determine` does.
+
+    Raises
+    ------
+    ArgumentError
+        Nobody tracks, or nothing measures the satellites' clocks.
+    """
+    if design.signal is None or not design.signal.determined or design.signal.covariance:
+        return design
+    update = design.signal.update
+    found = determine_orbits(design, prediction=update)
+    check_clocks_measured(found.tracking)
+    return replace(design, signal=replace(implied_signal(found, design, update), determined=True))
+
+
+def check_clocks_measured(tracking: Tracking) -> None:
+    """Refuse a signal for users where nothing compares clocks: their ranges would mean nothing."""
+    if not tracking.measures_clocks:
+        raise ArgumentError(
+            "tracking: no [signal] follows, for nothing measures the clocks; add time_m to a "
+            "tracker, or one_way to stations"
         )
 
 

@@ -20,7 +20,7 @@ from compass.orbits.forces import ForceModel
 from compass.orbits.motion import Motion
 from compass.orbits.resonance import slow_pushes
 from compass.orbits.trajectory import COARSE
-from compass.orbits.trimming import can_trim, trim
+from compass.orbits.trimming import beat_of, can_trim, trim
 from compass.quantities.merits import worked_out
 from compass.study.candidates import make_constellation, pattern_columns
 
@@ -94,7 +94,7 @@ def proven_days(
 ) -> float:
     """Days for which a fold is proven from the epoch on, trimmed once where forces allow it."""
     stop, moved = days * SECONDS_PER_DAY, motion or Motion("numerical", _forces())
-    if moved.forces is not None and can_trim(c):
+    if moved.forces is not None and can_trim(beat_of(c, moved.forces.field)):
         c = trim(c, moved.forces, stop).constellation
     path = moved.trajectory(c, 0.0, stop, tolerance=COARSE)
     ground: Any = {"sphere_radius": figure.equatorial_radius, "stretch": figure.stretch}

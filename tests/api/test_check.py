@@ -280,6 +280,9 @@ def test_users_in_orbit_and_in_beams():
     found = compass.check(ring(seen, narrow, satellites=12))
     assert [verdict.met for verdict in found.verdicts] == [True, False]
     assert "40000 km above the ground, in beams of 10 deg" in str(found)
+    deep = replace(seen, altitude=4e5, fold=None, limits=(("pdop", 6.0),))
+    with pytest.raises(ArgumentError, match=r"mask_deg = -85: below the limb of Mars, -26"):
+        compass.check(ring(deep))
     # geometry in a beam is a horizon's under circles over a sphere, else it is not known
     below = Requirement("g", regions=("lat:-1:1",), limits=(("pdop", 6.0),), beam=0.1)
     assert verdict(ring(below)).met is False

@@ -103,3 +103,10 @@ def test_bounds_are_those_of_bisection(guess):
     found = percentile_about(pattern, 95, guess, **options)
     assert max(found.low, known.low) < min(found.high, known.high)
     assert not found.stopped and found.high - found.low <= 0.02 * found.high
+
+
+def test_an_infinite_estimate_gets_a_lower_bound_within_few_boxes(monkeypatch):
+    """Shares of the largest limits cannot be told from the percentage: none is infinite."""
+    found, search = bounds(1e9, math.inf, monkeypatch, precision=0.5, budget_boxes=200_000)
+    assert found.low >= 30.0 and found.high == math.inf
+    assert search.asked[0] < 100.0

@@ -1,5 +1,7 @@
 """``[signal]`` in design files: read, written again, and every fault said."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -142,15 +144,18 @@ DETERMINED = 'ephemeris_m = "determined"\nreceiver = { noise_m = 0.5 }\n'
 
 
 def test_orbit_errors_may_be_those_that_tracking_implies():
-    """Nothing is said of ranges before; the design is read and written all the same."""
+    """Signals do not guess; commands work it out, as `compass determine` does."""
     read = read_design_text(DESIGN.format(text=DETERMINED, more=TRACKED))
     assert read.signal.determined
     assert read_design_text(design_toml(read)).signal == read.signal
     with pytest.raises(ArgumentError, match="compass determine DESIGN -o NEW"):
-        str(compass.show(read))
-    worked = compass.determine(read, days=0.05).signal
+        read.signal.of_satellites(read.constellation.size)
+    short = replace(read, tracking=replace(read.tracking, duration=7200.0), text="")
+    worked = compass.determine(short).signal
     assert not worked.determined
-    assert len(worked.covariance) == 1
+    shown = compass.show(short)
+    assert shown.design.signal == replace(worked, determined=True)
+    assert "as tracking by earth leaves them" in " ".join(str(shown).split())
 
 
 @pytest.mark.parametrize(

@@ -37,14 +37,14 @@ def test_a_beat_of_weeks_does_not_deceive_the_fit():
     """20,227.7 km: J22 swings by degrees with a beat of 34.5 days; a plain line errs by 0.1 deg/d."""
     forces = ForceModel(built_in_field().truncated(3), False, False, 0.0, "none")
     c = ring(20227.7e3, np.pi / 4)
-    assert beat_of(c) / DAY == pytest.approx(34.5, abs=0.3)
+    beat = beat_of(c, forces.field).period
+    assert beat / DAY == pytest.approx(34.5, abs=0.3)
     done = trim(c, forces, 300 * DAY)
     path = Motion("numerical", forces).trajectory(done.constellation, 0.0, 300 * DAY)
     times, theta = turned(path)
     rates = mean_rates(times, theta)
     assert np.degrees(np.ptp(rates)) * DAY < 1e-3
     # an independent look: from one beat's mean to another's, whole beats apart
-    beat = beat_of(c)
 
     def mean_over(start):
         x = np.linspace(start, start + beat, 400)
@@ -56,11 +56,32 @@ def test_a_beat_of_weeks_does_not_deceive_the_fit():
     assert np.degrees(done.excursion) < 5.0 < np.degrees(done.excursion_before)
 
 
-def test_no_trim_helps_in_resonance():
-    assert not can_trim(ring(20430e3))
-    assert can_trim(ring(12000e3))
+EIGHT = built_in_field().truncated(8)
+
+#: Where ``p n = q omega``, first order in J2 left out: p rotations are q revolutions.
+SPIN = np.radians(350.89198226) / DAY
+
+
+@pytest.mark.parametrize(("revolutions", "rotations"), [(1, 1), (2, 1), (3, 1), (3, 2)])
+def test_no_trim_helps_in_resonance(revolutions, rotations):
+    """Within a kilometre of any place where a term stands still; none a hundred away."""
+    radius = (EIGHT.gm * (rotations / revolutions / SPIN) ** 2) ** (1 / 3)
+    beats = [beat_of(ring(radius + shift), EIGHT) for shift in np.arange(-30e3, 31e3, 1e3)]
+    longest = max(beats, key=lambda beat: beat.period)
+    assert (longest.revolutions, longest.rotations) == (revolutions, rotations)
+    assert not can_trim(longest)
+    aside = beat_of(ring(radius + 1e6), EIGHT)
+    assert aside.period < 40 * DAY and can_trim(aside)
+
+
+def test_what_does_not_resonate_can_be_trimmed():
     with pytest.raises(ArgumentError, match="they are in resonance, and no initial axis"):
-        trim(ring(20430e3), OBLATE, 30 * DAY)
+        trim(ring(20430e3), ForceModel(built_in_field().truncated(2)), 30 * DAY)
+    # a field that turns unseen pushes nobody along, nor does any against its turn on the equator
+    assert beat_of(ring(20430e3), OBLATE.field).period == 0.0
+    assert can_trim(beat_of(ring(20430e3, np.pi), EIGHT))
+    oval = keplerian(20430e3, 0.3, 0.9, 0.4, 0.0, 0.0)
+    assert beat_of(oval, EIGHT).ratio == "1:1" and not can_trim(beat_of(oval, EIGHT))
 
 
 def test_the_turned_angle_of_a_circle_is_its_mean_anomaly():

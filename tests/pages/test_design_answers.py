@@ -25,6 +25,7 @@ from compass.pages.answers import (
 )
 from compass.pages.found import Found
 from compass.pages.neighbours import Neighbour
+from compass.ranging import Receiver, Signal
 from compass.study.mapping import MapOptions, make_map
 
 FILE = """
@@ -179,11 +180,6 @@ def test_how_accurate_a_fix_is_is_one_sentence():
     assert accurate(half) == "GDOP is below 2 in half of area and time."
     most = mapped(gdop={"p50": 2.0, "p95": 3.4, "p95_bracket": (3.4059, 3.4101)})
     assert accurate(most) == "GDOP is below 3.42 in 95 % of area and time."
-    metres = mapped(error_horizontal_m={"p95": 12.0, "sampling": {"p95": 0.5}})
-    assert (
-        accurate(metres)
-        == "The horizontal error, one sigma, is below 12 ± 0.5 m in 95 % of area and time."
-    )
 
 
 def test_requirements_come_first_and_decide_the_advice(met):
@@ -204,13 +200,19 @@ def test_requirements_come_first_and_decide_the_advice(met):
     assert ANSWERS[0](met) == []
 
 
-def test_errors_of_a_fix_are_answered_where_a_signal_is_known():
-    numbers = {"error_horizontal_m": {"p95": 12.0, "sampling": {"p95": 0.5}}}
-    (row,) = _errors(numbers)
-    assert (
-        row.question == "Horizontal error (one sigma), 95 % below" and row.written == "12 ± 0.5 m"
-    )
-    assert _errors({}) == []
+def test_a_rover_anywhere_is_answered_where_a_signal_is_known(met):
+    signal = Signal(ephemeris=(2, 8, 5), clock_sigma=3, receiver=Receiver(0.5))
+    found = replace(met, design=replace(met.design, signal=signal))
+    numbers = {
+        name: {"p95": 12.0, "sampling": {"p95": 0.5}}
+        for name in ("error_horizontal_m", "error_vertical_m")
+    } | {"rover_horizontal_m": 23.5, "rover_vertical_m": 23.5}
+    row, _ = _errors(found, numbers)
+    assert row.question.startswith("A rover anywhere: horizontal, 95 % of fixes")
+    assert row.written.startswith("23.5 ± 0.98") and "2, 8, 5, 3 m (radial" in row.sure
+    assert _errors(replace(met, design=replace(met.design, signal=None)), {}) == []
+    told = accurate(replace(found, mapped=SimpleNamespace(numbers=lambda: numbers)))
+    assert told.startswith("A rover anywhere knows its place to 23.5 ± 0.98 m horizontally: 95 %")
 
 
 def test_maps_and_losses_of_a_page(met):

@@ -44,7 +44,7 @@ def test_errors_budget_and_promise_stand_on_the_page():
     titles = [t.title for t in section.tables]
     assert any(t.startswith("Errors of a fix") for t in titles)
     assert any(t.startswith("Budget of a range") for t in titles)
-    assert any("m horizontally" in text for text in section.paragraphs)
+    assert any("a rover anywhere: " in text for text in section.paragraphs)
 
 
 def test_the_tracking_stands_on_the_page():
