@@ -119,8 +119,8 @@ def _between(low: float, high: float) -> float:
 #: Part of the boxes that one limit near an estimate may take before another is tried.
 TRY = 1 / 4
 
-#: Where the search begins if the estimate is as good as infinite: shares of limits near `GREATEST` hardly
-#: come near, and a lower bound as large as this tells most of what is asked.
+#: Where the search begins if the estimate is as good as infinite: shares of limits near `GREATEST`
+#: hardly come near, and a lower bound as large as this tells most of what is asked.
 LARGE = 50.0
 
 
