@@ -17,6 +17,7 @@ from compass.study.candidates import batches, candidates
 from compass.study.clocks import errors_by_clock
 from compass.study.pattern_errors import NAMES, pattern_errors
 from compass.study.pattern_judging import judged
+from compass.study.results import known_figures
 
 TEXT = """
 name = "metres"
@@ -123,6 +124,9 @@ def test_a_better_clock_is_put_beside_more_satellites(study, rows):
 
 
 def test_without_errors_of_ranges_there_are_none(study, rows):
+    assert set(NAMES) < set(known_figures(study))
+    bare = replace(study, signal=None, objectives=())
+    assert not set(NAMES) & set(known_figures(bare))
     with pytest.raises(DesignError, match=r"without errors of ranges; add a table \[signal\]"):
         read_study_text(TEXT.format(signal=""))
     with pytest.raises(DesignError, match="follows from tracking, which a study has none of"):
