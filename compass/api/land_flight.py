@@ -143,14 +143,19 @@ def check_cost(scenario: Scenario, runs: int) -> float:
 
 
 def entry_section(
-    scenario: Scenario, found: Assessment, *, pictures: bool = True, claim: str | None = None
+    scenario: Scenario,
+    found: Assessment,
+    *,
+    pictures: bool = True,
+    claim: str | None = None,
+    dispersed: Dispersed | None = None,
 ) -> Section:
     """Text, pictures and tables of one scenario, the answer first: `claim`, or that of `found`."""
     drawn: tuple[Picture, ...] = ()
     if pictures:
         from compass.pictures.entry import entry_pictures
 
-        drawn = entry_pictures(found)
+        drawn = entry_pictures(found, dispersed)
     paragraphs = [" ".join(scenario.source.split())] if scenario.source.strip() else []
     first = claim_sentence(found) if claim is None else claim
     words = [*([first] if first else []), *paragraphs, *findings(scenario, found)]
@@ -226,13 +231,18 @@ def claim_sentence(found: Assessment, *, guided: bool = False) -> str:
             f"{where} the lander knows its place to {significant(claim, 3)} m (1 sigma, all axes)."
         )
     ellipse = at.delivery.ellipse
-    how = "By the planned bank alone" if guided else "Unguided"
+    how = delivered(guided=guided)
     half = (significant(axis / KM, 3) for axis in (ellipse.semi_major, ellipse.semi_minor))
     return (
         f"{known} {how} it comes down within {' by '.join(half)} km (95 % ellipse, half axes, "
         f"major axis {np.degrees(ellipse.azimuth):.0f} deg from north), half of the time within "
         f"{significant(at.delivery.cep / KM, 3)} km."
     )
+
+
+def delivered(*, guided: bool) -> str:
+    """How a lander comes to where linear covariance has it."""
+    return "By the planned bank alone" if guided else "Unguided"
 
 
 def ground_words(found: Assessment) -> list[str]:
@@ -303,8 +313,8 @@ def entry_tables(found: Assessment) -> tuple[Table, ...]:
             float(flight.times[k]),
             int(found.seen[k].sum()),
             int(found.observability.rank[k]),
+            float(found.observability.spherical_degree[k]),
             float(found.observability.degree[k]),
-            float(found.observability_scaled.degree[k]),
             float(found.observability.index[k]),
             float(bound.position_sigma[k]),
             float(mc.position_rms[k]),
@@ -333,13 +343,13 @@ def entry_tables(found: Assessment) -> tuple[Table, ...]:
             # sqrt(2 / n), its root half of that
             f"Navigation ({len(mc.errors)} runs, which know rms errors to "
             f"{100 / math.sqrt(2 * len(mc.errors)):.2g} % or better, 1 sigma; "
-            "delta in m, s, rad and with 3400 km, 100 s)",
+            "delta of angles in SI, not free of latitude, and of axes in 3400 km, 100 s)",
             (
                 "time, s",
                 "in view",
                 "rank",
-                "delta SI",
-                "delta scaled",
+                "delta of angles",
+                "delta of axes",
                 "index I",
                 "bound, m",
                 "rms error, m",
@@ -363,7 +373,6 @@ def _noise(sigmas: NDArray[np.float64] | None, beacon: int) -> str:
 def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
     """Return the numbers as one JSON object, names with their units."""
     flight, mc, bound = found.flight, found.monte_carlo, found.bound
-    finest = found.observability_scaled
     return {
         "scenario": scenario.name,
         "rotation": flight.model.rotation,
@@ -396,8 +405,8 @@ def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
         },
         "observability": {
             "rank_min": found.observability.rank.min(),
-            "degree_si_min": found.observability.degree.min(),
-            "degree_scaled_min": finest.degree.min(),
+            "degree_si_min": found.observability.spherical_degree.min(),
+            "degree_scaled_min": found.observability.degree.min(),
             "index_mean": found.observability.index.mean(),
             "worst_time_s": flight.times[found.blind_epoch],
             "hidden": list(found.blind.words),

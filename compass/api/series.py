@@ -9,7 +9,7 @@ import numpy as np
 
 import compass
 from compass.api.access_result import WINDOWS_GOOD_TO, check_suffix
-from compass.api.given import given_fold, given_site, joined_designs
+from compass.api.given import given_fold, given_places, given_site, joined_designs
 from compass.api.results import Result
 from compass.contacts.gaps import GapStatistics, ages, gap_statistics
 from compass.contacts.spans import at_least
@@ -216,6 +216,7 @@ def series(
     design: Design | str | Path,
     *others: Design | str | Path,
     stations: Sequence[Site | str] = (),
+    beacons: Sequence[Site | str] = (),
     fold: int | None = None,
     mask_deg: float | None = None,
     days: float = 10.0,
@@ -231,6 +232,9 @@ def series(
         A design, or the path of its file; several are one network.
     stations
         Beside the designs': sites, or texts ``NAME=LAT,LON[,MASK]`` in degrees.
+    beacons
+        On the ground, likewise, or names of stations: ranged to as satellites are and counted with
+        them by stations over whose horizon they stand, but for a station's own.
     fold
         Satellites wanted in view; else the design's.
     mask_deg
@@ -272,6 +276,7 @@ def series(
     )
     if not sites:
         raise ArgumentError("station: none; add a [[station]], or --station NAME=LAT,LON")
+    lit, _ = given_places(beacons, (), replace(read, stations=sites))
     moving, c = read.motion.or_of(motion), read.constellation
     start, duration = start_day * SECONDS_PER_DAY, days * SECONDS_PER_DAY
     options: dict[str, Any] = {"start": start}
@@ -280,13 +285,19 @@ def series(
     else:
         options["path"] = moving.trajectory(c, start, start + duration)
     found = survey(c, sites, duration, figure=read.figure, **options)
+    whole = np.array([[0.0, duration]])
     covered = {
-        site.name: at_least(wanted, [w.spans for w in found.of(site.name)]) for site in sites
+        site.name: at_least(
+            wanted,
+            [w.spans for w in found.of(site.name)]
+            + [whole for beacon in _heard(site, lit) if site.sees(beacon.r_mcmf)],
+        )
+        for site in sites
     }
     gaps = {name: gap_statistics(spans, duration) for name, spans in covered.items()}
     since = duration * np.arange(epochs) / epochs
     sited = replace(read, stations=sites)
-    made = _dataset(sited, start + since, moving)
+    made = _dataset(sited, start + since, moving, lit)
     made["age_h"] = (
         ("station", "time"),
         np.array([ages(spans, since) / 3600.0 for spans in covered.values()]),
@@ -303,11 +314,21 @@ def series(
     )
 
 
-def _dataset(design: Design, times: np.ndarray, motion: Any) -> "xr.Dataset":
+def _heard(site: Site, beacons: Sequence[Site]) -> list[Site]:
+    """Beacons that are not where the site itself is: farther off than a metre."""
+    return [one for one in beacons if np.linalg.norm(one.r_mcmf - site.r_mcmf) > 1.0]
+
+
+def _dataset(
+    design: Design, times: np.ndarray, motion: Any, beacons: Sequence[Site]
+) -> "xr.Dataset":
     """Counts and dilutions over station and time."""
     import xarray as xr
 
-    seen = [site_coverage(design.constellation, site, times, motion) for site in design.stations]
+    seen = [
+        site_coverage(design.constellation, site, times, motion, _heard(site, beacons))
+        for site in design.stations
+    ]
     found = list(NAMES[:-1])
     together = xr.concat([one[found] for one in seen], "station", combine_attrs="drop")
     made = together.assign_coords(station=[site.name for site in design.stations]).assign_attrs(

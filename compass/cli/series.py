@@ -25,6 +25,13 @@ from compass.cli.shared import (
     metavar="NAME=LAT,LON[,MASK]",
     help="A station beside the designs': planetocentric latitude, east longitude, mask; degrees.",
 )
+@click.option(
+    "--beacon",
+    "beacons",
+    multiple=True,
+    metavar="SITE",
+    help="A beacon on the ground, counted as a satellite is: a station's name, or as a --station.",
+)
 @fold_option
 @real("--mask-deg", help="Elevation mask, degrees; the higher of it and a station's own horizon.")
 @real("--days", default=10.0, help="Length of the span, above 0 to 1000 days.")

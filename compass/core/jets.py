@@ -35,28 +35,17 @@ def _divide(out, k, b):
 
 
 @fast_kernel
-def add(a, b, k, out, scale=1.0):
-    """Row k of ``a + scale b``."""
-    for q in range(out.shape[1]):
-        out[k, q] = a[k, q] + scale * b[k, q]
+def accumulate(a, b, k, out, scale):
+    """Add row k of ``scale a b``."""
+    for i in range(k + 1):
+        _add_product(scale, a, i, b, k - i, out, k)
 
 
 @fast_kernel
 def multiply(a, b, k, out, scale=1.0):
     """Row k of ``scale a b``."""
     out[k, :] = 0.0
-    for i in range(k + 1):
-        _add_product(scale, a, i, b, k - i, out, k)
-
-
-@fast_kernel
-def divide(a, b, k, out):
-    """Row k of ``a / b``."""
-    for q in range(out.shape[1]):
-        out[k, q] = a[k, q]
-    for i in range(1, k + 1):
-        _add_product(-1.0, b, i, out, k - i, out, k)
-    _divide(out, k, b)
+    accumulate(a, b, k, out, scale)
 
 
 @fast_kernel
@@ -97,20 +86,3 @@ def exponential(a, k, out):
         return
     for i in range(1, k + 1):
         _add_product(i / k, a, i, out, k - i, out, k)
-
-
-@fast_kernel
-def sine_cosine(a, k, sine, cosine):
-    """Row k of ``sin(a)`` and of ``cos(a)``."""
-    sine[k, :] = 0.0
-    cosine[k, :] = 0.0
-    if k == 0:
-        s, c = math.sin(a[0, 0]), math.cos(a[0, 0])
-        sine[0, 0], cosine[0, 0] = s, c
-        for q in range(1, sine.shape[1]):
-            sine[0, q] = c * a[0, q]
-            cosine[0, q] = -s * a[0, q]
-        return
-    for i in range(1, k + 1):
-        _add_product(i / k, a, i, cosine, k - i, sine, k)
-        _add_product(-i / k, a, i, sine, k - i, cosine, k)

@@ -1,5 +1,6 @@
 """Satellite counts and dilution of precision over time at one site."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +17,11 @@ if TYPE_CHECKING:
 
 
 def site_coverage(
-    constellation: Constellation, site: Site, times: ArrayLike, model: AnyMotion = "two-body"
+    constellation: Constellation,
+    site: Site,
+    times: ArrayLike,
+    model: AnyMotion = "two-body",
+    beacons: Sequence[Site] = (),
 ) -> "xr.Dataset":
     """What a site sees: on its figure's ellipsoid, at its height, over its own horizon.
 
@@ -30,6 +35,8 @@ def site_coverage(
         Seconds after the constellation's epoch, shape (t,).
     model
         As in `compass.orbits.states_mci`.
+    beacons
+        On the ground, which are ranged to as satellites are and counted with them.
 
     Returns
     -------
@@ -41,6 +48,8 @@ def site_coverage(
 
     seconds = np.atleast_1d(np.asarray(times, dtype=float))
     r = positions_mcmf(constellation, seconds, model)
+    ground = np.reshape([beacon.r_mcmf for beacon in beacons], (-1, 1, 3))
+    r = np.concatenate([r, np.broadcast_to(ground, (len(beacons), seconds.size, 3))])
     sights = r - site.r_mcmf
     sights /= np.linalg.norm(sights, axis=-1, keepdims=True)
     elevation, azimuth = site.elevation_azimuth(r)
@@ -59,7 +68,7 @@ def site_coverage(
     return xr.Dataset(
         data,
         {
-            "satellite": list(constellation.satellite_names),
+            "satellite": [*constellation.satellite_names, *(beacon.name for beacon in beacons)],
             "time": ("time", seconds, {"units": "s", "long_name": "time after the epoch"}),
         },
         {"site": site.name},

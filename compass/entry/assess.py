@@ -35,8 +35,8 @@ class Assessment:
         At its times.
     seen, taken
         Which are in view, and which are measured, shape (t, n).
-    observability, observability_scaled
-        Of beacons in view and strong enough at every epoch, in SI and in nondimensional form.
+    observability
+        Of beacons in view and strong enough at every epoch.
     blind
         What cannot be seen at the epoch of lowest rank (of these, of lowest degree).
     blind_epoch
@@ -64,7 +64,6 @@ class Assessment:
     seen: NDArray[np.bool_]
     taken: NDArray[np.bool_]
     observability: Observability
-    observability_scaled: Observability
     blind: BlindSpots
     blind_epoch: int
     bound: Bound
@@ -129,20 +128,10 @@ def assess(
     taken = measurements.taken(seen, flight.times) & reaching
     _, variances, _ = measurements.heard(beacons, taken, flight.path, flight.model)
     ranges, rates = measurements.measures
-    degrees = {
-        scaling: observability(
-            flight.model,
-            flight.states,
-            beacons,
-            reaching,
-            ranges=ranges,
-            rates=rates,
-            scaling=scaling,
-        )
-        for scaling in ("si", "nondimensional")
-    }
-    scaled = degrees["nondimensional"]
-    worst = int(np.lexsort((scaled.degree, scaled.rank))[0])
+    visible = observability(
+        flight.model, flight.states, beacons, reaching, ranges=ranges, rates=rates
+    )
+    worst = int(np.lexsort((visible.degree, visible.rank))[0])
     layout = settings.layout(beacons.size)
     bound = linear_covariance(
         flight.model,
@@ -162,8 +151,7 @@ def assess(
         beacons,
         seen,
         taken,
-        degrees["si"],
-        scaled,
+        visible,
         blind_spots(
             flight.model,
             flight.states[worst],
@@ -214,14 +202,15 @@ def assessment_dataset(found: Assessment) -> "xr.Dataset":
     mc, by_time = found.monte_carlo, ("time",)
     columns = {
         "observability_degree": (
-            found.observability.degree,
+            found.observability.spherical_degree,
             "1",
-            "smallest over largest singular value of the observability matrix in m, s, rad",
+            "smallest over largest singular value of the observability matrix of radius, angles "
+            "and speed, in m, s, rad",
         ),
         "observability_degree_scaled": (
-            found.observability_scaled.degree,
+            found.observability.degree,
             "1",
-            "the same with lengths in 3400 km and times in 100 s",
+            "the same of position and velocity, with lengths in 3400 km and times in 100 s",
         ),
         "observability_rank": (found.observability.rank, "1", "rank of the observability matrix"),
         "geometric_index": (

@@ -80,13 +80,6 @@ class Atmosphere:
         """``sqrt(gamma R T)`` of CO2, m/s."""
         return sqrt(CO2_HEAT_RATIO.value * CO2_GAS_CONSTANT.value * self.temperature)
 
-    def table_parameters(self) -> NDArray[np.float64]:
-        """Tail of the kernel's parameter array: radii, then ``ln(rho/rho(r0))``; may be empty."""
-        if not self.table_radius:
-            return np.empty(0)
-        logs = np.log(self.table_density) - self._log_density(self.reference_radius)
-        return np.concatenate([self.table_radius, logs])
-
     def density(self, radius: ArrayLike) -> NDArray[np.float64]:
         """Density at distances from Mars's centre (m, any shape), kg/m^3."""
         return np.exp(self._log_density(np.asarray(radius, dtype=float)))

@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import Bounds, OptimizeResult, minimize
 
-from compass.core.entry_search import determinants, minimum_degree, position_series
+from compass.core.entry.search import determinants, minimum_degree, position_series
 from compass.entry.beacons import Beacons
 from compass.entry.covariance import linear_covariance
+from compass.entry.observability import whole_path
 from compass.entry.schedule import Measurements
 from compass.entry.search import Optimum, Start, multistart
 from compass.entry.trajectory import Trajectory
-from compass.entry.views import cartesian_of
+from compass.entry.views import spherical_jacobian
 from compass.entry.visible_area import VisibleArea
 from compass.errors import ArgumentError
 from compass.frames import latitude_longitude
@@ -74,13 +75,18 @@ def best_ground_beacons(
         )
     model = flight.model
     area = VisibleArea(flight)
-    banks, p = model.vehicle.bank(flight.times), model.parameters()
 
     def places(x: NDArray) -> NDArray[np.float64]:
         return model.planet_radius * area.points(x.reshape(count, 2))
 
     if objective == "minimum-delta":
-        series = position_series(flight.states, p, banks, 6)
+        series = position_series(
+            whole_path(model, flight.states),
+            model.flight_parameters(),
+            model.vehicle.bank(flight.times),
+            spherical_jacobian(flight.path),
+            6,
+        )
         few = np.ascontiguousarray(series[::STRIDE])
 
         def degree(kept: NDArray) -> Callable[[NDArray], float]:
@@ -89,7 +95,7 @@ def best_ground_beacons(
 
         coarse, fine = degree(few), degree(series)
     elif objective == "mean-log-index":
-        lander = cartesian_of(flight.states)[:, :3].copy()
+        lander = flight.path[:, :3].copy()
 
         def coarse(x: NDArray) -> float:
             out = np.empty(len(lander))

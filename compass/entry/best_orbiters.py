@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.integrate import simpson
 from scipy.optimize import OptimizeResult, minimize
 
-from compass.core.entry_search import circle_positions, determinants, view_margins
+from compass.core.entry.search import circle_positions, determinants, view_margins
 from compass.entry.search import Optimum, multistart
 from compass.entry.trajectory import Trajectory
 from compass.entry.views import cartesian_of

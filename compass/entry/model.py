@@ -72,25 +72,11 @@ class EntryModel:
         return 0.0 if self.rotation == "none" else self.rotation_rate
 
     @property
-    def _terms(self) -> float:
+    def terms(self) -> float:
         """Number by which kernels know the terms of the rotation."""
-        from compass.core.entry_dynamics import CENTRIFUGAL, CORIOLIS, SWAPPED
+        from compass.core.entry.rates import CENTRIFUGAL, CORIOLIS, SWAPPED
 
         return {"full": CENTRIFUGAL, "published-coriolis": SWAPPED}.get(self.rotation, CORIOLIS)
-
-    def parameters(self, bank: float = 0.0) -> NDArray[np.float64]:
-        """Parameter array of `compass.core.entry_dynamics`, for one bank angle (radians)."""
-        air = self.atmosphere
-        head = [
-            self.gm,
-            air.reference_radius,
-            air.scale_height,
-            self.vehicle.drag_area_per_mass,
-            bank,
-            self.omega,
-            self._terms,
-        ]
-        return np.concatenate([head, air.table_parameters()])
 
     def flight_parameters(self) -> NDArray[np.float64]:
         """Parameter array of `compass.core.entry.rates`."""
@@ -99,7 +85,7 @@ class EntryModel:
             self.gm,
             1.5 * self.j2 * self.gm * MARS_J2_RADIUS.value**2,
             self.omega,
-            self._terms,
+            self.terms,
             air.log_reference_density,
             air.reference_radius,
             air.scale_height,

@@ -3,7 +3,7 @@
 Further answers join `ANSWERS` in the order of the page: a function from `Found` to rows.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from compass.api.check import CheckResult
 from compass.api.map_statistics import ROVER
 from compass.coverage.certificate import Outcome
 from compass.coverage.site import site_coverage
+from compass.coverage.verdict import Verdict
 from compass.design import Design
 from compass.document import Answer, Answers, Bracket, Proven, Sampled, Section, Sentence, Value
 from compass.document.blocks import Block
@@ -31,10 +32,13 @@ ENOUGH, LOCATE = 4, "compass locate, which gathers them over hours"
 
 def requirements(found: Found) -> list[Answer]:
     """Each requirement of the design: met or missed, by how much, and how sure."""
-    if found.checked is None:
-        return []
+    return [] if found.checked is None else verdict_answers(found.checked.verdicts)
+
+
+def verdict_answers(verdicts: Iterable[Verdict]) -> list[Answer]:
+    """Requirements and their verdicts, an answer each."""
     rows = []
-    for verdict in found.checked.verdicts:
+    for verdict in verdicts:
         asked, share, margin = verdict.requirement, verdict.share, verdict.margin
         how = ""
         if share is not None:

@@ -6,10 +6,13 @@ from typing import Any, Literal
 
 import numpy as np
 
+from compass.api.check import verdict_sentences, verdict_table
 from compass.api.keep import keep
 from compass.cores import cores
 from compass.coverage.certificate import prove_fold
-from compass.design import Design
+from compass.coverage.requirement_verdict import verdict_of
+from compass.coverage.verdict import Verdict
+from compass.design import ERRORS, Design
 from compass.document import Answer, Answers, Bracket, Sentence, Value
 from compass.document.blocks import Interactive, Section, Table, arranged
 from compass.document.numbers import significant
@@ -18,9 +21,10 @@ from compass.handover.czml import czml
 from compass.handover.geojson import geojson
 from compass.handover.instants import sample_times
 from compass.handover.oem import oem
-from compass.handover.toml import constellation_toml
+from compass.handover.toml import design_toml
 from compass.inputs import read_design_text
 from compass.inputs.study import Objective, Study
+from compass.pages.answers import verdict_answers
 from compass.pages.judge import judge_section, landing_answer, surface_section
 from compass.quantities.merits import MERITS
 from compass.sites import Mask
@@ -46,29 +50,44 @@ class Entrant:
         Read from the design file that the report hands over, whose name is its label.
     certificate
         Outcome of the certificate of its fold, whose rounding is on the safe side.
+    verdicts
+        On what the study requires; of the recommended one alone.
     """
 
     finalist: Finalist
     design: Design
     certificate: str
+    verdicts: tuple[Verdict, ...] = ()
 
 
 def entrants(study: Study, chosen: Sequence[Finalist]) -> list[Entrant]:
-    """Write each finalist down as a design file, and prove its fold."""
-    found = []
+    """Write each finalist down as a design file with what is required of it, and prove its fold."""
+    wanted, found = study.requirements, []
+    stations = {site.name: site for each in wanted for site in each.sites}
+    in_metres = any(name in ERRORS for each in wanted for name, _ in each.limits)
     for k, finalist in enumerate(chosen, start=1):
         c = replace(finalist.constellation, name=finalist.notation)
+        if wanted:  # whose tracks close where the study names the orbits
+            c = replace(c, repeat=study.space.repeat(float(finalist.row["radius_km"])))
         mask = float(np.radians(finalist.mask_deg))
         source = f'"{finalist.role}" of the trade study "{study.name}" ({study.label})'
-        text = constellation_toml(
-            c, study.figure, mask=Mask.constant(mask), fold=study.fold, source=source
+        written = Design(
+            c,
+            source=source,
+            figure=study.figure,
+            mask=Mask.constant(mask),
+            fold=study.fold,
+            stations=tuple(stations.values()),
+            requirements=wanted,
+            signal=study.signal if in_metres else None,
         )
+        text = design_toml(written)
         certificate = prove_fold(
             c, study.fold, sphere_radius=study.figure.equatorial_radius, mask=mask
         )
-        found.append(
-            Entrant(finalist, read_design_text(text, f"finalist-{k}.toml"), certificate.outcome)
-        )
+        design = read_design_text(text, f"finalist-{k}.toml")
+        verdicts = tuple(verdict_of(design, each) for each in wanted) if k == 1 else ()
+        found.append(Entrant(finalist, design, certificate.outcome, verdicts))
     return found
 
 
@@ -121,8 +140,11 @@ def recommendation(
             f"{ranking['goal_m']:g} m at {ranking['deployment']}? "
             f"{row['answer'][0].upper()}{row['answer'][1:]}."
         )
-    tables = (_objective_table(study, chosen, measure), _figure_table(study, chosen, measure))
-    return arranged("Recommendation", tuple(paragraphs), (), tables)
+    tables = [_objective_table(study, chosen, measure), _figure_table(study, chosen, measure)]
+    if settled := chosen[0].verdicts:
+        tables.append(verdict_table(settled))
+        paragraphs += verdict_sentences(settled)
+    return arranged("Recommendation", tuple(paragraphs), (), tuple(tables))
 
 
 def answer_section(
@@ -141,14 +163,13 @@ def answer_section(
     if len(chosen) > 1:
         other = chosen[1].finalist
         lead += f" Its rival is {other.notation}: {against(study, first, other)}."
-    rows = [
-        Answer(
-            f"{study.fold} in view above {first.mask_deg:g}°, everywhere",
-            chosen[0].certificate,
-            chosen[0].certificate == "proven",
-            "for all time, two-body motion",
-        )
-    ]
+    everywhere = Answer(
+        f"{study.fold} in view above {first.mask_deg:g}°, everywhere",
+        chosen[0].certificate,
+        chosen[0].certificate == "proven",
+        "for all time, two-body motion",
+    )
+    rows = [*verdict_answers(chosen[0].verdicts), everywhere]
     for o in study.objectives:
         how, error = sampling_of(study, o.figure), first.errors.get(o.figure, 0.0)
         value = worth(o.figure, first.figures[o.figure])

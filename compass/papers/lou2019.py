@@ -19,6 +19,7 @@ from compass.papers.lou_observability import (
     rotation_about_beacon,
     singular_values,
 )
+from compass.papers.spherical import spherical_parameters
 from compass.papers.verdict import Erratum, Row, claim, computed
 
 TITLE = (
@@ -235,7 +236,7 @@ def noiseless(case: NavigationCase) -> NDArray[np.float64]:
     """Measurements along a case's flight without noise, shape (K+1, 3 + m)."""
     m = case.beacons.size
     z, slopes = np.empty((case.times.size, 3 + m)), np.empty((3 + m, 8))
-    p = case.truth.parameters()
+    p = spherical_parameters(case.truth)
     for k, x in enumerate(case.nominal):
         predict_measurements(x, 8, p, False, case.beacons.r[k], z[k], slopes)
     return z

@@ -8,8 +8,8 @@ from math import isfinite
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.entry_dynamics import STATES, rk4_step
 from compass.core.papers.lou_montecarlo import World
+from compass.core.papers.spherical import STATES, rk4_step
 from compass.entry.beacons import Beacons
 from compass.entry.faults import Fault, fault_tables
 from compass.entry.inertial import check_distinct
@@ -26,6 +26,7 @@ from compass.entry.schedule import in_view
 from compass.errors import ArgumentError
 from compass.orbits import states_mci
 from compass.orbits.states import from_states
+from compass.papers.spherical import spherical_parameters
 
 Array = NDArray[np.float64]
 
@@ -128,7 +129,9 @@ class NavigationCase:
         states[0] = self.truth.full_state(self.start)
         banks = self.truth.vehicle.bank(self.times)
         for k in range(1, len(states)):
-            rk4_step(states[k - 1], self.truth.parameters(banks[k - 1]), self.step, states[k])
+            rk4_step(
+                states[k - 1], spherical_parameters(self.truth, banks[k - 1]), self.step, states[k]
+            )
             if not np.all(np.isfinite(states[k])) or states[k, 0] < self.truth.planet_radius:
                 raise ArgumentError(
                     f"{self.name}: the flight ends at {self.times[k]:g} s, before the last epoch "
@@ -184,7 +187,7 @@ class NavigationCase:
         open_path = open_path & ~tables.lost
         return World(
             x0=self.truth.full_state(self.start),
-            p=self.truth.parameters(),
+            p=spherical_parameters(self.truth),
             bank=self.truth.vehicle.bank(self.times),
             noise=np.sqrt(np.asarray(self.process_noise, dtype=float)),
             bias=np.array(self.imu.bias, dtype=float),

@@ -16,6 +16,7 @@ from compass.core.papers.lou_common import Settings
 from compass.core.papers.lou_montecarlo import Belief
 from compass.entry.model import EntryModel
 from compass.errors import ArgumentError
+from compass.papers.spherical import spherical_parameters
 
 Array = NDArray[np.float64]
 Algorithm = Literal[
@@ -238,7 +239,7 @@ class FilterSettings:
             x0=self.full_start,
             p0=p0,
             spread=self._spread(),
-            p=self.model.parameters(),
+            p=spherical_parameters(self.model),
             lost_is_zero=self.algorithm == "information",
         )
         return _STEPS[self.algorithm], settings, belief

@@ -5,20 +5,23 @@ from math import cos, factorial, sin
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.entry_dynamics import BANK, MU, OMEGA, STATES
-from compass.core.entry_jets import (
+from compass.core.entry.rates import MU, OMEGA
+from compass.core.entry.series import (
     DRAG_ACC,
     LIFT_ACC,
-    X,
-    Z,
     flow_series,
     orbit_series,
     range_series,
 )
 from compass.core.jacobi_svd import jacobi_svd
 from compass.entry.model import EntryModel
+from compass.entry.observability import whole_path
+from compass.entry.views import spherical_jacobian
 
 Array = NDArray[np.float64]
+
+#: Radius, longitude, latitude, speed, flight-path angle, heading, ln rho0 and L/D.
+STATES = 8
 
 
 def imu_range_matrix(
@@ -46,10 +49,11 @@ def imu_range_matrix(
     bank
         Radians.
     """
-    p = model.parameters(bank)
-    w = flow_series(model.full_state(state), p, orders + 1, STATES)
+    p, x, view = model.flight_parameters(), whole_path(model, state), np.eye(STATES)
+    view[:6, :6] = spherical_jacobian(x[:6])
+    w = flow_series(x, p, cos(bank), sin(bank), orders + 1, STATES)
     drag, lift = w[DRAG_ACC, :orders, 1:], w[LIFT_ACC, :orders, 1:]
-    series = [-drag, -sin(p[BANK]) * lift, cos(p[BANK]) * lift]
+    series = [-drag, -sin(bank) * lift, cos(bank) * lift]
     for position, velocity in zip(r, v, strict=True):
         if np.any(velocity):
             beacon = orbit_series(position, velocity, p[MU], p[OMEGA], orders + 1)
@@ -57,11 +61,11 @@ def imu_range_matrix(
             beacon = np.zeros((3, orders + 1))
             beacon[:, 0] = position
         coefficients = np.empty((orders + 1, 1 + STATES))
-        range_series(w[X : Z + 1], beacon, coefficients)
+        range_series(w[:3], beacon, coefficients)
         series.append(coefficients[:orders, 1:])
     factorials = np.array([float(factorial(k)) for k in range(orders)])
     rows = np.stack(series, axis=1) * factorials[:, None, None]
-    return np.ascontiguousarray(rows.reshape(-1, STATES))
+    return np.ascontiguousarray(rows.reshape(-1, STATES) @ view)
 
 
 def singular_values(matrix: Array) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.entry_geometry import cartesian_jacobian
+from compass.core.papers.spherical_geometry import cartesian_jacobian
 from compass.core.papers.yu2018_filter import (
     filter_run,
     measure,
@@ -23,6 +23,7 @@ from compass.entry.beacons import Beacons
 from compass.entry.model import EntryModel
 from compass.entry.schedule import Measurements
 from compass.errors import ArgumentError
+from compass.papers.spherical import spherical_parameters
 
 #: Runs handed to a thread at once.
 BLOCK = 20
@@ -95,7 +96,7 @@ def run_published_filter(
     filter_run(
         model.full_state(estimate),
         np.array(settings.covariance0, dtype=float),
-        model.parameters(),
+        spherical_parameters(model),
         model.vehicle.bank(beacons.times),
         beacons.times,
         np.array(settings.noise, dtype=float),
@@ -208,11 +209,11 @@ def run_monte_carlo(
     streams = np.random.SeedSequence(seed).spawn(runs)
     common = (
         world.full_state(state),
-        world.parameters(),
+        spherical_parameters(world),
         model.full_state(state),
         covariance0,
         root,
-        model.parameters(),
+        spherical_parameters(model),
         model.vehicle.bank(beacons.times),
         beacons.times,
         np.array(settings.noise, dtype=float),
@@ -319,7 +320,7 @@ def cramer_rao_bound(
     posterior_bound(
         x,
         np.array(covariance0, dtype=float),
-        model.parameters(),
+        spherical_parameters(model),
         model.vehicle.bank(beacons.times),
         beacons.times,
         np.broadcast_to(np.asarray(noise, dtype=float), (6,)).copy(),

@@ -65,6 +65,22 @@ def test_two_designs_are_one_network(tmp_path):
     assert (tmp_path / "f.png").read_bytes()[:4] == b"\x89PNG"
 
 
+def test_beacons_on_the_ground_count_with_satellites():
+    """A mast on high ground is over the horizon of a station beside it, and not of one far away."""
+    mast = compass.Site.of("mast", latitude_deg=0.1, longitude_deg=0, height_km=5)
+    near = compass.Site.of("near", latitude_deg=0, longitude_deg=0)
+    far = compass.Site.of("far", latitude_deg=0, longitude_deg=90)
+    asked = {"stations": [near, far, mast], "fold": 2, "days": 0.3, "epochs": 30}
+    bare = compass.series(compass.Design(RING, "ring"), **asked)
+    lit = compass.series(compass.Design(RING, "ring"), beacons=["mast"], **asked)
+    more = lit.dataset["count"].values.astype(int) - bare.dataset["count"].values
+    assert more.tolist() == [[1] * 30, [0] * 30, [0] * 30]
+    assert bare.gaps["near"].count > 0 == lit.gaps["near"].count
+    assert lit.gaps["far"] == bare.gaps["far"] and lit.gaps["mast"] == bare.gaps["mast"]
+    with pytest.raises(ArgumentError, match="site 'none': no"):
+        compass.series(compass.Design(RING, "ring"), beacons=["none"], **asked)
+
+
 def test_what_cannot_be_joined_or_asked_is_told():
     one = compass.Design(RING, "one", stations=(SITE,))
     moved = compass.Site.of("S", latitude_deg=13, longitude_deg=40)

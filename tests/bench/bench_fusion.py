@@ -5,8 +5,8 @@ from time import perf_counter, process_time
 import numpy as np
 import pytest
 
-from compass.core.entry_dynamics import rk4_step_transition
 from compass.core.papers.lou_measurement import predict_measurements
+from compass.core.papers.spherical import rk4_step_transition
 from compass.papers import lou2019_case as paper
 from compass.papers.lou2019 import noiseless, step_seconds
 from compass.papers.lou_montecarlo import monte_carlo

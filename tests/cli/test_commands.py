@@ -223,7 +223,7 @@ def test_interruption_is_said_and_has_its_own_exit_code(run, seed, monkeypatch):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("compass.api.show.given_design", interrupt)
+    monkeypatch.setattr("compass.api.show.given_in_metres", interrupt)
     code, _, err = run("show", seed)
     assert code == 130
     assert "interrupted" in err

@@ -3,14 +3,15 @@
 import numpy as np
 import pytest
 
-from compass.core.entry_search import minimum_degree, position_series
+from compass.core.entry.search import minimum_degree, position_series
 from compass.entry.beacons import orbiting_beacons, surface_beacons
 from compass.entry.best_ground import best_ground_beacons
 from compass.entry.best_orbiters import best_orbiters
 from compass.entry.covariance import axes_covariance
-from compass.entry.observability import observability
+from compass.entry.observability import observability, whole_path
 from compass.entry.schedule import Measurements, in_view
 from compass.entry.trajectory import fly
+from compass.entry.views import spherical_jacobian
 from compass.entry.visible_area import VisibleArea, horizon
 from compass.errors import ArgumentError
 from compass.orbits import keplerian, states_mci
@@ -64,7 +65,7 @@ def test_ground_search_improves_and_stays_in_view(short_flight, world):
     lat, lon = found.parameters.T
     beacons = surface_beacons(lat, lon, short_flight.times, planet_radius=RADIUS)
     assert in_view(beacons, short_flight.states, RADIUS).all()
-    degree = observability(world(), short_flight.states, beacons).degree.min()
+    degree = observability(world(), short_flight.states, beacons).spherical_degree.min()
     assert found.value == pytest.approx(degree, rel=1e-6)
     for start in found.starts:
         assert np.all(np.diff(start.history[:-1]) >= 0)
@@ -76,8 +77,14 @@ def test_the_objective_of_the_search_is_the_smallest_degree(short_flight, world)
     lat, lon = np.radians([[-25.8, -82.7], [-28.6, -82.2], [-25.6, -73.4]]).T
     beacons = surface_beacons(lat, lon, short_flight.times, planet_radius=RADIUS)
     model = world()
-    series = position_series(short_flight.states, model.parameters(), np.zeros(11), 6)
-    degree = observability(model, short_flight.states, beacons).degree.min()
+    series = position_series(
+        whole_path(model, short_flight.states),
+        model.flight_parameters(),
+        np.zeros(11),
+        spherical_jacobian(short_flight.path),
+        6,
+    )
+    degree = observability(model, short_flight.states, beacons).spherical_degree.min()
     assert minimum_degree(series, beacons.r[0]) == pytest.approx(degree, rel=1e-9)
 
 
@@ -86,7 +93,7 @@ def test_a_search_over_two_epochs(world, table2):
     found = best_ground_beacons(flight, starts=1, generations=1)
     lat, lon = found.parameters.T
     beacons = surface_beacons(lat, lon, flight.times, planet_radius=RADIUS)
-    degree = observability(world(), flight.states, beacons).degree.min()
+    degree = observability(world(), flight.states, beacons).spherical_degree.min()
     assert found.value == pytest.approx(degree, rel=1e-6)
 
 

@@ -48,3 +48,33 @@ def test_a_recommendation_says_proven_bounds_where_it_has_them(designs):
     said = str(module.recommendation(study, [one], None, None))
     assert "2.85 to 2.95" in said and "2.9;" not in said
     assert "15 satellites in 5 planes" in said
+
+
+def test_what_a_study_requires_is_handed_over_and_answered(designs):
+    """The recommended one as a file that `check` settles alike, its tracks declared closed."""
+    required = """
+[[station]]
+name = "E"
+latitude_deg = 0
+longitude_deg = 20
+[[requirement]]
+name = "one"
+sites = ["E"]
+fold = 1
+[[requirement]]
+name = "five"
+sites = ["E"]
+fold = 5
+[study]"""
+    study = read_study_text(STUDY.replace("[study]", required), folder=designs)
+    radius = study.space.radius_km[0]
+    row = np.array([(0, 5, 5, 1, 50.0, radius, 0.0)], ROW)[0]
+    figures = dict.fromkeys(known_figures(study), np.nan) | {"satellites": 5.0}
+    (one,) = module.entrants(study, [Finalist("balanced", row, figures)])
+    assert one.design.constellation.repeat == (2, 1)
+    assert one.design.requirements == study.requirements
+    assert [verdict.met for verdict in one.verdicts] == [True, False]
+    said = str(module.recommendation(study, [one], None, None))
+    assert "Requirements" in said and "five: missed at latitude" in said
+    answers = str(module.answer_section(study, [one], None, None, None))
+    assert "one: 1 satellites" in answers

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from compass.core.entry_dynamics import entry_rates
+from compass.core.papers.spherical import entry_rates
 from compass.entry.radio import STAGNATION, WAKE, ElectronTable, critical_density, crossing_times
 from compass.errors import ArgumentError
 from compass.papers import lou2017_case, lou2019_case
 from compass.papers.lou_case import Imu, beacons_from_states
+from compass.papers.spherical import spherical_parameters
 
 TIMES = np.arange(11.0)
 NAMES = ("a", "b")
@@ -21,7 +22,7 @@ def exact(case, seconds):
 
     def rates(_, x):
         out = np.empty(8)
-        entry_rates(x, case.truth.parameters(), out)
+        entry_rates(x, spherical_parameters(case.truth), out)
         return out
 
     start = case.nominal[0]

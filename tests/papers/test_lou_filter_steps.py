@@ -26,6 +26,7 @@ from compass.core.papers.lou_information import (
 from compass.core.papers.lou_measurement import predict_measurements
 from compass.papers import lou2019_case as paper
 from compass.papers.lou_filters import SCALE, FilterSettings
+from compass.papers.spherical import spherical_parameters
 
 RULES = {"equal": EQUAL, "fast": FAST, "determinant": DETERMINANT, "trace": TRACE}
 
@@ -34,7 +35,9 @@ def measured(case, noise_seed=None):
     """Measurements along the nominal flight, noise-free unless a seed is given."""
     z, slopes = np.zeros((case.times.size, 7)), np.empty((7, 8))
     for k, x in enumerate(case.nominal):
-        predict_measurements(x, 8, case.truth.parameters(), False, case.beacons.r[k], z[k], slopes)
+        predict_measurements(
+            x, 8, spherical_parameters(case.truth), False, case.beacons.r[k], z[k], slopes
+        )
     if noise_seed is not None:
         sigma = np.concatenate([np.full(3, 1e-3), case.range_sigma])
         z += sigma * np.random.default_rng(noise_seed).standard_normal(z.shape)

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry_dynamics import DRAG, rk4_step_transition
 from compass.core.jit import fast_kernel, kernel
 from compass.core.papers.lou_measurement import ACCELERATIONS, TINY_DENSITY, predict_measurements
+from compass.core.papers.spherical import DRAG, rk4_step_transition
 
 Array = NDArray[np.float64]
 

@@ -1,14 +1,14 @@
 """What a lander measures during entry, accelerations and ranges, with their partial derivatives.
 
-States as in `compass.core.entry_dynamics`, where a filter may estimate the first 6 (density and
+States as in `compass.core.papers.spherical`, where a filter may estimate the first 6 (density and
 lift-to-drag taken as known), 8, or 11 of them, the last three being accelerometer biases. With
 `linear` the seventh state is rho0 itself instead of its logarithm.
 """
 
 import math
 
-from compass.core.entry_dynamics import BANK, DRAG, log_density_ratio
 from compass.core.jit import fast_kernel
+from compass.core.papers.spherical import BANK, DRAG, log_density_ratio
 
 ACCELERATIONS = 3
 #: A filter on linear rho0 may step onto zero, where its logarithm does not exist.

@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry_dynamics import BANK, rk4_step
 from compass.core.jit import kernel
 from compass.core.papers.lou_common import Array, Epoch, make_bank, make_work, start_bank
 from compass.core.papers.lou_measurement import ACCELERATIONS, predict_measurements
 from compass.core.papers.lou_steps import start, step
+from compass.core.papers.spherical import BANK, rk4_step
 from compass.core.smallmatrix import cholesky
 
 #: Normal numbers a run takes for its start (the largest state), and for the states of the truth.

@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from compass.core.entry.runs import normalised_square
-from compass.core.entry_dynamics import BANK, STATES, rk4_step, rk4_step_transition
-from compass.core.entry_geometry import cartesian, cartesian_jacobian, range_rows
 from compass.core.jit import kernel
+from compass.core.papers.spherical import BANK, STATES, rk4_step, rk4_step_transition
+from compass.core.papers.spherical_geometry import cartesian, cartesian_jacobian, range_rows
 
 
 @kernel

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compass.core.entry_dynamics import (
+from compass.core.papers.spherical import (
     CENTRIFUGAL,
     CORIOLIS,
     SWAPPED,

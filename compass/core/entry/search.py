@@ -4,23 +4,28 @@ import math
 
 import numpy as np
 
-from compass.core.entry_dynamics import BANK
-from compass.core.entry_jets import X, Z, flow_series, range_series
+from compass.core.entry.series import flow_series, range_series
 from compass.core.jacobi_svd import jacobi_svd
 from compass.core.jit import kernel
 
 
 @kernel
-def position_series(states, p, banks, orders):
+def position_series(path, p, banks, views, orders):
     """Lander position as Taylor series with gradients at each epoch, (t, 3, orders, 7).
 
-    It does not depend on the beacons, so a search over them computes it once.
+    It does not depend on the beacons, so a search over them computes it once. Gradients are in the
+    numbers that `views` (t, 6, 6) reads position and velocity in; `path` is (t, 8), see
+    `compass.core.entry.series.flow_series`.
     """
-    p = p.copy()
-    out = np.empty((states.shape[0], 3, orders, 7))
-    for t in range(states.shape[0]):
-        p[BANK] = banks[t]
-        out[t] = flow_series(states[t], p, orders, 6)[X : Z + 1]
+    out = np.zeros((path.shape[0], 3, orders, 7))
+    for t in range(path.shape[0]):
+        w = flow_series(path[t], p, math.cos(banks[t]), math.sin(banks[t]), orders, 6)
+        for i in range(3):
+            for k in range(orders):
+                out[t, i, k, 0] = w[i, k, 0]
+                for j in range(6):
+                    for a in range(6):
+                        out[t, i, k, 1 + j] += w[i, k, 1 + a] * views[t, a, j]
     return out
 
 
