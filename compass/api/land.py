@@ -113,7 +113,13 @@ class LandResult(Result):
     def sections(self, *, pictures: bool = True, claim: bool = True) -> tuple[Section, ...]:
         """The flight with one filter on it, then the filters compared if there are any."""
         words = self.claim if claim else ""
-        flight = entry_section(self.scenario, self.assessment, pictures=pictures, claim=words)
+        flight = entry_section(
+            self.scenario,
+            self.assessment,
+            pictures=pictures,
+            claim=words,
+            dispersed=self.dispersed,
+        )
         if self.fused is None:
             return (flight,)
         return flight, fusion_section(self.fused, pictures=pictures)
@@ -123,18 +129,19 @@ class LandResult(Result):
         return tuple(picture for section in self.sections() for picture in section.pictures)
 
     def plot(self, *, axes: "Axes | None" = None) -> "Axes":
-        """Draw the ground track, who sees it, and the beacons near it.
+        """Draw the ground track, who sees it, the beacons near it, and where it comes down.
 
         Parameters
         ----------
         axes
             Where to; new ones without.
         """
-        from compass.pictures.entry import draw_map
+        from compass.pictures.entry import draw_landing, draw_map
         from compass.pictures.style import axes_or_new
 
         drawn = axes_or_new(axes, 7.5, 5.2)
         draw_map(drawn, self.assessment.flight, self.assessment.beacons)
+        draw_landing(drawn, self.assessment, self.dispersed)
         return drawn
 
     def write(self, path: str | Path) -> None:

@@ -143,14 +143,19 @@ def check_cost(scenario: Scenario, runs: int) -> float:
 
 
 def entry_section(
-    scenario: Scenario, found: Assessment, *, pictures: bool = True, claim: str | None = None
+    scenario: Scenario,
+    found: Assessment,
+    *,
+    pictures: bool = True,
+    claim: str | None = None,
+    dispersed: Dispersed | None = None,
 ) -> Section:
     """Text, pictures and tables of one scenario, the answer first: `claim`, or that of `found`."""
     drawn: tuple[Picture, ...] = ()
     if pictures:
         from compass.pictures.entry import entry_pictures
 
-        drawn = entry_pictures(found)
+        drawn = entry_pictures(found, dispersed)
     paragraphs = [" ".join(scenario.source.split())] if scenario.source.strip() else []
     first = claim_sentence(found) if claim is None else claim
     words = [*([first] if first else []), *paragraphs, *findings(scenario, found)]
@@ -226,13 +231,18 @@ def claim_sentence(found: Assessment, *, guided: bool = False) -> str:
             f"{where} the lander knows its place to {significant(claim, 3)} m (1 sigma, all axes)."
         )
     ellipse = at.delivery.ellipse
-    how = "By the planned bank alone" if guided else "Unguided"
+    how = delivered(guided=guided)
     half = (significant(axis / KM, 3) for axis in (ellipse.semi_major, ellipse.semi_minor))
     return (
         f"{known} {how} it comes down within {' by '.join(half)} km (95 % ellipse, half axes, "
         f"major axis {np.degrees(ellipse.azimuth):.0f} deg from north), half of the time within "
         f"{significant(at.delivery.cep / KM, 3)} km."
     )
+
+
+def delivered(*, guided: bool) -> str:
+    """How a lander comes to where linear covariance has it."""
+    return "By the planned bank alone" if guided else "Unguided"
 
 
 def ground_words(found: Assessment) -> list[str]:

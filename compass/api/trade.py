@@ -23,6 +23,7 @@ from compass.quantities.merits import MERITS
 from compass.saving import check_writable
 from compass.study.bounds import bounded_figures
 from compass.study.candidates import check_space
+from compass.study.clocks import errors_by_clock
 from compass.study.cluster import Cluster, Tls
 from compass.study.judge import check_lander
 from compass.study.results import first_front, read_results, write_results
@@ -54,12 +55,16 @@ class TradeResult(Result):
         What this run did.
     dataset
         Figures of merit by candidate.
+    by_clock
+        Errors in metres of those on the front with every named clock, where the study asks for
+        such errors.
     """
 
     study: Study = field(repr=False)
     store: Path
     summary: Summary
     dataset: "xr.Dataset" = field(repr=False)
+    by_clock: tuple[dict[str, Any], ...] = field(default=(), repr=False)
 
     @property
     def front(self) -> list[dict[str, Any]]:
@@ -94,6 +99,7 @@ class TradeResult(Result):
                 "bounded": s.bounded,
                 "straddling": int(self.dataset.straddling.sum()),
                 "front": self.front,
+                "by_clock": list(self.by_clock),
                 "sampled_over": {
                     name: how
                     for name in MERITS
@@ -113,10 +119,12 @@ class TradeResult(Result):
         blocks: list[Block] = [Verdict("", claim, self.holds)]
         blocks += [Sentence(words) for words in self.notes()]
         if self.study.entry is not None:
-            blocks.append(Sentence(self.study.entry.doubts.sentence([])))
+            own = [] if self.study.signal is None else ["every candidate"]
+            blocks.append(Sentence(self.study.entry.doubts.sentence(own)))
         if front:
             blocks.append(_front_table(front))
             blocks += [Sentence(words) for words in self._evidence()]
+            blocks += self._clock_table()
         stages = tuple(
             (n, s.reached[n], s.computed[n], s.failed[n], round(s.seconds.get(n, 0.0), 2))
             for n in s.reached
@@ -140,6 +148,22 @@ class TradeResult(Result):
         if how := sampled_over(self.study, list(dict.fromkeys(rest))):
             said.append(f"sampled: {how}")
         return tuple(said)
+
+    def _clock_table(self) -> list[Block]:
+        """What a better clock buys against another candidate; nothing without errors in metres."""
+        if not self.by_clock:
+            return []
+        known = quantity(self.by_clock[0]["figure"])
+        header = ("identity", "satellites", *self.by_clock[0]["m"])
+        rows = tuple(
+            (
+                one["identity"],
+                one["satellites"],
+                *(Value(known, error) for error in one["m"].values()),
+            )
+            for one in self.by_clock
+        )
+        return [Table(f"With each clock: {known.heading}", header, rows, LISTED)]
 
     def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw the front in the first two objectives; of one objective against the satellites.
@@ -280,7 +304,7 @@ def trade(
             team.close()
         results = read_results(read, folder)
         write_results(results, folder / "trade.nc")
-    return TradeResult(read, folder, summary, results)
+    return TradeResult(read, folder, summary, results, tuple(errors_by_clock(read, results)))
 
 
 def _folder(study: Study | str | Path) -> Path:

@@ -27,8 +27,8 @@ FEW, MANY = 16, 2048
 #: How much widths vary from belt to belt, over their mean: up one side of a bell, down the other.
 SLOPE = 2.5
 
-#: How near the first bounds come, and how much nearer those that follow.
-FIRST, NEARER = 0.05, 0.25
+#: How near the first bounds come.
+FIRST = 0.05
 
 #: Rounding of widths, radians, and of sums.
 ROUNDING = 1e-11
@@ -122,8 +122,11 @@ def weighed_share(
         decided = level is not None and (low >= level or high < level)
         if stopped or decided or high - low <= width:
             return low, high, boxes, stopped
-        if near <= width:
+        doubt = SLOPE * 2.0 * min(0.5, high, 1.0 - low)
+        enough = min(max(ceil(doubt / (0.5 * width)), belts), MANY)
+        last, before = near, belts
+        # as much doubt is left to what is between bounds as to how wide the polygon is
+        belts = min(4 * belts, enough)
+        near = max(min(near, doubt / belts), width)
+        if belts == before and near > 0.9 * last:
             return low, high, boxes, "resolution"
-        near = max(NEARER * near, width)
-        doubt = min(0.5, high, 1.0 - low)
-        belts = min(max(ceil(SLOPE * 2.0 * doubt / (0.5 * near)), FEW), MANY)

@@ -16,6 +16,10 @@ from compass.orbits import Constellation
 #: Percentiles beyond this count as infinite.
 GREATEST = 1e5
 
+#: How far to either side of a limit that is too near to be told others are tried, and for which
+#: part of the boxes that bisection may take, besides these.
+ASIDE, BESIDES = (1.02, 1.1, 1.5), 1 / 2
+
 
 @dataclass(frozen=True)
 class CertifiedPercentile:
@@ -52,7 +56,8 @@ def certified_percentile(
     """Bracket the dilution of precision that `percent` of area and time do not exceed.
 
     Bisection on the limit: each share is refined no further than it takes to tell which side of
-    `percent` it lies on. Infinite where limits up to 1e5 are not enough.
+    `percent` it lies on; where one is too near to be told, limits on either side of it are tried,
+    in up to half as many boxes again. Infinite where limits up to 1e5 are not enough.
 
     Parameters
     ----------
@@ -79,7 +84,7 @@ def certified_percentile(
     search = Search(question, workers)
     if question.satellites < 4:
         return CertifiedPercentile(np.inf, np.inf, percent, search.scope)
-    end, level = monotonic() + budget_s, percent / 100
+    end, level, besides = monotonic() + budget_s, percent / 100, BESIDES * budget_boxes
     low, high, stopped = 0.0, np.inf, ""
     still: CertifiedShare | None = None
     if start is not None:
@@ -102,11 +107,39 @@ def certified_percentile(
             low = tried
         else:
             still, stopped = found, found.stopped or "nearer than shares can tell"
+            if stopped not in ("time", "interrupted"):
+                nearer = _aside(search, tried, (low, high), level, besides, end)
+                still = still if nearer == (low, high) else None
+                low, high = nearer
             break
         if found.stopped == "interrupted":
             stopped = found.stopped
             break
     return CertifiedPercentile(low, high, percent, search.scope, stopped, still)
+
+
+def _aside(
+    search: Search,
+    tried: float,
+    bounds: tuple[float, float],
+    level: float,
+    boxes: float,
+    end: float,
+) -> tuple[float, float]:
+    """Bounds by limits on either side of one whose share is too near the level to be told."""
+    (low, high), each = bounds, boxes / (2 * len(ASIDE))
+    for sign in (-1.0, 1.0):
+        for ratio in ASIDE:
+            limit = max(tried * ratio**sign, 1.0)
+            if not low < limit < high:
+                break
+            seconds = end - monotonic()
+            found = search.share(limit, NEAREST, budget_s=seconds, budget_boxes=each, level=level)
+            low = limit if found.high < level else low
+            high = limit if found.low >= level else high
+            if limit in (low, high):
+                break
+    return low, high
 
 
 def _between(low: float, high: float) -> float:
@@ -119,8 +152,8 @@ def _between(low: float, high: float) -> float:
 #: Part of the boxes that one limit near an estimate may take before another is tried.
 TRY = 1 / 4
 
-#: Where the search begins if the estimate is as good as infinite: shares of limits near `GREATEST` hardly
-#: come near, and a lower bound as large as this tells most of what is asked.
+#: Where the search begins if the estimate is as good as infinite: shares of limits near `GREATEST`
+#: hardly come near, and a lower bound as large as this tells most of what is asked.
 LARGE = 50.0
 
 

@@ -2,6 +2,7 @@
 
 import math
 import warnings
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
 from glob import glob
@@ -23,6 +24,10 @@ TIME_SYSTEMS = ("TDB", "UTC", "TAI", "TT")
 
 #: Highest interpolation degree that is followed.
 MOST_DEGREE = 15
+
+#: Distances that a satellite of Mars can have, km: from its poles to well beyond where its pull
+#: rules over the Sun's, 577,000 km. Other units fall outside.
+NEAREST_KM, FARTHEST_KM = 3300.0, 1e6
 
 #: Bytes that a file may have: ten years of one satellite each minute.
 MOST_BYTES = 600_000_000
@@ -133,15 +138,7 @@ def read_oem(path: Path) -> Message:
     if len({head["OBJECT_NAME"] for head in heads}) > 1:
         raise DesignError(f"{path}: holds several objects; write one message an object")
     times = _seconds([row[0] for row in rows], heads[0]["TIME_SYSTEM"], path)
-    try:
-        states = np.array([[float(x) for x in row[1:7]] for row in rows])
-        if states.shape[1:] != (6,) or not np.isfinite(states).all():
-            raise ValueError
-    except ValueError:
-        raise DesignError(
-            f"{path}: a state needs a date and six finite numbers, km and km/s"
-        ) from None
-    times, states = _joined(times, states, starts, path)
+    times, states = _joined(times, _numbers(rows, path), starts, path)
     degree = int(heads[0].get("INTERPOLATION_DEGREE", 7))
     points = degree // 2 + 1
     if len(times) < 2 * points:
@@ -180,6 +177,26 @@ def _segments(text: str, path: Path) -> tuple[list[dict[str, str]], list[list[st
     if not heads or not rows:
         raise DesignError(f"{path}: has no META_START ... META_STOP with states after it")
     return heads, rows, starts
+
+
+def _numbers(rows: list[list[str]], path: Path) -> NDArray[np.float64]:
+    """Positions, km, and velocities, km/s, of rows, shape (t, 6)."""
+    states = np.full((len(rows), 6), np.nan)
+    for state, row in zip(states, rows, strict=True):
+        with suppress(ValueError):  # not six, or no numbers: stays nan
+            state[:] = [float(x) for x in row[1:7]]
+    for k in np.flatnonzero(~np.isfinite(states).all(axis=1))[:1]:
+        raise DesignError(
+            f"{path}: state {k + 1}, {' '.join(rows[k])[:80]!r}: needs a date and six finite "
+            "numbers, km and km/s"
+        )
+    distance = np.linalg.norm(states[:, :3], axis=1)
+    for k in np.flatnonzero((distance < NEAREST_KM) | (distance > FARTHEST_KM))[:1]:
+        raise DesignError(
+            f"{path}: state {k + 1} is {distance[k]:.6g} km from the centre of Mars; allowed "
+            f"{NEAREST_KM:g} to {FARTHEST_KM:g}; check the units, km and km/s"
+        )
+    return states
 
 
 def _check_head(head: dict[str, str], path: Path) -> None:

@@ -159,8 +159,9 @@ def _sampling_faults(table: dict[str, Any], method: object) -> list[str]:
     return faults
 
 
-#: What a study must have for the figures of a stage that not every study has.
+#: What a study must have for figures, or those of a stage, that not every study has.
 _TABLES = {
+    "signal": ("signal", "without errors of ranges; add a table [signal]"),
     "entry": ("entry", "without judging entries; add a table [entry]"),
     "requirements": ("requirement", "without requirements; add a [[requirement]]"),
 }
@@ -174,7 +175,7 @@ def _figure_faults(table: dict[str, Any], path: str, raw: dict[str, Any]) -> lis
         guess = "".join(f"did you mean {other}? " for other in near(name, MERITS))
         problem = f"no candidate has this figure; {guess}allowed: {', '.join(MERITS)}"
         return [fault(f"{path}.figure", name, problem)]
-    key, remedy = _TABLES.get(MERITS[name].stage, ("", ""))
+    key, remedy = _TABLES.get(MERITS[name].needs or MERITS[name].stage, ("", ""))
     if key and key not in raw:
         problem = f"no candidate has this figure {remedy}"
         return [fault(f"{path}.figure", name, problem)]

@@ -245,6 +245,7 @@ class StudyFile(Table):
         description="one [[requirement]] a thing wanted of every candidate",
     )
     signal: SignalTable | None = Field(
-        None, description="what a user's ranges are worth, for requirements on errors in metres"
+        None,
+        description="what ranges are worth: for errors in metres, and of entries' beacons",
     )
     compare: CompareTable | None = Field(None, description="a design to compare with")

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import inf
 
 from compass.api.land import LandResult
-from compass.api.land_flight import entry_tables, findings
+from compass.api.land_flight import delivered, entry_tables, findings
 from compass.document import Answer, Answers, Section, Sentence
 from compass.document.blocks import Picture, arranged
 from compass.document.numbers import significant
@@ -41,14 +41,15 @@ def scenario_provenance(scenario: Scenario, command: str) -> tuple[str, list[tup
 def landing_sections(found: LandResult) -> tuple[Section, ...]:
     """The answer, then navigation, the flight, who is in view, and filters compared if any are."""
     flown = found.assessment
-    drawn = {picture.stem: picture for picture in entry_pictures(flown)}
+    drawn = {picture.stem: picture for picture in entry_pictures(flown, found.dispersed)}
     tables = {table.title.split(" (")[0]: table for table in entry_tables(flown)}
     consistency, *words = findings(found.scenario, flown)
+    how = delivered(guided=found.scenario.guidance is not None)
+    rows = (*answers(flown, how), *dispersed_answers(found.dispersed))
     answer = Section(
         "The answer",
-        (Sentence(found.claim),
-         Answers("Known, and how sure", (*answers(flown), *dispersed_answers(found.dispersed))),
-         landing_ellipse(flown.accuracy)),
+        (Sentence(found.claim), Answers("Known, and how sure", rows),
+         landing_ellipse(flown.accuracy, how)),
     )  # fmt: skip
     navigation = arranged(
         "Navigation", (consistency, *words), _those(drawn, "navigation"), (tables["Navigation"],)
@@ -75,8 +76,8 @@ def _those(drawn: dict[str, Picture], *names: str) -> Sequence[Picture]:
     return [picture for stem, picture in drawn.items() if stem.removeprefix("entry-") in names]
 
 
-def answers(flown: Assessment) -> tuple[Answer, ...]:
-    """What a landing's reader asks first."""
+def answers(flown: Assessment, how: str = "Unguided") -> tuple[Answer, ...]:
+    """What a landing's reader asks first; `how` it is delivered."""
     at, ellipse = flown.accuracy, flown.accuracy.delivery.ellipse
     runs = len(flown.monte_carlo.errors)
     claim = flown.claim_m
@@ -93,7 +94,7 @@ def answers(flown: Assessment) -> tuple[Answer, ...]:
         ),
         Answer("Along, across and down", f"{apart} m, 1 sigma", None, linear),
         Answer(
-            "Comes down within, unguided",
+            f"Comes down within, {how[0].lower()}{how[1:]}",
             f"{significant(ellipse.semi_major / KM, 3)} by "
             f"{significant(ellipse.semi_minor / KM, 3)} km",
             None,

@@ -1,4 +1,4 @@
-"""Where a lander comes down, unguided, and how well it knows where that is: ellipses to scale."""
+"""Where a lander comes down and how well it knows where that is: ellipses to scale."""
 
 import numpy as np
 
@@ -10,8 +10,8 @@ from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, pi
 KM = 1e3
 
 
-def landing_ellipse(at: Accuracy) -> Picture:
-    """Draw delivery and knowledge about the nominal place, east and north in km."""
+def landing_ellipse(at: Accuracy, how: str = "Unguided") -> Picture:
+    """Draw delivery, and `how`, and knowledge about the nominal place, east and north in km."""
     delivery, knowledge = at.delivery.ellipse, at.knowledge.ellipse
     turn = np.linspace(0.0, 2 * np.pi, 181)
     figure = new_figure(5.4, 4.6)
@@ -37,7 +37,7 @@ def landing_ellipse(at: Accuracy) -> Picture:
         figure,
         "landing-ellipse",
         "Landing ellipse",
-        f"Unguided: half axes {sizes} for 95 %. What the lander knows of its place, by linear "
+        f"{how}: half axes {sizes} for 95 %. What the lander knows of its place, by linear "
         f"covariance, is an ellipse {smaller} times smaller, drawn to the same scale.",
         alt=f"Ellipse of {sizes} about the nominal place; that of knowledge is {smaller} times "
         "smaller.",

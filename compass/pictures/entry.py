@@ -5,9 +5,12 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from compass.document.blocks import Picture
+from compass.document.numbers import significant
 from compass.entry.assess import Assessment
 from compass.entry.beacons import Beacons
+from compass.entry.dispersed import Dispersed
 from compass.entry.trajectory import Trajectory, trajectory_dataset
+from compass.entry.views import local_axes
 from compass.entry.visible_area import VisibleArea, horizon
 from compass.errors import ArgumentError
 from compass.frames import latitude_longitude
@@ -17,10 +20,10 @@ from compass.pictures.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figur
 KM = 1e3
 
 
-def entry_pictures(found: Assessment) -> tuple[Picture, ...]:
-    """All pictures of an assessment."""
+def entry_pictures(found: Assessment, dispersed: Dispersed | None = None) -> tuple[Picture, ...]:
+    """All pictures of an assessment, dispersed entries on its map."""
     return (
-        _map_picture(found.flight, found.beacons),
+        _map_picture(found, dispersed),
         _flight_picture(found.flight),
         _view_picture(found),
         _observability_picture(found),
@@ -28,34 +31,73 @@ def entry_pictures(found: Assessment) -> tuple[Picture, ...]:
     )
 
 
-def _map_picture(flight: Trajectory, beacons: Beacons) -> Picture:
+def _map_picture(found: Assessment, dispersed: Dispersed | None) -> Picture:
     with look():
         figure = new_figure(5.8, 4.6)
-        draw_map(figure.add_subplot(), flight, beacons)
+        axes = figure.add_subplot()
+        draw_map(axes, found.flight, found.beacons)
+        draw_landing(axes, found, dispersed)
         figure.legend(fontsize=8, frameon=False, loc="outside right upper")
+    delivery = found.accuracy.delivery.ellipse
     return picture(
         figure,
         "entry-map",
         "Ground track, visible area and beacons",
         "Ground track, the rims of what sees the lander at the start and at the end (dashed), and "
-        "the area that sees it all the way (shaded, if there is one).",
+        "the area that sees it all the way (shaded, if there is one). The ellipse that holds 95 % "
+        f"of landings has half axes of {significant(delivery.semi_major / KM, 3)} and "
+        f"{significant(delivery.semi_minor / KM, 3)} km, the longer one "
+        f"{np.degrees(delivery.azimuth):.0f} deg from north.",
     )
+
+
+def draw_landing(axes: Axes, found: Assessment, dispersed: Dispersed | None = None) -> None:
+    """Draw where the lander comes down into a map and, larger, into a corner of it.
+
+    The ellipse of 95 % of linear covariance, and entries that were flown.
+    """
+    at, states = found.accuracy, found.flight.states
+    lon0 = float(np.degrees(states[:, 1].mean()))
+    rim = _degrees(around(at.path[:3], at.delivery.ellipse.outline()), lon0)
+    corner = axes.inset_axes((0.03, 0.03, 0.36, 0.3))
+    for part in (axes, corner):
+        part.plot(*rim, color=CYCLE[3], lw=1.4, label="comes down, 95 %")
+        if dispersed is not None:
+            spots = _degrees(dispersed.ends[dispersed.reached, :3], lon0)
+            part.plot(*spots, ".", color=INK, ms=2.5, alpha=0.6, label="dispersed entries")
+    within, narrow = corner.get_xlim(), max(0.05, float(np.cos(states[-1, 2])))
+    across = np.radians(within[1] - within[0]) * narrow * np.linalg.norm(at.path[:3]) / KM
+    corner.set(xlim=within, ylim=corner.get_ylim(), xticks=[], yticks=[])
+    corner.plot(np.degrees(states[:, 1]), np.degrees(states[:, 2]), color=MARS, lw=1.4, zorder=1)
+    corner.set_aspect(1 / narrow)
+    corner.set_title(f"{significant(float(across), 2)} km across", fontsize=7)
+    axes.indicate_inset_zoom(corner, edgecolor=FAINT)
+
+
+def around(place: NDArray[np.float64], offsets: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points (k, 3) so far to the east and north, (k, 2) m over the ground, of a place (3,)."""
+    radius = np.linalg.norm(place)
+    east, north, up = local_axes(place)
+    way = np.linalg.norm(offsets, axis=1, keepdims=True)
+    level = offsets @ np.stack([east, north]) / np.where(way > 0, way, 1.0)
+    return np.asarray(radius * (np.cos(way / radius) * up + np.sin(way / radius) * level))
+
+
+def _degrees(points: NDArray[np.float64], lon0: float) -> tuple[NDArray, NDArray]:
+    """Longitudes within half a turn of `lon0` and latitudes of points (k, 3), degrees."""
+    lat, lon = latitude_longitude(points)
+    return lon0 + (np.degrees(lon) - lon0 + 180) % 360 - 180, np.degrees(lat)
 
 
 def draw_map(axes: Axes, flight: Trajectory, beacons: Beacons) -> None:
     """Draw ground track, visible area and the beacons that stand near it into plain axes."""
-    lon0 = np.degrees(flight.states[:, 1].mean())
-
-    def degrees(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        lat, lon = latitude_longitude(points)
-        return lon0 + (np.degrees(lon) - lon0 + 180) % 360 - 180, np.degrees(lat)
-
+    lon0 = float(np.degrees(flight.states[:, 1].mean()))
     for epoch, label in ((0, "sees the start"), (-1, "sees the end")):
-        lon, lat = degrees(horizon(flight, epoch))
+        lon, lat = _degrees(horizon(flight, epoch), lon0)
         colour = FAINT if epoch == 0 else INK
         axes.plot(lon, lat, "--", color=colour, lw=1, label=label)
     try:
-        lon, lat = degrees(VisibleArea(flight).outline())
+        lon, lat = _degrees(VisibleArea(flight).outline(), lon0)
         axes.fill(lon, lat, color=SKY, alpha=0.18, lw=0, label="sees all of it")
     except ArgumentError:
         pass  # no such area: nothing to shade
@@ -65,7 +107,7 @@ def draw_map(axes: Axes, flight: Trajectory, beacons: Beacons) -> None:
     axes.plot(lon[-1], lat[-1], ">", color=MARS, ms=7)
     near = ~beacons.moving
     if near.any():
-        lon, lat = degrees(beacons.r[0, near])
+        lon, lat = _degrees(beacons.r[0, near], lon0)
         axes.plot(lon, lat, "^", color=INK, ms=7, label="ground beacons")
         for x, y, k in zip(lon, lat, np.flatnonzero(near), strict=True):
             place = (5, 4) if k % 2 == 0 else (5, -11)  # neighbours on different sides

@@ -37,11 +37,14 @@ class Merit:
         Which of `STAGES` finds it.
     of
         How it is worked out of what the stage knows; without, the stage knows it by its name.
+    needs
+        Table without which no candidate of a study has it.
     """
 
     quantity: Quantity
     stage: str
     of: Callable[[Known], ArrayLike] | None = None
+    needs: str = ""
 
     @property
     def title(self) -> str:
@@ -67,6 +70,16 @@ class Merit:
         """Its values, shape (n,)."""
         found = known[self.quantity.name] if self.of is None else self.of(known)
         return np.asarray(found, dtype=float)
+
+
+def _error(name: str, title: str) -> Merit:
+    """The 95th percentile of an error of fixes."""
+    meaning = "One sigma, not exceeded at 95 of 100 places and moments; by the study's [signal]."
+    made = Quantity(
+        f"{name}.p95", "m", f"{title}, 95th percentile over area and time", 3, "less",
+        meaning=meaning,
+    )  # fmt: skip
+    return Merit(made, "map", needs="signal")
 
 
 def median_number(counts: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -183,6 +196,10 @@ _ALL = (
         ),
         "map",
     ),
+    _error("error_horizontal_m", "horizontal error"),
+    _error("error_vertical_m", "vertical error"),
+    _error("error_position_m", "position error"),
+    _error("error_time_m", "time error"),
     Merit(_SHARED["requirements_met"], "requirements"),
     Merit(_SHARED["requirement_margin_deg"], "requirements"),
     Merit(_SHARED["requirement_share"], "requirements"),

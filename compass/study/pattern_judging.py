@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from compass.bodies import MARS_GM, sidereal_day
 from compass.core.entry.patterns import judge_patterns
+from compass.design import Design
 from compass.entry.doubts import NO_DOUBTS
 from compass.errors import ArgumentError
 from compass.frames import prime_meridian_angle
@@ -25,9 +26,11 @@ def judged(study: Study, c: Constellation, mask_deg: float) -> dict[str, float]:
         entry.scenario, entry.samples, study.seed, density_sigma=entry.density_sigma,
         lift_sigma=entry.lift_sigma, ground=ground_of(entry.sites, entry.regions),
     )  # fmt: skip
+    mask = Mask.constant(float(np.radians(mask_deg)))
+    design = Design(c, figure=study.figure, mask=mask, signal=study.signal)
     found = judge_entries(
-        c, campaign, entry.scenario, figure=study.figure,
-        mask=Mask.constant(float(np.radians(mask_deg))), unknowns=entry.doubts.of(None),
+        c, campaign, entry.scenario, figure=study.figure, mask=mask,
+        unknowns=entry.doubts.of(design),
     )  # fmt: skip
     figures = worked_out("entry", {**found.known, "goal_m": entry.goal})
     return {name: float(values[0]) for name, values in figures.items()}
@@ -46,7 +49,8 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
     """
     assert study.entry is not None
     plain = study.entry.scenario.measurements.plain
-    if study.entry.doubts != NO_DOUBTS or not plain:  # the kernel of many patterns carries none
+    known = study.entry.doubts == NO_DOUBTS and study.signal is None
+    if not (known and plain):  # the kernel of many patterns carries nothing unknown
         each = [judged(study, make_constellation(row), float(row["mask_deg"])) for row in rows]
         return {name: np.array([one[name] for one in each]) for name in merits_of("entry")}
     scenario, sphere = study.entry.scenario, study.figure.equatorial_radius
@@ -90,11 +94,11 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         blind,
         counts,
     )
-    known = {
+    found = {
         "position_m": sigma[..., 0],
         "velocity_m_s": sigma[..., 1],
         "counts": counts,
         "blind": blind,
         "goal_m": study.entry.goal,
     }
-    return worked_out("entry", known)
+    return worked_out("entry", found)

@@ -11,10 +11,11 @@ from compass.frames import direction
 from compass.inputs.study import Study
 from compass.quantities.merits import worked_out
 from compass.study.candidates import pattern_columns
+from compass.study.pattern_errors import pattern_errors
 
 
 def map_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
-    """Dilution of precision and counts over the whole sphere and the time that decides, (n,) each.
+    """Dilutions, counts and errors over the whole sphere and the time that decides, (n,) each.
 
     A pattern shows all it ever shows within a fraction of a revolution, but for turns of the
     sphere; the epochs are spread over that fraction, so few are enough. Zones of latitude are
@@ -33,7 +34,8 @@ def map_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
         study.map.pdop_max,
         figures,
     )
-    return worked_out("map", dict(zip(FIGURES, figures.T, strict=True)))
+    known = dict(zip(FIGURES, figures.T, strict=True))
+    return worked_out("map", known | pattern_errors(study, rows))
 
 
 @lru_cache(maxsize=8)

@@ -120,12 +120,14 @@ def _middle(figures: dict[str, NDArray[np.float64]], figure: str) -> NDArray[np.
 
 
 def known_figures(study: Study) -> list[str]:
-    """Figures of the stages that a study has: its objectives first."""
+    """Figures of the stages and tables that a study has: its objectives first."""
     wanted = [o.figure for o in study.objectives]
     others = [
         name
         for name, merit in MERITS.items()
-        if name not in wanted and merit.stage in ("cost", *study.stages)
+        if name not in wanted
+        and merit.stage in ("cost", *study.stages)
+        and (not merit.needs or getattr(study, merit.needs) is not None)
     ]
     return wanted + others
 

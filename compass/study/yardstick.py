@@ -19,6 +19,7 @@ from compass.quantities.merits import MERITS
 from compass.study.candidates import PATTERNS, ROW
 from compass.study.choice import notation
 from compass.study.lasting import proven_days
+from compass.study.pattern_errors import errors_over
 from compass.study.pattern_judging import judged
 from compass.study.pattern_map import places
 from compass.study.requirement_figures import settled
@@ -194,6 +195,7 @@ def _geometry(study: Study, c: Constellation, mask: float, span: Span) -> dict[s
         "pdop_p95": _rank(pdop, 95),
         "availability": float((pdop <= study.map.pdop_max).mean()),
         "count_mean": float(fold.mean()),
+        **errors_over(study, c, float(np.degrees(mask)), times),
     }
 
 

@@ -79,7 +79,7 @@ def test_bounds_hold_the_share_of_a_law_and_come_near(width):
 
 
 def test_what_ends_early_says_why_and_keeps_what_it_has():
-    low, high, _, stopped = bounds(1e-4)
+    low, high, _, stopped = bounds(1e-4, budget_boxes=1e9)
     assert stopped == "resolution" and high - low < 2e-3
     low, high, boxes, stopped = bounds(1e-5, budget_boxes=2000)
     assert stopped == "boxes" and boxes <= 2000 and high - low < 0.12

@@ -24,7 +24,7 @@ class Known:
     def __init__(self, truth, tail):
         self.truth, self.tail, self.asked = truth, tail, []
 
-    def share(self, limit, width, *, budget_boxes, level):
+    def share(self, limit, width, *, budget_boxes, level, **_):
         """Bounds half as wide for twice the boxes, until they tell the level."""
         beyond = 0.05 * (self.truth / limit) ** self.tail
         share, boxes = max(1.0 - beyond, 0.0), 100
@@ -62,6 +62,19 @@ def test_a_level_too_near_to_tell_is_left_for_one_farther_out(monkeypatch):
     found, search = bounds(6.0, 6.0 / reach, monkeypatch)
     assert any(limit == pytest.approx(6.0) for limit in search.asked)
     assert found.low < 6.0 < found.high < 6.0 * 1.2
+
+
+@pytest.mark.parametrize("truth", [2.0, 4.0, 4.0 * math.sqrt(2.0)])
+def test_bisection_that_meets_the_percentile_itself_looks_beside_it(truth, monkeypatch):
+    monkeypatch.setattr(about, "Search", lambda *_: Known(truth, 2.0))
+    found = certified_percentile(RING, 95, precision=1e-3, budget_boxes=4_000_000)
+    assert found.stopped == "nearer than shares can tell" and found.open is None
+    assert found.low < truth <= found.high < 1.05 * found.low
+    # with few boxes farther out, and with next to none as before
+    few = certified_percentile(RING, 95, budget_boxes=100_000)
+    assert few.low < truth <= few.high < 1.3 * few.low
+    none = certified_percentile(RING, 95, budget_boxes=1)
+    assert none.low < truth < none.high
 
 
 @pytest.mark.parametrize(("truth", "limit"), [(9.9, 10.0), (10.1, 10.0)])

@@ -182,7 +182,12 @@ def change(folder, old, new, which=0):
         ("OBJECT_NAME = P1S1", "OBJECT_NAME =", "OBJECT_NAME: missing"),
         ("CCSDS_OEM_VERS", "VERS", "is no CCSDS OEM in KVN"),
         ("META_START", "META_BEGIN", "has no META_START"),
-        ("20000.000000 ", "nan ", "six finite numbers"),
+        ("20000.000000 ", "nan ", "state 1, '2030-01-01T12:00:00.000000 .*: needs a date and six"),
+        (
+            "20000.000000 ",
+            "20000000.0 ",
+            r"state 1 is 2e\+07 km from .*; check the units, km and km/s",
+        ),
     ],
 )
 def test_a_wrong_file_gets_one_message(tmp_path, old, new, message):

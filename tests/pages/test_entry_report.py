@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from compass.api.land import LandResult
 from compass.api.land_flight import (
@@ -23,6 +24,7 @@ from compass.errors import ArgumentError, OutputError
 from compass.frames import direction
 from compass.inputs.scenario import read_scenario, read_scenario_text
 from compass.pages.landing import answers, dispersed_answers, landing_report
+from compass.pictures.entry import around, draw_landing
 from compass.pictures.files import check_folder, write_pictures
 
 DESIGNS = Path(__file__).parents[2] / "designs"
@@ -167,3 +169,31 @@ def test_dispersed_entries_are_a_row_of_the_answer():
     (row,) = dispersed_answers(some)
     assert row.written == "not in 95 %" and row.question == "Entries come within"
     assert row.sure == "sampled, 4 dispersed entries" and dispersed_answers(None) == ()
+
+
+def test_offsets_over_the_ground_are_found_again():
+    """Points so far to the east and north of a place are where `Dispersed` counts them."""
+    place = np.array([-1.2e6, 2.9e6, 1.3e6])
+    offsets = np.array([[0.0, 0.0], [3e4, -1e4], [-2e5, 7e5]])
+    points = around(place, offsets)
+    ends = np.concatenate([points, np.ones_like(points)], axis=1)
+    centre = place / np.linalg.norm(place)
+    found = Dispersed("ground", np.arange(3.0), ends, centre, guided=False)
+    np.testing.assert_allclose(found.offsets, offsets, atol=1e-3)
+
+
+def test_the_map_shows_where_entries_come_down(coarse):
+    flown = assess_scenario(coarse, 2)
+    ends = flown.flight.path[-3:]
+    at = direction(0.0, 0.0)
+    axes = Figure().add_subplot()
+    draw_landing(axes, flown, Dispersed("ground", np.array([1.0, np.nan, 2.0]), ends, at, False))
+    ellipse, spots = axes.lines
+    assert len(spots.get_xdata()) == 2
+    # its longest diameter is that of the ellipse: a degree is 59.3 km
+    lon, lat = ellipse.get_xdata(), ellipse.get_ydata()
+    east = (lon - lon.mean()) * np.cos(np.radians(lat.mean()))
+    half = np.radians(np.hypot(east, lat - lat.mean()).max()) * np.linalg.norm(
+        flown.accuracy.path[:3]
+    )
+    assert half == pytest.approx(flown.accuracy.delivery.ellipse.semi_major, rel=0.03)
