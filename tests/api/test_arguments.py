@@ -54,6 +54,8 @@ GIVEN = {
     "walker_star": {"phasing": 1, **PATTERN},
     "warm": {},
 }
+#: Refuse some ranges only after a first computation.
+LATE = ("judge", "locate", "report")
 ORBIT = ("radius_km", "altitude_km", "orbit", "repeat")
 
 
@@ -109,7 +111,15 @@ def wrong_for(hint):
             yield value
 
 
-@pytest.mark.parametrize(("name", "function"), list(public()))
+@pytest.mark.parametrize(
+    ("name", "function"),
+    [
+        pytest.param(name, made, marks=pytest.mark.slow, id=name)
+        if name in LATE
+        else pytest.param(name, made, id=name)
+        for name, made in public()
+    ],
+)
 def test_a_wrong_kind_is_refused_by_name(name, function, designs, monkeypatch):
     monkeypatch.chdir(designs.parent)
     given = GIVEN.get(name, {"design": DESIGN})
