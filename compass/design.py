@@ -191,7 +191,7 @@ class Requirement:
         name: str,
         *,
         sites: Sequence[Site] = (),
-        regions: Sequence[str] = (),
+        regions: str | Sequence[str] = (),
         fold: int | None = None,
         mask_deg: float | None = None,
         share: float = 1.0,
@@ -257,7 +257,7 @@ class Requirement:
         return cls(
             name,
             tuple(sites),
-            tuple(regions),
+            (regions,) if isinstance(regions, str) else tuple(regions),
             fold,
             None if mask_deg is None else float(np.radians(mask_deg)),
             tuple((known[key], limit) for key, limit in at_most.items()),

@@ -81,6 +81,8 @@ class MapResult(Result):
             found |= {"availability": sure, "pdop_worst_bracket": sure}
         if self.areas:
             found["areas"] = AREAS_KNOWN
+        gaps = f"sampled at cells, at each to {self.dataset.attrs['gap_step_s']:.3g} s"
+        found |= dict.fromkeys(("longest_gap_s", "mean_response_time_s"), gaps)
         return found | {"others": self.sampled}
 
     @property
@@ -251,6 +253,8 @@ class MapResult(Result):
         numbers = self.numbers()
         threshold, fold = self.dataset.attrs["pdop_threshold"], self.dataset.attrs["wanted_fold"]
         share, sampled = quantity("fold_share"), Sampled(how="at cells and epochs")
+        step = self.dataset.attrs["gap_step_s"]
+        followed = Sampled(step, f"at cells, at each to {step:.3g} s")
         count = numbers["count"]
         in_view = facts(
             "Satellites in view, over area and time",
@@ -271,7 +275,7 @@ class MapResult(Result):
                     whose=f"{threshold:g} or less",
                 ),
                 *(
-                    Value(quantity(name), numbers[name], sampled, f"{fold} in view")
+                    Value(quantity(name), numbers[name], followed, f"{fold} in view")
                     for name in ("longest_gap_s", "mean_response_time_s")
                     if numbers[name] > 0
                 ),

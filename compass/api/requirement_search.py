@@ -96,6 +96,8 @@ class RequirementSearchResult(Result):
         if c.size > 1:
             apart = 2.0 * q.radius * sin(angle / 2.0) / 1e3
             parts.append(f"closest approach {apart:.0f} km ({degrees(angle):.1f} deg)")
+        if q.days is not None:
+            parts.append(f"left alone on real orbits, it is proven for {q.days:g} days")
         if not q.geometry:
             parts.append("geometry was not asked for")
         other = met[1] if len(met) > 1 else self.found.next_best
@@ -127,6 +129,7 @@ class RequirementSearchResult(Result):
                 "repeat": self.question.repeat,
                 "least_approach_deg": degrees(self.question.least_approach),
                 "max_satellites": self.question.largest,
+                "days": self.question.days,
                 "looked_at": self.found.looked_at,
                 "requirements": [r.claim for r in self.question.requirements],
             }

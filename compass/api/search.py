@@ -14,6 +14,7 @@ from compass.api.search_result import SearchResult
 from compass.arguments import checked
 from compass.cores import cores
 from compass.coverage.certified_effort import Effort
+from compass.coverage.requirement_verdict import LONGEST
 from compass.design import Requirement
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
@@ -47,6 +48,7 @@ def search(
     pattern: str = "walker-delta",
     figure: str = "iau-sphere",
     finalists: int = 10,
+    days: float | None = None,
     budget_s: float | None = None,
     workers: int | None = None,
     progress: bool = False,
@@ -85,6 +87,9 @@ def search(
         Sphere that is to be covered: ``iau-sphere`` or ``kelly2018-sphere``; a file says its own.
     finalists
         How many of the best get a certificate, and GDOP and availability between proven bounds.
+    days
+        From the epoch on, for which everything must hold on real orbits that nobody steers, too:
+        under all forces, trimmed once where that helps.
     budget_s
         Seconds that each share of geometry wanted may take; by default so many boxes, which is the
         same on any machine.
@@ -121,7 +126,9 @@ def search(
     regions = (region,) if isinstance(region, str) else tuple(region)
     named = (("pdop", pdop_at_most), ("gdop", gdop_at_most))
     limits = [(name, limit) for name, limit in named if limit is not None]
-    if require is None and not regions and not limits:
+    if days is not None and not 0 < days <= LONGEST:
+        raise ArgumentError(f"days = {days:g}: allowed above 0 to {LONGEST:g}, a century")
+    if require is None and not regions and not limits and days is None:
         return _covering(
             fold,
             mask_deg,
@@ -159,6 +166,7 @@ def search(
             max_satellites,
             budget_s,
             needs.signal,
+            days,
         )
         outcome = search_for(
             question,

@@ -63,6 +63,7 @@ def _radius(text: str | None) -> float | tuple[float, float] | None:
     help="Sphere that is to be covered.",
 )
 @whole("--finalists", default=10, help="How many to certify.")
+@real("--days", help="Days for which it must hold on real orbits that nobody steers, too.")
 @real("--budget-s", help="Seconds for each share of geometry wanted.")
 @path("-o", "--output", help="Write the best as a design.")
 @json_option

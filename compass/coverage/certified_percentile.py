@@ -152,8 +152,8 @@ def _between(low: float, high: float) -> float:
 #: Part of the boxes that one limit near an estimate may take before another is tried.
 TRY = 1 / 4
 
-#: Where the search begins if the estimate is as good as infinite: shares of limits near `GREATEST`
-#: hardly come near, and a lower bound as large as this tells most of what is asked.
+#: Where the search begins at most: shares of larger limits hardly come near, a sample puts any
+#: number on a percentile that is infinite, and a lower bound like this tells most of what is asked.
 LARGE = 50.0
 
 
@@ -214,7 +214,7 @@ class _About:
     ) -> None:
         self.search, self.level, self.left = search, level, boxes
         self.low, self.high = 0.0, inf
-        self.estimate = max(guess, 1.0) if guess < GREATEST else LARGE
+        self.estimate = min(max(guess, 1.0), LARGE)
         self._beyond = [nan, nan]  # share above the lower and above the upper bound
         self._reach = [reach, reach]  # below and above, of logarithms
 

@@ -25,7 +25,7 @@ from compass.core.lasting import (
 from compass.coverage.cap import cap_radius
 from compass.coverage.certificate import Outcome
 from compass.coverage.region import GLOBE, Region
-from compass.coverage.stretches import between_breaks
+from compass.coverage.stretches import between_breaks, check_pairs
 from compass.coverage.witness import Witness, witness_among
 from compass.errors import ArgumentError, whole_number
 from compass.frames import SECONDS_PER_DAY, mcmf_from_mci, prime_meridian_angle
@@ -143,15 +143,17 @@ def prove_span(
     Raises
     ------
     ArgumentError
-        A fold below 1, a mask outside (-pi/2, pi/2), a span outside the paths, or a path that
-        meets the sphere.
+        A fold below 1, a mask outside (-pi/2, pi/2), a span outside the paths, a path that
+        meets the sphere, or as `check_pairs`.
     """
     begin, end = _span(path, start, stop)
     _check(path, fold, sphere_radius, mask, begin, end)
     figure, nodes = (sphere_radius, stretch, mask), 0
     proven, lost, place = begin, np.inf, np.zeros(3)
     open_: list[tuple[float, float]] = []
-    for left, right in progress(between_breaks(path.breaks, begin, end, SECONDS_PER_DAY)):
+    days = between_breaks(path.breaks, begin, end, SECONDS_PER_DAY)
+    check_pairs(path.size, len(days))
+    for left, right in progress(days):
         looked, until, lost, place, parts = _bands(
             path, figure, region, fold, left, right, max_intervals - nodes
         )

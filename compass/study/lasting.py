@@ -84,6 +84,19 @@ def orbits_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]
     return worked_out("orbits", {"days_proven": days})
 
 
+def real_motion() -> Motion:
+    """Motion under all forces."""
+    return Motion("numerical", _forces())
+
+
+def left_alone(c: Constellation, days: float, motion: Motion | None = None) -> Constellation:
+    """Orbits as they are to begin so that they stay longest: trimmed where forces allow it."""
+    forces = _forces() if motion is None else motion.forces
+    if forces is None or not can_trim(beat_of(c, forces.field)):
+        return c
+    return trim(c, forces, days * SECONDS_PER_DAY).constellation
+
+
 def proven_days(
     c: Constellation,
     fold: int,
@@ -93,9 +106,7 @@ def proven_days(
     motion: Motion | None = None,
 ) -> float:
     """Days for which a fold is proven from the epoch on, trimmed once where forces allow it."""
-    stop, moved = days * SECONDS_PER_DAY, motion or Motion("numerical", _forces())
-    if moved.forces is not None and can_trim(beat_of(c, moved.forces.field)):
-        c = trim(c, moved.forces, stop).constellation
-    path = moved.trajectory(c, 0.0, stop, tolerance=COARSE)
+    stop, moved = days * SECONDS_PER_DAY, motion or real_motion()
+    path = moved.trajectory(left_alone(c, days, moved), 0.0, stop, tolerance=COARSE)
     ground: Any = {"sphere_radius": figure.equatorial_radius, "stretch": figure.stretch}
     return prove_span(path, fold, **ground, mask=mask, stop=stop).days_proven

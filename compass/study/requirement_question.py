@@ -116,6 +116,8 @@ class Question:
         Largest size.
     budget_s
         Seconds that each share of geometry may take; by default so many boxes.
+    days
+        From the epoch on, for which everything must hold on real orbits left alone, too.
     """
 
     requirements: tuple[Requirement, ...]
@@ -128,6 +130,7 @@ class Question:
     largest: int
     budget_s: float | None = None
     signal: Signal | None = None
+    days: float | None = None
 
     @property
     def always(self) -> tuple[Requirement, ...]:

@@ -22,6 +22,7 @@ from compass.coverage.verdict import Verdict
 from compass.errors import ArgumentError
 from compass.orbits import Constellation
 from compass.orbits.kinds import kind_of
+from compass.study.lasting import left_alone, real_motion
 from compass.study.requirement_patterns import grids, sampled
 from compass.study.requirement_question import Found, KeptOut, Outcome, Question
 from compass.study.requirement_samples import is_hopeless
@@ -149,11 +150,18 @@ def _certified(
         known.add(shape)
         verdicts, failed = _verdicts(question, one)
         tries[name] = tried + 1
-        if failed is None:
+        lost = None if failed else _lost(question, one)
+        if lost and "days" not in kept:
+            kept["days"] = KeptOut(
+                one.constellation,
+                f"left alone on real orbits, {lost.requirement.wanted} is not proven for "
+                f"{question.days:g} days ({lost.requirement.name})",
+            )
+        if failed is not None and "geometry" not in kept:
+            kept["geometry"] = KeptOut(one.constellation, _why(failed))
+        if not failed and not lost:
             tries[name] = TRIES
             good.append(replace(one, verdicts=verdicts))
-        elif "geometry" not in kept:
-            kept["geometry"] = KeptOut(one.constellation, _why(failed))
     if not question.geometry:
         good.sort(key=lambda one: -(one.margin or 0.0))
     return good
@@ -186,6 +194,23 @@ def _verdicts(question: Question, one: Found) -> tuple[tuple[Verdict, ...], Verd
         if known[k].met is not True:
             return (), known[k]
     return tuple(known[k] for k in range(len(order))), None
+
+
+def _lost(question: Question, one: Found) -> Verdict | None:
+    """The first requirement that is not proven to hold for the days wanted on real orbits.
+
+    Under all forces, with nobody to steer, and trimmed once where that helps.
+    """
+    if question.days is None:
+        return None
+    design = question.design(left_alone(one.constellation, question.days))
+    design = replace(design, motion=real_motion())
+    for wanted in question.requirements:
+        effort = Effort(budget_s=question.budget_s)
+        verdict = verdict_of(design, wanted, days=question.days, effort=effort)
+        if verdict.met is not True:
+            return verdict
+    return None
 
 
 def _why(verdict: Verdict) -> str:

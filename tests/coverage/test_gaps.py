@@ -148,6 +148,11 @@ def test_a_map_at_few_epochs_tells_gaps_as_at_many_and_warns(designs):
         0.68, abs=0.02
     )  # a month says 0.680
     text = str(made)
+    known = f"at cells, at each to {made.dataset.attrs['gap_step_s']:.3g} s"
+    rows = [line for line in text.splitlines() if known in line]
+    assert len(rows) == 2 and all("±" in row and "not known" not in row for row in rows)
+    gaps = ("longest_gap_s", "mean_response_time_s")
+    assert all(known in told["evidence"][name] for name in gaps)
     assert "WARNING: the epochs are" in text and "gaps are followed every" in text
     assert "WARNING" not in str(compass.map(designs / "compass-15-5-1.toml", step_deg=30))
 

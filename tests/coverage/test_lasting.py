@@ -133,6 +133,12 @@ def test_a_loss_within_the_paths_error_is_left_open():
     assert sure.proven_until < found.proven_until < found.lost_at < sure.lost_at
 
 
+def test_paths_of_too_many_satellites_are_refused_before_any_work(monkeypatch):
+    monkeypatch.setattr("compass.coverage.stretches.MOST_PAIRS", few().size ** 2 - 1)
+    with pytest.raises(ArgumentError, match=f"satellites = {few().size}: a proof compares"):
+        prove_span(path_of(few(), 1.0), 1, sphere_radius=SPHERE, progress=pytest.fail)
+
+
 def test_giving_up_is_undecided():
     found = prove_span(path_of(few(), 1.0), 1, sphere_radius=SPHERE, max_intervals=3)
     assert found.outcome is Outcome.UNDECIDED

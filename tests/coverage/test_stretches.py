@@ -1,5 +1,6 @@
 """Long spans are settled stretch by stretch, which changes no answer and lets others speak."""
 
+import re
 from itertools import pairwise
 
 import numpy as np
@@ -9,8 +10,9 @@ from hypothesis import strategies as st
 
 from compass.coverage.certificate import prove_fold
 from compass.coverage.margin import covering_radius
-from compass.coverage.stretches import between_breaks, revolutions
+from compass.coverage.stretches import MOST_PAIRS, between_breaks, check_pairs, revolutions
 from compass.coverage.symmetry import Span
+from compass.errors import ArgumentError
 from compass.orbits import keplerian, orbital_period
 
 R = 3396190.0
@@ -71,3 +73,24 @@ def test_an_interruption_between_two_revolutions_is_heard():
             progress=watch,
         )
     assert seen == revolutions(UNLIKE, 0.0, 3 * TURN)[:2]
+
+
+@given(st.integers(1, 10_000), st.integers(1, 500))
+def test_the_size_that_a_refusal_names_is_the_largest_allowed(satellites, moments):
+    if moments * satellites**2 <= MOST_PAIRS:
+        check_pairs(satellites, moments)
+        return
+    with pytest.raises(ArgumentError, match=f"satellites = {satellites}: .* pairs; al") as refused:
+        check_pairs(satellites, moments)
+    allowed = int(re.search(r"which is (\d+) satellites", str(refused.value))[1])
+    check_pairs(allowed, moments)
+    with pytest.raises(ArgumentError, match="allowed up to"):
+        check_pairs(allowed + 1, moments)
+
+
+def test_ten_thousand_satellites_are_refused_before_any_work():
+    many = keplerian(1e7, 0.0, 1.0, 0.0, 0.0, np.linspace(0.0, 6.28, 10_000))
+    began = []
+    with pytest.raises(ArgumentError, match="satellites = 10000: a proof compares every two"):
+        prove_fold(many, 4, sphere_radius=R, progress=began.append)
+    assert not began

@@ -201,3 +201,22 @@ def test_a_range_of_radii_says_what_height_buys(flat, run, monkeypatch):
         compass.search(fold=1, radius_km=(8000.0, 9000.0), max_satellites=2)
     code, _, err = run("search", "--fold", 1, "--max-satellites", 2, "--radius-km", "low:high")
     assert code == 2 and "is not a number or LEAST:MOST" in err
+
+
+@pytest.mark.slow
+def test_orbits_that_nobody_steers_must_hold_too(flat):
+    """Left alone at the areosynchronous radius, each goes to the nearer of two longitudes.
+
+    Three caps of 80 degrees reach round the equator while no two are farther apart than 160: for
+    a day, but not for 300.
+    """
+    belt = Requirement.of("one", regions="lat:-1:1", fold=1)
+    few = {"require": [belt], "radius_km": 20427.7, "max_satellites": 3}
+    day = compass.search(**few, days=1)
+    assert day.holds and "left alone on real orbits, it is proven for 1 days" in day.sentence
+    assert day.to_dict()["days"] == 1
+    long = compass.search(**few, days=300)
+    assert not long.holds
+    assert "left alone on real orbits, 1 satellites is not proven for 300 days" in long.sentence
+    with pytest.raises(ArgumentError, match="days = 0: allowed above 0 to 36525, a century"):
+        compass.search(**few, days=0)
