@@ -1,12 +1,14 @@
 """A design: a constellation, who uses it, and the stations and radios around it. No files."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
+from math import inf
 from typing import Any, Literal, get_args
 
 import numpy as np
 
+from compass.arguments import checked
 from compass.bodies import SOLAR_DAY
 from compass.errors import ArgumentError, whole_number
 from compass.frames import BY_NAME, FigureByName
@@ -183,6 +185,7 @@ class Requirement:
     beam: float | None = None
 
     @classmethod
+    @checked
     def of(
         cls,
         name: str,
@@ -320,9 +323,9 @@ def _limit_ranges(
 ) -> list[tuple[str, float, bool, str]]:
     """Limits with whether they are allowed, and what is."""
     return [
-        (key, limit, limit > 0, "above 0")
+        (key, limit, 0 < limit < inf, "above 0, finite")
         if known[key] in ERRORS
-        else (key, limit, limit >= 1, "from 1")
+        else (key, limit, 1 <= limit < inf, "from 1, finite")
         for key, limit in at_most.items()
     ]
 
@@ -418,15 +421,20 @@ class Design:
             A field holds something else than it must, or the fold is no whole number from 1 on.
         """
         for several in ("stations", "radios", "requirements"):
-            object.__setattr__(self, several, tuple(getattr(self, several)))
+            if isinstance(given := getattr(self, several), str) or not isinstance(given, Iterable):
+                raise ArgumentError(f"{several} = {given!r}: must be a list")
+            object.__setattr__(self, several, tuple(given))
         for name, kind, remedy in (
             ("constellation", Constellation, "make it by walker_delta or from_elements, say"),
             ("mask", Mask, "make it of degrees, Mask.of(5)"),
+            ("motion", Motion, "make it of a name, Motion('j2')"),
         ):
             _check_kind(name, getattr(self, name), kind, remedy)
         self.mask.on_the_ground()
         for site in self.stations:
             _check_kind("stations", site, Site, "make it of degrees, Site.of(...)")
+        for radio in self.radios:
+            _check_kind("radios", radio, Radio, "make it by Radio(...)")
         for wanted in self.requirements:
             _check_kind("requirements", wanted, Requirement, "make it by Requirement.of(...)")
         object.__setattr__(self, "fold", whole_number("fold", self.fold, 1))

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.arguments import are_numbers, checked
 from compass.errors import ArgumentError, real_number
 from compass.frames import (
     BY_NAME,
@@ -90,10 +91,7 @@ class Mask:
         >>> compass.Mask.of([(0, 5), (180, 12)]).is_constant
         False
         """
-        try:
-            given = np.array(mask_deg, dtype=float)
-        except (TypeError, ValueError):
-            given = np.empty(0)
+        given = np.array(mask_deg, dtype=float) if are_numbers(mask_deg) else np.empty(0)
         pairs = np.array([[0.0, float(given)]]) if given.ndim == 0 else given
         if pairs.ndim != 2 or pairs.shape[1] != 2:
             raise ArgumentError(
@@ -169,6 +167,12 @@ class Site:
     figure: FigureByName = BY_NAME
 
     def __post_init__(self) -> None:
+        for name in ("latitude", "longitude", "height"):
+            real_number(name, getattr(self, name))
+        if not isinstance(self.mask, Mask):
+            raise ArgumentError(
+                f"mask = {self.mask!r}: must be a Mask; make it of degrees, Mask.of({self.mask!r})"
+            )
         if not abs(self.latitude) <= np.pi / 2:
             raise ArgumentError(
                 f"latitude = {self.latitude:g} rad: allowed -pi/2 to pi/2; "
@@ -185,6 +189,7 @@ class Site:
         )
 
     @classmethod
+    @checked
     def of(
         cls,
         name: str,

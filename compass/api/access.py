@@ -9,6 +9,7 @@ import numpy as np
 
 from compass.api.access_result import AccessResult
 from compass.api.given import given_design, given_site
+from compass.arguments import checked
 from compass.bodies import SOLAR_DAY
 from compass.contacts.nodes import check_duration
 from compass.contacts.record import survey_record
@@ -20,6 +21,7 @@ from compass.orbits.motion import MotionModel
 from compass.sites import Site
 
 
+@checked
 def access(
     design: Design | str | Path,
     *,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from compass.api.given import in_metres, joined_designs
 from compass.api.progress import bar
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.cores import cores, shared
 from compass.coverage.certified_effort import Effort
 from compass.coverage.requirement_verdict import verdict_of
@@ -152,6 +153,7 @@ def _value(verdict: Answer) -> str:
     return f"{wanted.titled(worst.of)} {worst.value:.6g}{wanted.unit(worst.of)}"
 
 
+@checked
 def check(
     design: Design | str | Path,
     *others: Design | str | Path,

@@ -9,6 +9,7 @@ import numpy as np
 
 from compass.api.given import given_design
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.coverage.room import has_slots
 from compass.design import Design
 from compass.document import Page, Sentence, Table, Value, Verdict
@@ -168,6 +169,7 @@ class DeployResult(Result):
         return drawn
 
 
+@checked
 def deploy(
     design: Design | str | Path,
     *,

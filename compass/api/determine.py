@@ -8,6 +8,7 @@ import numpy as np
 
 from compass.api.given import given_design
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.conventions import dated, epoch_text
 from compass.design import Design
 from compass.digest import digest_of
@@ -246,6 +247,7 @@ def _days(seconds: float) -> str:
     return f"{days:g} day{'' if days == 1.0 else 's'}"
 
 
+@checked
 def determine(
     design: Design | str | Path,
     *,

@@ -11,6 +11,7 @@ from compass.api.drift_result import DriftResult
 from compass.api.given import given_design, given_fold, given_mask
 from compass.api.progress import bar
 from compass.api.radii import Asked, at_radii, forces_of, real_motion
+from compass.arguments import checked
 from compass.coverage.drift import drift_of
 from compass.coverage.promises import lead_of, promises_of, with_rooms
 from compass.coverage.region import GLOBE, read_region
@@ -21,6 +22,7 @@ from compass.orbits.approach import closest_approaches
 from compass.orbits.trimming import trim
 
 
+@checked
 def drift(
     design: Design | str | Path,
     *,

@@ -9,6 +9,7 @@ import numpy as np
 
 from compass.api.given import given_design
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.design import Design
 from compass.document import Page, Sentence, Verdict
 from compass.document.plain import plain
@@ -93,6 +94,7 @@ class ExportResult(Result):
             temporary.write_text(text, encoding="utf-8")
 
 
+@checked
 def export(
     design: Design | str | Path,
     *,

@@ -8,6 +8,7 @@ from compass.api.fold_result import FoldResult
 from compass.api.given import given_design, given_fold, given_mask
 from compass.api.lasting import LastingResult
 from compass.api.progress import bar
+from compass.arguments import checked
 from compass.coverage.clearance import Clearance, least_clearance
 from compass.coverage.continuous import STEPS, continuous_coverage
 from compass.coverage.lasting import prove_span
@@ -21,6 +22,7 @@ from compass.orbits.symmetry import one_period
 from compass.sites import Mask, Site
 
 
+@checked
 def fold(
     design: Design | str | Path,
     *,
@@ -130,12 +132,13 @@ def _over_days(
             f"losses = {losses}: looked at for all time of two-body orbits only; leave it out with "
             "days"
         )
-    if days is None and duration_h is not None:
+    if days is not None and duration_h is not None:
+        raise ArgumentError("days: has both days and duration_h; keep one")
+    if duration_h is not None:
         days = duration_h / 24.0
     if days is None:
-        raise ArgumentError(
-            f"days: missing; under {motion.title} nothing is for ever: give the days to prove"
-        )
+        why = "from a start_day on" if start_day else f"under {motion.title}"
+        raise ArgumentError(f"days: missing; {why} nothing is for ever: give the days to prove")
     if not 0 < days <= 36525:
         raise ArgumentError(f"days = {days:g}: allowed above 0 to 36525, a century")
     if not 0 <= start_day < inf:

@@ -11,6 +11,7 @@ import numpy as np
 from compass.api.given import given_design
 from compass.api.progress import bar
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.design import Design
 from compass.document import Page, Sentence, Table, Value
 from compass.document.blocks import Block
@@ -153,6 +154,7 @@ class HorizonResult(Result):
             temporary.write_text(design_toml(self.design), encoding="utf-8")
 
 
+@checked
 def horizon(
     design: Design | str | Path,
     terrain: str | Path,

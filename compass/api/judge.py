@@ -20,6 +20,7 @@ from compass.api.judge_tables import (
 from compass.api.map_areas import area_blocks
 from compass.api.progress import bar
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.cores import cores
 from compass.design import Design
 from compass.document import Page, Sentence, Verdict
@@ -150,6 +151,7 @@ _MEANING = (
 _ON_DAY = "On the ellipses that touch the orbits on day {:g} after the epoch."
 
 
+@checked
 def judge(
     designs: Design | str | Path | Sequence[Design | str | Path],
     *,
@@ -324,7 +326,9 @@ def _read(
         except DesignError as error:
             faults.extend(error.faults)
 
-    several = [designs] if isinstance(designs, Design | str | Path) else designs
+    several = (
+        designs if isinstance(designs, Sequence) and not isinstance(designs, str) else [designs]
+    )
     lander = read(given_scenario, scenario)
     candidates = [read(given_in_metres, each) for each in several]
     if faults:

@@ -9,6 +9,7 @@ from compass.api.given import given_design, given_fold, given_mask
 from compass.api.keep_result import YEAR, KeepResult
 from compass.api.progress import bar
 from compass.api.radii import Asked, at_radii, forces_of, real_motion
+from compass.arguments import checked
 from compass.coverage.margin import covering_radius
 from compass.coverage.promises import box_of
 from compass.coverage.room import SlotBox, has_slots, slot_box
@@ -18,6 +19,7 @@ from compass.frames import SECONDS_PER_DAY
 from compass.orbits.keeping import keep_slots
 
 
+@checked
 def keep(
     design: Design | str | Path,
     *,

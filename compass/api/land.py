@@ -18,6 +18,7 @@ from compass.api.land_flight import (
 )
 from compass.api.land_fusion import fusion_facts, fusion_section, too_sure
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.conventions import dated
 from compass.document import Page, Picture, Section, Sentence, Verdict
 from compass.document.plain import plain
@@ -154,6 +155,7 @@ class LandResult(Result):
         save_netcdf(Path(path), self.dataset, self.fused.groups() if self.fused else ())
 
 
+@checked
 def land(
     scenario: Scenario | str | Path,
     *,

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from compass.api.given import given_in_metres, given_site
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.clocks import clock_named
 from compass.design import Design
 from compass.document import Page, Sentence, Table, Value, Verdict
@@ -200,6 +201,7 @@ class LocateResult(Result):
         return drawn
 
 
+@checked
 def locate(
     design: Design | str | Path,
     *,

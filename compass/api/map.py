@@ -9,6 +9,7 @@ from compass.api.cluster import check_cluster, check_workers
 from compass.api.given import given_in_metres, given_places
 from compass.api.map_result import MapResult
 from compass.api.progress import bar, foretell, parts_bar
+from compass.arguments import checked
 from compass.cores import cores
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_geometry import CertifiedGeometry
@@ -21,6 +22,7 @@ from compass.study.certified import certified_areas, certified_figures
 from compass.study.mapping import MapOptions, MapRows, make_map
 
 
+@checked
 def map(
     design: Design | str | Path,
     *,

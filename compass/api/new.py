@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.document import Page, Sentence
 from compass.errors import OutputError
 from compass.inputs.commented import commented
@@ -74,6 +75,7 @@ class NewResult(Result):
         return [path, *(path.parent / name for name in beside)]
 
 
+@checked
 def new(kind: str, *, like: str | Path | None = None) -> NewResult:
     """Return a commented file that runs as it is: every key with unit, range and default.
 

@@ -10,6 +10,7 @@ import numpy as np
 from compass.api.given import given_scenario
 from compass.api.progress import bar
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.document import Page, Picture, Sentence, Table, Verdict
 from compass.document.plain import plain
 from compass.entry.best_directions import best_directions_found
@@ -96,6 +97,7 @@ class OptimizeResult(Result):
         return (*found, convergence(self.found))
 
 
+@checked
 def optimize(
     scenario: Scenario | str | Path, *, command: str = "", progress: bool = False
 ) -> OptimizeResult:

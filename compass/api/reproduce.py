@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import compass
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.conventions import epoch_text
 from compass.document import Page, Picture, Table
 from compass.document import Verdict as Answer
@@ -161,6 +162,7 @@ def comparison_table(title: str, rows: Sequence[Row]) -> Table:
     return Table(title, header, tuple(cells))
 
 
+@checked
 def reproduce(paper: str) -> ReproduceResult:
     """Every number of a source paper: published, computed, and who is right.
 

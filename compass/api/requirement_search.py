@@ -247,22 +247,27 @@ def needs_of(
         return read_needs(require)
     shape, mask = FIGURES[figure], Mask.constant(radians(mask_deg))
     if require is not None:
-        return Needs("requirements", shape, mask, tuple(require))
+        several: tuple[Any, ...] = tuple(require) if isinstance(require, Sequence) else (require,)
+        for each in several:
+            if not isinstance(each, Requirement):
+                raise ArgumentError(
+                    f"require = {each!r}: must be Requirements, or the path of a file of them"
+                )
+        return Needs("requirements", shape, mask, several)
     if fold is None and not limits:
         raise ArgumentError("fold: missing; give it, pdop_at_most, or requirements (require)")
-    if not 0 < share <= 1:
-        raise ArgumentError(f"share = {share:g}: allowed above 0 to 1")
     wanted = []
     if fold is not None:
         wanted.append(Requirement("fold", regions=tuple(region), fold=fold))
     if limits:
+        at_most: dict[str, Any] = {f"{name}_at_most": limit for name, limit in limits}
         wanted.append(
-            Requirement(
+            Requirement.of(
                 "geometry",
-                regions=tuple(region),
-                limits=tuple(limits),
+                regions=region,
                 share=share,
                 share_of=share_of,
+                **at_most,
             )
         )
     return Needs("options", shape, mask, tuple(wanted))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.document import Page, Table
 from compass.inputs.commented import Key
 from compass.inputs.shipped import model_of
@@ -38,6 +39,7 @@ class SchemaResult(Result):
         return Page(f"{self.kind} file", (Table("Keys", ("key", "meaning"), rows),))
 
 
+@checked
 def schema(kind: str) -> SchemaResult:
     """Return the JSON Schema of a design, scenario or study file.
 

@@ -11,6 +11,7 @@ import numpy as np
 from compass.api.progress import bar
 from compass.api.requirement_search import RequirementSearchResult, needs_of
 from compass.api.search_result import SearchResult
+from compass.arguments import checked
 from compass.cores import cores
 from compass.coverage.certified_effort import Effort
 from compass.coverage.requirement_verdict import LONGEST
@@ -26,6 +27,7 @@ from compass.study.requirement_search import search_for
 RADII = 9
 
 
+@checked
 def search(
     *,
     max_satellites: int,
@@ -117,6 +119,8 @@ def search(
         )
     if not 0 <= mask_deg < 90:
         raise ArgumentError(f"mask_deg = {mask_deg:g}: allowed 0 up to below 90")
+    if not 0 < share <= 1:
+        raise ArgumentError(f"share = {share:g}: allowed above 0 to 1")
     Effort(budget_s=budget_s)  # refuses what is no budget before anything is looked for
     least, threads = radians(least_approach_deg), cores(workers)
     regions = (region,) if isinstance(region, str) else tuple(region)

@@ -11,6 +11,7 @@ import compass
 from compass.api.access_result import WINDOWS_GOOD_TO, check_suffix
 from compass.api.given import given_fold, given_places, given_site, joined_designs
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.contacts.gaps import GapStatistics, ages, gap_statistics
 from compass.contacts.spans import at_least
 from compass.contacts.survey import survey
@@ -212,6 +213,7 @@ class SeriesResult(Result):
         save_axes(self.plot(name=name), path, bbox_inches="tight")
 
 
+@checked
 def series(
     design: Design | str | Path,
     *others: Design | str | Path,

@@ -12,6 +12,7 @@ from compass.api.given import given_in_metres
 from compass.api.reproduce import comparison_table
 from compass.api.results import Result
 from compass.api.show_signal import signal_blocks, signal_facts
+from compass.arguments import checked
 from compass.coverage.cap import cap, published_cap_area
 from compass.coverage.geometry import Geometry, pattern_geometry
 from compass.design import Design
@@ -126,6 +127,7 @@ class ShowResult(Result):
         return tuple(notes)
 
 
+@checked
 def show(design: Design | str | Path) -> ShowResult:
     """Analytic geometry of a design: caps, gaps, totals; published against exact.
 

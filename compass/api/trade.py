@@ -11,6 +11,7 @@ from compass.api.cluster import check_cluster, check_workers
 from compass.api.given import given_study
 from compass.api.progress import bar
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.cores import cores
 from compass.document import Bracket, Page, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block
@@ -229,6 +230,7 @@ def _front_table(front: list[dict[str, Any]]) -> Table:
     return Table("Pareto front", tuple(names), rows, LISTED)
 
 
+@checked
 def trade(
     study: Study | str | Path,
     *,

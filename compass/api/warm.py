@@ -13,6 +13,7 @@ from typing import Any
 from compass.api.new import new
 from compass.api.progress import bar
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.core.kernel_cache import REMEDY, compiled, is_lasting, places
 from compass.cores import cores
 from compass.document import Page, Sentence, Verdict
@@ -111,6 +112,7 @@ class WarmResult(Result):
         return Page("kernels", (Verdict("", said), table, copied))
 
 
+@checked
 def warm(*, workers: int | None = None, progress: bool = False) -> WarmResult:
     """Compile the kernels of the commands now, by running small jobs of them.
 

@@ -5,6 +5,7 @@ from typing import get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.arguments import checked
 from compass.core.entry.weights import (
     equal_weights,
     fast_weights,
@@ -17,6 +18,7 @@ from compass.errors import ArgumentError
 Array = NDArray[np.float64]
 
 
+@checked
 def intersection_weights(
     covariances: ArrayLike, weighting: Weighting = "determinant", scale: ArrayLike | None = None
 ) -> Array:
@@ -62,6 +64,7 @@ def intersection_weights(
     return weights
 
 
+@checked
 def covariance_intersection(
     states: ArrayLike, covariances: ArrayLike, weights: ArrayLike
 ) -> tuple[Array, Array]:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from compass.arguments import checked
 from compass.bodies import SOLAR_DAY
 from compass.design import Design, Launching, Radio, Upkeep, Wanted
 from compass.errors import ArgumentError, DesignError
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from compass.orbits.trajectory import Trajectory
 
 
+@checked
 def read_design(path: str | Path) -> Design:
     """Read a design file.
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import compass
+from compass.arguments import checked
 from compass.bodies import MARS_EQUATORIAL_RADIUS, MARS_GM, MARS_J2, MARS_ROTATION_RATE
 from compass.conventions import epoch_text
 from compass.entry.atmosphere import Atmosphere, read_atmosphere_table
@@ -204,6 +205,7 @@ class Scenario:
         return found
 
 
+@checked
 def read_scenario(path: str | Path, start_day: float | None = None) -> Scenario:
     """Read a scenario file.
 

@@ -9,6 +9,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.arguments import checked
 from compass.design import Design, Launching, Requirement
 from compass.digest import digest_of
 from compass.entry.doubts import NO_DOUBTS, Doubts
@@ -231,6 +232,7 @@ class Study:
         return [c for c in self.constraints if MERITS[c.figure].stage == stage]
 
 
+@checked
 def read_study(path: str | Path) -> Study:
     """Read a study file and the scenario and the design that it names.
 

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.arguments import checked
 from compass.bodies import MARS_GM
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, real_number, whole_number
 from compass.orbits.pattern import Pattern, find_pattern
 
 
@@ -67,6 +68,9 @@ class Constellation:
             values = np.array(getattr(self, name), dtype=float)
             values.flags.writeable = False
             object.__setattr__(self, name, values)
+        real_number("epoch", self.epoch)
+        if not real_number("gm", self.gm) > 0:
+            raise ArgumentError(f"gm = {self.gm:g}: must be above 0 m^3/s^2")
 
     def _value(self) -> tuple:
         """Everything that makes it what it is, hashable."""
@@ -163,6 +167,7 @@ class Constellation:
         """Largest distances from Mars's centre, metres, shape (n,)."""
         return self.semi_major_axis * (1.0 + self.eccentricity)
 
+    @checked
     def without(self, lost: Sequence[int]) -> "Constellation":
         """Return the constellation after the loss of the satellites with these indices.
 
@@ -171,7 +176,7 @@ class Constellation:
         ArgumentError
             There is no satellite with such an index.
         """
-        gone = np.asarray(lost, dtype=int)
+        gone = np.array([whole_number("lost", k) for k in lost], dtype=int)
         for k in gone[(gone < 0) | (gone >= self.size)]:
             allowed = f"allowed 0 to {self.size - 1}" if self.size else "there are no satellites"
             raise ArgumentError(f"lost = {k}: {allowed}")
@@ -232,8 +237,12 @@ def keplerian(
     )
     elements = np.broadcast_arrays(*(np.atleast_1d(np.asarray(x, dtype=float)) for x in given))
     a, e = elements[0], elements[1]
-    if not all(np.isfinite(element).all() for element in elements):
-        raise ArgumentError("orbital elements: every element must be a finite number")
+    for element, values in zip(ELEMENTS, elements, strict=True):
+        if not np.isfinite(values).all():
+            raise ArgumentError(
+                f"orbital elements: {element} = {values[~np.isfinite(values)][0]}; every element "
+                "must be a finite number"
+            )
     if np.any(a <= 0):
         raise ArgumentError(f"semi_major_axis = {a.min()} m: must be positive")
     if np.any((e < 0) | (e >= 1)):

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.arguments import checked
 from compass.bodies import MARS_GM
 from compass.errors import ArgumentError, near, real_number
 from compass.frames import DEFAULT_FIGURE, Figure, figure_of
@@ -31,6 +32,7 @@ KM = 1e3
 FARTHEST_KM = 1e6
 
 
+@checked
 def walker_delta(
     satellites: int,
     planes: int,
@@ -94,6 +96,7 @@ def walker_delta(
     return from_pattern(pattern, radius, name=name, epoch=epoch, gm=gm, repeat=closed)
 
 
+@checked
 def walker_star(
     satellites: int,
     planes: int,
@@ -132,6 +135,7 @@ def walker_star(
     return from_pattern(pattern, radius, name=name, epoch=epoch, gm=gm, repeat=closed)
 
 
+@checked
 def rosette(
     satellites: int,
     planes: int,
@@ -186,6 +190,7 @@ def rosette(
     return from_pattern(pattern, radius, name=called, epoch=epoch, gm=gm, repeat=closed)
 
 
+@checked
 def from_elements(
     *,
     semi_major_axis_km: ArrayLike,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.arguments import checked
 from compass.bodies import MARS_GM, MARS_J2, MARS_J2_RADIUS, MARS_ROTATION_RATE, sidereal_day
 from compass.errors import ArgumentError
 from compass.orbits.constellation import Constellation
@@ -74,6 +75,7 @@ def areosynchronous_radius(
     return float(brentq(pace, 0.99 * kepler, 1.01 * kepler, xtol=1e-6, rtol=1e-14))
 
 
+@checked
 def areosynchronous_radius_km(*, j2: bool = False, inclination_deg: float = 0.0) -> float:
     """Radius of the circular orbit whose ground track closes after one rotation of Mars, km.
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.arguments import checked
 from compass.conventions import dated, epoch_text
 from compass.frames import mcmf_from_mci, prime_meridian_angle
 from compass.orbits.constellation import Constellation
@@ -54,6 +55,7 @@ def positions_mcmf(
     return mcmf_from_mci(positions_mci(constellation, seconds, model), angle)
 
 
+@checked
 def ephemeris(
     constellation: Constellation, times: ArrayLike, model: AnyMotion = "two-body"
 ) -> "xr.Dataset":

@@ -13,6 +13,7 @@ from compass.api.land import LandResult, land
 from compass.api.progress import bar
 from compass.api.reproduce import ReproduceResult, reproduce
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.design import Design
 from compass.document import Page, Section, Verdict
 from compass.document.plain import plain
@@ -59,6 +60,7 @@ class ReportResult(Result):
         return Page("report", (Verdict("", str(self.page)),))
 
 
+@checked
 def report(
     thing: Design | Scenario | Study | JudgeResult | LandResult | ReproduceResult | str | Path,
     *,
@@ -113,8 +115,13 @@ def report(
     read: Any = thing
     if isinstance(thing, str | Path):
         kind, name = _kind(Path(thing)), str(thing)
-    else:
+    elif isinstance(thing, (Design, *_KINDS)):
         kind, name = _KINDS.get(type(thing), "design"), _name(thing)
+    else:
+        raise ArgumentError(
+            f"thing = {type(thing).__name__}: must be a Design, a Scenario, a Study, their file, a "
+            "paper's name, or what judge, land or reproduce found"
+        )
     if output is not None:
         folder = Path(output)
     elif isinstance(thing, str | Path):

@@ -7,6 +7,7 @@ from typing import Any
 
 from compass.api.given import given_design
 from compass.api.results import Result
+from compass.arguments import checked
 from compass.design import Design
 from compass.document import Page, Section, Sentence
 from compass.pages.answers import subtitle
@@ -60,6 +61,7 @@ class ViewResult(Result):
         return path
 
 
+@checked
 def view(design: Design | str | Path, *, command: str = "") -> ViewResult:
     """Show a design on a globe: satellites in motion, and what every place sees of them.
 
