@@ -1,5 +1,7 @@
 """What is to be told of a scenario before it is flown: values beyond experience, values unused."""
 
+from math import hypot, inf
+
 from compass.inputs.scenario_faults import EXPONENTIAL
 from compass.inputs.scenario_models import ScenarioFile
 
@@ -18,10 +20,12 @@ def scenario_notes(file: ScenarioFile) -> tuple[str, ...]:
     """Return sentences on a scenario's values, one a field."""
     craft, air = file.vehicle, file.atmosphere
     coefficient = craft.ballistic_coefficient_kg_m2
-    if coefficient is None and craft.drag_area_per_mass_m2_kg:
-        coefficient = 1.0 / craft.drag_area_per_mass_m2_kg
+    if coefficient is None:
+        area = craft.drag_area_per_mass_m2_kg
+        coefficient = 1.0 / area if area else inf
+    velocity = file.entry.velocity_m_s
     values = {
-        "entry.speed_m_s": file.entry.speed_m_s,
+        "entry.speed_m_s": hypot(*velocity) if velocity else file.entry.speed_m_s,
         "vehicle.ballistic_coefficient_kg_m2": coefficient,
         "vehicle.lift_to_drag": craft.lift_to_drag,
         "atmosphere.scale_height_km": None if air.table else air.scale_height_km,

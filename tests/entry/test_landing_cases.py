@@ -137,6 +137,15 @@ def test_missed_triggers_and_strange_values_are_told():
     assert entry_facts(scenario, found)["missed_triggers"]
 
 
+def test_a_start_by_vectors_and_a_lander_without_drag_are_looked_at_too():
+    text = (DESIGNS / "entry-compass.toml").read_text()
+    text = text.replace("[5775.31, 1124.27, 1175.48]", "[1775.31, 124.27, 175.48]")
+    text = text.replace('"compass-15-5-1.toml"', f'"{DESIGNS}/compass-15-5-1.toml"')
+    speed, drag = read_scenario_text(text.replace("m2_kg = 0.016", "m2_kg = 0")).notes
+    assert speed.startswith("entry.speed_m_s = 1788: beyond")
+    assert drag.startswith("vehicle.ballistic_coefficient_kg_m2 = inf: beyond")
+
+
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
