@@ -19,6 +19,7 @@ from compass.orbits.patterns import with_changes, worded
 from compass.ranging import Signal
 from compass.sites import Mask, Site
 from compass.tracking import Tracking
+from compass.words import counted
 
 #: Largest PDOP that counts as good, unless someone says otherwise.
 PDOP_MAX = 6.0
@@ -282,7 +283,7 @@ class Requirement:
     @property
     def wanted(self) -> str:
         """What is wanted, in words."""
-        parts = [f"{self.fold} satellites"] if self.fold is not None else []
+        parts = [counted(self.fold, "satellite")] if self.fold is not None else []
         parts += [
             f"{self.titled(name)} at most {limit:g}{self.unit(name)}" for name, limit in self.limits
         ]

@@ -27,6 +27,7 @@ from compass.orbits.motion import MotionModel
 from compass.quantities import quantity
 from compass.saving import replacing, save_netcdf, write_csv
 from compass.sites import Mask, Site
+from compass.words import counted
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -128,7 +129,7 @@ class SeriesResult(Result):
     def document(self) -> Page:
         """Whether there are gaps, then a table of them and of the dilutions."""
         lacking = [name for name, one in self.gaps.items() if one.count]
-        claim = f"{self.fold} satellites in view at all times over {self.days:g} days"
+        claim = f"{counted(self.fold, 'satellite')} in view at all times over {self.days:g} days"
         if lacking:
             claim = f"fewer than {self.fold} in view at times at {', '.join(lacking)}"
         known = self.evidence()

@@ -23,6 +23,7 @@ from compass.frames import J2000
 from compass.orbits import Constellation, orbital_period, repeat_period
 from compass.papers.verdict import Row
 from compass.quantities import quantity
+from compass.words import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -169,7 +170,7 @@ def no_gap_reason(per_plane: int, closes: bool) -> str:
     """Say why a plane has no gap polygons."""
     if not closes:
         return (
-            f"no gap polygons: the caps of {per_plane} satellites a plane do not meet, so each "
+            f"no gap polygons: the caps of {counted(per_plane, 'satellite')} a plane do not meet, so each "
             "plane leaves one region uncovered that runs from pole to pole between them"
         )
     return f"no gap polygons: a polygon needs three satellites a plane, this has {per_plane}"

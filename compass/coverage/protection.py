@@ -18,6 +18,7 @@ from compass.coverage.view import View
 from compass.errors import ArgumentError
 from compass.integrity import Integrity
 from compass.signal.ranges import RangeErrors
+from compass.words import counted
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -88,7 +89,7 @@ def protection_map(
     count = view.r.shape[1]
     if count < 5:
         raise ArgumentError(
-            f"integrity: {count} satellites; a fault is noticed with five in view or more"
+            f"integrity: {counted(count, 'satellite')}; a fault is noticed with five in view or more"
         )
     do = by or by_threads(workers, progress)
     work = partial(protection_rows, view, grid, ranges, integrity)

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from compass.errors import ArgumentError
 from compass.orbits import Constellation, repeat_period
+from compass.words import counted
 
 #: Samples in the time of one turn at the fastest satellite's rate at periapsis. One step is then
 #: 2.4 degrees: interpolation of degree 7 between the samples errs by less than a millimetre.
@@ -71,7 +72,7 @@ def sample_times(
     if (whole + 2) * constellation.size > MOST_STATES:
         least = duration / max(MOST_STATES // constellation.size - 2, 1)
         raise ArgumentError(
-            f"step_s = {step:g}: {constellation.size} satellites over {duration / 3600:.6g} h "
+            f"step_s = {step:g}: {counted(constellation.size, 'satellite')} over {duration / 3600:.6g} h "
             f"make {(whole + 1) * constellation.size} states, more than {MOST_STATES}; "
             f"take steps from {np.ceil(least):g} s on, or a shorter duration"
         )

@@ -13,6 +13,7 @@ from compass.frames import mci_from_icrf
 from compass.handover.instants import iso, tdb
 from compass.orbits import states_mci
 from compass.orbits.motion import AnyMotion, as_motion
+from compass.words import counted
 
 #: Highest degree of the interpolation that readers are told to use.
 DEGREE = 7
@@ -57,7 +58,7 @@ def oem(
     stamp = np.datetime64("now") if created is None else created
     moved = as_motion(motion)
     remarks = [
-        f"{design.name}: {c.size} satellites",
+        f"{design.name}: {counted(c.size, 'satellite')}",
         f"Motion: {moved.model}: {moved.title}, GM = {c.gm!r} m^3/s^2",
     ]
     if design.source:

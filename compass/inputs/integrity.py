@@ -8,6 +8,7 @@ from compass.errors import ArgumentError
 from compass.inputs.faults import satellites_given
 from compass.inputs.table import Table
 from compass.integrity import Integrity
+from compass.words import counted
 
 Probability = Annotated[float, Field(gt=0, lt=1)]
 
@@ -48,7 +49,7 @@ def integrity_faults(raw: dict[str, Any]) -> list[str]:
     count = satellites_given(raw)
     if count is not None and count < 5:
         faults.append(
-            f"integrity: {count} satellites; a fault is noticed with five in view or more"
+            f"integrity: {counted(count, 'satellite')}; a fault is noticed with five in view or more"
         )
     try:
         integrity_of_table(IntegrityTable.model_validate(table))

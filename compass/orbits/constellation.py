@@ -12,6 +12,7 @@ from compass.arguments import checked
 from compass.bodies import MARS_GM
 from compass.errors import ArgumentError, real_number, whole_number
 from compass.orbits.pattern import Pattern, find_pattern
+from compass.words import counted
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -249,7 +250,9 @@ def keplerian(
         raise ArgumentError(f"eccentricity = {e[(e < 0) | (e >= 1)][0]}: allowed 0 up to below 1")
     names = tuple(satellite_names) or tuple(f"S{k + 1:02d}" for k in range(a.size))
     if len(names) != a.size:
-        raise ArgumentError(f"satellite_names: {len(names)} names for {a.size} satellites")
+        raise ArgumentError(
+            f"satellite_names: {counted(len(names), 'name')} for {counted(a.size, 'satellite')}"
+        )
     laid: dict[str, Any] = dict(zip(ELEMENTS, elements, strict=True))
     return Constellation(name, epoch=epoch, satellite_names=names, gm=gm, repeat=repeat, **laid)
 

@@ -154,7 +154,7 @@ def _certified(
         if lost and "days" not in kept:
             kept["days"] = KeptOut(
                 one.constellation,
-                f"left alone on real orbits, {lost.requirement.wanted} is not proven for "
+                f"left alone on real orbits, no proof of {lost.requirement.wanted} for "
                 f"{question.days:g} days ({lost.requirement.name})",
             )
         if failed is not None and "geometry" not in kept:

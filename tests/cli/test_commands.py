@@ -85,7 +85,7 @@ def test_show_says_why_there_are_no_gaps(run, tmp_path, seed):
     path.write_text(text)
     code, out, _ = run("show", path)
     assert code == 0
-    assert "caps of 1 satellites a plane do not meet" in out
+    assert "caps of 1 satellite a plane do not meet" in out
 
 
 @pytest.mark.slow  # interpreted, nothing is certified

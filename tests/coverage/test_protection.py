@@ -235,7 +235,7 @@ def test_satellites_of_elements_are_counted():
     head, tail = text.split("[constellation]")
     elements = '[constellation]\npattern = "elements"\n[[constellation.satellite]]\nname = "a"\n'
     elements += "semi_major_axis_km = 20000\ninclination_deg = 0\n[signal]"
-    with pytest.raises(DesignError, match="integrity: 1 satellites"):
+    with pytest.raises(DesignError, match="integrity: 1 satellite;"):
         read_design_text(head + elements + tail.split("[signal]")[1])
 
 

@@ -274,7 +274,7 @@ def test_impossible_elements_are_refused(elements, message):
 
 
 def test_names_must_be_as_many_as_satellites():
-    with pytest.raises(ArgumentError, match="2 names for 1 satellites"):
+    with pytest.raises(ArgumentError, match="2 names for 1 satellite"):
         keplerian(2e7, 0, 0, 0, 0, 0, satellite_names=["a", "b"])
 
 

@@ -188,7 +188,7 @@ def test_requirements_come_first_and_decide_the_advice(met):
     found = replace(met, design=design, checked=checked)
     rows = ANSWERS[0](found)
     assert [row.holds for row in rows] == [v.met for v in checked.verdicts]
-    assert rows[0].question == "ever: 1 satellites" and "proven" in rows[0].sure
+    assert rows[0].question == "ever: 1 satellite" and "proven" in rows[0].sure
     assert ANSWERS[1](found)[0].holds is None  # the coverage is not what was asked for
     assert "bracket" not in "".join(row.sure for row in rows)
     (words,) = what_to_do(found, [])

@@ -77,4 +77,4 @@ fold = 5
     said = str(module.recommendation(study, [one], None, None))
     assert "Requirements" in said and "five: missed at latitude" in said
     answers = str(module.answer_section(study, [one], None, None, None))
-    assert "one: 1 satellites" in answers
+    assert "one: 1 satellite" in answers

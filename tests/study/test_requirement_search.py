@@ -217,6 +217,6 @@ def test_orbits_that_nobody_steers_must_hold_too(flat):
     assert day.to_dict()["days"] == 1
     long = compass.search(**few, days=300)
     assert not long.holds
-    assert "left alone on real orbits, 1 satellites is not proven for 300 days" in long.sentence
+    assert "left alone on real orbits, no proof of 1 satellite for 300 days" in long.sentence
     with pytest.raises(ArgumentError, match="days = 0: allowed above 0 to 36525, a century"):
         compass.search(**few, days=0)
