@@ -137,11 +137,11 @@ def map(
 
         def by(wanted: MapRows) -> Rows:
             from compass.study.cluster import Cluster
-            from compass.study.map_cluster import by_cluster, do_rows
+            from compass.study.map_cluster import by_cluster
 
             assert scheduler is not None
             kept = "nothing of a map is kept"
-            cluster = Cluster(wanted, scheduler, tls, do=do_rows, kept=kept)
+            cluster = Cluster(wanted, scheduler, tls, kept=kept)
             stack.callback(cluster.close)
             return by_cluster(cluster, rows.update)
 

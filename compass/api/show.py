@@ -170,8 +170,8 @@ def no_gap_reason(per_plane: int, closes: bool) -> str:
     """Say why a plane has no gap polygons."""
     if not closes:
         return (
-            f"no gap polygons: the caps of {counted(per_plane, 'satellite')} a plane do not meet, so each "
-            "plane leaves one region uncovered that runs from pole to pole between them"
+            f"no gap polygons: the caps of {counted(per_plane, 'satellite')} a plane do not meet, "
+            "so each plane leaves one region uncovered that runs from pole to pole between them"
         )
     return f"no gap polygons: a polygon needs three satellites a plane, this has {per_plane}"
 

@@ -28,6 +28,7 @@ from compass.study.cluster import Cluster, Tls
 from compass.study.judge import check_lander
 from compass.study.results import first_front, read_results, write_results
 from compass.study.sampling import front_known, rests_on_samples, sampled_over, sampling_of
+from compass.study.stages import StudyJob
 from compass.study.store import Store
 from compass.study.trade import Summary, run_trade
 from compass.study.workers import Processes, Workers
@@ -319,6 +320,6 @@ def _folder(study: Study | str | Path) -> Path:
 def _team(study: Study, workers: int | None, scheduler: str | None, tls: Tls | None) -> Workers:
     """Who works on the study."""
     if scheduler is not None:
-        return Cluster(study, scheduler, tls)
+        return Cluster(StudyJob(study), scheduler, tls)
     count = cores(workers)
     return Processes(study, count)  # one too: a candidate may kill whoever looks at it

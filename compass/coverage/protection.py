@@ -89,7 +89,8 @@ def protection_map(
     count = view.r.shape[1]
     if count < 5:
         raise ArgumentError(
-            f"integrity: {counted(count, 'satellite')}; a fault is noticed with five in view or more"
+            f"integrity: {counted(count, 'satellite')}; a fault is noticed with five in view "
+            "or more"
         )
     do = by or by_threads(workers, progress)
     work = partial(protection_rows, view, grid, ranges, integrity)

@@ -72,9 +72,9 @@ def sample_times(
     if (whole + 2) * constellation.size > MOST_STATES:
         least = duration / max(MOST_STATES // constellation.size - 2, 1)
         raise ArgumentError(
-            f"step_s = {step:g}: {counted(constellation.size, 'satellite')} over {duration / 3600:.6g} h "
-            f"make {(whole + 1) * constellation.size} states, more than {MOST_STATES}; "
-            f"take steps from {np.ceil(least):g} s on, or a shorter duration"
+            f"step_s = {step:g}: {counted(constellation.size, 'satellite')} over "
+            f"{duration / 3600:.6g} h make {(whole + 1) * constellation.size} states, "
+            f"more than {MOST_STATES}; take steps from {np.ceil(least):g} s on, or a shorter duration"
         )
     times = np.round(step * np.arange(whole + 1), 6)
     end = np.round(duration, 6)

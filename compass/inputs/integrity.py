@@ -49,7 +49,8 @@ def integrity_faults(raw: dict[str, Any]) -> list[str]:
     count = satellites_given(raw)
     if count is not None and count < 5:
         faults.append(
-            f"integrity: {counted(count, 'satellite')}; a fault is noticed with five in view or more"
+            f"integrity: {counted(count, 'satellite')}; a fault is noticed with five in view "
+            "or more"
         )
     try:
         integrity_of_table(IntegrityTable.model_validate(table))

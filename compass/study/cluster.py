@@ -25,8 +25,10 @@ from numpy.typing import NDArray
 import compass
 from compass.errors import ArgumentError, CompassError
 from compass.study.errand import ByValue, able, work
-from compass.study.stages import evaluate
 from compass.words import counted
+
+#: Does a stage of some work on rows: candidates of a study, or rows of a map.
+Job = Callable[[str, NDArray], Any]
 
 #: Batches on their way for each thread of a cluster.
 AHEAD = 2
@@ -81,14 +83,13 @@ class Tls:
 
 
 def evaluated(stage: str, job: bytes, rows: bytes) -> Any:
-    """Do a part of a job that comes pickled: how a part is done, and what all have in common."""
-    do, common = _unpacked(job)
-    return do(stage, common, pickle.loads(rows))
+    """Do a stage of a job on some rows, that come pickled."""
+    return _unpacked(job)(stage, pickle.loads(rows))
 
 
 @lru_cache(maxsize=4)
-def _unpacked(job: bytes) -> tuple[Callable[..., Any], Any]:
-    unpacked: tuple[Callable[..., Any], Any] = pickle.loads(job)
+def _unpacked(job: bytes) -> Job:
+    unpacked: Job = pickle.loads(job)
     return unpacked
 
 
@@ -97,12 +98,10 @@ class Cluster:
 
     Parameters
     ----------
-    common
-        What every part of the work needs, sent to the machines: a study.
+    job
+        What is sent to the machines and does the work there: called with a stage and some rows.
     address, tls
         Of the scheduler.
-    do
-        Does a part: called with a stage, `common` and some rows; known on every machine.
     kept
         What a user has of the work if it ends before its time.
 
@@ -115,18 +114,17 @@ class Cluster:
 
     def __init__(
         self,
-        common: Any,
+        job: Job,
         address: str,
         tls: Tls | None = None,
         *,
-        do: Callable[[str, Any, NDArray], Any] = evaluate,
         kept: str = "every finished candidate is stored",
     ) -> None:
         try:
             from distributed import Client, Security
         except ImportError as error:
             raise ArgumentError("--scheduler: needs Dask; install compass-mars[cluster]") from error
-        self._job, self._option = pickle.dumps((do, common)), f"--scheduler = {address}"
+        self._job, self._option = pickle.dumps(job), f"--scheduler = {address}"
         self._kept = kept
         address = self._checked(address, tls)
         security = Security()  # of Dask's own configuration

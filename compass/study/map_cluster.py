@@ -8,12 +8,6 @@ from compass.coverage.grid import Grid
 from compass.coverage.rows import Part, Rows, RowWork, blocks_of
 from compass.errors import CompassError
 from compass.study.cluster import Cluster
-from compass.study.mapping import MapRows
-
-
-def do_rows(kind: str, common: MapRows, rows: NDArray) -> Part:
-    """Find a kind of figures in some rows, on whatever machine this is."""
-    return common(kind, rows.tolist())
 
 
 def by_cluster(cluster: Cluster, progress: Callable[[int], None]) -> Rows:

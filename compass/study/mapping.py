@@ -1,6 +1,6 @@
 """From a design to its coverage map, with the provenance that the map carries."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import cached_property
@@ -125,8 +125,9 @@ class MapRows:
     def __reduce__(self) -> tuple[Any, ...]:
         return MapRows, (self.design, self.options)
 
-    def __call__(self, kind: str, rows: Sequence[int]) -> Part:
+    def __call__(self, kind: str, numbers: NDArray[np.int64]) -> Part:
         """Find a kind of figures in some rows: gaps, counts, errors or protection."""
+        rows = numbers.tolist()
         if kind == "gaps":
             return gap_rows(self.track, self.grid, rows)
         seen, grid = self.view, self.grid

@@ -88,6 +88,17 @@ def evaluate(stage: str, study: Study, rows: NDArray) -> Found:
     return Found(figures, errors, time.perf_counter() - began, tuple(left))
 
 
+@dataclass(frozen=True)
+class StudyJob:
+    """What another machine is sent of a study: called there, it evaluates candidates."""
+
+    study: Study
+
+    def __call__(self, stage: str, rows: NDArray) -> Found:
+        """As `evaluate`."""
+        return evaluate(stage, self.study, rows)
+
+
 def figures_of(stage: str) -> tuple[str, ...]:
     """Names of the figures that a stage stores."""
     if stage in LEVELS:

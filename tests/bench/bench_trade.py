@@ -18,7 +18,7 @@ from compass.inputs.study import read_study, read_study_text
 from compass.study import pattern_judging, pattern_map, stages, trade
 from compass.study.candidates import candidates
 from compass.study.cluster import AHEAD, Cluster
-from compass.study.stages import evaluate
+from compass.study.stages import StudyJob, evaluate
 from compass.study.store import FILE, Store
 from compass.study.trade import run_trade
 from compass.study.workers import Processes
@@ -228,7 +228,7 @@ def test_one_process_two_processes_two_cluster_workers(tmp_path):
     _, wall["2 processes"] = timed(study, tmp_path / "2", team)
     team.close()
     with cluster(tmp_path) as (address, scheduler):
-        team = Cluster(study, address)
+        team = Cluster(StudyJob(study), address)
         list(team.run("screen", [candidates(study).rows(k, k + 1) for k in range(8)]))
         before = processor_seconds(scheduler)
         summary, wall["2 cluster workers"] = timed(study, tmp_path / "3", team)

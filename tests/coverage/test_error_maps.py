@@ -291,7 +291,7 @@ def test_changing_the_clock_changes_the_map(written):
 def test_options_out_of_range_are_refused(written):
     for option, message in (
         ({"error_max_m": -1.0}, "error_max_m = -1: must be positive"),
-        ({"weights": "best"}, "weights = 'best': allowed variance, equal"),
+        ({"weights": "best"}, "weights = 'best': must be one of variance, equal"),
     ):
         with pytest.raises(ArgumentError, match=message):
             compass.map(written, step_deg=45, epochs=1, **option)

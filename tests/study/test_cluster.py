@@ -20,6 +20,7 @@ from compass.study import cluster, errand, trade
 from compass.study.candidates import candidates, identities
 from compass.study.cluster import Cluster, Tls
 from compass.study.results import read_results
+from compass.study.stages import StudyJob
 from compass.study.store import Store
 from compass.study.trade import run_trade
 from tests.one_process import OneProcess
@@ -66,7 +67,7 @@ def test_a_cluster_finds_the_same(tiny, tmp_path, monkeypatch, local):
     monkeypatch.setitem(trade.BATCH, "screen", 5)
     study = tiny()
     run(study, tmp_path / "one", OneProcess(study))
-    team = Cluster(study, local(2).scheduler_address)
+    team = Cluster(StudyJob(study), local(2).scheduler_address)
     try:
         assert team.count == 2
         run(study, tmp_path / "two", team)
@@ -101,7 +102,7 @@ def test_only_the_candidate_that_kills_its_workers_is_left_out(tiny, tmp_path, m
     try:
         _, address = dask.scheduler("--host", "127.0.0.1")
         dask.worker(address, nanny=True)
-        team = Cluster(tiny(), address)
+        team = Cluster(StudyJob(tiny()), address)
         summary = run(tiny(), tmp_path, team)
         team.close()
     finally:
@@ -122,20 +123,20 @@ NO_ADDRESSES = (
 )
 def test_addresses_that_are_none(tiny, address):
     with pytest.raises(ArgumentError, match="not an address; write it as tcp://host:port"):
-        Cluster(tiny(), address)
+        Cluster(StudyJob(tiny()), address)
 
 
 @pytest.mark.parametrize("address", ["TCP://127.0.0.1:9", " tcp://127.0.0.1:9", "tcp://[::1]:9/"])
 def test_addresses_written_otherwise(tiny, monkeypatch, address):
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
     with pytest.raises(ArgumentError, match=r"does not answer|no connection"):
-        Cluster(tiny(), address)
+        Cluster(StudyJob(tiny()), address)
 
 
 def test_nobody_is_there(tiny, monkeypatch):
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
     with pytest.raises(ArgumentError, match=r"tcp://127.0.0.1:9: (does not answer|no connection)"):
-        Cluster(tiny(), "tcp://127.0.0.1:9")
+        Cluster(StudyJob(tiny()), "tcp://127.0.0.1:9")
 
 
 def test_somebody_is_there_and_silent(tiny, monkeypatch):
@@ -143,7 +144,7 @@ def test_somebody_is_there_and_silent(tiny, monkeypatch):
     with socket.create_server(("127.0.0.1", 0)) as server:
         address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
         with pytest.raises(ArgumentError, match="check the address, that `dask scheduler` runs"):
-            Cluster(tiny(), address)
+            Cluster(StudyJob(tiny()), address)
 
 
 def test_a_web_server_is_no_scheduler(tiny, monkeypatch):
@@ -154,7 +155,7 @@ def test_a_web_server_is_no_scheduler(tiny, monkeypatch):
     thread.start()
     try:
         with pytest.raises(ArgumentError, match="that `dask scheduler` runs there"):
-            Cluster(tiny(), f"tcp://127.0.0.1:{server.server_port}")
+            Cluster(StudyJob(tiny()), f"tcp://127.0.0.1:{server.server_port}")
     finally:
         server.shutdown()
         thread.join()
@@ -164,13 +165,13 @@ def test_a_web_server_is_no_scheduler(tiny, monkeypatch):
 def test_a_worker_is_no_scheduler(tiny, local):
     (worker,) = local(1).workers.values()
     with pytest.raises(ArgumentError, match="a Dask Worker, not a scheduler"):
-        Cluster(tiny(), worker.address)
+        Cluster(StudyJob(tiny()), worker.address)
 
 
 def test_a_scheduler_without_workers(tiny, monkeypatch, local):
     monkeypatch.setattr(cluster, "PATIENCE", 1.0)
     with pytest.raises(ArgumentError, match=r"has no worker; start `dask worker tcp://127.0.0.1:"):
-        Cluster(tiny(), local(0).scheduler_address)
+        Cluster(StudyJob(tiny()), local(0).scheduler_address)
 
 
 @pytest.mark.parametrize(
@@ -183,12 +184,12 @@ def test_a_worker_that_cannot_do_the_work_is_named_and_left(tiny, monkeypatch, l
     made = local(1)
     (worker,) = made.workers.values()
     with pytest.raises(ArgumentError, match=f"1 of 1 .*{worker.address}: {why}.*left as they are"):
-        Cluster(tiny(), made.scheduler_address)
+        Cluster(StudyJob(tiny()), made.scheduler_address)
     assert worker.status.name == "running"
 
 
 def test_a_worker_that_comes_later_and_cannot_is_named(tiny, tmp_path, local):
-    team = Cluster(tiny(), local(1).scheduler_address)
+    team = Cluster(StudyJob(tiny()), local(1).scheduler_address)
     team._work = lambda version, *rest: errand.work("99", *rest)
     try:
         with pytest.raises(CompassError, match=r"tcp://[\d.:]+: compass [\d.]+, this is 99"):
@@ -220,7 +221,7 @@ def test_a_real_worker_without_a_package_lives_on(tiny, tmp_path, monkeypatch, p
         worker = dask.launch("worker", address, *options)
         for _ in range(2):
             with pytest.raises(ArgumentError, match=rf"1 of 1 .*no package {package}"):
-                Cluster(tiny(), address)
+                Cluster(StudyJob(tiny()), address)
         assert worker.poll() is None
     finally:
         dask.end()
@@ -241,7 +242,7 @@ def test_what_is_sent_needs_nothing_of_this_package():
 
 def test_the_loggers_of_a_host_are_left_alone(tiny, local):
     levels = [logging.getLogger(name).level for name in ("distributed", "tornado.application")]
-    Cluster(tiny(), local(1).scheduler_address).close()
+    Cluster(StudyJob(tiny()), local(1).scheduler_address).close()
     assert levels == [
         logging.getLogger(name).level for name in ("distributed", "tornado.application")
     ]
@@ -251,7 +252,7 @@ def test_a_cluster_that_loses_all_its_workers(tiny, tmp_path, monkeypatch, local
     monkeypatch.setattr(cluster, "WATCH", 0.1)
     monkeypatch.setattr(cluster, "SILENCE", 1.0)
     made = local(1)
-    team = Cluster(tiny(), made.scheduler_address)
+    team = Cluster(StudyJob(tiny()), made.scheduler_address)
     try:
         made.scale(0)
         end = time.monotonic() + 60
@@ -273,16 +274,16 @@ def test_a_cluster_that_loses_all_its_workers(tiny, tmp_path, monkeypatch, local
 def test_certificates_that_are_not_there(tiny, tmp_path, address, message):
     missing = tmp_path / "missing.pem"
     with pytest.raises(ArgumentError, match=message):
-        Cluster(tiny(), address, Tls(missing, missing, missing))
+        Cluster(StudyJob(tiny()), address, Tls(missing, missing, missing))
 
 
 def test_text_is_no_certificate(tiny, tmp_path):
     text = tmp_path / "text.pem"
     text.write_text("hello")
     with pytest.raises(ArgumentError, match=r"--tls-ca = .*text.pem: not a certificate"):
-        Cluster(tiny(), "tls://127.0.0.1:9", Tls(text, text, text))
+        Cluster(StudyJob(tiny()), "tls://127.0.0.1:9", Tls(text, text, text))
 
 
 def test_tls_without_certificates(tiny):
     with pytest.raises(ArgumentError, match="needs certificates; give --tls-ca"):
-        Cluster(tiny(), "tls://127.0.0.1:9")
+        Cluster(StudyJob(tiny()), "tls://127.0.0.1:9")

@@ -10,7 +10,7 @@ from compass.design import Design
 from compass.errors import CompassError
 from compass.integrity import Integrity
 from compass.ranging import Receiver, Signal
-from compass.study.map_cluster import by_cluster, do_rows
+from compass.study.map_cluster import by_cluster
 from compass.study.mapping import MapOptions, MapRows, make_map
 
 SIGNAL = Signal(ephemeris=(2, 8, 5), clock_sigma=3, receiver=Receiver(0.5, 0.5), ionosphere=1.0)
@@ -34,7 +34,7 @@ class Backwards:
         there = pickle.loads(self.sent)
         for rows in reversed(list(blocks)):
             died = self.lethal in rows.tolist()
-            yield rows, None if died else do_rows(kind, there, rows)
+            yield rows, None if died else there(kind, rows)
 
 
 def test_rows_done_elsewhere_make_the_same_map(design):
