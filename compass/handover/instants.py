@@ -74,7 +74,8 @@ def sample_times(
         raise ArgumentError(
             f"step_s = {step:g}: {counted(constellation.size, 'satellite')} over "
             f"{duration / 3600:.6g} h make {(whole + 1) * constellation.size} states, "
-            f"more than {MOST_STATES}; take steps from {np.ceil(least):g} s on, or a shorter duration"
+            f"more than {MOST_STATES}; take steps from {np.ceil(least):g} s on, or a shorter "
+            "duration"
         )
     times = np.round(step * np.arange(whole + 1), 6)
     end = np.round(duration, 6)
