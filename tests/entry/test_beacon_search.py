@@ -88,6 +88,7 @@ def test_the_objective_of_the_search_is_the_smallest_degree(short_flight, world)
     assert minimum_degree(series, beacons.r[0]) == pytest.approx(degree, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_search_over_two_epochs(world, table2):
     flight = fly(world(), table2, [0.0, 100.0])
     found = best_ground_beacons(flight, starts=1, generations=1)
@@ -153,6 +154,7 @@ def test_the_orbiter_search_beats_the_chapter(orbiter_flight):
     assert simpson(index, x=times) == pytest.approx(found.value, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_orbiter_search_with_a_small_budget(world, table5):
     flight = fly(world(), table5, np.arange(0.0, 241.0, 20.0))
     found = best_orbiters(flight, 725e3, starts=2, generations=15)

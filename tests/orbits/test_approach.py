@@ -18,6 +18,7 @@ def two():
     )
 
 
+@pytest.mark.slow
 def test_they_are_the_least_of_a_fine_sampling():
     path = Motion().trajectory(two(), 0.0, 3 * DAY)
     times = np.arange(0.5 * DAY, 3 * DAY, 10.0)

@@ -37,6 +37,7 @@ def coarse():
     return read_scenario_text(text.replace("[optimize]", "[optimize]\nstarts = 1\ngenerations = 2"))
 
 
+@pytest.mark.slow
 def test_entry_section_and_facts(coarse):
     found = assess_scenario(coarse, 4)
     section = entry_section(coarse, found)
@@ -58,6 +59,7 @@ def test_entry_section_and_facts(coarse):
     )
 
 
+@pytest.mark.slow
 def test_longitudes_stay_within_a_turn():
     text = (DESIGNS / "entry-ground-beacons.toml").read_text()
     text = text.replace("step_s = 1", "step_s = 24").replace("interval_s = 1", "interval_s = 24")

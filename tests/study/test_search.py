@@ -48,6 +48,7 @@ def test_counts_of_patterns():
     )
 
 
+@pytest.mark.slow
 def test_a_pattern_at_its_best(monkeypatch):
     # Ballard 1980, Table I: (5, 5, 1) at 43.66 deg needs caps of 69.15 deg
     monkeypatch.setattr(module, "patterns", only(five, three))
