@@ -16,6 +16,7 @@ from compass.conventions import dated
 from compass.coverage.certificate import Outcome
 from compass.coverage.drift import Drift
 from compass.coverage.promises import Promise
+from compass.coverage.room import has_slots
 from compass.design import Design
 from compass.document import Page, Sampled, Sentence, Table, Value
 from compass.document.blocks import Block, facts
@@ -232,25 +233,38 @@ class DriftResult(Result):
         found = self.drift
         pick = np.unique(np.linspace(0, found.times.size - 1, SHOWN).astype(int))
         margin, room = quantity("cap_margin_deg"), quantity("room_deg")
+        known = found.room
         rows = tuple(
             (
                 f"{found.times[k] / SECONDS_PER_DAY:.6g}",
                 Value(margin, degrees(found.least[k, 0])),
                 Value(margin, degrees(found.margin[k])),
-                "" if found.room is None else Value(room, degrees(found.room.room[k])),
+                *(() if known is None else (Value(room, degrees(known.room[k])),)),
             )
             for k in pick
         )
         header = ("day", f"least {margin.heading}", "at the moment", room.heading)
+        header = header[: 3 if known is None else 4]
         step = (found.times[1] - found.times[0]) / SECONDS_PER_DAY
         ground = self._sphere()
         note = (
             f"least margin: by how much all caps could shrink in the {step:g} "
             f"day{'s' if step != 1 else ''} before, a "
-            "proven bound (of the first row, in the day after); room in the slots is smaller and "
-            "only sufficient" + (f"; both are {ground}" if ground else "")
+            f"proven bound (of the first row, in the day after); {self._slots()}"
+            + (f"; both are {ground}" if ground else "")
         )
         return [Table("Margin and room over time", header, rows), Sentence(note)]
+
+    def _slots(self) -> str:
+        """What room is, or why there is none."""
+        if self.drift.room is not None:
+            return "room in the slots is smaller and only sufficient"
+        if has_slots(self.design.constellation):
+            return "no caps about the slots cover the place, so that there is no room in them"
+        return (
+            "orbits that are oval, or of several radii or inclinations, form no slots that turn as "
+            "one: there is no room in them to tell"
+        )
 
     def _sphere(self) -> str:
         """Of what margin and room are, where that is not what the days are proven on."""

@@ -3,7 +3,8 @@
 Equal osculating axes are unequal mean ones: J2 alone sets the axes of a 20,000 km orbit apart by
 0.8 km with the argument of latitude, 0.02 degrees a day along the track. What is made equal here is
 the mean rate of the angle turned in the orbit's own plane, ``theta' = h / r^2``, which is that of
-the argument of latitude plus cos(i) times that of the node.
+the argument of latitude plus cos(i) times that of the node. Orbits whose axes lie further apart than
+that is wide are meant to differ: each kind is trimmed to its own mean.
 
 The trap is the fit of that rate. Near a resonance with Mars's rotation one term of the field, J22
 where they keep pace, swings theta by degrees with a beat of weeks, and a plain line over a month
@@ -21,7 +22,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from compass.bodies import MARS_ROTATION_RATE
+from compass.bodies import MARS_J2, MARS_J2_RADIUS, MARS_ROTATION_RATE
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.constellation import Constellation
@@ -86,9 +87,10 @@ class Trim:
     beat
         Period of the swing under the term of the field that moves satellites most, s.
     spread_before, spread
-        Largest difference between mean rates, rad/s; what is left is how well they agree.
+        Largest difference between mean rates of one kind of orbit, rad/s; what is left is how
+        well they agree.
     excursion_before, excursion
-        Furthest any satellite runs ahead of or behind the others' mean in the horizon, radians.
+        Furthest any satellite runs ahead of or behind the mean of its kind in the horizon, radians.
     """
 
     constellation: Constellation
@@ -127,9 +129,15 @@ def trim(
     Raises
     ------
     ArgumentError
-        An orbit so near the resonance that its beat is longer than can be fitted.
+        No two orbits of one period; one so near the resonance that its beat is longer than can be
+        fitted.
     """
-    c = constellation
+    c, kinds = constellation, kinds_of(constellation)
+    if c.size > 1 and kinds.max() + 1 == c.size:
+        raise ArgumentError(
+            "trim: no two satellites have one period, so that there are no rates to make agree; "
+            "leave the trim out"
+        )
     told = beat_of(c, forces.field)
     beat = told.period
     if not can_trim(told):
@@ -146,15 +154,17 @@ def trim(
         path = Motion("numerical", forces).trajectory(trial, 0.0, span, tolerance=COARSE)
         times, theta = turned(path)
         rates = mean_rates(times, theta)
-        excursion = float(excursions(theta).max(initial=0.0))
-        spread = float(np.ptp(rates)) if rates.size else 0.0
+        excursion = float(excursions(theta, kinds).max(initial=0.0))
+        apart = _from_mean(rates, kinds)
+        spreads = (float(np.ptp(rates[kinds == kind])) for kind in np.unique(kinds))
+        spread = max(spreads, default=0.0)
         if k == 0:
             before = (spread, excursion)
         if best is None or excursion < best[0]:
             best = (excursion, spread, trial)
         if spread * span <= GOOD * excursion:
             break
-        step = (rates - rates.mean()) / (1.5 * c.mean_motion / c.semi_major_axis)
+        step = apart / (1.5 * c.mean_motion / c.semi_major_axis)
         trial = with_axes(trial, trial.semi_major_axis + step)
     assert best is not None
     excursion, spread, chosen = best
@@ -243,10 +253,32 @@ def mean_rates(times: NDArray[np.float64], theta: NDArray[np.float64]) -> NDArra
     return np.atleast_1d(slope) / (times[-1] - times[0])
 
 
-def excursions(theta: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Furthest each satellite runs from the mean of all, radians, shape (n,)."""
-    gone = theta - theta[0]
-    return np.asarray(np.abs(gone - gone.mean(axis=1, keepdims=True)).max(axis=0))
+def excursions(theta: NDArray[np.float64], kinds: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Furthest each satellite runs from the mean of its kind, radians, shape (n,)."""
+    return np.asarray(np.abs(_from_mean(theta - theta[0], kinds)).max(axis=0))
+
+
+def kinds_of(c: Constellation) -> NDArray[np.int64]:
+    """Number of the kind of each orbit, shape (n,): axes that J2 cannot tell apart are one kind.
+
+    It sets osculating axes apart by up to ``3 J2 R^2 / a`` from crest to trough; a gap of twice that
+    begins another kind.
+    """
+    order = np.argsort(c.semi_major_axis)
+    axes = c.semi_major_axis[order]
+    wide = 6.0 * MARS_J2.value * MARS_J2_RADIUS.value**2 / axes[:-1]
+    found = np.zeros(c.size, dtype=np.int64)
+    found[order[1:]] = np.cumsum(np.diff(axes) > wide)
+    return found
+
+
+def _from_mean(values: NDArray[np.float64], kinds: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Values, their last axis the satellites, less the mean of each kind."""
+    found = np.array(values)
+    for kind in np.unique(kinds):
+        same = kinds == kind
+        found[..., same] -= found[..., same].mean(axis=-1, keepdims=True)
+    return found
 
 
 def with_axes(

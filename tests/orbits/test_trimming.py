@@ -9,7 +9,7 @@ from compass.orbits.constellation import keplerian
 from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import built_in_field
 from compass.orbits.motion import Motion
-from compass.orbits.trimming import beat_of, can_trim, mean_rates, trim, turned
+from compass.orbits.trimming import beat_of, can_trim, kinds_of, mean_rates, trim, turned
 
 OBLATE = ForceModel(built_in_field().truncated(2, 0), False, False, 0.0, "none")
 
@@ -30,6 +30,26 @@ def test_under_oblateness_alone_the_shift_is_the_short_period_term_of_the_axis()
     # 1 km of axis is 3/2 n / a: what was given runs apart by twice the amplitude
     rate = 1.5 * c.mean_motion[0] / 12000e3 * 2 * amplitude
     assert done.spread_before == pytest.approx(rate, rel=0.05)
+
+
+def test_each_kind_of_orbit_is_trimmed_to_its_own_mean():
+    shells = [ring(12000e3), ring(9000e3, 1.5)]
+    both = keplerian(
+        np.repeat([12000e3, 9000e3], 4), 0.0, np.repeat([0.9, 1.5], 4), 0.4, 0.0,
+        np.tile(np.arange(4) * np.pi / 2, 2),
+    )  # fmt: skip
+    assert kinds_of(both).tolist() == [1] * 4 + [0] * 4
+    done = trim(both, OBLATE, 2 * DAY)
+    alone = np.concatenate([trim(shell, OBLATE, 2 * DAY).shift for shell in shells])
+    assert done.shift == pytest.approx(alone, abs=30.0)
+    assert np.abs(done.shift).max() > 1000.0
+    assert done.spread < 0.02 * done.spread_before
+
+
+def test_where_no_two_orbits_have_one_period_there_is_nothing_to_trim():
+    apart = keplerian([9000e3, 12000e3], 0.0, 0.9, 0.4, 0.0, 0.0)
+    with pytest.raises(ArgumentError, match="no two satellites have one period"):
+        trim(apart, OBLATE, 2 * DAY)
 
 
 @pytest.mark.slow
