@@ -243,8 +243,8 @@ class DriftResult(Result):
             )
             for k in pick
         )
-        header = ("day", f"least {margin.heading}", "at the moment", room.heading)
-        header = header[: 3 if known is None else 4]
+        last = () if known is None else (room.heading,)
+        header = ("day", f"least {margin.heading}", "at the moment", *last)
         step = (found.times[1] - found.times[0]) / SECONDS_PER_DAY
         ground = self._sphere()
         note = (

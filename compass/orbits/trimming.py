@@ -3,8 +3,8 @@
 Equal osculating axes are unequal mean ones: J2 alone sets the axes of a 20,000 km orbit apart by
 0.8 km with the argument of latitude, 0.02 degrees a day along the track. What is made equal here is
 the mean rate of the angle turned in the orbit's own plane, ``theta' = h / r^2``, which is that of
-the argument of latitude plus cos(i) times that of the node. Orbits whose axes lie further apart than
-that is wide are meant to differ: each kind is trimmed to its own mean.
+the argument of latitude plus cos(i) times that of the node. Orbits whose axes J2 does not set apart
+are meant to differ: each kind is trimmed to its own mean.
 
 The trap is the fit of that rate. Near a resonance with Mars's rotation one term of the field, J22
 where they keep pace, swings theta by degrees with a beat of weeks, and a plain line over a month
@@ -132,53 +132,103 @@ def trim(
         No two orbits of one period; one so near the resonance that its beat is longer than can be
         fitted.
     """
-    c, kinds = constellation, kinds_of(constellation)
-    if c.size > 1 and kinds.max() + 1 == c.size:
+    c = constellation
+    beat = _beat(c, forces)
+    span = float(np.clip(horizon, BEATS * beat, LONGEST))
+    before, best = _fit(c, c, forces, span, progress)
+    return Trim(
+        constellation=best.constellation,
+        shift=best.constellation.semi_major_axis - c.semi_major_axis,
+        horizon=span,
+        beat=beat,
+        spread_before=before.spread,
+        spread=best.spread,
+        excursion_before=before.excursion,
+        excursion=best.excursion,
+    )
+
+
+def trimmed_path(constellation: Constellation, forces: ForceModel, horizon: float) -> Trajectory:
+    """Paths of trimmed orbits for a horizon, to `COARSE`, without asking how it was before.
+
+    The trim begins with what J2 alone asks for, which spares most corrections.
+
+    Parameters and errors as in `trim`.
+    """
+    c = constellation
+    span = float(np.clip(horizon, BEATS * _beat(c, forces), LONGEST))
+    _, best = _fit(c, _by_oblateness(c), forces, span, iter)
+    if horizon <= span:
+        return best.path
+    return Motion("numerical", forces).trajectory(
+        best.constellation, 0.0, horizon, tolerance=COARSE
+    )
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Axes that were tried, and how well rates agree with them."""
+
+    constellation: Constellation
+    path: Trajectory
+    spread: float
+    excursion: float
+
+
+def _fit(
+    c: Constellation,
+    trial: Constellation,
+    forces: ForceModel,
+    span: float,
+    progress: Callable[[Sequence[Any]], Any],
+) -> tuple[_Fit, _Fit]:
+    """Correct axes from those of a trial on: what that did, and the best of all tried."""
+    kinds, found = kinds_of(c), list[_Fit]()
+    for _ in progress(list(range(ROUNDS + 1))):
+        path = Motion("numerical", forces).trajectory(trial, 0.0, span, tolerance=COARSE)
+        times, theta = turned(path)
+        rates = mean_rates(times, theta)
+        excursion = float(excursions(theta, kinds).max(initial=0.0))
+        spreads = (float(np.ptp(rates[kinds == kind])) for kind in np.unique(kinds))
+        now = _Fit(trial, path, max(spreads, default=0.0), excursion)
+        first = found[0] if found else now
+        found = [first, min([*found[1:], now], key=lambda fit: fit.excursion)]
+        if now.spread * span <= GOOD * excursion:
+            break
+        step = _from_mean(rates, kinds) / (1.5 * c.mean_motion / c.semi_major_axis)
+        trial = with_axes(trial, trial.semi_major_axis + step)
+    return found[0], found[1]
+
+
+def _beat(c: Constellation, forces: ForceModel) -> float:
+    """Beat of orbits that can be trimmed, s.
+
+    Raises
+    ------
+    ArgumentError
+        They cannot.
+    """
+    if c.size > 1 and kinds_of(c).max() + 1 == c.size:
         raise ArgumentError(
             "trim: no two satellites have one period, so that there are no rates to make agree; "
             "leave the trim out"
         )
     told = beat_of(c, forces.field)
-    beat = told.period
     if not can_trim(told):
         raise ArgumentError(
             f"trim: the orbits keep pace with Mars, {told.ratio}, to a beat of "
-            f"{beat / SECONDS_PER_DAY:.4g} days: they are in resonance, and no initial axis keeps "
-            "them apart; choose a radius some hundred kilometres away, or keep them by burns"
+            f"{told.period / SECONDS_PER_DAY:.4g} days: they are in resonance, and no initial axis "
+            "keeps them apart; choose a radius some hundred kilometres away, or keep them by burns"
         )
-    span = float(np.clip(horizon, BEATS * beat, LONGEST))
-    best: tuple[float, float, Constellation] | None = None
-    before = (0.0, 0.0)
-    trial = c
-    for k in progress(list(range(ROUNDS + 1))):
-        path = Motion("numerical", forces).trajectory(trial, 0.0, span, tolerance=COARSE)
-        times, theta = turned(path)
-        rates = mean_rates(times, theta)
-        excursion = float(excursions(theta, kinds).max(initial=0.0))
-        apart = _from_mean(rates, kinds)
-        spreads = (float(np.ptp(rates[kinds == kind])) for kind in np.unique(kinds))
-        spread = max(spreads, default=0.0)
-        if k == 0:
-            before = (spread, excursion)
-        if best is None or excursion < best[0]:
-            best = (excursion, spread, trial)
-        if spread * span <= GOOD * excursion:
-            break
-        step = apart / (1.5 * c.mean_motion / c.semi_major_axis)
-        trial = with_axes(trial, trial.semi_major_axis + step)
-    assert best is not None
-    excursion, spread, chosen = best
-    shift = chosen.semi_major_axis - c.semi_major_axis
-    return Trim(
-        constellation=chosen,
-        shift=shift,
-        horizon=span,
-        beat=beat,
-        spread_before=before[0],
-        spread=spread,
-        excursion_before=before[1],
-        excursion=excursion,
-    )
+    return told.period
+
+
+def _by_oblateness(c: Constellation) -> Constellation:
+    """Axes that J2 alone asks for: of circles ``3/2 J2 R^2 / a sin^2 i cos 2u`` above the mean."""
+    u = c.argument_of_periapsis + c.mean_anomaly
+    swing = 1.5 * MARS_J2.value * MARS_J2_RADIUS.value**2 / c.semi_major_axis
+    shift = swing * np.sin(c.inclination) ** 2 * np.cos(2.0 * u)
+    return with_axes(c, c.semi_major_axis + np.where(c.eccentricity > OVAL, 0.0, shift))
 
 
 def beat_of(constellation: Constellation, field: GravityField) -> Beat:
@@ -261,8 +311,8 @@ def excursions(theta: NDArray[np.float64], kinds: NDArray[np.int64]) -> NDArray[
 def kinds_of(c: Constellation) -> NDArray[np.int64]:
     """Number of the kind of each orbit, shape (n,): axes that J2 cannot tell apart are one kind.
 
-    It sets osculating axes apart by up to ``3 J2 R^2 / a`` from crest to trough; a gap of twice that
-    begins another kind.
+    It sets osculating axes apart by up to ``3 J2 R^2 / a`` from crest to trough; a gap of twice
+    that begins another kind.
     """
     order = np.argsort(c.semi_major_axis)
     axes = c.semi_major_axis[order]

@@ -5,6 +5,7 @@ of Mars's field along the track, undone for a year (`compass.orbits.resonance`).
 under all forces, trimmed where they can be, and no symmetry (`compass.coverage.lasting`).
 """
 
+from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any
 
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.resonance import push_on_patterns
+from compass.coverage.certificate import Outcome
 from compass.coverage.lasting import prove_span
 from compass.frames import SECONDS_PER_DAY, Figure, prime_meridian_angle
 from compass.inputs.study import Study
@@ -19,8 +21,8 @@ from compass.orbits import Constellation
 from compass.orbits.forces import ForceModel
 from compass.orbits.motion import Motion
 from compass.orbits.resonance import slow_pushes
-from compass.orbits.trajectory import COARSE
-from compass.orbits.trimming import beat_of, can_trim, trim
+from compass.orbits.trajectory import COARSE, Trajectory
+from compass.orbits.trimming import beat_of, can_trim, trimmed_path
 from compass.quantities.merits import worked_out
 from compass.study.candidates import make_constellation, pattern_columns
 
@@ -29,6 +31,9 @@ YEAR = 365.25 * SECONDS_PER_DAY
 
 #: Half width of a slot's box, as a share of what the margin allows; as of `compass.keep`.
 BOX = 0.5
+
+#: Parts of the days for which orbits that no trim helps are followed, if longer than so many days.
+PARTS, SHORT = (0.0625, 0.25, 1), 20.0
 
 _forces = lru_cache(maxsize=1)(ForceModel)
 
@@ -89,12 +94,27 @@ def real_motion() -> Motion:
     return Motion("numerical", _forces())
 
 
-def left_alone(c: Constellation, days: float, motion: Motion | None = None) -> Constellation:
-    """Orbits as they are to begin so that they stay longest: trimmed where forces allow it."""
-    forces = _forces() if motion is None else motion.forces
-    if forces is None or not can_trim(beat_of(c, forces.field)):
-        return c
-    return trim(c, forces, days * SECONDS_PER_DAY).constellation
+def paths_left_alone(
+    c: Constellation, days: float, motion: Motion | None = None
+) -> Iterator[tuple[float, Trajectory]]:
+    """Paths for more and more days up to all: trimmed once where forces allow it, to `COARSE`.
+
+    Orbits that no trim helps are soon lost: they are followed for a part of the days first. Of
+    trimmed ones all days are known at once.
+
+    Yields
+    ------
+    days, path
+        The last of all `days`.
+    """
+    moved = motion or real_motion()
+    stop, forces = days * SECONDS_PER_DAY, moved.forces
+    if forces is not None and can_trim(beat_of(c, forces.field)):
+        yield days, trimmed_path(c, forces, stop)
+        return
+    for part in PARTS:
+        if part == 1 or part * days > SHORT:
+            yield part * days, moved.trajectory(c, 0.0, part * stop, tolerance=COARSE)
 
 
 def proven_days(
@@ -106,7 +126,12 @@ def proven_days(
     motion: Motion | None = None,
 ) -> float:
     """Days for which a fold is proven from the epoch on, trimmed once where forces allow it."""
-    stop, moved = days * SECONDS_PER_DAY, motion or real_motion()
-    path = moved.trajectory(left_alone(c, days, moved), 0.0, stop, tolerance=COARSE)
     ground: Any = {"sphere_radius": figure.equatorial_radius, "stretch": figure.stretch}
-    return prove_span(path, fold, **ground, mask=mask, stop=stop).days_proven
+    proven = 0.0
+    for until, path in paths_left_alone(c, days, motion):
+        stop = until * SECONDS_PER_DAY
+        found = prove_span(path, fold, **ground, mask=mask, stop=stop)
+        proven = found.days_proven
+        if found.outcome is not Outcome.PROVEN:
+            break
+    return proven

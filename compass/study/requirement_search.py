@@ -22,7 +22,8 @@ from compass.coverage.verdict import Verdict
 from compass.errors import ArgumentError
 from compass.orbits import Constellation
 from compass.orbits.kinds import kind_of
-from compass.study.lasting import left_alone, real_motion
+from compass.orbits.motion import Motion
+from compass.study.lasting import paths_left_alone
 from compass.study.requirement_patterns import grids, sampled
 from compass.study.requirement_question import Found, KeptOut, Outcome, Question
 from compass.study.requirement_samples import is_hopeless
@@ -31,6 +32,9 @@ from compass.study.search import MOST_SATELLITES, pair_cosines
 #: Candidates of a size whose figures are certified at most, the most promising first; and
 #: inclinations or turns of one pattern.
 MOST_CERTIFIED, TRIES = 16, 2
+
+#: Boxes for the room of a candidate; candidates whose folds are asked for at once.
+ROOM_BOXES, BATCH = 20_000, 16
 
 #: Patterns without the geometry wanted that are asked whether they have at least the folds.
 BARE = 8
@@ -70,15 +74,14 @@ def search_for(
         looked_at += sum(len(grid.inclinations) for grid in tried)
         unknown = bool(question.geometry) and "geometry" not in kept
         able, bare = sampled(question, tried, workers, unknown)
-        found = _folded(question, able, workers)
         _keep_out(question, bare[:BARE], kept)
-        apart = [one for one in found if one.closest_approach >= question.least_approach]
-        for one in found:
-            if one.closest_approach < question.least_approach and "close" not in kept:
-                angle = np.degrees(one.closest_approach)
-                kept["close"] = KeptOut(
-                    one.constellation, f"two satellites come within {angle:.2f} deg of each other"
-                )
+        apart = [one for one in able if one.closest_approach >= question.least_approach]
+        close = [one for one in able if one.closest_approach < question.least_approach]
+        if "close" not in kept and (first := _first_folded(question, close, workers)):
+            angle = np.degrees(first.closest_approach)
+            kept["close"] = KeptOut(
+                first.constellation, f"two satellites come within {angle:.2f} deg of each other"
+            )
         good = _certified(question, apart, finalists if not met else 1, workers, kept)
         if met:
             next_best = good[0] if good else None
@@ -99,25 +102,29 @@ def _check(question: Question, finalists: int) -> None:
         kind_of(kind)
 
 
-def _folded(question: Question, found: Sequence[Found], workers: int) -> list[Found]:
-    """Candidates with every fold that is wanted always."""
-    if not found or not question.always:
-        return list(found)
-    # who is asked, and for how long, is the same for all
-    design = question.design(found[0].constellation)
+def _first_folded(question: Question, found: Sequence[Found], workers: int) -> Found | None:
+    """The first candidate with every fold that is wanted always; None if none has."""
+    with ThreadPoolExecutor(workers) as pool:
+        for some in range(0, len(found), BATCH):
+            batch = found[some : some + BATCH]
+            held = pool.map(lambda one: _holds(question, one), batch)
+            for one, holds in zip(batch, list(held), strict=True):
+                if holds:
+                    return one
+    return None
+
+
+def _holds(question: Question, one: Found) -> bool:
+    """Whether a candidate has every fold that is wanted always."""
+    if not question.always:
+        return True
+    design = question.design(one.constellation)
     course = course_of(design, None, 0.0)
     assert course is not None
-    users = [users_of(design, wanted) for wanted in question.always]
-
-    def holds(one: Found) -> bool:
-        return all(
-            fold_always_met(one.constellation, places, wanted, course)
-            for places, wanted in zip(users, question.always, strict=True)
-        )
-
-    with ThreadPoolExecutor(workers) as pool:
-        kept = list(pool.map(holds, found))
-    return [one for one, keep in zip(found, kept, strict=True) if keep]
+    return all(
+        fold_always_met(one.constellation, users_of(design, wanted), wanted, course)
+        for wanted in question.always
+    )
 
 
 def _certified(
@@ -128,17 +135,19 @@ def _certified(
     kept: dict[str, KeptOut],
 ) -> list[Found]:
     """The best of a size that meet everything, of different patterns."""
+    by_pattern: dict[tuple[str, int, int], list[Found]] = {}
+    for one in found:
+        by_pattern.setdefault(_name(one), []).append(one)
     with ThreadPoolExecutor(workers) as pool:
-        rank = list(pool.map(lambda one: _rank(question, one), found))
-    ranked = [found[k] for k in sorted(range(len(found)), key=lambda k: rank[k])]
+        best = list(pool.map(lambda some: _best(question, some), by_pattern.values()))
+    placed = sorted((pair for pairs in best for pair in pairs), key=lambda pair: pair[0])
+    ranked = [one for _, one in placed]
     good: list[Found] = []
     tries: dict[tuple[str, int, int], int] = {}
     known = set()
     share = min((r.share for r in question.geometry), default=0.0)
     for one in ranked:
-        p = one.constellation.pattern
-        assert p is not None
-        name = (p.kind, p.planes, p.phasing)
+        name = _name(one)
         tried = tries.get(name, 0)
         if len(good) >= wanted or sum(tries.values()) >= MOST_CERTIFIED:
             break
@@ -146,6 +155,8 @@ def _certified(
             continue
         shape = _shape(one.constellation)
         if shape in known:  # the same satellites, numbered or turned otherwise
+            continue
+        if not _holds(question, one):
             continue
         known.add(shape)
         verdicts, failed = _verdicts(question, one)
@@ -176,7 +187,7 @@ def _shape(c: Constellation) -> tuple[float, bytes]:
 
 def _keep_out(question: Question, bare: Sequence[Found], kept: dict[str, KeptOut]) -> None:
     """Note the first that has the folds proven, and by what its geometry fails."""
-    for one in _folded(question, bare, 1)[:1]:
+    if one := _first_folded(question, bare, 1):
         _, failed = _verdicts(question, one)
         if failed is not None:
             kept["geometry"] = KeptOut(one.constellation, _why(failed))
@@ -203,13 +214,17 @@ def _lost(question: Question, one: Found) -> Verdict | None:
     """
     if question.days is None:
         return None
-    design = question.design(left_alone(one.constellation, question.days))
-    design = replace(design, motion=real_motion())
-    for wanted in question.requirements:
-        effort = Effort(budget_s=question.budget_s)
-        verdict = verdict_of(design, wanted, days=question.days, effort=effort)
-        if verdict.met is not True:
-            return verdict
+    design = question.design(one.constellation)
+    folds_first = sorted(question.requirements, key=lambda wanted: bool(wanted.limits))
+    for days, path in paths_left_alone(one.constellation, question.days):
+        flown = replace(design, motion=Motion("ephemeris", table=path))
+        for wanted in folds_first:
+            if wanted.limits and days < question.days:
+                continue
+            effort = Effort(budget_s=question.budget_s)
+            verdict = verdict_of(flown, wanted, days=days, effort=effort)
+            if verdict.met is not True:
+                return verdict
     return None
 
 
@@ -225,10 +240,36 @@ def _why(verdict: Verdict) -> str:
     return f"{wanted.wanted} broken at {place} ({wanted.name})"
 
 
-def _rank(question: Question, one: Found) -> tuple[float, ...]:
-    """Where a candidate stands: more good samples, the worst better, more room for its folds."""
+def _name(one: Found) -> tuple[str, int, int]:
+    """Which pattern a candidate is of, at whatever inclination and turn."""
+    p = one.constellation.pattern
+    assert p is not None
+    return p.kind, p.planes, p.phasing
+
+
+def _best(question: Question, some: Sequence[Found]) -> list[tuple[tuple[float, ...], Found]]:
+    """Candidates of one pattern that may be tried, each with its place: the lowest first.
+
+    Those of more good samples, the worst better; then of more room for the folds. Of folds alone no
+    more than `TRIES` are looked for: what the first glance at a candidate shows is no less than its
+    room, so that most need no second one.
+    """
     if question.geometry:
-        return -one.sampled, one.worst
+        return [((-one.sampled, one.worst), one) for one in some]
+    if len(question.always) < len(question.requirements):
+        return [((-one.sampled, -_room(question, one, ROOM_BOXES)), one) for one in some]
+    hopes = [_room(question, one, 0) for one in some]
+    best: list[tuple[float, int]] = []
+    for k in sorted(range(len(some)), key=lambda k: -hopes[k]):
+        if hopes[k] < 0.0 or (len(best) == TRIES and hopes[k] < -best[-1][0]):
+            break
+        if _holds(question, some[k]):
+            best = sorted([*best, (-_room(question, some[k], ROOM_BOXES), k)])[:TRIES]
+    return [((-some[k].sampled, room), some[k]) for room, k in best]
+
+
+def _room(question: Question, one: Found, most: int) -> float:
+    """Least clearance that a look of so many boxes shows for the folds wanted, radians: or less."""
     c, room = one.constellation, np.inf
     design = question.design(c)
     for wanted in question.always:
@@ -239,6 +280,6 @@ def _rank(question: Question, one: Found) -> tuple[float, ...]:
                 course = course_of(design, None, 0.0)
                 span = course.span if course is not None else None
             asked = users if span is not None else users.belt()
-            about = least_clearance(c, asked, wanted.fold, span=span, tolerance=3e-3, most=20_000)
+            about = least_clearance(c, asked, wanted.fold, span=span, tolerance=3e-3, most=most)
             room = min(room, about.high)
-    return -one.sampled, -room
+    return room

@@ -9,7 +9,16 @@ from compass.orbits.constellation import keplerian
 from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import built_in_field
 from compass.orbits.motion import Motion
-from compass.orbits.trimming import beat_of, can_trim, kinds_of, mean_rates, trim, turned
+from compass.orbits.trimming import (
+    beat_of,
+    can_trim,
+    excursions,
+    kinds_of,
+    mean_rates,
+    trim,
+    trimmed_path,
+    turned,
+)
 
 OBLATE = ForceModel(built_in_field().truncated(2, 0), False, False, 0.0, "none")
 
@@ -30,6 +39,17 @@ def test_under_oblateness_alone_the_shift_is_the_short_period_term_of_the_axis()
     # 1 km of axis is 3/2 n / a: what was given runs apart by twice the amplitude
     rate = 1.5 * c.mean_motion[0] / 12000e3 * 2 * amplitude
     assert done.spread_before == pytest.approx(rate, rel=0.05)
+
+
+def test_paths_of_trimmed_orbits_keep_together_as_the_trim_does():
+    c = ring(12000e3)
+    done = trim(c, OBLATE, 6 * DAY)
+    path = trimmed_path(c, OBLATE, 6 * DAY)
+    _, theta = turned(path)
+    furthest = excursions(theta, kinds_of(c)).max()
+    assert furthest < 1.1 * done.excursion < 0.1 * done.excursion_before
+    axis = np.linalg.norm(path.states([0.0])[0][:, 0], axis=1)
+    assert axis - axis.mean() == pytest.approx(done.shift - done.shift.mean(), rel=0.05)
 
 
 def test_each_kind_of_orbit_is_trimmed_to_its_own_mean():

@@ -17,8 +17,15 @@ from compass.orbits.gravity import built_in_field
 from compass.orbits.motion import Motion
 from compass.orbits.period import secular_rates
 from compass.orbits.resonance import slow_pushes
+from compass.study import lasting
 from compass.study.candidates import ROW, make_constellation
-from compass.study.lasting import YEAR, keeping_law, orbits_figures
+from compass.study.lasting import (
+    YEAR,
+    keeping_law,
+    orbits_figures,
+    paths_left_alone,
+    proven_days,
+)
 from compass.study.results import read_results
 from compass.study.stages import evaluate
 
@@ -154,7 +161,7 @@ def test_the_law_follows_the_field_of_the_study():
 
 
 @pytest.mark.slow
-def test_resonant_candidates_do_not_last(tmp_path):
+def test_resonant_candidates_do_not_last(tmp_path, monkeypatch):
     """A mask that leaves a degree of margin: in resonance it goes, 400 km lower it does not."""
     study = read_study_text(STUDY.format(days=60) + "[map]\nstep_deg = 45\nepochs = 1\n")
     candidates = rows(20027.0, SYNCHRONOUS, kind=(0, 5, 5, 1), inclination=43.66)
@@ -162,6 +169,12 @@ def test_resonant_candidates_do_not_last(tmp_path):
     days = orbits_figures(study, candidates)["days_proven"]
     assert days[0] == 60.0
     assert 1.0 < days[1] < 60.0
+    # a part of the days, if it is lost in it, is as good as all
+    c, mask = make_constellation(candidates[1]), float(np.radians(candidates["mask_deg"][1]))
+    asked = (c, study.fold, 60.0, study.figure, mask)
+    monkeypatch.setattr(lasting, "SHORT", 1.0)
+    assert proven_days(*asked) == pytest.approx(days[1], abs=2e-5)
+    assert [until for until, _ in paths_left_alone(c, 60.0)] == [3.75, 15.0, 60.0]
     # without the field's longitudes nothing pushes along the track
     smooth = read_study_text(study.text + '[motion]\nmodel = "j2"\n')
     assert orbits_figures(smooth, candidates)["days_proven"].tolist() == [60.0, 60.0]

@@ -119,7 +119,8 @@ def test_turns_over_the_ground_are_all_there_are():
 
 def looked_at(q, size):
     """Candidates of a size that have the folds wanted."""
-    return module._folded(q, patterns.sampled(q, list(patterns.grids(q, size)), 2)[0], 2)
+    able, _ = patterns.sampled(q, list(patterns.grids(q, size)), 2)
+    return [one for one in able if module._holds(q, one)]
 
 
 @pytest.mark.slow
@@ -142,6 +143,27 @@ def test_bands_against_a_brute_force_of_others(band, mask, size, monkeypatch):
     found = looked_at(q, size)
     assert found
     assert always_clear(found[0].constellation, users, 4)
+
+
+def test_the_best_of_a_pattern_are_those_of_most_room_of_all_that_hold(monkeypatch):
+    """A first glance that is no less than the room skips nothing that counts."""
+    monkeypatch.setattr(patterns, "STEP", 6.0)
+    asked = Requirement("band", regions=("lat:-20:20",), fold=1)
+    q = Question(
+        (asked,), FIGURES["iau-sphere"], Mask(), 20427.7e3, None, 0.0, ("walker-delta",), 5
+    )
+    able, _ = patterns.sampled(q, list(patterns.grids(q, 4)), 1)
+    for name in {module._name(one) for one in able}:
+        some = [one for one in able if module._name(one) == name]
+        rooms = sorted(
+            (-module._room(q, one, module.ROOM_BOXES), k)
+            for k, one in enumerate(some)
+            if module._holds(q, one)
+        )
+        known = [some[k].constellation for _, k in rooms[: module.TRIES]]
+        found = module._best(q, some)
+        assert [one.constellation for _, one in found] == known
+        assert all(module._room(q, one, 0) >= module._room(q, one, 20_000) for one in some)
 
 
 def test_bad_files_and_options_are_told(tmp_path, run):
