@@ -100,12 +100,13 @@ def drift(
     path = motion.trajectory(c, start, stop, progress=lambda x: bar(progress, "orbits", x))
     kept = promises_of(read, path, start, stop, lambda x: bar(progress, "requirements", x))
     sphere, highest, ground, lasting = read.figure.equatorial_radius, mask, "", None
+    stretch = read.figure.stretch
     own = bool(kept) and fold is None and mask_deg is None and region is None
     if own:
         lead = lead_of(read, kept, path, start, stop)
         where = replace(lead.claim.region, name=lead.claim.name)
         wanted, lasting = lead.fold, replace(lead.lasting, region=where)
-        sphere, highest = lead.claim.radius, lead.claim.highest
+        sphere, highest, stretch = lead.claim.radius, lead.claim.highest, lead.claim.stretch
         mask, ground = lead.claim.mask, lead.claim.ground
     found = drift_of(
         read.constellation,
@@ -116,7 +117,7 @@ def drift(
         sphere_radius=sphere,
         mask=highest,
         region=where,
-        stretch=read.figure.stretch,
+        stretch=stretch,
         step_days=step_days,
         lasting=lasting,
         progress=lambda x: bar(progress, "margins", x),

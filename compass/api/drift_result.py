@@ -1,7 +1,7 @@
 """What a design does that is left alone, as text, numbers, picture and files."""
 
 from dataclasses import dataclass, field
-from math import atan, degrees
+from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -246,12 +246,12 @@ class DriftResult(Result):
         last = () if known is None else (room.heading,)
         header = ("day", f"least {margin.heading}", "at the moment", *last)
         step = (found.times[1] - found.times[0]) / SECONDS_PER_DAY
-        ground = self._sphere()
+        ground = self._figure()
         note = (
             f"least margin: by how much all caps could shrink in the {step:g} "
             f"day{'s' if step != 1 else ''} before, a "
             f"proven bound (of the first row, in the day after); {self._slots()}"
-            + (f"; both are {ground}" if ground else "")
+            + (f"; {ground}" if ground else "")
         )
         return [Table("Margin and room over time", header, rows), Sentence(note)]
 
@@ -266,17 +266,13 @@ class DriftResult(Result):
             "one: there is no room in them to tell"
         )
 
-    def _sphere(self) -> str:
-        """Of what margin and room are, where that is not what the days are proven on."""
-        own = self.design.figure
-        if own.is_sphere or self.ground:
+    def _figure(self) -> str:
+        """How angles are meant and how good they are on an ellipsoid; empty on a sphere."""
+        if self.design.figure.is_sphere or self.ground:
             return ""
-        # planetographic less planetocentric latitude, where that is largest
-        lean = degrees(atan((own.stretch**2 - 1.0) / (2.0 * own.stretch)))
         return (
-            f"of the sphere of the equatorial radius, {own.equatorial_radius / 1e3:.2f} km, whose "
-            f"verticals differ from the ellipsoid's, on which the days are proven, by up to "
-            f"{lean:.2f} deg"
+            "margins are of the ellipsoid, stretched to its equatorial sphere, good to 0.01 deg; "
+            "room and box are of the largest caps in which all of it sees a satellite, to 0.03 deg"
         )
 
     def _per_satellite(self) -> list[Block]:
@@ -373,9 +369,7 @@ class DriftResult(Result):
         )
         header = ("radius, km", proven.heading, "lost on day", margin.heading, "beat, days")
         title = "Left alone at other radii, trimmed where it can be"
-        ground = self._sphere()
-        told = [Sentence(f"margins are {ground}")] if ground else []
-        return [Table(title, header, rows), *told]
+        return [Table(title, header, rows)]
 
     def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw margin and room over time.

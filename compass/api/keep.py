@@ -131,8 +131,8 @@ def _everywhere(design: Design, fold: int, mask: float) -> SlotBox:
         raise ArgumentError(
             f"fold = {fold}: the pattern has it at no mask, so no slot has any room; give less"
         )
-    axis = float(design.constellation.semi_major_axis[0])
-    return slot_box(axis, covering, design.figure.equatorial_radius, mask)
+    figure = design.figure
+    return slot_box(design.constellation, covering, figure.equatorial_radius, mask, figure.stretch)
 
 
 #: Options: field of `Upkeep`, factor to SI, least and most.

@@ -168,8 +168,6 @@ class KeepResult(Result):
             f"{100 * self.upkeep.execution_error:g} %, places known to "
             f"{self.upkeep.navigation_error:g} m (all 1 sigma): the table [keeping] says otherwise"
         )
-        if not self.design.figure.is_sphere:
-            how += "; what is allowed is on the sphere of the ellipsoid's equatorial radius"
         evidence = Sampled(how="one simulation")
         return Page(
             self.design.name,

@@ -133,11 +133,6 @@ def _look(design: Design) -> dict[str, Any]:
         horizon = min(horizon, motion.table.stop / SECONDS_PER_DAY)
     if horizon < HORIZON:
         notes.append(f"looked {horizon:.4g} days ahead, which is as far as was affordable or known")
-    if not design.figure.is_sphere:
-        notes.append(
-            "margin, room and the box are of the sphere of the equatorial radius, days are proven "
-            "on the ellipsoid"
-        )
     claim = _claim(design, horizon)
     lost = claim.outcome is not Outcome.PROVEN
     over_time, keeping = None, None

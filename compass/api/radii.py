@@ -155,7 +155,7 @@ def _at_radius(design: Design, radius_km: float, stop: float, asked: Asked | Non
         found = promises_of(flown, path, 0.0, stop)
         lead = lead_of(flown, found, path, 0.0, stop)
         fold, region = lead.fold, lead.claim.region
-        sphere, mask = lead.claim.radius, lead.claim.highest
+        sphere, mask, stretch = lead.claim.radius, lead.claim.highest, lead.claim.stretch
         known = [one for each in found if (one := each.decides) is not None] or [lead.lasting]
         until = min(one.proven_until for one in known)
         losses = [one.first_loss_days for one in known if one.first_loss_days is not None]
@@ -168,7 +168,9 @@ def _at_radius(design: Design, radius_km: float, stop: float, asked: Asked | Non
         lasts = prove_span(path, fold, **asks, stop=stop)
         until, lost = lasts.proven_until, lasts.first_loss_days
     times = np.linspace(0.0, max(until, 1.0), MOMENTS)
-    margins = margins_at(path, fold, times, sphere_radius=sphere, mask=mask, region=region)
+    margins = margins_at(
+        path, fold, times, sphere_radius=sphere, stretch=stretch, mask=mask, region=region
+    )
     days = until / SECONDS_PER_DAY
     least = degrees(float(margins.min()))
     return RadiusLasts(radius_km, days, lost, least, beat, trimmed, resonance)

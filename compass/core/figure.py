@@ -16,7 +16,12 @@ kappa need only be known where e' comes near the mask: where ``sin e'`` is outsi
 
 import math
 
+import numpy as np
+
 from compass.core.jit import kernel
+
+#: Steps of azimuth, half a turn of them, at which the rim of a cap is looked at.
+RIM = 180
 
 #: What a few sums and roots of numbers about 1 may be wrong by.
 ROUNDING = 1e-14
@@ -143,3 +148,80 @@ def stretched_caps(
         growth = rate * sphere_radius / (low * math.sqrt(low * low - sphere_radius**2))
         stray[s] = stretch * stray[s] + growth * half
     return by_band, by_time
+
+
+@kernel
+def _round_the_rim(distance, height, sphere_radius, stretch, cap):
+    """Least sine of the elevation over a circle about a satellite, seen from the centre.
+
+    Looked at in `RIM` steps of azimuth, less what it can change by from the nearest of them. With q
+    and R as above, ``c = q.R/|R|`` changes with the azimuth by at most ``2 f2 w``, where
+    ``f2 = s^2 - 1`` and w is the sine of the circle's radius times the cosine of its middle's
+    latitude; ``sin e'`` with c by at most ``R^2/D^2``, and kappa by at most
+    ``s^3 (f2 + (1 - 1/s^2) a/D)``.
+    """
+    f2, e2 = stretch * stretch - 1.0, 1.0 - 1.0 / (stretch * stretch)
+    rise = _within(height / distance)
+    level = math.sqrt(1.0 - rise * rise)
+    cc, sc = math.cos(cap), math.sin(cap)
+    lowest, steepest, nearest = math.inf, 0.0, math.inf
+    for k in range(RIM + 1):
+        turn = math.pi * k / RIM
+        north, east = sc * math.cos(turn), sc * math.sin(turn)
+        x, y, z = cc * level - north * rise, east, cc * rise + north * level
+        reach = sphere_radius / math.sqrt(x * x + y * y + stretch * stretch * z * z)
+        px, py, pz = x * reach, y * reach, z * reach
+        nx, ny, nz = px, py, stretch * stretch * pz
+        dx, dy, dz = distance * level - px, -py, distance * rise - pz
+        norm = math.sqrt(nx * nx + ny * ny + nz * nz)
+        sine = (nx * dx + ny * dy + nz * dz) / (norm * math.sqrt(dx * dx + dy * dy + dz * dz))
+        lowest, steepest = min(lowest, sine), max(steepest, abs(sine))
+        nearest = min(nearest, dx * dx + dy * dy + stretch * stretch * dz * dz)
+    if stretch == 1.0:
+        return lowest
+    far2 = distance * distance * (level * level + stretch * stretch * rise * rise)
+    half, moves = 0.5 * math.pi / RIM, 2.0 * f2 * sc * level
+    nearest -= 2.0 * math.sqrt(far2) * sphere_radius * moves * half
+    if nearest <= 0.0:
+        return -1.0
+    tilt = 1.05 * steepest * stretch**3 * (f2 + e2 * sphere_radius / math.sqrt(nearest))
+    return lowest - half * (moves * far2 / nearest + tilt)
+
+
+@kernel
+def inner_cap(distance, height, sphere_radius, stretch, mask):
+    """Largest cap about a satellite, as an angle at the centre, in which all users see it.
+
+    Users on the ellipsoid, over its normal; to 1e-9 rad and what `_round_the_rim` leaves open, on
+    the safe side. Along every great circle from below the satellite its elevation falls, so that
+    the rim decides.
+
+    Parameters
+    ----------
+    distance, height
+        Of the satellite, from the centre and over the equator, m.
+    sphere_radius, stretch, mask
+        As in `stretched_caps`.
+
+    Returns
+    -------
+    cap
+        Radians; 0 if there is none.
+    """
+    wanted, low, high = math.sin(mask), 0.0, math.pi
+    while high - low > 1e-9:
+        middle = 0.5 * (low + high)
+        if _round_the_rim(distance, height, sphere_radius, stretch, middle) >= wanted:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@kernel
+def inner_caps(distances, heights, sphere_radius, stretch, mask):
+    """`inner_cap` of many satellites, shape (k,)."""
+    found = np.empty(distances.size)
+    for k in range(distances.size):
+        found[k] = inner_cap(distances[k], heights[k], sphere_radius, stretch, mask)
+    return found

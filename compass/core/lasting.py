@@ -289,15 +289,15 @@ def margin_at(u, radius, region, floors, k, low, high, tolerance):
     """How much all caps may shrink, radians, with the fold still k; between `low` and `high`.
 
     By halving; the result is on the safe side by less than `tolerance`. Negative where they must
-    grow.
+    grow; all of it in a region that has no place.
     """
-    cosines = np.empty(radius.size)
+    n, cosines = radius.size, np.empty(radius.size)
     while high - low > tolerance:
         middle = 0.5 * (low + high)
         for s in range(radius.size):
             cosines[s] = cap_cosine(radius[s], -middle)
-        fold, _, _, _ = extreme_fold(u, cosines, region, floors, True, True, k)
-        if fold >= k:
+        fold, curve, _, _ = extreme_fold(u, cosines, region, floors, True, True, k)
+        if fold >= k or (curve == n and floors.size > 0):
             low = middle
         else:
             high = middle
@@ -306,11 +306,14 @@ def margin_at(u, radius, region, floors, k, low, high, tolerance):
 
 @kernel
 def margins(breaks, paths, errors, turns, frame, ground, region, floors, k, times, tolerance):
-    """`margin_at` many moments, radians, shape (t,)."""
+    """`margin_at` many moments, radians, between bounds, shape (t, 2).
+
+    They differ by what lies between an ellipsoid's caps; on a sphere they are one.
+    """
     n = paths.shape[1]
     u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty((n, 2))
-    pulls = np.zeros(n)
-    found = np.full(times.size, np.nan)
+    pulls, tried = np.zeros(n), np.empty(n)
+    found = np.full((times.size, 2), np.nan)
     for j in range(times.size):
         piece = piece_of(breaks, times[j])
         if caps_between(
@@ -328,7 +331,16 @@ def margins(breaks, paths, errors, turns, frame, ground, region, floors, k, time
             radius,
             stray,
         ):
-            found[j] = margin_at(u, radius, region, floors, k, -math.pi, math.pi, tolerance)
+            for side in range(2):
+                vague = 0.0 if ground[1] == 1.0 else (2.0 * side - 1.0)
+                for s in range(n):
+                    tried[s] = radius[s] + vague * stray[s, 1]
+                if side == 1 and vague == 0.0:
+                    found[j, 1] = found[j, 0]
+                else:
+                    found[j, side] = margin_at(
+                        u, tried, region, floors, k, -math.pi, math.pi, tolerance
+                    )
     return found
 
 
@@ -351,7 +363,8 @@ def least_margin(
     """Least margin over an interval of time, radians: bounds from below and above.
 
     Branch and bound: an interval whose caps, shrunk by their strays and the least margin met so
-    far but for `tolerance`, still cover k-fold, holds nothing lower that matters.
+    far but for `tolerance`, still cover k-fold, holds nothing lower that matters. Nor is one split
+    in which no cap moves by more than lies between an ellipsoid's caps.
 
     Returns
     -------
@@ -363,7 +376,7 @@ def least_margin(
     u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty((n, 2))
     cosines, pulls = np.empty(n), np.empty(n)
     stack = np.empty((128, 2))
-    nodes, below, above = 0, math.pi, math.pi
+    nodes, below, above, vague = 0, math.pi, math.pi, 0.0
     piece = piece_of(breaks, start)
     while piece < breaks.size - 1 and breaks[piece] < stop:
         for s in range(n):
@@ -392,13 +405,20 @@ def least_margin(
                 radius,
                 stray,
             )
-            furthest = 0.0
+            furthest, slow = 0.0, ground[1] != 1.0
             if known:
+                fixed = 0.0
                 for s in range(n):
                     furthest = max(furthest, stray[s, 0])
+                    fixed = max(fixed, stray[s, 1])
+                    slow = slow and stray[s, 0] <= 2.0 * stray[s, 1]
                     cosines[s] = cap_cosine(radius[s], -above)
-                if extreme_fold(u, cosines, region, floors, True, True, k)[0] < k:
+                fold, curve, _, _ = extreme_fold(u, cosines, region, floors, True, True, k)
+                if curve == n and floors.size > 0:
+                    continue
+                if fold < k:
                     above = margin_at(u, radius, region, floors, k, -math.pi, above, 1e-6) + 1e-6
+                    vague = 0.0 if ground[1] == 1.0 else fixed
                 goal = above - tolerance
                 for s in range(n):
                     cosines[s] = cap_cosine(radius[s], -goal - stray[s, 0])
@@ -407,11 +427,11 @@ def least_margin(
                     continue
             elif half < 1e-3 or nodes >= max_nodes:
                 return -math.pi, -math.pi, nodes
-            if known and (half < 1e-3 or nodes >= max_nodes):
+            if known and (slow or half < 1e-3 or nodes >= max_nodes):
                 below = min(below, above - furthest)
                 continue
             stack[depth, 0], stack[depth, 1] = middle, right
             stack[depth + 1, 0], stack[depth + 1, 1] = left, middle
             depth += 2
         piece += 1
-    return min(below, above), above, nodes
+    return min(below, above), min(above + vague, math.pi), nodes

@@ -76,8 +76,7 @@ def drift_of(
     path
         What its satellites do.
     fold, sphere_radius, mask, region, stretch
-        As in `prove_span`. Margin and room are of the sphere, also where the claim is settled on
-        an ellipsoid.
+        As in `prove_span`.
     days, start_day
         Span.
     step_days
@@ -93,9 +92,10 @@ def drift_of(
         As `prove_span`.
     """
     start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY
-    place: dict[str, Any] = {"sphere_radius": sphere_radius, "mask": mask, "region": region}
+    ground: dict[str, Any] = {"sphere_radius": sphere_radius, "mask": mask, "stretch": stretch}
+    place = {**ground, "region": region}
     if lasting is None:
-        lasting = prove_span(path, fold, **place, stretch=stretch, start=start, stop=stop)
+        lasting = prove_span(path, fold, **place, start=start, stop=stop)
     step = step_days or max(1.0, float(np.ceil(days / MOMENTS)))
     times = np.append(np.arange(start, stop - 1.0, step * SECONDS_PER_DAY), stop)
     first = min(start + SECONDS_PER_DAY, stop)
@@ -107,7 +107,7 @@ def drift_of(
     ]
     room, box = None, None
     if (slots := covering_slots(constellation, fold, region)) is not None:
-        room = room_in_slots(slots, path, times, sphere_radius=sphere_radius, mask=mask)
-        box = slots.box(sphere_radius, mask)
+        room = room_in_slots(slots, path, times, **ground)
+        box = slots.box(**ground)
     margin = margins_at(path, fold, times, **place)
     return Drift(lasting, times, margin, np.array(least), room, box)

@@ -41,6 +41,9 @@ TOLERANCE = 1e-9
 #: Intervals to look at before giving up: minutes for 15 satellites.
 MAX_INTERVALS = 4_000_000
 
+#: How near bounds of an ellipsoid's margins come, radians.
+VAGUE = 2e-4
+
 #: Bands of latitude, sines, that are halved no further where an ellipsoid's caps are too vague.
 NARROWEST = 0.02
 
@@ -237,17 +240,32 @@ def margins_at(
     sphere_radius: float,
     mask: float = 0.0,
     region: Region = GLOBE,
+    stretch: float = 1.0,
     tolerance: float = 1e-6,
 ) -> NDArray[np.float64]:
     """By how much all caps may shrink with the fold kept, radians, at moments; negative if lost.
 
     Exact to `tolerance`, on the safe side. With caps of one size it is the cap's radius less the
-    covering radius of the moment.
+    covering radius of the moment. On an ellipsoid, `stretch` from a sphere, angles are those of
+    the sphere that it becomes when stretched, and exact to `VAGUE`.
     """
     seconds = np.atleast_1d(np.asarray(times, dtype=float))
     check_span(path, float(seconds.min()), float(seconds.max()))
-    arrays = _arrays(path, sphere_radius, 1.0, mask, region)
-    return np.asarray(margins(*arrays, fold, seconds, tolerance))
+    found, most = np.full(seconds.size, np.pi), np.full(seconds.size, np.pi)
+    bands = [((-1.0, 1.0), np.arange(seconds.size))]
+    while bands:
+        (south, north), which = bands.pop()
+        arrays = _arrays(path, sphere_radius, stretch, mask, region, (south, north))
+        low, high = margins(*arrays, fold, seconds[which], tolerance).T
+        most[which] = np.minimum(most[which], high)
+        # a band that is nowhere the tightest is good enough as it is
+        vague = (high - low > VAGUE) & (low < most[which] - VAGUE) & (north - south > NARROWEST)
+        done = which[~vague]
+        found[done] = np.minimum(found[done], low[~vague])
+        if vague.any():
+            waist = 0.5 * (south + north)
+            bands += [((waist, north), which[vague]), ((south, waist), which[vague])]
+    return found
 
 
 def least_margins(
@@ -258,16 +276,44 @@ def least_margins(
     sphere_radius: float,
     mask: float = 0.0,
     region: Region = GLOBE,
+    stretch: float = 1.0,
     tolerance: float = 1e-4,
 ) -> NDArray[np.float64]:
-    """Least margin between each moment and the next: proven bounds, radians, shape (t - 1, 2)."""
+    """Least margin between each moment and the next: proven bounds, radians, shape (t - 1, 2).
+
+    On an ellipsoid as `margins_at`, and no nearer to each other than `VAGUE`.
+    """
     seconds = np.asarray(edges, dtype=float)
-    arrays = _arrays(path, sphere_radius, 1.0, mask, region)
+    figure = (sphere_radius, stretch, mask)
     found = [
-        least_margin(*arrays, fold, a, b, tolerance, MAX_INTERVALS)[:2]
-        for a, b in pairwise(seconds)
+        _least_margin(path, figure, region, fold, span, tolerance) for span in pairwise(seconds)
     ]
     return np.array(found).reshape(-1, 2)
+
+
+def _least_margin(
+    path: Trajectory,
+    figure: tuple[float, float, float],
+    region: Region,
+    fold: int,
+    span: tuple[float, float],
+    tolerance: float,
+) -> tuple[float, float]:
+    """Bounds of the least margin of a span, in bands of latitude where an ellipsoid needs them."""
+    least, most, bands = np.pi, np.pi, [(-1.0, 1.0)]
+    while bands:
+        south, north = bands.pop()
+        arrays = _arrays(path, *figure, region, (south, north))
+        low, high, _ = least_margin(*arrays, fold, *span, tolerance, MAX_INTERVALS)
+        most = min(most, high)
+        near = max(2.0 * tolerance, VAGUE)
+        vague = figure[1] != 1.0 and high - low > near and low < most - near
+        if vague and north - south > NARROWEST:
+            waist = 0.5 * (south + north)
+            bands += [(waist, north), (south, waist)]
+            continue
+        least = min(least, low)
+    return float(least), float(most)
 
 
 def _span(path: Trajectory, start: float | None, stop: float | None) -> tuple[float, float]:

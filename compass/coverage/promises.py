@@ -199,15 +199,13 @@ def _follow(
 
 
 def _slots(design: Design, requirement: Requirement) -> list[tuple[Claim, Slots]] | None:
-    """Slots that cover each place of a requirement; None where one has none or is no sphere."""
+    """Slots that cover each place of a requirement; None where one has none."""
     fold, found = in_view(requirement), []
     assert fold is not None
     if requirement.beam is not None:
         return None
     for claim in claims_of(design, requirement):
-        slots = None
-        if claim.stretch == 1.0:  # room is known on spheres only
-            slots = covering_slots(design.constellation, fold, claim.region)
+        slots = covering_slots(design.constellation, fold, claim.region)
         if slots is None:
             return None
         found.append((claim, slots))
@@ -215,7 +213,7 @@ def _slots(design: Design, requirement: Requirement) -> list[tuple[Claim, Slots]
 
 
 def _box(slots: Slots, claim: Claim) -> SlotBox:
-    return slots.box(claim.radius, claim.highest)
+    return slots.box(claim.radius, claim.highest, claim.stretch)
 
 
 def _with_room(
@@ -224,7 +222,14 @@ def _with_room(
     if promise.lasting is None or (known := _slots(design, promise.requirement)) is None:
         return promise
     rooms = [
-        room_in_slots(slots, path, times, sphere_radius=claim.radius, mask=claim.highest).room
+        room_in_slots(
+            slots,
+            path,
+            times,
+            sphere_radius=claim.radius,
+            mask=claim.highest,
+            stretch=claim.stretch,
+        ).room
         for claim, slots in known
     ]
     box = min((_box(slots, claim) for claim, slots in known), key=lambda one: one.sideways)

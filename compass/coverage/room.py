@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.bodies import MARS_ROTATION_RATE
 from compass.core.slots import rooms
-from compass.coverage.cap import cap_radius
+from compass.coverage.cap import cap_radius, inner_cap_radius
 from compass.coverage.margin import covering_radius, highest_mask
 from compass.coverage.region import GLOBE, Region, latitude_band
 from compass.coverage.symmetry import shortest_span
@@ -28,6 +28,9 @@ from compass.orbits.trajectory import Trajectory
 
 #: Inclination, radians, below which node and argument of latitude are not told apart.
 FLAT = 0.02
+
+#: Latitudes of a pattern at which an ellipsoid's caps are looked at, radians apart.
+STEP = np.radians(1.0)
 
 
 @dataclass(frozen=True)
@@ -66,10 +69,9 @@ class Slots:
             return np.eye(4)[2:]
         return np.array([[0.0, 0.0, -_SPIN / float(self.pattern.mean_motion[0]), 1.0]])
 
-    def box(self, sphere_radius: float, mask: float) -> "SlotBox":
-        """How far a satellite may leave its slot on a sphere, of a radius in m, above a mask."""
-        radius = float(self.pattern.semi_major_axis[0])
-        return slot_box(radius, self.covering, sphere_radius, mask)
+    def box(self, sphere_radius: float, mask: float, stretch: float = 1.0) -> "SlotBox":
+        """How far a satellite may leave its slot, as `slot_box`."""
+        return slot_box(self.pattern, self.covering, sphere_radius, mask, stretch)
 
 
 #: Rotation of Mars, rad/s.
@@ -174,7 +176,13 @@ def covering_slots(pattern: Constellation, fold: int, region: Region = GLOBE) ->
 
 
 def room_in_slots(
-    slots: Slots, path: Trajectory, times: ArrayLike, *, sphere_radius: float, mask: float = 0.0
+    slots: Slots,
+    path: Trajectory,
+    times: ArrayLike,
+    *,
+    sphere_radius: float,
+    mask: float = 0.0,
+    stretch: float = 1.0,
 ) -> Room:
     """Room at moments: the greatest over turns and phases of the least spare cap less miss.
 
@@ -186,15 +194,18 @@ def room_in_slots(
         Where its satellites really are, in the same order.
     times
         Seconds after the epoch, shape (t,).
-    sphere_radius, mask
-        Metres and radians.
+    sphere_radius, mask, stretch
+        Metres and radians; ratio of the equatorial radius to the polar one: on an ellipsoid caps
+        are the largest in which all users see a satellite.
     """
     pattern = slots.pattern
     seconds = np.atleast_1d(np.asarray(times, dtype=float))
     r, v = (np.moveaxis(a, 0, 1) for a in path.states(seconds))
     distance = np.linalg.norm(r, axis=-1)
     directions = np.ascontiguousarray(r / distance[..., None])
-    spare = np.ascontiguousarray(cap_radius(distance, sphere_radius, mask) - slots.covering)
+    latitudes = np.arcsin(np.clip(directions[..., 2], -1.0, 1.0))
+    caps = inner_cap_radius(distance, latitudes, sphere_radius, mask, stretch)
+    spare = np.ascontiguousarray(caps - slots.covering)
     arguments = pattern.argument_of_periapsis + pattern.mean_anomaly
     inclination = float(pattern.inclination[0])
     turns, phases = _first_guess(r, v, pattern.raan, arguments, inclination)
@@ -222,17 +233,49 @@ def room_in_slots(
     return Room(seconds, found, misses[..., 0], misses[..., 1], above)
 
 
-def slot_box(radius: float, covering: float, sphere_radius: float, mask: float = 0.0) -> SlotBox:
+def slot_box(
+    pattern: Constellation,
+    covering: float,
+    sphere_radius: float,
+    mask: float = 0.0,
+    stretch: float = 1.0,
+) -> SlotBox:
     """Box of a slot: ``sqrt(x^2 + y^2) + lambda(a) - lambda(a - z) <= lambda(a) - lambda_min``.
+
+    On an ellipsoid lambda is the least of the largest caps over all latitudes that the pattern's
+    satellites reach, looked at `STEP` apart. A radian of latitude leans the figure's normal by
+    ``f = stretch^2 - 1`` at most and changes heights by no more than a share f of the radius, each
+    metre h of which is ``cot(lambda) / r`` of a cap: together f (1 + cot(lambda)).
 
     Parameters
     ----------
-    radius, covering, sphere_radius, mask
-        Radius a of the orbits, m; lambda_min, radians; m; radians.
+    pattern
+        Of circular orbits of radius a.
+    covering, sphere_radius, mask, stretch
+        lambda_min, radians; m; radians; ratio of the equatorial radius to the polar one.
     """
-    spare = float(cap_radius(radius, sphere_radius, mask)) - covering
-    lowest = sphere_radius * np.cos(mask) / np.cos(covering + mask)
-    return SlotBox(spare, float(radius - lowest))
+    radius = float(pattern.semi_major_axis[0])
+    if stretch == 1.0:
+        spare = float(cap_radius(radius, sphere_radius, mask)) - covering
+        lowest = sphere_radius * np.cos(mask) / np.cos(covering + mask)
+        return SlotBox(spare, float(radius - lowest))
+    tilt = float(pattern.inclination[0])
+    reach = min(tilt, np.pi - tilt)
+    latitudes = np.linspace(0.0, reach, int(np.ceil(reach / STEP)) + 1)
+
+    def cap(distance: float) -> float:
+        caps = inner_cap_radius(distance, latitudes, sphere_radius, mask, stretch)
+        least = float(caps.min())
+        if least <= 0.0:
+            return 0.0
+        return least - 0.5 * STEP * (stretch**2 - 1.0) * (1.0 + 1.0 / np.tan(min(least, 1.57)))
+
+    spare = cap(radius) - covering
+    low, high = (sphere_radius + 1.0, radius) if spare >= 0.0 else (radius, 100.0 * radius)
+    while high - low > 100.0:  # metres
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if cap(middle) >= covering else (middle, high)
+    return SlotBox(spare, radius - high)
 
 
 def _own_time(

@@ -272,6 +272,53 @@ def test_a_loss_on_an_ellipsoid_stands_after_what_all_bands_have_proven():
     assert (clearances(x, SPHERE, 0.02, place, figure["stretch"]) >= 0).sum() == w.fold == 0
 
 
+def refined(worth, rounds=4):
+    """Least of a function of unit vectors (k, 3), by finer and finer looks about the lowest."""
+    grid, reach = np.meshgrid(np.linspace(-1, 1, 181), np.linspace(-3.15, 3.15, 361)), 0.02
+    z, east = (a.ravel() for a in grid)
+    for _ in range(rounds):
+        level = np.sqrt(np.maximum(0.0, 1.0 - z * z))
+        values = worth(np.column_stack([level * np.cos(east), level * np.sin(east), z]))
+        low = np.argsort(values)[:20]
+        offsets = reach * np.linspace(-1.0, 1.0, 21)
+        dz, de = np.meshgrid(offsets, offsets)
+        z = np.clip((z[low, None] + dz.ravel()).ravel(), -1.0, 1.0)
+        east, reach = (east[low, None] + de.ravel()).ravel(), 0.1 * reach
+    return values.min()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mask", [0.0, 0.1])
+def test_margins_of_an_ellipsoid_are_those_of_its_users_one_by_one(mask):
+    """Each user's cap by the elevation's own formula, ``sin e = sin e' / kappa``."""
+    stretch, when = 1.1, 3.3e4
+    path = Motion().trajectory(few(), 0.0, DAY)
+    x = path.states([when])[0][:, 0] * [1.0, 1.0, stretch]
+    far = np.linalg.norm(x, axis=1)
+
+    def worth(q):
+        sight = x - SPHERE * q[:, None]
+        d = sight[..., 2] / np.linalg.norm(sight, axis=-1)
+        kappa2 = (1 + (stretch**2 - 1) * q[:, 2:] ** 2) * (1 - (1 - stretch**-2) * d**2)
+        own = np.arcsin(np.sqrt(kappa2) * np.sin(mask))
+        cap = np.arccos(SPHERE * np.cos(own) / far) - own
+        return (cap - np.arccos(np.clip(q @ x.T / far, -1.0, 1.0))).max(axis=1)
+
+    ground = {"sphere_radius": SPHERE, "mask": mask, "stretch": stretch}
+    found = margins_at(path, 1, [when], **ground)[0]
+    # away from a margin of none the sights at the rim lean otherwise than those looked along
+    known = refined(worth)
+    assert found == pytest.approx(known, abs=1e-4 if mask == 0.0 else 5e-3)
+    assert found < known + 1e-5
+    edges = [when - 600.0, when, when + 600.0]
+    low, high = least_margins(path, 1, edges, **ground, tolerance=2e-3).T
+    assert np.all(low <= found)
+    assert np.all(high - low < 6e-3)
+    assert np.all(high <= found + 6e-3)
+    holds = prove_span(path, 1, **ground, start=edges[0], stop=edges[-1]).outcome
+    assert (holds == "proven") == bool(low.min() > 0.0)
+
+
 #: In the narrowest bands (sine of latitude 0.02) kappa at 45 degrees spans some 1e-4.
 VAGUE = 3e-4
 

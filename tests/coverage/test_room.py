@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compass.coverage.cap import cap_radius
+from compass.coverage.cap import cap_radius, inner_cap_radius
 from compass.coverage.lasting import margins_at
 from compass.coverage.margin import covering_radius
 from compass.coverage.region import read_region
@@ -113,9 +113,56 @@ def test_rings_over_the_equator_have_slots_too():
 
 
 def test_the_slot_box_uses_up_the_margin():
-    box = slot_box(20427.7e3, COVERING, SPHERE)
+    box = slot_box(PATTERN, COVERING, SPHERE)
     assert box.sideways == pytest.approx(SPARE)
     assert float(cap_radius(20427.7e3 - box.radial, SPHERE)) == pytest.approx(COVERING)
+
+
+OBLATE = 3396.19 / 3376.2
+
+
+@settings(max_examples=25)
+@given(
+    st.floats(1.05, 20.0), st.floats(-1.57, 1.57), st.floats(0.0, 0.8), st.integers(0, 1000)
+)  # fmt: skip
+def test_all_users_in_the_inner_cap_of_an_ellipsoid_see_the_satellite(far, latitude, mask, seed):
+    """By elevations over the ellipsoid's own normal; a little further out some do not."""
+    radius, rng = far * SPHERE, np.random.default_rng(seed)
+    cap = float(inner_cap_radius(radius, latitude, SPHERE, mask, OBLATE))
+    up = np.array([np.cos(latitude), 0.0, np.sin(latitude)])
+    side, east = np.array([-up[2], 0.0, up[0]]), np.array([0.0, 1.0, 0.0])
+    turn = rng.uniform(0, 2 * np.pi, 2000)
+    around = np.cos(turn)[:, None] * side + np.sin(turn)[:, None] * east
+
+    def lowest(angle):
+        users = np.cos(angle)[:, None] * up + np.sin(angle)[:, None] * around
+        users = users / np.linalg.norm(users * [1.0, 1.0, OBLATE], axis=1, keepdims=True) * SPHERE
+        normals = users * [1.0, 1.0, OBLATE**2]
+        sights = radius * up - users
+        sine = (normals * sights).sum(axis=1)
+        sine /= np.linalg.norm(normals, axis=1) * np.linalg.norm(sights, axis=1)
+        return np.arcsin(sine.min()) - mask
+
+    if cap > 0.0:
+        assert lowest(cap * rng.uniform(0.0, 1.0, 2000)) >= -1e-9
+        assert lowest(np.full(2000, cap)) >= -1e-9
+    assert lowest(np.full(2000, cap + 1e-3)) < 0.0
+
+
+def test_room_and_box_on_an_ellipsoid():
+    ground = {"sphere_radius": SPHERE, "stretch": OBLATE}
+    path = Motion().trajectory(PATTERN, 0.0, 2e5)
+    times = np.linspace(0.0, 1.9e5, 5)
+    on_it = room_in_slots(SLOTS, path, times, **ground).room
+    box = slot_box(PATTERN, COVERING, SPHERE, stretch=OBLATE)
+    # satellites in their slots have the cap of the latitude that they stand at; the box the least
+    assert np.all(on_it >= box.sideways - 1e-6)
+    assert np.all(np.abs(on_it - SPARE) < np.radians(0.4))
+    assert np.all(margins_at(path, 1, times, **ground) > 0.0)
+    lowered = PATTERN.semi_major_axis[0] - box.radial
+    latitudes = np.linspace(0.0, float(PATTERN.inclination[0]), 500)
+    caps = inner_cap_radius(lowered, latitudes, SPHERE, 0.0, OBLATE)
+    assert COVERING <= caps.min() < COVERING + 5e-4
 
 
 def test_unlike_orbits_have_no_slots():
