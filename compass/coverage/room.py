@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.bodies import MARS_ROTATION_RATE
 from compass.core.slots import rooms
-from compass.coverage.cap import cap_radius, inner_cap_radius
+from compass.coverage.cap import cap_radius
+from compass.coverage.inner_cap import inner_cap_radius
 from compass.coverage.margin import covering_radius, highest_mask
 from compass.coverage.region import GLOBE, Region, latitude_band
 from compass.coverage.symmetry import shortest_span

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compass.coverage.cap import cap_radius, inner_cap_radius
+from compass.coverage.cap import cap_radius
+from compass.coverage.inner_cap import inner_cap_radius
 from compass.coverage.lasting import margins_at
 from compass.coverage.margin import covering_radius
 from compass.coverage.region import read_region
