@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.api.given import in_metres
 from compass.document.blocks import Picture, Section, Table, arranged
 from compass.document.numbers import significant
 from compass.entry.accuracy import Accuracy, Spread
@@ -16,11 +17,17 @@ from compass.entry.state import longitude_degrees
 from compass.entry.trajectory import Trajectory, fly, loads
 from compass.errors import ArgumentError
 from compass.inputs.scenario import Scenario
+from compass.signal.budget import basis, mean_age_covariance
 
 KM = 1e3
 
 #: Filter runs that would take longer (s), or have more epochs in all, are refused.
 MOST_SECONDS, MOST_STEPS = 3600.0, 100_000_000
+
+
+#: Degrees that lines to satellites may turn from mid-flight on before it is said: an error along
+#: them has changed by 1 - cos of it, 6 %, and what was across them counts with its sine.
+MOST_TURN = 20.0
 
 
 def assess_scenario(scenario: Scenario, runs: int | None = None) -> Assessment:
@@ -50,9 +57,35 @@ def assess_scenario(scenario: Scenario, runs: int | None = None) -> Assessment:
         scenario.measurements,
         scenario.settings,
         deployment=scenario.deployment,
+        satellites=satellite_errors(scenario),
         runs=many,
         seed=scenario.seed,
     )
+
+
+def satellite_errors(scenario: Scenario) -> NDArray[np.float64] | None:
+    """Covariance of each beacon's radial, along, cross and clock error, m^2, (n, 4, 4).
+
+    As the [signal] of the beacons' design says, by its age of data; zeros of beacons of the
+    scenario's own, and None where no design has that table.
+
+    Raises
+    ------
+    ArgumentError
+        Nothing measures the clocks of satellites whose errors tracking is to imply.
+    """
+    designs = [orbiters.design for orbiters in scenario.orbiters]
+    if not any(design is not None and design.signal is not None for design in designs):
+        return None
+    found = [np.zeros((len(scenario.surface_names), 4, 4))]
+    for orbiters, design in zip(scenario.orbiters, designs, strict=True):
+        errors = np.zeros((orbiters.constellation.size, 4, 4))
+        if design is not None and design.signal is not None:
+            signal = in_metres(design).signal
+            assert signal is not None
+            errors = mean_age_covariance(signal, orbiters.constellation.size)
+        found.append(errors)
+    return np.concatenate(found)
 
 
 def disperse_scenario(scenario: Scenario) -> Dispersed | None:
@@ -172,6 +205,7 @@ def findings(scenario: Scenario, found: Assessment) -> list[str]:
         *_whole_words(found),
         accuracy_sentence(found.accuracy),
         *ground_words(found),
+        *satellite_words(scenario, found),
         f"The lander flies {last:g} s, from {flight.altitude[0] / KM:.1f} km and "
         f"{flight.speed[0]:.0f} m/s to {flight.altitude[-1] / KM:.1f} km and "
         f"{flight.speed[-1]:.0f} m/s. Between {count.min()} and {count.max()} of "
@@ -202,6 +236,39 @@ def findings(scenario: Scenario, found: Assessment) -> list[str]:
             left = "what is known is from the other instruments"
         words.append(f"No beacon is ever measured: {left}.")
     return words
+
+
+def satellite_words(scenario: Scenario, found: Assessment) -> list[str]:
+    """What is said of how well the satellites' own places and clocks are known."""
+    words = []
+    for orbiters in scenario.orbiters:
+        if (design := orbiters.design) is None:
+            continue
+        if design.signal is None:
+            words.append(
+                f"Orbits and clocks of {design.name} count as known exactly; give the design a "
+                "table [signal] to count what is not known of them."
+            )
+        else:
+            words.append(
+                f"Considered of {design.name}: {basis(design)}; as errors of the range to each "
+                f"satellite that stay as they are in mid-flight{_turning(found)}."
+            )
+    if not found.known_exactly and scenario.fusion is not None:
+        words.append("Filters of [fusion] take orbits and clocks of satellites as known exactly.")
+    return words
+
+
+def _turning(found: Assessment) -> str:
+    """By how much lines to measured satellites turn, where that is too much for constant errors."""
+    lines = found.flight.path[:, None, :3] - found.beacons.r
+    lines /= np.linalg.norm(lines, axis=2, keepdims=True)
+    cosine = (lines * lines[len(lines) // 2]).sum(axis=2)
+    used = found.taken & found.beacons.moving
+    turned = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))[used].max(initial=0.0)
+    if turned < MOST_TURN:
+        return ""
+    return f", which holds badly here: lines to satellites turn by up to {turned:.0f} deg from then"
 
 
 def _whole_words(found: Assessment) -> list[str]:
@@ -327,6 +394,7 @@ def entry_tables(found: Assessment) -> tuple[Table, ...]:
     events = (event_table(flight),) if flight.events else ()
     return (
         *events,
+        budget_table(found),
         Table("Largest loads", ("quantity", "largest", "unit", "at, s"), tuple(peaks)),
         Table(
             "Beacons",
@@ -359,6 +427,27 @@ def entry_tables(found: Assessment) -> tuple[Table, ...]:
             ),
             tuple(rows),
         ),
+    )
+
+
+def budget_table(found: Assessment) -> Table:
+    """What the error of the known place comes from; squares add up."""
+    whole = found.accuracy.knowledge.along_cross_down
+    variance = float(whole @ whole)
+    rows = [
+        (
+            share.name,
+            *(significant(sigma, 3) for sigma in (*share.along_cross_down, share.sigma)),
+            f"{100.0 * share.sigma**2 / variance:.1f}",
+        )
+        for share in found.budget
+    ]
+    total = (significant(float(sigma), 3) for sigma in (*whole, math.sqrt(variance)))
+    return Table(
+        f"Where the error of the known place comes from, 1 sigma ({found.accuracy.name}; squares "
+        "add up)",
+        ("source", "along, m", "across, m", "down, m", "all axes, m", "share of variance, %"),
+        (*rows, ("all", *total, "100.0")),
     )
 
 
@@ -418,6 +507,16 @@ def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
             "projected": found.accuracy.projected,
             "claim_m": found.claim_m,
             "knowledge": _spread_facts(found.accuracy.knowledge),
+            "budget": [
+                {
+                    "source": share.name,
+                    **dict(
+                        zip(("along_m", "cross_m", "down_m"), share.along_cross_down, strict=True)
+                    ),
+                    "position_m": share.sigma,
+                }
+                for share in found.budget
+            ],
             "delivery": _spread_facts(found.accuracy.delivery),
             "ground": None
             if found.ground is None

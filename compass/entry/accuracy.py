@@ -135,6 +135,8 @@ class Accuracy:
     delivery
         How far from the nominal place the vehicle comes to it, unguided, from what is not known of
         the first state (and of air and lift, where these are uncertain).
+    surface
+        From errors at the time to errors on the event's surface, `projection`, (6, 6).
     """
 
     name: str
@@ -143,6 +145,7 @@ class Accuracy:
     projected: bool
     knowledge: Spread
     delivery: Spread
+    surface: Array
 
 
 def projection(rate: ArrayLike, gradient: ArrayLike) -> Array:
@@ -199,6 +202,7 @@ def accuracy(
         event is not None,
         _spread(m @ known[:6, :6] @ m.T, path),
         _spread(m @ flown[:6, :6] @ m.T, path),
+        m,
     )
 
 

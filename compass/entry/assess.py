@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from compass.entry.accuracy import Accuracy, accuracy
 from compass.entry.beacons import Beacons
+from compass.entry.budget import Share, landing_budget, with_satellites
 from compass.entry.consistency import Consistency, consistency
 from compass.entry.covariance import Bound, linear_covariance
 from compass.entry.filters import Filter
@@ -57,6 +58,10 @@ class Assessment:
         Of every kind that is measured, its title and how many numbers are read in all.
     range_noise
         One sigma of each range one way, m, (t, n); nan where none is measured.
+    budget
+        What each source leaves of the error of the place in `accuracy`, largest first.
+    known_exactly
+        Whether satellites' orbits and clocks count as known.
     """
 
     flight: Trajectory
@@ -74,6 +79,8 @@ class Assessment:
     ground: Accuracy | None = None
     readings: tuple[tuple[str, int], ...] = ()
     range_noise: NDArray[np.float64] | None = None
+    budget: tuple[Share, ...] = ()
+    known_exactly: bool = True
 
     @property
     def claim_m(self) -> float | None:
@@ -99,6 +106,7 @@ def assess(
     settings: Filter,
     *,
     deployment: Trigger | None = None,
+    satellites: NDArray[np.float64] | None = None,
     runs: int = 500,
     seed: int = 0,
 ) -> Assessment:
@@ -116,6 +124,9 @@ def assess(
         As in `compass.entry.navigation.run_monte_carlo`.
     deployment
         The trigger at which the landing is judged; the ground or the last time flown if left out.
+    satellites
+        Covariance of each beacon's radial, along, cross and clock error, m^2, (n, 4, 4), which
+        the filter considers; known exactly if left out.
 
     Raises
     ------
@@ -132,6 +143,11 @@ def assess(
         flight.model, flight.states, beacons, reaching, ranges=ranges, rates=rates
     )
     worst = int(np.lexsort((visible.degree, visible.rank))[0])
+    one_way = measurements.range_sigma is not None
+    biased = with_satellites(
+        settings, satellites, beacons, flight.path, flight.model.omega, one_way=one_way
+    )
+    settings = biased.settings
     layout = settings.layout(beacons.size)
     bound = linear_covariance(
         flight.model,
@@ -146,6 +162,7 @@ def assess(
     runs_made = run_monte_carlo(
         model, flight, beacons, taken, measurements, settings, runs=runs, seed=seed
     )
+    accuracies = _accuracies(flight, bound, layout, settings, deployment)
     return Assessment(
         flight,
         beacons,
@@ -166,9 +183,11 @@ def assess(
         runs_made,
         consistency(runs_made.nees, flight.times, 6, runs_made.diverged),
         consistency(runs_made.nees_all, flight.times, runs_made.estimated, runs_made.diverged),
-        *_accuracies(flight, bound, layout, settings, deployment),
+        *accuracies,
         measurements.readings(variances),
         np.sqrt(variances[:, : beacons.size, 0]),
+        landing_budget(flight, beacons, taken, measurements, biased, accuracies[0]),
+        satellites is None,
     )
 
 

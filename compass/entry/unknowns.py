@@ -81,18 +81,9 @@ class Unknowns:
         self, beacons: Beacons, path: Array, omega: float, *, one_way: bool = True
     ) -> Array:
         """One sigma of the error of the range to every satellite, m, (n,), in mid-flight."""
-        from compass.core.entry.many import directions
-
-        k = len(path) // 2
-        axes = np.empty((3, 3))
-        out = np.empty(beacons.size)
-        for i, root in enumerate(self.roots(beacons.size, one_way=one_way)):
-            both = np.concatenate([beacons.r[k, i], beacons.v[k, i]])
-            directions(both, omega, axes)
-            line = path[k, :3] - beacons.r[k, i]
-            row = np.concatenate([-axes @ line / np.linalg.norm(line), [1.0, 1.0]])
-            out[i] = np.linalg.norm(row @ root)
-        return out
+        rows = np.column_stack([range_rows(beacons, path, omega), np.ones(beacons.size)])
+        roots = self.roots(beacons.size, one_way=one_way)
+        return np.asarray(np.linalg.norm(np.einsum("ni,nij->nj", rows, roots), axis=1))
 
     def parts(
         self, beacons: Beacons, path: Array, omega: float, *, one_way: bool = True
@@ -105,6 +96,64 @@ class Unknowns:
         if beacons.size and sigmas.min() > 0:
             parts.append(Part("bias", tuple(sigmas.tolist()), considered=True))
         return tuple(parts)
+
+
+def range_rows(beacons: Beacons, path: Array, omega: float) -> Array:
+    """By how much a range grows with its satellite's radial, along, cross and clock error, (n, 4).
+
+    In mid-flight: over an entry the lines hardly turn. A beacon at rest has no such errors: zeros.
+    """
+    from compass.core.entry.many import directions
+
+    k = len(path) // 2
+    axes, out = np.empty((3, 3)), np.zeros((beacons.size, 4))
+    for i in np.flatnonzero(beacons.moving):
+        directions(np.concatenate([beacons.r[k, i], beacons.v[k, i]]), omega, axes)
+        line = path[k, :3] - beacons.r[k, i]
+        out[i, :3] = -axes @ line / np.linalg.norm(line)
+        out[i, 3] = 1.0
+    return out
+
+
+def range_variances(
+    satellites: Array,
+    own: float,
+    beacons: Beacons,
+    path: Array,
+    omega: float,
+    *,
+    one_way: bool = True,
+) -> dict[str, Array]:
+    """Variance of the error of the range to each beacon by its source, m^2, (n,) each.
+
+    Parameters
+    ----------
+    satellites
+        Covariance of radial, along, cross and clock error, m^2, (n, 4, 4).
+    own
+        One sigma of a bias of the ranges to each beacon beside them, m.
+    beacons, path, omega
+        At the epochs of the flight, (t, 6), about a planet that turns so fast, rad/s.
+    one_way
+        Whether anything is measured one way; else clocks of satellites enter nothing.
+    """
+    rows = range_rows(beacons, path, omega)
+    if not one_way:
+        rows[:, 3] = 0.0
+    orbits, clocks = rows * [1.0, 1.0, 1.0, 0.0], rows * [0.0, 0.0, 0.0, 1.0]
+
+    def variance(left: Array, right: Array) -> Array:
+        return np.asarray(np.einsum("ni,nij,nj->n", left, satellites, right))
+
+    found = {
+        "satellites' orbits": variance(orbits, orbits),
+        "satellites' clocks": variance(clocks, clocks),
+        "biases of the ranges": np.full(beacons.size, own**2),
+    }
+    if np.any(variance(orbits, clocks)):  # one makes up for the other: no share of its own
+        both = {"satellites' orbits and clocks": variance(rows, rows)}
+        found = both | {"biases of the ranges": found["biases of the ranges"]}
+    return {name: values for name, values in found.items() if values.any()}
 
 
 #: A lander whose clock agrees with satellites that are known exactly.

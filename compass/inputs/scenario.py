@@ -14,6 +14,7 @@ import compass
 from compass.arguments import checked
 from compass.bodies import MARS_EQUATORIAL_RADIUS, MARS_GM, MARS_J2, MARS_ROTATION_RATE
 from compass.conventions import epoch_text
+from compass.design import Design
 from compass.entry.atmosphere import Atmosphere, read_atmosphere_table
 from compass.entry.beacons import Beacons, orbiting_beacons, surface_beacons
 from compass.entry.covariance import axes_covariance
@@ -80,12 +81,16 @@ class Orbiters:
     mask
         Elevation that a satellite must have over the lander's limb, radians; nan for line of
         sight alone.
+    design
+        The design that they are of, whose [signal] says how well their orbits and clocks are
+        known; None for orbiters of the scenario's own.
     """
 
     constellation: Constellation
     start: float
     angle: float
     mask: float = float("nan")
+    design: Design | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -477,7 +482,7 @@ def _orbiters(file: ScenarioFile, model: EntryModel, folder: Path) -> tuple[Orbi
         if not design.motion.is_closed_form:
             constellation, start = touching(constellation, design.motion, start), 0.0
         angle = float(prime_meridian_angle(constellation.epoch, start))
-        groups.append(Orbiters(constellation, start, angle, design.mask.highest))
+        groups.append(Orbiters(constellation, start, angle, design.mask.highest, design))
     return tuple(groups)
 
 

@@ -28,6 +28,28 @@ def entry_pictures(found: Assessment, dispersed: Dispersed | None = None) -> tup
         _view_picture(found),
         _observability_picture(found),
         _navigation_picture(found),
+        _budget_picture(found),
+    )
+
+
+def _budget_picture(found: Assessment) -> Picture:
+    with look():
+        figure = new_figure(7.5, 1.4 + 0.3 * len(found.budget))
+        axes = figure.add_subplot()
+        names, sigmas = zip(*((share.name, share.sigma) for share in found.budget), strict=True)
+        axes.barh(range(len(names)), sigmas, color=CYCLE[0])
+        axes.set_yticks(range(len(names)), names)
+        axes.set_ylim(max(len(names), 4) - 0.5, -0.5)
+        axes.set(xlabel="error of the known place, m (1 sigma, all axes)")
+        axes.grid(axis="x", alpha=0.3)
+    most, at = found.budget[0], found.accuracy
+    return picture(
+        figure,
+        "landing-budget",
+        "Where the error of the known place comes from",
+        f"What every source leaves at {at.name}; squares add up to "
+        f"{significant(float(np.linalg.norm(at.knowledge.along_cross_down)), 3)} m. The largest is "
+        f"{most.name}, {significant(most.sigma, 3)} m.",
     )
 
 

@@ -55,6 +55,7 @@ def test_entry_tells_all(coarse, tmp_path):
         "entry-navigation.svg",
         "entry-observability.svg",
         "entry-view.svg",
+        "landing-budget.svg",
     ]
     with xr.open_dataset(output, engine="h5netcdf") as data:
         assert data.sizes["time"] == 11
@@ -185,3 +186,25 @@ def test_reproduce_the_chapter():
         assert item in wheres
     for number in (1, 3, 4, 5, 6, 7, 9, 10, 11, 12):
         assert f" {number}" in wheres
+
+
+def test_a_landing_heeds_the_signal_of_its_beacons_design(coarse, tmp_path):
+    beacons, told = (DESIGNS / "compass-15-5-1.toml").read_text(), {}
+    for clock in (3.0, 300.0):
+        design = tmp_path / "beacons.toml"
+        signal = (
+            f"[signal]\nclock_m = {clock}\nephemeris_m = [2, 8, 5]\nreceiver = {{ noise_m = 1 }}\n"
+        )
+        design.write_text(f"{beacons}\n{signal}")
+        own = (str(DESIGNS / "compass-15-5-1.toml"), str(design))
+        path = coarse("entry-compass", beacons=own)
+        told[clock] = json.loads(run("land", path, "--runs", 2, "--json").stdout)["landing"]
+    known = {clock: one["knowledge"]["along_m"] for clock, one in told.items()}
+    assert known[300.0] > 1.5 * known[3.0]
+    share = {
+        clock: next(s for s in one["budget"] if s["source"] == "satellites' clocks")["position_m"]
+        for clock, one in told.items()
+    }
+    assert 50 * share[3.0] < share[300.0] < 100 * share[3.0]  # heavier noise is averaged better
+    words = run("land", path, "--runs", 2).stdout
+    assert "Considered of COMPASS 15/5/1" in words and "Where the error of the known place" in words

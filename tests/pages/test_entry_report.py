@@ -47,6 +47,7 @@ def test_entry_section_and_facts(coarse):
         "entry-view",
         "entry-observability",
         "entry-navigation",
+        "landing-budget",
     ]
     assert all(p.drawn.startswith((b"\x89PNG", b"<svg")) for p in section.pictures)
     assert "observable throughout" in " ".join(section.paragraphs)
