@@ -26,6 +26,7 @@ import math
 import numpy as np
 
 from compass.core.jit import kernel
+from compass.core.sort import sort_together
 
 PRODUCT_SLACK = 32 * 2.220446049250313e-16
 ANGLE_SLACK = 1e-14
@@ -95,23 +96,6 @@ def azimuth_of(place):
 
 
 @kernel
-def _sort(place, step, events):
-    """Sort the first `events` places, and their steps along with them."""
-    if events > 48:
-        order = np.argsort(place[:events])
-        place[:events] = place[order]
-        step[:events] = step[order]
-        return
-    for k in range(1, events):
-        key, weight = place[k], step[k]
-        m = k
-        while m > 0 and place[m - 1] > key:
-            place[m], step[m] = place[m - 1], step[m - 1]
-            m -= 1
-        place[m], step[m] = key, weight
-
-
-@kernel
 def arc_events(u, cosine, skip, caps, cosines, region, floors, low, certain, place, step):
     """Where along a circle caps but `skip`, and parts of the region, are entered and left.
 
@@ -178,7 +162,7 @@ def arc_events(u, cosine, skip, caps, cosines, region, floors, low, certain, pla
         place[events], step[events] = start, weight
         place[events + 1], step[events + 1] = stop, -weight
         events += 2
-    _sort(place, step, events)
+    sort_together(place, step, events)
     return base, events
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from compass.core.certificate import caps_at
 from compass.core.fold import circle_frame
 from compass.core.jit import kernel
+from compass.core.sort import sort_together
 
 #: Satellites whose distances differ by less than this count as equally far, cosine.
 EQUAL = 1e-13
@@ -79,6 +80,20 @@ def _coarse_bound(u, k):
 
 
 @kernel
+def _from_south(satellites):
+    """The satellites, shape (n, 3), the southernmost first."""
+    n = satellites.shape[0]
+    height, order, u = np.empty(n), np.arange(n), np.empty((n, 3))
+    for s in range(n):
+        height[s] = satellites[s, 2]
+    sort_together(height, order, n)
+    for s in range(n):
+        for axis in range(3):
+            u[s, axis] = satellites[order[s], axis]
+    return u
+
+
+@kernel
 def covering_radius(satellites, k, least, most, p_best):
     """Greatest k-th nearest distance, radians: the smallest radius of caps that cover k-fold.
 
@@ -108,7 +123,7 @@ def covering_radius(satellites, k, least, most, p_best):
     if n < k:
         return math.inf
     # from south to north, so that who is near is near in the list
-    u = satellites[np.argsort(satellites[:, 2])]
+    u = _from_south(satellites)
     if n > FEW and most > 0.25 * math.pi:
         most = min(most, _coarse_bound(u, k))
     best = math.cos(min(max(least, 0.0), math.pi))
