@@ -103,8 +103,9 @@ class DeployResult(Result):
         else:
             known = self._option(k)
             shown = {name: Value(quantity(name), known[name]) for name in names}
+            each = "each of " if found.launches > 1 else ""
             claim = (
-                f"{found.planes_a_launch} planes from each of "
+                f"{counted(found.planes_a_launch, 'plane')} from {each}"
                 f"{counted(found.launches, 'launch')}: waiting "
                 f"at {shown['waiting_altitude_km']} km for up to {shown['wait_days']} days, "
                 f"{shown['delta_v_deploy_m_s']} m/s a satellite"
@@ -124,9 +125,9 @@ class DeployResult(Result):
             tuple(Value(quantity(name), self._option(j)[name]) for name in names) for j in pick
         )
         how = (
-            "first-order J2 rates of nodes, Hohmann transfers, satellites phased in their planes "
-            f"by the moment of the last one; the first plane costs {found.transfer:.4g} m/s a "
-            "satellite; the table [deployment] says otherwise"
+            "By first-order J2 rates of nodes, Hohmann transfers, satellites phased in their "
+            f"planes by the moment of the last one; the first plane costs {found.transfer:.4g} m/s a "
+            "satellite. Another launch or wait stands in a table [deployment]."
         )
         return Page(
             self.design.name,

@@ -6,7 +6,7 @@ bound on the work, and kept on disk.
 
 import shlex
 from dataclasses import dataclass
-from math import ceil
+from math import ceil, floor
 from typing import Any
 
 import numpy as np
@@ -113,6 +113,56 @@ def outlook(design: Design) -> Outlook:
     return Outlook(**found, notes=notes, requirements=rows, radii=radii, known=known)
 
 
+@dataclass(frozen=True)
+class Glance:
+    """How long a design left alone keeps what is asked of it, as far as a glance goes.
+
+    Attributes
+    ----------
+    days_proven, looked_days
+        For how long it is proven, of how long was looked at.
+    lost
+        Where it is lost, in words; empty where it is not.
+    """
+
+    days_proven: float
+    looked_days: float
+    lost: str
+
+    @property
+    def words(self) -> str:
+        """The days, whole ones that are proven."""
+        if self.days_proven >= self.looked_days:
+            return f"{floor(self.looked_days)} days and more"
+        if self.days_proven == 0.0:
+            return f"not at the epoch: {self.lost}" if self.lost else "nothing proven"
+        days = floor(self.days_proven)
+        return f"{days} day{'' if days == 1 else 's'}"
+
+    def command(self, design: Design) -> str:
+        """The command line that proves it."""
+        days = min(self.looked_days, ceil(self.days_proven) + 1)
+        return f"compass drift {shlex.quote(design.label)} --days {days:g}"
+
+
+def glance(design: Design) -> Glance:
+    """Find out, or recall, how long a design lasts left alone, `GLANCE` days ahead at most."""
+    horizon = min(GLANCE, _horizon(design))
+    flown = (design.constellation, design.motion, design.figure)
+    question = ("glance", horizon, *flown, design.fold, design.mask, design.requirements)
+
+    def look() -> dict[str, Any]:
+        claim = _claim(design, horizon)
+        lasts = claim.outcome is Outcome.PROVEN
+        return {
+            "days_proven": horizon if lasts else claim.days_proven,
+            "looked_days": horizon,
+            "lost": claim.loss,
+        }
+
+    return Glance(**kept(question, look)[0])
+
+
 def commands(design: Design, found: Outlook) -> dict[str, str]:
     """The command lines that prove what is said: ``lasts``, ``radii``, ``keeping``."""
     name = shlex.quote(design.label)
@@ -128,9 +178,7 @@ def commands(design: Design, found: Outlook) -> dict[str, str]:
 def _look(design: Design) -> dict[str, Any]:
     c = design.constellation
     motion, notes = real_motion(design), []
-    horizon = min(HORIZON, SATELLITE_DAYS / max(c.size, 1))
-    if motion.table is not None:
-        horizon = min(horizon, motion.table.stop / SECONDS_PER_DAY)
+    horizon = _horizon(design)
     if horizon < HORIZON:
         notes.append(f"looked {horizon:.4g} days ahead, which is as far as was affordable or known")
     claim = _claim(design, horizon)
@@ -164,6 +212,13 @@ def _look(design: Design) -> dict[str, Any]:
     }
     result: dict[str, Any] = plain(found)
     return result
+
+
+def _horizon(design: Design) -> float:
+    """How many days can be looked ahead: what is affordable, and known."""
+    table = real_motion(design).table
+    known = np.inf if table is None else table.stop / SECONDS_PER_DAY
+    return float(min(HORIZON, SATELLITE_DAYS / max(design.constellation.size, 1), known))
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,9 @@ from compass.quantities import QUANTITIES, quantity
 #: A table of more rows is folded away on a page.
 LONG = 12
 
+#: What so great a share of a table's rows say alike is said once.
+MOST = 0.6
+
 #: Letters of a picture are never shown smaller, pixels of a screen.
 SMALLEST = 10.0
 
@@ -236,14 +239,18 @@ def arranged(
 def facts(title: str, values: Iterable[Value]) -> Table:
     """Table of single values: what, how much, unit, and how well it is known if any says so.
 
-    What is known alike of all is said once, behind the title.
+    What is known alike of all, or of most, is said once, behind the title.
     """
     kept = list(values)
     said = [str(value.evidence or "") for value in kept]
-    alike = len(kept) > 1 and len(set(said)) == 1
+    most = max(said, key=said.count, default="")
+    alike = len(kept) > 1 and said.count(most) == len(kept)
     known = any(said) and not alike
-    if alike and said[0]:
-        title = f"{title} ({said[0]})"
+    if alike and most:
+        title = f"{title} ({most})"
+    elif most and said.count(most) > MOST * len(kept):
+        title = f"{title} ({most}, where nothing else is said)"
+        said = ["" if each == most else each for each in said]
     header = ("", "value", "unit") + (("evidence",) if known else ())
     rows = (
         (v.title, v, v.quantity.shown_unit) + ((evidence,) if known else ())

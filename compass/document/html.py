@@ -1,5 +1,6 @@
 """Blocks as HTML, for a page and for a notebook; everything that comes from a user is escaped."""
 
+from collections.abc import Sequence
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -25,6 +26,16 @@ def beside(block: object) -> str:
     if isinstance(block, Picture):
         return "pictures"
     return "tables" if isinstance(block, Table) and block.narrow and block.drawn else ""
+
+
+def alone(block: object, after: object, before: Sequence[object]) -> bool:
+    """Whether a picture has a row of its own for want of another of its size to stand beside."""
+    if not isinstance(block, Picture) or block.wide:
+        return False
+    left = 0  # pictures of half the width on the row that is open
+    for each in before:
+        left = 0 if not isinstance(each, Picture) or each.wide else (left + 1) % 2
+    return left == 0 and (not isinstance(after, Picture) or after.wide)
 
 
 def aligned(table: Table) -> list[list[tuple[str, str, bool]]]:
@@ -56,6 +67,7 @@ def environment() -> "jinja2.Environment":
     )
     made.filters |= {
         "aligned": aligned,
+        "alone": alone,
         "beside": beside,
         "cell": cell,
         "kind": kind,

@@ -39,8 +39,15 @@ class Value:
         written = in_words(self.value, q)
         if isinstance(evidence, Sampled) and evidence.error is not None:
             scale = 100.0 if q.form == "share" else 1.0
-            return f"{written} ± {significant(scale * evidence.error, 2)}"
+            return f"{written} ± {_error(scale * evidence.error)}"
         return written
+
+
+def _error(size: float) -> str:
+    """An error to two digits, never with a power of ten beside a number that has none."""
+    if not 0.0 < size < SMALL:
+        return significant(size, 2)
+    return f"{size:.{1 - floor(log10(size))}f}".rstrip("0")
 
 
 def in_words(value: float | int | str | bool | None, quantity: Quantity) -> str:

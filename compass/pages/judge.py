@@ -12,6 +12,7 @@ from compass.api.judge_tables import (
     surface_table,
     unknown_air,
 )
+from compass.api.outlook import glance
 from compass.cores import cores
 from compass.design import PDOP_MAX, Design
 from compass.document import Answer, Answers, Section, Sentence
@@ -33,7 +34,7 @@ def judge_report(found: JudgeResult, command: str = "") -> tuple[str, list[Secti
     judged = judge_section(ranking, designs, scenario, threads=cores())
     world, carrying = judged.pictures
     sections = [
-        answer_section(ranking.record, carrying),
+        answer_section(ranking.record, designs, carrying),
         arranged(judged.title, judged.paragraphs, (world,), judged.tables),
         surface_section(ranking.record),
     ]
@@ -43,8 +44,8 @@ def judge_report(found: JudgeResult, command: str = "") -> tuple[str, list[Secti
     return render(title, source, sections, rows, scenario.text), sections
 
 
-def answer_section(record: dict[str, Any], carrying: Picture) -> Section:
-    """Which design is best, and whether a lander on each knows its place well enough."""
+def answer_section(record: dict[str, Any], designs: Sequence[Design], carrying: Picture) -> Section:
+    """Which design is best, whether a lander on each knows its place, how long the best last."""
     rows, goal = record["designs"], record["goal_m"]
     best = rows[0]
     lead = (
@@ -61,8 +62,11 @@ def answer_section(record: dict[str, Any], carrying: Picture) -> Section:
             " That is the bound: the filter flown on it is inconsistent, so no accuracy is claimed."
         )
     answers = [landing_answer(str(row["design"]), row, record) for row in rows]
-    left = "Left alone on real orbits they last"
-    answers.append(Answer(left, "not asked here", None, "compass drift DESIGN"))
+    for row in rows[:MAPPED]:
+        design = designs[row["given"] - 1]
+        seen = glance(design)
+        left = f"Left alone on real orbits {row['design']} lasts"
+        answers.append(Answer(left, seen.words, None, f"proven: {seen.command(design)}"))
     title = f"Within {goal:g} m at {record['deployment']}, {ground_words(record)} and at any time?"
     return Section("The answer", (Sentence(lead), Answers(title, tuple(answers)), carrying))
 

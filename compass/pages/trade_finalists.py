@@ -2,12 +2,14 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from math import floor, log10
 from typing import Any, Literal
 
 import numpy as np
 
 from compass.api.check import verdict_sentences, verdict_table
 from compass.api.keep import keep
+from compass.api.outlook import glance
 from compass.cores import cores
 from compass.coverage.certificate import prove_fold
 from compass.coverage.requirement_verdict import verdict_of
@@ -162,7 +164,8 @@ def answer_section(
     lead = _build(chosen[0])
     if len(chosen) > 1:
         other = chosen[1].finalist
-        lead += f" Its rival is {other.notation}: {against(study, first, other)}."
+        lead += f" Its rival is {other.notation}; beside it, this is "
+        lead += f"{against(study, first, other, sampled=False)}."
     everywhere = Answer(
         f"{study.fold} in view above {first.mask_deg:g}°, everywhere",
         chosen[0].certificate,
@@ -172,18 +175,14 @@ def answer_section(
     rows = [*verdict_answers(chosen[0].verdicts), everywhere]
     for o in study.objectives:
         how, error = sampling_of(study, o.figure), first.errors.get(o.figure, 0.0)
-        value = worth(o.figure, first.figures[o.figure])
-        beside = (
-            ""
-            if measure is None
-            else f"; {measure.role} has {worth(o.figure, measure.figures[o.figure])}"
-        )
+        value = _worth_of(o.figure, first)
+        beside = "" if measure is None else f"; {measure.role} has {_worth_of(o.figure, measure)}"
         sure = f"sampled over {how}" + (f", ± {error:.2g}" if error else "") if how else _exactly(o)
         if known := _proven(first, o.figure):
             sure = f"proven, for all time: {known}"
         title = MERITS[o.figure].title
         rows.append(Answer(title[0].upper() + title[1:], value, None, sure + beside))
-    rows.append(_lasts(chosen[0]))
+    rows.insert(1 + len(chosen[0].verdicts), _lasts(chosen[0]))
     if ranking is not None:
         judged = next(row for row in ranking["designs"] if row["given"] == 1)
         question = f"Landing: place known to {ranking['goal_m']:g} m at {ranking['deployment']}"
@@ -207,15 +206,12 @@ def _proven(one: Finalist, name: str) -> str:
 
 
 def _lasts(one: Entrant) -> Answer:
-    """How long it lasts left alone, where the study asks; else the command that finds it."""
-    days = one.finalist.figures.get("days_proven", np.nan)
-    if not np.isfinite(days):
-        return Answer(
-            "Left alone on real orbits it lasts",
-            "not asked by the study",
-            evidence=f"compass drift {one.design.label}",
-        )
-    return Answer("Left alone on real orbits it lasts", worth("days_proven", days), None, "proven")
+    """How long it lasts left alone, as the study found it; else as far as a glance goes."""
+    left, days = "Left alone on real orbits it lasts", one.finalist.figures.get("days_proven")
+    if days is not None and np.isfinite(days):
+        return Answer(left, worth("days_proven", days), None, "proven")
+    seen = glance(one.design)
+    return Answer(left, seen.words, None, f"proven: {seen.command(one.design)}")
 
 
 def _build(one: Entrant) -> str:
@@ -225,10 +221,17 @@ def _build(one: Entrant) -> str:
     return f"Build {row['satellites']} satellites in {planes}: {notation} ({one.design.label})."
 
 
-def worth(name: str, value: float) -> str:
-    """Value of a figure of merit with its unit, for a sentence."""
-    unit = MERITS[name].unit
-    return significant(value, 4) + (f" {unit}" if unit else "")
+def worth(name: str, value: float, error: float = 0.0) -> str:
+    """Value of a figure of merit with its unit, for a sentence: two digits of its error at most."""
+    unit, digits = MERITS[name].unit, 4
+    if error > 0.0 and np.isfinite([error, value]).all() and value != 0.0:
+        digits = min(max(floor(log10(abs(value))) - floor(log10(error)) + 2, 2), digits)
+    return significant(value, digits) + (f" {unit}" if unit else "")
+
+
+def _worth_of(name: str, one: Finalist | Yardstick) -> str:
+    """The same of a finalist or the yardstick, by how well it is known."""
+    return worth(name, one.figures[name], one.errors.get(name, 0.0))
 
 
 def change(a: float, b: float) -> str:
@@ -236,13 +239,17 @@ def change(a: float, b: float) -> str:
     if not (np.isfinite(a) and np.isfinite(b) and b) or a == b:
         return ""
     percent = 100 * (a - b) / abs(b)
+    if abs(percent) < 0.05:
+        return ""
     return f" ({percent:+.{0 if abs(percent) >= 1 else 1}f} %)"
 
 
-def against(study: Study, one: Finalist, other: Finalist | Yardstick) -> str:
+def against(
+    study: Study, one: Finalist, other: Finalist | Yardstick, *, sampled: bool = True
+) -> str:
     """How one compares with another, objective by objective, in words.
 
-    What the sampling does not tell apart has no order.
+    What the sampling does not tell apart has no order; `sampled`: say what was sampled, too.
     """
     words = {
         -1: "better in", 1: "worse in", 0: "equal in", None: "not told apart by the sampling in",
@@ -255,13 +262,14 @@ def against(study: Study, one: Finalist, other: Finalist | Yardstick) -> str:
         order: Any = "nan" if np.isnan(a) or np.isnan(b) else ordered(o, one, other)
         text = MERITS[o.figure].title
         if order not in (0, "nan"):
-            text += f": {worth(o.figure, a)} against {worth(o.figure, b)}{change(a, b)}"
+            text += f": {_worth_of(o.figure, one)} against {_worth_of(o.figure, other)}"
+            text += change(a, b)
             both = o.figure in one.brackets and o.figure in other.brackets
             order = "open" if order is None and both else order
-            if how := sampling_of(study, o.figure):
+            if sampled and (how := sampling_of(study, o.figure)):
                 how = "between proven bounds" if both else f"sampled over {how}"
                 doubt = one.errors.get(o.figure, 0.0) + other.errors.get(o.figure, 0.0)
-                text += f", {how}" + (f", to {doubt:.2g}" if doubt else "")
+                text += f", {how}" + (f", ± {doubt:.2g}" if doubt else "")
         groups[order].append(text)
     return "; ".join(f"{words[key]} {', '.join(some)}" for key, some in groups.items() if some)
 
@@ -309,13 +317,16 @@ def _objective_table(study: Study, chosen: Sequence[Entrant], measure: Yardstick
     for e in chosen:
         one = e.finalist
         other = measure or one
-        values = [f"{one.figures[n]:.5g}{change(one.figures[n], other.figures[n])}" for n in names]
+        values = [
+            f"{significant(one.figures[n], 4)}{change(one.figures[n], other.figures[n])}"
+            for n in names
+        ]
         beside = (verdict(study, one, measure),) if measure else ()
         rows.append((e.design.label, one.role, one.notation, *values, *beside))
     title = "The finalists by objective"
     header = ["design", "best at", "constellation", *(MERITS[n].heading for n in names)]
     if measure is not None:
-        own = (f"{measure.figures[n]:.5g}" for n in names)
+        own = (significant(measure.figures[n], 4) for n in names)
         rows.append((measure.role, "to compare with", measure.notation, *own, ""))
         title += f", and the change from {measure.role}"
         header.append(f"beside {measure.role}")
@@ -354,8 +365,8 @@ def simulated_keeping(entrant: Entrant) -> object:
 
 
 def number(value: float) -> object:
-    """Five digits of a number for a table, a dash for none."""
-    return "–" if np.isnan(value) else float(f"{value:.5g}")
+    """A number for a table, a dash for none."""
+    return "–" if np.isnan(value) else float(value)
 
 
 def rank_finalists(

@@ -79,7 +79,8 @@ def interactive_front(
         "front-interactive",
         "Candidates on any two axes",
         "Ringed: the recommended one. The menus choose the axes; point at a candidate to see what "
-        "it is, drag over a part to see it larger, double-click to see all again."
+        "it is, drag over a part to see it larger, double-click to see all again. The buttons, "
+        "and plus, minus and 0, do so about the candidate last pointed at."
         + f" Of {total} candidates behind the front {OTHERS} are shown."
         * (total > OTHERS),
         html.render(axes=titles, second=second, name=study.name, values=values),

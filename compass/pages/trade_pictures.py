@@ -5,8 +5,6 @@ from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.colors import LogNorm
 from matplotlib.ticker import MaxNLocator
 
 from compass.coverage.grid import equal_angle_grid
@@ -16,7 +14,7 @@ from compass.document.blocks import Picture
 from compass.inputs.study import Study
 from compass.orbits import repeat_period
 from compass.pictures.front import draw_front, label
-from compass.pictures.mars_map import MarsMap
+from compass.pictures.maps import dilution_bar, draw_map
 from compass.pictures.style import CYCLE, INK, MARS, look, new_figure, picture
 from compass.quantities.merits import MERITS
 from compass.sites import Mask
@@ -72,12 +70,13 @@ def front_pictures(
                     label=measure.role,
                 )
             figure.legend(frameon=False, fontsize=8, loc="outside lower center", ncols=2)
+        title = f"{MERITS[b].title[0].upper()}{MERITS[b].title[1:]} against {MERITS[a].title}"
         made.append(
             picture(
                 figure,
                 f"front-{a}-{b}".replace(".", "-").replace("_", "-"),
-                f"{MERITS[b].title} against {MERITS[a].title}",
-                f"{MERITS[b].title} against {MERITS[a].title}; ringed: the recommended one.",
+                title,
+                f"{title}; ringed: the recommended one.",
             )
         )
     return tuple(made)
@@ -210,38 +209,28 @@ def map_comparison(study: Study, shown: Sequence[Finalist | Yardstick]) -> Pictu
         seen = view(c, times, study.figure.equatorial_radius, mask)
         data = coverage_map(seen, grid, fold=study.fold)
         fields.append(data.gdop.sel(percentile=95).values)
-    everything = np.concatenate([f[np.isfinite(f)].ravel() for f in fields])
-    low, high = (
-        (everything.min(), max(np.quantile(everything, 0.98), 1.05 * everything.min()))
-        if everything.size
-        else (1.0, 10.0)
-    )
     columns = 2 if len(shown) > 1 else 1
     rows = -(-len(shown) // columns)
     with look():
         figure = new_figure(5.2 * columns, 2.9 * rows + 0.7)
         panels = figure.subplots(rows, columns, squeeze=False).ravel()
-        colours = colormaps["magma_r"].with_extremes(bad="#8a8f98")
         for axes in panels[len(shown) :]:
             axes.set_axis_off()
         for axes, one, field in zip(panels, shown, fields, strict=False):
-            chart = MarsMap(axes, study.figure.name)
-            mesh = chart.field(
-                np.degrees(grid.longitude_edges),
-                np.degrees(grid.latitude_edges),
-                np.ma.masked_invalid(field),
-                cmap=colours,
-                norm=LogNorm(low, high),
+            chart = draw_map(
+                axes,
+                field,
+                grid,
+                f"{one.notation}\n{one.role}",
+                label="GDOP",
+                figure_name=study.figure.name,
+                named=False,
+                bar=False,
             )
-            chart.graticule(60)
-            axes.set_title(f"{one.notation}\n{one.role}", fontsize=8)
-        bar = figure.colorbar(
-            mesh, ax=list(panels), orientation="horizontal", shrink=0.6, aspect=40, extend="max"
+            axes.set_title(axes.get_title(), fontsize=8)
+        dilution_bar(
+            list(panels), chart.mesh, "GDOP, 95th percentile over the ground tracks' repeat period"
         )
-        ticks = np.geomspace(low, high, 6)
-        bar.set_ticks(ticks.tolist(), labels=[f"{tick:.3g}" for tick in ticks])
-        bar.ax.minorticks_off()
-        bar.set_label("GDOP, 95th percentile over the ground tracks' repeat period")
     return picture(
         figure,
         "finalist-maps",

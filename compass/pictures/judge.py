@@ -76,8 +76,10 @@ def bound_map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> 
             share = f"{100 * far.mean():.3g} % of entries beyond {goal:g} m"
             each.set_title(f"{fill(name, 46)}\n{share}", fontsize=9)
         bar = colour_bar(list(axes), mesh, "largest position bound at deployment in the cell, m")
-        bar.ax.xaxis.set_major_formatter("{x:g}")
-        bar.ax.xaxis.set_minor_formatter("{x:g}" if high < 8 * low else "")
+        ticks = [t for t in _round(low, high) if low <= t <= high]
+        if len(ticks) > 1:
+            bar.set_ticks(ticks, labels=[f"{t:g}" for t in ticks])
+            bar.ax.minorticks_off()
     return picture(
         figure,
         "judge-map",
@@ -87,6 +89,13 @@ def bound_map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> 
         "deployed there.",
         wide=True,
     )
+
+
+def _round(low: float, high: float) -> list[float]:
+    """Round numbers about a range of a logarithmic scale, the fewer the wider it is."""
+    per = (1, 1.5, 2, 3, 4, 5, 6, 8) if high < 8 * low else (1, 2, 5)
+    first, last = np.floor(np.log10(low)), np.floor(np.log10(high))
+    return [float(k * 10.0**p) for p in np.arange(first, last + 1) for k in per]
 
 
 def bound_distributions(names: Sequence[str], found: Sequence[Judgement], goal: float) -> Picture:

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from compass.api.outlook import Glance
 from compass.document import Answers, Picture
 from compass.entry.arrivals import draw_arrivals
 from compass.inputs import read_design_text
@@ -131,11 +132,16 @@ def test_bounds_of_any_width_have_numbers_along_their_axis(widest):
     assert len(told) == len(set(told)) <= 20
 
 
-def test_the_answer_says_which_is_best_and_whether_to_believe_it():
+def test_the_answer_says_which_is_best_and_whether_to_believe_it(monkeypatch):
+    lasting = {"1.toml": Glance(31.69, 40.0, "3 in view"), "2.toml": Glance(40.0, 40.0, ""),
+               "3.toml": Glance(0.0, 40.0, "0 in view"), "4.toml": Glance(1.2, 40.0, "gone")}  # fmt: skip
+    monkeypatch.setattr(module, "glance", lambda design: lasting[design.label])
+    designs = designs_of(1, 2, 3, 4)
+
     def row(name, p95, **filtered):
         known = {"nees": None, "believed": True, "consistent": True, **filtered}
         return {
-            "design": name, "crlb_position_m": {"p95": p95}, "worst_found": {"value": 2 * p95}, **known,
+            "design": name, "given": 1 + "ABCD".index(name), "crlb_position_m": {"p95": p95}, "worst_found": {"value": 2 * p95}, **known,
         }  # fmt: skip
 
     picture = Picture("p", "t", "c", b"png")
@@ -152,14 +158,21 @@ def test_the_answer_says_which_is_best_and_whether_to_believe_it():
         "samples": 2048,
         "ground": [],
     }
-    section = module.answer_section(record, picture)
+    section = module.answer_section(record, designs, picture)
     (lead,) = section.paragraphs
     assert "A is the best of 4" in lead and "4 m in 95 % of 2,048 entries" in lead
     assert "rival B has 2 times" in lead and "no accuracy is claimed" in lead
     (answers,) = (block for block in section.blocks if isinstance(block, Answers))
-    assert [a.holds for a in answers.rows] == [False, False, False, False, None]
-    assert module.answer_section({**record, "goal_m": 16.0}, picture).blocks[1].rows[1].holds
-    said = [a.evidence.partition("; ")[2] for a in answers.rows[:-1]]
+    assert [a.holds for a in answers.rows] == [False] * 4 + [None] * 4
+    assert [(a.written, a.evidence) for a in answers.rows[4:]] == [
+        ("31 days", "proven: compass drift 1.toml --days 33"),
+        ("40 days and more", "proven: compass drift 2.toml --days 40"),
+        ("not at the epoch: 0 in view", "proven: compass drift 3.toml --days 1"),
+        ("1 day", "proven: compass drift 4.toml --days 3"),
+    ]
+    easier = module.answer_section({**record, "goal_m": 16.0}, designs, picture)
+    assert easier.blocks[1].rows[1].holds
+    said = [a.evidence.partition("; ")[2] for a in answers.rows[:4]]
     assert said == [
         "the filter's errors are 3.21 times what it claims", "the filter is consistent",
         "the filter is not consistent", "",
@@ -167,5 +180,5 @@ def test_the_answer_says_which_is_best_and_whether_to_believe_it():
     assert section.pictures == (picture,) and "So few" not in lead
     for known, bounds in zip(rows, ((3.0, 8.5), (7.0, 9.0), (8.6, 9.5), (15.0, 25.0)), strict=True):
         known["crlb_position_m"]["p95_interval"] = bounds
-    (lead,) = module.answer_section(record, picture).paragraphs
+    (lead,) = module.answer_section(record, designs, picture).paragraphs
     assert "So few entries do not put B behind A: the bounds of their 95th" in lead

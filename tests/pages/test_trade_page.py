@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compass.api.outlook import Glance
 from compass.document import Answers
 from compass.inputs import read_design_text
 from compass.inputs.study import Constraint, read_study_text
@@ -48,9 +49,10 @@ figure = "gdop_p50"
 
 @pytest.fixture
 def coarse(monkeypatch):
-    """Coarse maps: what they look like is not tested here."""
+    """Coarse maps, no orbits followed: what they look like is not tested here."""
     monkeypatch.setattr(trade_pictures, "EPOCHS", 3)
     monkeypatch.setattr(trade_pictures, "CELL_DEG", 30.0)
+    monkeypatch.setattr("compass.pages.trade_finalists.glance", lambda _: Glance(31.7, 40.0, ""))
 
 
 def finalist(satellites, gdop):
@@ -168,7 +170,53 @@ def test_candidates_on_any_two_axes(tmp_path, coarse, opened, faults):
     menu = browser.find_element("css selector", ".front [name=x]")
     menu.find_element("xpath", "option[text()='inclination']").click()
     assert title("x") == "inclination, deg"
+    menu.find_element("xpath", "option[1]").click()
+    zoomed_by_hand(browser, points)
     assert faults(browser) == [] and browser.get_log("browser") == []
+
+
+def zoomed_by_hand(browser, points):
+    """Zoom by mouse and by finger: what is kept is what lay within, and all comes back."""
+    from selenium.webdriver import ActionChains
+    from selenium.webdriver.common.actions.action_builder import ActionBuilder
+    from selenium.webdriver.common.actions.pointer_input import PointerInput
+
+    svg, everybody = browser.find_element("css selector", ".front .plot svg"), points()
+    browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", svg)
+    # a part of the plot about its second candidate from the left, in pixels from its middle
+    x, y, left, top, right, bottom, wide, high = browser.execute_script(
+        """
+        const {points, frame, svg} = document.querySelector(".front").front;
+        const one = points.slice().sort((a, b) => a.x - b.x)[1];
+        return [one.x, one.y, Math.max(one.x - 40, frame.left), Math.max(one.y - 40, frame.top),
+                Math.min(one.x + 40, frame.right), Math.min(one.y + 40, frame.bottom),
+                svg.clientWidth, svg.clientHeight].map(Math.round);
+        """
+    )
+    within = browser.execute_script(
+        "const [l, t, r, b] = arguments; return document.querySelector('.front').front.points"
+        ".filter(p => l <= p.x && p.x <= r && t <= p.y && p.y <= b).length",
+        left, top, right, bottom,
+    )  # fmt: skip
+    assert 0 < within < everybody
+    middle = (wide // 2, high // 2)
+    drag = ActionChains(browser).move_to_element_with_offset(svg, left - middle[0], top - middle[1])
+    drag.click_and_hold().move_by_offset(right - left, bottom - top).release().perform()
+    assert points() == within
+    ActionChains(browser).double_click(svg).perform()
+    assert points() == everybody
+    finger = ActionBuilder(browser, mouse=PointerInput("touch", "finger"))
+    finger.pointer_action.move_to(svg, x - middle[0], y - middle[1]).pointer_down().pointer_up()
+    finger.perform()
+    assert "number of satellites: " in browser.find_element("css selector", ".front .tip").text
+    for name in ("nearer", "nearer", "nearer"):
+        browser.find_element("css selector", f".front [name={name}]").click()
+    nearer = points()
+    assert 0 < nearer < everybody  # about the candidate that was touched
+    browser.find_element("css selector", ".front [name=farther]").click()
+    assert nearer <= points() < everybody
+    browser.find_element("css selector", ".front [name=all]").click()
+    assert points() == everybody
 
 
 @pytest.fixture
@@ -242,11 +290,12 @@ def test_filter_is_left_out_if_the_study_says_so(landing, tmp_path, coarse):
     assert all(row["nees"] is None for row in made.summary["landing"]["designs"])
 
 
-@pytest.mark.parametrize(("days", "said"), [(np.nan, "not asked by the study"), (31.5, "31.5 d")])
-def test_how_long_it_lasts_is_answered_where_it_is_known(seed_design, days, said):
+@pytest.mark.parametrize(("days", "said"), [(np.nan, "31 days"), (31.5, "31.5 d")])
+def test_how_long_it_lasts_is_answered_whether_or_not_a_study_asks(seed_design, days, said, coarse):
     one = replace(finalist(15, 3.0), figures={"days_proven": days})
     row = _lasts(Entrant(one, seed_design, "proven"))
-    assert row.written.startswith(said) and row.holds is None
+    assert row.written == said and row.holds is None
+    assert ("compass drift" in row.evidence) == np.isnan(days)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,5 @@
-// Candidates of a study on any two axes: point at one to see what it is, drag over a part to see it
-// larger, hide groups by the legend. Drawn at the size shown, so that letters keep theirs.
+// Candidates of a study on any two axes: point at one to see what it is, drag over a part (or press a
+// button, or a key) to see it larger, hide groups by the legend. Drawn at the size shown, so that letters keep theirs.
 "use strict";
 (() => {
 const FRONT = 1;  // the first group is of all that are feasible, those after it are few
@@ -48,12 +48,14 @@ class Front {
         this[axis] = Number(e.target.value);
         this.all();
       });
-    root.querySelector("[name=all]").addEventListener("click", () => this.all());
+    for (const [name, act] of [["nearer", () => this.zoom(1 / 1.5)], ["farther", () => this.zoom(1.5)], ["all", () => this.all()]])
+      root.querySelector(`[name=${name}]`).addEventListener("click", act);
     this.plot.addEventListener("keydown", e => this.key(e));
     this.plot.addEventListener("blur", () => { this.tip.style.display = "none"; });
     this.svg.addEventListener("pointermove", e => this.move(e));
     this.svg.addEventListener("pointerdown", e => this.move(e, true));
     this.svg.addEventListener("pointerup", e => this.up(e));
+    this.svg.addEventListener("pointercancel", () => this.drop());
     this.svg.addEventListener("pointerleave", () => { this.tip.style.display = "none"; });
     this.svg.addEventListener("dblclick", () => this.all());
     this.legend();
@@ -185,13 +187,19 @@ class Front {
     const found = this.near(x, y);
     if (found) this.tell(found); else this.tip.style.display = "none";
   }
-  up(e) {
+  // End of a drag: where it began.
+  drop() {
     const from = this.from;
     this.from = null;
     this.svg.querySelector(".drag")?.remove();
-    if (!from || e.pointerType === "touch") return;
+    return from;
+  }
+  up(e) {
+    const began = this.drop();
+    if (!began || e.pointerType === "touch") return;
     const box = this.svg.getBoundingClientRect(), f = this.frame;
-    const to = [e.clientX - box.left, e.clientY - box.top];
+    const within = ([x, y]) => [Math.min(Math.max(x, f.left), f.right), Math.min(Math.max(y, f.top), f.bottom)];
+    const from = within(began), to = within([e.clientX - box.left, e.clientY - box.top]);
     if (Math.abs(to[0] - from[0]) < 12 || Math.abs(to[1] - from[1]) < 12) return;
     const [[x0, x1], [y0, y1]] = this.ends;
     const x = [from[0], to[0]].map(v => x0 + (v - f.left) / (f.right - f.left) * (x1 - x0)).sort((a, b) => a - b);
