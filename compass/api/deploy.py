@@ -126,8 +126,8 @@ class DeployResult(Result):
         )
         how = (
             "By first-order J2 rates of nodes, Hohmann transfers, satellites phased in their "
-            f"planes by the moment of the last one; the first plane costs {found.transfer:.4g} m/s a "
-            "satellite. Another launch or wait stands in a table [deployment]."
+            f"planes by the moment of the last one; the first plane costs {found.transfer:.4g} m/s "
+            "a satellite. Another launch or wait stands in a table [deployment]."
         )
         return Page(
             self.design.name,

@@ -205,6 +205,17 @@ def pointed(browser, stem, x, y):
     )  # fmt: skip
 
 
+def touched(browser, root):
+    """Touch the middle of a picture with a finger and lift it."""
+    from selenium.webdriver.common.actions.action_builder import ActionBuilder
+    from selenium.webdriver.common.actions.pointer_input import PointerInput
+
+    browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", root)
+    finger = ActionBuilder(browser, mouse=PointerInput("touch", "finger"))
+    finger.pointer_action.move_to(root).pointer_down().pointer_up()
+    finger.perform()
+
+
 def test_pictures_say_the_value_under_the_pointer_and_by_the_keys(browser, page):
     sized(browser, 1440)
     browser.get(page.as_uri())
@@ -249,6 +260,8 @@ def test_pictures_say_the_value_under_the_pointer_and_by_the_keys(browser, page)
     )
     assert told.splitlines() == ["two", "GDOP: 6.5"]
     root = browser.find_element("css selector", "#curve .reading")
+    touched(browser, root)
+    assert root.find_element("css selector", ".tip").text.splitlines()[0].startswith("days: ")
     root.send_keys("\ue00c")  # escape
     assert root.find_element("css selector", ".tip").text == ""
     root.send_keys("\ue014")

@@ -56,7 +56,8 @@ class Front {
     this.svg.addEventListener("pointerdown", e => this.move(e, true));
     this.svg.addEventListener("pointerup", e => this.up(e));
     this.svg.addEventListener("pointercancel", () => this.drop());
-    this.svg.addEventListener("pointerleave", () => { this.tip.style.display = "none"; });
+    // a finger that is lifted leaves too: what it touched stays said
+    this.svg.addEventListener("pointerleave", e => { if (e.pointerType !== "touch") this.tip.style.display = "none"; });
     this.svg.addEventListener("dblclick", () => this.all());
     this.legend();
     new ResizeObserver(() => this.draw()).observe(this.plot);

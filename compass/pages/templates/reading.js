@@ -121,7 +121,8 @@ class Reading {
     this.ready = Promise.all(this.panels.filter(p => p.values).map(unpack));
     root.addEventListener("pointermove", e => this.point(e));
     root.addEventListener("pointerdown", e => this.point(e));
-    root.addEventListener("pointerleave", () => this.hide());
+    // a finger that is lifted leaves too: what it touched stays said
+    root.addEventListener("pointerleave", e => { if (e.pointerType !== "touch") this.hide(); });
     root.addEventListener("blur", () => this.hide());
     root.addEventListener("keydown", e => this.key(e));
   }
