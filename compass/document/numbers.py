@@ -84,6 +84,8 @@ def outward(
     """
     scale = 100.0 if quantity.form == "share" else 1.0
     value = scale * bound
+    if quantity.form == "share" and 0.0 < value < SMALL:
+        return significant(away(value / SMALL) * SMALL, 1)
     if quantity.form == "count" or not isfinite(value) or abs(value) < SMALL:
         return in_words(bound, quantity)
     behind = max(0, quantity.digits - 1 - floor(log10(abs(value))))

@@ -11,6 +11,7 @@ import numpy as np
 from compass.api.check import CheckResult
 from compass.api.map_statistics import ROVER
 from compass.coverage.certificate import Outcome
+from compass.coverage.certified_percentile import GREATEST
 from compass.coverage.site import site_coverage
 from compass.coverage.verdict import Verdict
 from compass.design import Design
@@ -43,11 +44,12 @@ def verdict_answers(verdicts: Iterable[Verdict]) -> list[Answer]:
         how = ""
         if share is not None:
             value = Value(quantity("requirement_share"), share[0], Bracket(*share))
-            how = f"{value} % of it"
+            how = f"{value} % of {'the time' if asked.share_of == 'time' else 'area and time'}"
         elif margin is not None:
             how = f"{significant(float(np.degrees(margin)), 3)}° to spare"
         sure = ", ".join(text for text in (verdict.sure, verdict.reason, verdict.scope) if text)
-        rows.append(Answer(f"{asked.name}: {asked.wanted}", how or verdict.word, verdict.met, sure))
+        question = f"{asked.name}: {asked.wanted}, {asked.when}"
+        rows.append(Answer(question, how or verdict.word, verdict.met, sure))
     return rows
 
 
@@ -82,8 +84,8 @@ def coverage(found: Found) -> list[Answer]:
     result = found.fold
     claim = f"{result.fold} in view above {result.mask_deg:g}°, everywhere"
     holds = {Outcome.PROVEN: True, Outcome.REFUTED: False}.get(result.outcome)
-    if found.checked:  # then that is not what was asked for
-        holds = None
+    if found.checked:
+        holds, claim = None, f"Not asked for: {claim}"
     rows = [Answer(claim, str(result.outcome), holds, result.scope)]
     margin = result.margins().rows[3][1]
     assert isinstance(margin, Value)
@@ -121,6 +123,8 @@ def moment_words(seconds: float) -> str:
 
 def latitude_words(latitude_deg: float) -> str:
     """Write a latitude north or south."""
+    if abs(latitude_deg) < 0.005:
+        return "the equator"
     side = "N" if latitude_deg >= 0 else "S"
     return f"{significant(abs(latitude_deg), 3)}° {side}"
 
@@ -134,13 +138,22 @@ def geometry(found: Found) -> list[Answer]:
     gdop = numbers["gdop"]
     return [
         *_errors(found, numbers),
-        Answer("GDOP, 95 % below", _known(found, "gdop", gdop, "p95")),
-        Answer("GDOP, half of area and time below", _known(found, "gdop", gdop, "p50")),
+        Answer("GDOP, 95 % below", *_dilution(found, gdop, "p95")),
+        Answer("GDOP, half of area and time below", *_dilution(found, gdop, "p50")),
         Answer(
             f"Area and time with PDOP {within:g} or less",
             _known(found, "availability", numbers, "availability"),
         ),
     ]
+
+
+def _dilution(found: Found, gdop: dict[str, Any], key: str) -> tuple[Value | str, None, str]:
+    """A percentile of GDOP as an answer; in words where so much of area and time has no fix."""
+    value = _known(found, "gdop", gdop, key)
+    known = value.evidence
+    least = known.low if isinstance(known, Bracket) else gdop[key]
+    fixed = least is not None and least < GREATEST  # no percentile is looked for beyond
+    return (value if fixed else "no fix in so much of it", None, str(known or ""))
 
 
 def _known(found: Found, name: str, of: dict[str, Any], key: str) -> Value:
@@ -277,7 +290,8 @@ def what_to_do(found: Found, neighbours: Sequence[Neighbour]) -> list[str]:
     wanted = f"{result.fold}-fold coverage above {result.mask_deg:g}°"
     real = lasting_advice(found.outlook) if found.outlook else ""
     if found.checked is not None:
-        return [f"{_of_requirements(found.checked, real)} {accurate(found)}".strip()]
+        fix = accurate(found).replace("GDOP is below", "Over all of Mars GDOP is below")
+        return [f"{_of_requirements(found.checked, real)} {fix}".strip()]
     when = result.scope.split(",")[0]
     words = {
         Outcome.PROVEN: f"Build it as it is: it has {wanted}, proven {when}."

@@ -42,9 +42,11 @@ def lasting_answers(design: Design, found: Outlook) -> list[Answer]:
     left = "Left alone on real orbits it lasts"
     proven = f"proven: {shown['lasts']}"
     if found.lasts:
-        rows = [Answer(left, f"{found.horizon_days:g} days and more", True, proven)]
+        rows = [Answer(left, f"{found.horizon_days:g} days and more", None, proven)]
+    elif found.days_proven == 0.0:
+        rows = [Answer(left, "not held at the epoch", None, proven)]
     else:
-        rows = [Answer(left, f"{floor(found.days_proven)} days", False, proven)]
+        rows = [Answer(left, f"{floor(found.days_proven)} days", None, proven)]
     if found.keeping is not None:
         mean = Value(quantity("delta_v_keeping_m_s_year"), found.keeping["delta_v_mean_m_s_year"])
         years = f"simulated over {_years(found.keeping)}"

@@ -62,7 +62,7 @@ def test_the_cheapest_is_the_least_of_all_that_are_quick_enough(designs):
     assert far["direct_m_s"] == pytest.approx(float(hohmann(first, last)) + turn)
     assert node_change(last, np.pi / 4, np.radians(144)) == pytest.approx(turn)
     words = text(found.document())
-    assert "5 planes from each of 1 launch: waiting at" in words
+    assert "5 planes from 1 launch: waiting at" in words
     assert found.plot().get_ylabel() == "delta-v of one satellite, m/s"
     json.dumps(out)
 

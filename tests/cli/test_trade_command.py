@@ -5,6 +5,7 @@ import re
 
 import pytest
 
+from compass.api.outlook import Glance
 from compass.pages import trade_pictures
 from compass.study import stages
 from compass.study.workers import Processes
@@ -37,9 +38,10 @@ figure = "mask_margin_deg"
 
 @pytest.fixture
 def coarse(monkeypatch):
-    """Coarse maps: what they look like is not tested here."""
+    """Coarse maps, no orbits followed: what they look like is not tested here."""
     monkeypatch.setattr(trade_pictures, "EPOCHS", 3)
     monkeypatch.setattr(trade_pictures, "CELL_DEG", 30.0)
+    monkeypatch.setattr("compass.pages.trade_finalists.glance", lambda _: Glance(31.7, 40.0, ""))
 
 
 @pytest.fixture

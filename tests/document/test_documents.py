@@ -1,3 +1,5 @@
+import pytest
+
 from compass.document import (
     Details,
     Page,
@@ -11,7 +13,8 @@ from compass.document import (
     text,
 )
 from compass.document.blocks import columns, facts, walk
-from compass.document.evidence import Proven
+from compass.document.evidence import Bracket, Proven, Sampled
+from compass.document.html import alone
 from compass.quantities import quantity
 
 MASK, FOLD = quantity("mask_margin_deg"), quantity("min_fold")
@@ -80,3 +83,34 @@ def test_what_is_known_alike_of_all_is_said_once():
     mixed = facts("M", [Value(FOLD, 4, Proven("ever")), Value(MASK, 6.2)])
     assert (mixed.title, mixed.header[-1]) == ("M", "evidence")
     assert facts("M", [Value(FOLD, 4, Proven("ever"))]).header[-1] == "evidence"
+
+
+def test_what_most_rows_say_of_how_known_they_are_is_said_once():
+    once, other = Proven("ever"), Proven("today")
+    most = facts("M", [Value(FOLD, k, once) for k in range(4)] + [Value(MASK, 6.2, other)])
+    assert most.title == "M (proven, ever, where nothing else is said)"
+    assert [row[-1] for row in most.rows] == ["", "", "", "", "proven, today"]
+
+
+@pytest.mark.parametrize(
+    ("error", "written"), [(3.7e-7, "0.000037"), (0.012, "1.2"), (1e-10, "0.00000001")]
+)
+def test_an_error_has_no_power_of_ten(error, written):
+    share = quantity("requirement_share")
+    assert str(Value(share, 0.25, Sampled(error))) == f"25 ± {written}"
+
+
+def test_a_picture_is_alone_where_none_can_stand_beside_it():
+    half, wide = Picture("p", "p", "", b"<svg"), Picture("w", "w", "", b"<svg", wide=True)
+    rows = [half, half, half, wide, half, Sentence("x"), half, half]
+    found = [
+        alone(each, rows[k + 1] if k + 1 < len(rows) else None, rows[:k])
+        for k, each in enumerate(rows)
+    ]
+    assert found == [False, False, True, False, True, False, False, False]
+
+
+def test_bounds_of_a_share_next_to_nothing_have_no_power_of_ten():
+    share = quantity("requirement_share")
+    assert str(Value(share, 0.0, Bracket(0.0, 1.0067e-10))) == "0 to 0.0001"
+    assert str(Value(share, 0.0, Bracket(3e-7, 4e-6))) == "0 to 0.0004"

@@ -13,6 +13,7 @@ from compass.api.map_result import MapResult
 from compass.inputs import read_design_text
 from compass.pages.answers import (
     ANSWERS,
+    _dilution,
     _errors,
     accurate,
     answer_section,
@@ -117,7 +118,7 @@ def test_no_loss_changes_a_refusal():
 
 
 def test_latitudes_are_north_or_south():
-    assert (latitude_words(-41.83), latitude_words(0.0)) == ("41.8° S", "0° N")
+    assert (latitude_words(-41.83), latitude_words(0.0)) == ("41.8° S", "the equator")
     assert [moment_words(s) for s in (7200.0, 252.0, 3.0)] == ["2 h", "4.2 min", "3 s"]
 
 
@@ -188,7 +189,7 @@ def test_requirements_come_first_and_decide_the_advice(met):
     found = replace(met, design=design, checked=checked)
     rows = ANSWERS[0](found)
     assert [row.holds for row in rows] == [v.met for v in checked.verdicts]
-    assert rows[0].question == "ever: 1 satellite" and "proven" in rows[0].sure
+    assert rows[0].question == "ever: 1 satellite, always" and "proven" in rows[0].sure
     assert ANSWERS[1](found)[0].holds is None  # the coverage is not what was asked for
     assert "bracket" not in "".join(row.sure for row in rows)
     (words,) = what_to_do(found, [])
@@ -231,3 +232,14 @@ def test_maps_and_losses_of_a_page(met):
     assert one_colour(even) == ["PDOP is at most 6 for 0.0% of the time, at every cell."]
     lost = page._losses(met, [])
     assert lost is not None and lost.tables[0].title.startswith("After 1 loss")
+
+
+def test_a_place_on_the_equator_and_a_gdop_of_nobody_are_words(met):
+    assert [latitude_words(x) for x in (5.7e-14, -0.2, 41.83)] == [
+        "the equator",
+        "0.2° S",
+        "41.8° N",
+    ]
+    for low, said in ((1e5, "no fix in so much of it"), (3.4, "3.4 to ∞")):
+        found, holds, sure = _dilution(met, {"p95": np.inf, "p95_bracket": (low, np.inf)}, "p95")
+        assert (str(found), holds) == (said, None) and "proven" in sure

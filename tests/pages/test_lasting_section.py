@@ -170,7 +170,7 @@ def test_the_page_asks_and_advises():
     assert [row.written for row in rows] == [
         "31 days", "16 m/s a year a satellite", "20027 km, 400 km lower, for 1.9 years",
     ]  # fmt: skip
-    assert [row.mark for row in rows] == ["missed", "", ""]
+    assert [row.mark for row in rows] == ["", "", ""]  # nobody asked for a number of days
     assert lasting_advice(told()) == (
         "Left alone on real orbits it loses that after 31 days: fly it 400 km lower, where it keeps "
         "itself once trimmed, or keep every satellite in its slot for 16 m/s a year."
