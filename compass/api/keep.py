@@ -16,7 +16,7 @@ from compass.coverage.room import SlotBox, has_slots, slot_box
 from compass.design import Design, Upkeep
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
-from compass.orbits.keeping import keep_slots
+from compass.orbits.keeping import keep_kinds, keep_slots
 
 
 @checked
@@ -41,12 +41,14 @@ def keep(
     Parameters
     ----------
     design
-        A design of circular orbits of one radius and inclination, or the path of its file; one
-        of two-body motion is kept under the default forces.
+        A design, or the path of its file; one of two-body motion is kept under the default
+        forces. Orbits that are oval, or of several radii or inclinations, are kept kind by kind
+        and need `box_deg`.
     years
         Time to simulate, Earth years of 365.25 days; else the design's, as all that follows.
     box_deg
-        Half width of the box along the track, degrees; else half of what the margin allows.
+        Half width of the box along the track, degrees; else half of what the margin allows, where
+        all orbits are circles of one radius and inclination.
     fold, mask_deg
         Satellites in view at once everywhere and elevation mask, degrees; else what the design
         requires, or its fold everywhere.
@@ -84,23 +86,23 @@ def keep(
         navigation_error_m=navigation_error_m,
     )
     c, motion = read.constellation, real_motion(read)
-    if not has_slots(c):
-        raise ArgumentError(
-            "keep: slots need circular orbits of one radius and inclination; this design has others"
-        )
     wanted, mask = given_fold(fold, read), given_mask(mask_deg, read).highest
     own = fold is None and mask_deg is None
-    box, where = box_of(read) if own and read.requirements else None, "what is required"
-    if box is None:
-        box, where = _everywhere(read, wanted, mask), "the whole sphere"
-    margin = box.sideways
-    if box_deg is None and margin <= 0.0:
+    if box_deg is not None and not 0.0 < box_deg < 180.0:
+        raise ArgumentError(f"box_deg = {box_deg:g}: must be more than 0 and below 180 degrees")
+    slots = has_slots(c)
+    if slots:
+        margin = _margin(read, wanted, mask, own, box_deg is not None)
+    elif box_deg is None:
         raise ArgumentError(
-            f"fold = {wanted}: {where} does not have it above {degrees(mask):g} deg, so "
-            f"no slot has any room ({degrees(margin):.3g} deg); give less, a lower mask or box_deg"
+            "box_deg: missing; orbits that are oval, or of several radii or inclinations, form no "
+            "slots that turn as one, so that none follows from a margin; give how far each may "
+            "leave its place among its kind along the track, degrees"
         )
+    else:
+        margin = 2.0 * radians(box_deg)
     width = 0.5 * margin if box_deg is None else radians(box_deg)
-    found = keep_slots(
+    found = (keep_slots if slots else keep_kinds)(
         c,
         forces_of(motion),
         upkeep.duration,
@@ -116,6 +118,35 @@ def keep(
     asked = None if own else Asked(wanted, mask)
     radii = at_radii(read, radius_km, days=days, asked=asked, progress=progress)
     return KeepResult(read, motion.title, found, degrees(margin), upkeep, radii)
+
+
+def _margin(design: Design, fold: int, mask: float, own: bool, boxed: bool) -> float:
+    """How far a satellite may leave its slot, radians.
+
+    Parameters
+    ----------
+    design, fold, mask
+        Whose slots; what is asked for everywhere.
+    own
+        Whether what the design requires counts instead, if anything.
+    boxed
+        Whether a box is given, so that there need be no room.
+
+    Raises
+    ------
+    ArgumentError
+        There is none, and no box is given.
+    """
+    box, where = box_of(design) if own and design.requirements else None, "what is required"
+    if box is None:
+        box, where = _everywhere(design, fold, mask), "the whole sphere"
+    if not boxed and box.sideways <= 0.0:
+        raise ArgumentError(
+            f"fold = {fold}: {where} does not have it above {degrees(mask):g} deg, so "
+            f"no slot has any room ({degrees(box.sideways):.3g} deg); give less, a lower mask or "
+            "box_deg"
+        )
+    return box.sideways
 
 
 def _everywhere(design: Design, fold: int, mask: float) -> SlotBox:

@@ -8,6 +8,7 @@ import numpy as np
 
 from compass.api.radii import RadiusLasts
 from compass.api.results import Result
+from compass.coverage.room import has_slots
 from compass.design import Design, Upkeep
 from compass.document import Page, Sampled, Sentence, Table, Value, Verdict
 from compass.document.blocks import facts
@@ -37,7 +38,8 @@ class KeepResult(Result):
     keeping
         The simulation, SI.
     margin_deg
-        What a satellite may leave its slot by, sideways; the box is part of it.
+        What a satellite may leave its slot by, sideways; the box is part of it. Twice the box of
+        orbits that form no slots.
     upkeep
         What the satellites keep themselves with.
     radii
@@ -182,9 +184,22 @@ class KeepResult(Result):
                 ),
                 Table("Satellite by satellite", header, rows),
                 Sentence(how),
+                *self._kinds(),
                 *self._untouched(),
             ),
         )
+
+    def _kinds(self) -> list[Sentence]:
+        """What is kept where there are no slots that turn as one."""
+        if has_slots(self.design.constellation):
+            return []
+        return [
+            Sentence(
+                "each kind of orbit is kept in its phases and planes, not its periapses, and not "
+                "against other kinds; allowed is twice the box asked for, which proves no "
+                "coverage; impulses are given where satellites then are, not where they cost least"
+            )
+        ]
 
     def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw what keeping each satellite in its slot costs.

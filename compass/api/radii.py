@@ -13,7 +13,6 @@ from compass.cores import cores
 from compass.coverage.lasting import margins_at, prove_span
 from compass.coverage.promises import lead_of, promises_of
 from compass.coverage.region import GLOBE, Region
-from compass.coverage.room import has_slots
 from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
@@ -122,7 +121,7 @@ def at_radii(
     Raises
     ------
     ArgumentError
-        Orbits that form no slots, or a motion without forces.
+        Orbits of several axes, or a motion without forces.
     """
     if asked is None and not design.requirements:
         asked = Asked(design.fold, design.mask.highest)
@@ -139,9 +138,14 @@ def at_radii(
 def _at_radius(design: Design, radius_km: float, stop: float, asked: Asked | None) -> RadiusLasts:
     """How long the same pattern lasts on another radius."""
     c, motion = design.constellation, real_motion(design)
-    if not has_slots(c):
+    axes = c.semi_major_axis
+    if not c.size:
+        raise ArgumentError("radius_km: a sweep needs satellites; the design has none")
+    if np.ptp(axes) > 1e-9 * axes[0]:
         raise ArgumentError(
-            "radius_km: a sweep needs a design of circular orbits of one radius and inclination"
+            f"radius_km: the orbits have several axes, {axes.min() / 1e3:g} to "
+            f"{axes.max() / 1e3:g} km, for which one radius cannot stand; sweep the "
+            "satellites of each in a design of their own"
         )
     moved = with_axes(c, np.full(c.size, radius_km * 1e3))
     forces = forces_of(motion)

@@ -16,6 +16,9 @@ time, so that it turns before that point, and further again by and by.
 Across the track the orbits' poles are compared with those of the slots, turned as one by the best
 rotation; where one has come too far off, an impulse where the satellite crosses the plane that it
 should be in turns its velocity into that plane: ``2 v sin(tilt / 2)``.
+
+Of an oval orbit an impulse where the speed is v changes the mean motion by
+``dn = -3 n a v dv / GM``, which of a circle is the law above. Its periapsis is left to turn.
 """
 
 from collections.abc import Callable, Sequence
@@ -33,13 +36,17 @@ from compass.orbits.constellation import Constellation
 from compass.orbits.ellipse import elliptic
 from compass.orbits.forces import ForceModel
 from compass.orbits.trajectory import COARSE, Trajectory, integrate
-from compass.orbits.trimming import angular_rates, with_axes
+from compass.orbits.trimming import angular_rates, kinds_of, with_axes
+from compass.words import counted
 
 #: Revolutions over which the push is fitted before the first burn, and at most later.
 LEARNING, MEMORY = 8, 40
 
 #: Places of a revolution in which a crossing of a plane is looked for.
 LOOKS = 25
+
+#: Eccentricities, and inclinations in radians, that lie no further apart count as alike.
+ALIKE = 0.005
 
 #: Smallest push that counts, rad/s^2: 1e-4 degrees a day squared. Where it is weaker a satellite
 #: is sent back at the speed for this one.
@@ -105,7 +112,7 @@ def keep_slots(
     Parameters
     ----------
     constellation
-        Circular orbits of one period; osculating elements at the epoch.
+        Orbits of one period, as far as J2 lets it be seen; osculating elements at the epoch.
     forces
         What acts.
     duration
@@ -130,20 +137,23 @@ def keep_slots(
         Orbits of unequal period, too short a time, or no box.
     """
     c = constellation
-    if c.size == 0 or np.ptp(c.semi_major_axis) > 1e-9 * c.semi_major_axis[0]:
+    if c.size == 0 or kinds_of(c).any():
         raise ArgumentError("keep: needs orbits of one period; slots move as one")
     if not half_width > 0.0:
         raise ArgumentError(
             f"box_deg = {np.degrees(half_width):g}: must be more than 0; the margin leaves no room"
         )
-    period = float(2 * np.pi / c.mean_motion[0])
+    period = float(2 * np.pi / c.mean_motion.mean())
     count = round(duration / period)
     if count < 30:
-        raise ArgumentError(f"years: {count} revolutions; give at least 30")
+        least = 30.5 * period / (365.25 * SECONDS_PER_DAY)
+        raise ArgumentError(
+            f"years: {counted(count, 'revolution')}; give at least 30 of them, {least:.2g} years"
+        )
     own = with_axes(c, c.semi_major_axis, gm=forces.field.gm)
     r, v = (a[:, 0] for a in elliptic(own, np.zeros(1)))
     poles = _poles(r, v)
-    axis = float(c.semi_major_axis[0])
+    axis, oval = float(c.semi_major_axis.mean()), c.eccentricity > 0.0
     random = np.random.default_rng(seed)
     state = _Slots(c.size, axis, half_width, smallest_burn)
     theta, tilt, time = np.zeros(c.size), np.zeros(c.size), 0.0
@@ -165,8 +175,11 @@ def keep_slots(
             r[s], v[s], burnt = _into_plane(path.only(int(s)), slots[s], float(done[s]), forces)
             spent[s] += burnt
             burns[s] += 1
+        speed = np.linalg.norm(v, axis=1)
+        if oval.any():
+            state.lever = np.where(oval, own.gm / (own.mean_motion * axis * speed), axis)
         kicks = state.look((k + 0.5) * period, mean, mean + wrong, done)
-        v = v + kicks[:, None] * v / np.linalg.norm(v, axis=1, keepdims=True)
+        v = v + kicks[:, None] * v / speed[:, None]
     return Keeping(
         duration=count * period,
         half_width=half_width,
@@ -180,11 +193,66 @@ def keep_slots(
     )
 
 
+def keep_kinds(
+    constellation: Constellation,
+    forces: ForceModel,
+    duration: float,
+    half_width: float,
+    *,
+    progress: Callable[[Sequence[Any]], Any] = iter,
+    **upkeep: Any,
+) -> Keeping:
+    """Keep satellites of several kinds of orbit, each kind in places of its own.
+
+    Of one kind are orbits of like axis (`kinds_of`), eccentricity and inclination, which field and
+    flattening turn alike: their phases and planes are held to each other's, not to other kinds'.
+
+    Parameters and errors as in `keep_slots`.
+    """
+    c = constellation
+    shapes = np.column_stack([kinds_of(c), _runs(c.eccentricity), _runs(c.inclination)])
+    kinds = np.unique(shapes, axis=0, return_inverse=True)[1].ravel()
+    found, owners = list[Keeping](), list[NDArray[np.int64]]()
+    for kind in range(int(kinds.max()) + 1):
+        others = np.flatnonzero(kinds != kind).tolist()
+        owners.append(np.flatnonzero(kinds == kind))
+        found.append(
+            keep_slots(c.without(others), forces, duration, half_width, progress=progress, **upkeep)
+        )
+    order = np.argsort(np.concatenate(owners))
+
+    def joined(name: str, per_time: bool = False) -> NDArray[Any]:
+        scale = [duration / one.duration if per_time else 1 for one in found]
+        parts = [getattr(one, name) * by for one, by in zip(found, scale, strict=True)]
+        return np.asarray(np.concatenate(parts)[order])
+
+    return Keeping(
+        duration=duration,
+        half_width=half_width,
+        delta_v=joined("delta_v", per_time=True),
+        burns=joined("burns"),
+        worst=joined("worst"),
+        tilt=joined("tilt"),
+        push=joined("push"),
+        delta_v_across=joined("delta_v_across", per_time=True),
+        burns_across=joined("burns_across"),
+    )
+
+
+def _runs(values: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Number of the run that each value is of: a gap wider than `ALIKE` begins another."""
+    order, found = np.argsort(values), np.zeros(values.size, dtype=np.int64)
+    found[order[1:]] = np.cumsum(np.diff(values[order]) > ALIKE)
+    return found
+
+
 class _Slots:
     """Places in the slots as a controller sees them: one average a revolution."""
 
     def __init__(self, size: int, axis: float, half_width: float, smallest: float) -> None:
-        self.axis, self.half_width, self.smallest = axis, half_width, smallest
+        # metres a second for a third of a radian a second of mean motion: the axis of a circle
+        self.lever = np.full(size, axis)
+        self.half_width, self.smallest = half_width, smallest
         self.times: list[float] = []
         self.places: list[NDArray[np.float64]] = []
         self.origin: NDArray[np.float64] | None = None
@@ -228,14 +296,14 @@ class _Slots:
         self.side = np.where(out, side, self.side)
         way = self.reach * (np.abs(place) + self.half_width)  # up to the other edge
         wanted = -side * np.sqrt(2.0 * way * np.maximum(np.abs(push), WEAKEST))
-        least = 3.0 * self.smallest / self.axis
+        least = 3.0 * self.smallest / self.lever
         asked = -side * np.maximum(np.abs(wanted - speed), least)
         change = np.where(out, asked * done, 0.0)
         # the impulse comes half a revolution after the average's moment
         step = self.times[-1] - self.times[-2]
         if out.any():
             self.history.append((time + 0.5 * step, change))
-        kicks = -self.axis * change / 3.0
+        kicks = -self.lever * change / 3.0
         self.spent = self.spent + np.abs(kicks)
         self.burns = self.burns + out
         return np.asarray(kicks)

@@ -146,7 +146,7 @@ def test_drift_refuses(file, options, message):
         compass.drift(file, **options)
 
 
-def test_a_trim_needs_forces_and_a_sweep_slots():
+def test_a_trim_needs_forces_and_a_sweep_one_axis(file):
     design = read_design_text(FIVE.format(model="j2"))
     with pytest.raises(ArgumentError, match="has no forces to trim for"):
         compass.drift(design, days=1.0, trimmed=True)
@@ -154,8 +154,13 @@ def test_a_trim_needs_forces_and_a_sweep_slots():
         'name = "o"\n[constellation]\npattern = "elements"\n[[constellation.satellite]]\nname = "a"\n'
         "semi_major_axis_km = 20000\neccentricity = 0.1\ninclination_deg = 10\n[coverage]\nfold = 1"
     )
-    with pytest.raises(ArgumentError, match="a sweep needs a design of circular orbits"):
-        compass.drift(oval, days=0.2, radius_km=[20000.0])
+    swept = compass.drift(oval, days=0.2, radius_km=[21000.0]).radii[0]
+    assert (swept.radius_km, swept.days_proven) == (21000.0, 0.0)
+    other = dataclasses.replace(compass.read_design(file).constellation, epoch=0.0)
+    two = dataclasses.replace(oval.constellation, epoch=0.0) + other
+    unlike = dataclasses.replace(oval, constellation=two)
+    with pytest.raises(ArgumentError, match=r"several axes, 19000 to 20000 km, for which one"):
+        compass.drift(unlike, days=0.2, radius_km=[20000.0])
 
 
 def test_an_oval_orbit_has_a_margin_and_no_room():

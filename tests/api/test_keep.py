@@ -17,7 +17,7 @@ from compass.orbits import states_mci
 from compass.orbits.constellation import keplerian
 from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import built_in_field
-from compass.orbits.keeping import _into_plane, _Slots, keep_slots
+from compass.orbits.keeping import _into_plane, _Slots, keep_kinds, keep_slots
 from compass.orbits.trajectory import integrate
 
 STILL = """
@@ -212,14 +212,53 @@ def test_keep_refuses(options, message):
 
 def test_unlike_orbits_cannot_be_kept_as_slots():
     oval = STILL.format(anomaly=0).replace("inclination_deg", "eccentricity = 0.1\ninclination_deg")
-    with pytest.raises(ArgumentError, match="slots need circular orbits"):
+    with pytest.raises(ArgumentError, match="box_deg: missing; orbits that are oval"):
         compass.keep(read_design_text(oval))
     forces = ForceModel()
-    with pytest.raises(ArgumentError, match="revolutions; give at least 30"):
+    with pytest.raises(ArgumentError, match="revolutions; give at least 30 of them"):
         keep_slots(over(0.0), forces, 5 * DAY, 0.1)
     c = keplerian([2e7, 2.1e7], 0, 0.1, 0, 0, 0)
     with pytest.raises(ArgumentError, match="needs orbits of one period"):
         keep_slots(c, forces, 50 * DAY, 0.1)
+
+
+def test_an_impulse_changes_the_mean_motion_of_an_oval_orbit_as_the_controller_counts():
+    """``dn = -3 n a v dv / GM``: the energy law, at any place of the orbit."""
+    gm, a, e = 4.2828372854e13, 2e7, 0.3
+    n = np.sqrt(gm / a**3)
+    for r in (a * (1 - e), a, a * (1 + e)):
+        v, dv = np.sqrt(gm * (2 / r - 1 / a)), 1e-3
+        faster = 1 / (2 / r - (v + dv) ** 2 / gm)
+        lever = gm / (n * a * v)
+        assert np.sqrt(gm / faster**3) - n == pytest.approx(-3.0 * dv / lever, rel=1e-4)
+
+
+@pytest.mark.slow
+def test_kinds_of_orbits_are_kept_each_by_itself():
+    """An areostationary ring and an oval orbit: as if each were a design of its own."""
+    forces = ForceModel(built_in_field().truncated(3), False, False, 0.0, "none")
+    ring = keplerian(20428.1e3, 0.0, 0.0, 0.0, 0.0, np.radians([0.0, 120.0, 240.0]))
+    oval = keplerian(12000e3, 0.3, 0.9, 0.0, 1.0, np.radians([0.0, 180.0]))
+    both = keplerian(
+        [20428.1e3, 12000e3, 20428.1e3, 12000e3, 20428.1e3],
+        [0.0, 0.3, 0.0, 0.3, 0.0],
+        [0.0, 0.9, 0.0, 0.9, 0.0],
+        0.0,
+        [0.0, 1.0, 0.0, 1.0, 0.0],
+        np.radians([0.0, 0.0, 120.0, 180.0, 240.0]),
+    )
+    asked = (forces, 60 * DAY, np.radians(0.5))
+    found = keep_kinds(both, *asked)
+    for places, alone in (
+        ([0, 2, 4], keep_slots(ring, *asked)),
+        ([1, 3], keep_slots(oval, *asked)),
+    ):
+        whole = alone.delta_v * found.duration / alone.duration
+        assert found.delta_v[places] == pytest.approx(whole, rel=1e-6, abs=1e-9)
+        assert found.worst[places] == pytest.approx(alone.worst, rel=1e-6)
+    # burns hold the oval pair, whose osculating axes J2 sets apart, within what it learnt in
+    assert found.burns[[1, 3]].min() > 0
+    assert np.degrees(found.worst[[1, 3]]).max() < 3.0
 
 
 def test_numbers_of_the_law_are_finite():
