@@ -3,7 +3,7 @@
 
 def counted(number: int, noun: str) -> str:
     """A number and its noun, of many where it is not one: ``1 satellite, 2 satellites``."""
-    many = "es" if noun.endswith(("ch", "s")) else "s"
+    many = "es" if noun.endswith(("ch", "s")) and not noun.endswith("och") else "s"
     return f"{number} {noun}" if number == 1 else f"{number} {noun}{many}"
 
 

@@ -40,11 +40,11 @@ def check_cluster(
         scheduler.
     """
     if scheduler is not None and workers is not None:
-        raise ArgumentError("workers: not beside scheduler, whose cluster has its own")
+        raise ArgumentError("workers and scheduler: not both; a cluster has its own workers")
     if not any((authority, certificate, key)):
         return None
     if authority is None or certificate is None or key is None or scheduler is None:
-        raise ArgumentError("tls_ca, tls_cert, tls_key: all three go together, beside scheduler")
+        raise ArgumentError("tls_ca, tls_cert, tls_key and scheduler: all four go together")
     from compass.study.cluster import Tls
 
     return Tls(Path(authority), Path(certificate), Path(key))

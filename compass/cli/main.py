@@ -5,6 +5,7 @@ Every other module of this folder that defines ``command`` is a subcommand named
 
 import errno
 import functools
+import logging
 import os
 import re
 import signal
@@ -111,39 +112,48 @@ def _in_words_of_the_user(callback: Callable[..., Any]) -> Callable[..., Any]:
 
 def in_words_of_the_user(message: str, context: click.Context) -> str:
     """Name the option that a message is about; else the file, if there is one and it does not."""
-    name = re.match(r"\w+(?=[ :])", message)
-    for parameter in context.command.params:
-        given = context.get_parameter_source(parameter.name or "") is ParameterSource.COMMANDLINE
+    heads = re.match(r"\w+(?:(?:, | and )\w+)*(?=[ :])", message)
+    names = re.split(", | and ", heads[0]) if heads else []
+    parameters = context.command.params
+    for parameter in parameters:
+        if context.get_parameter_source(parameter.name or "") is not ParameterSource.COMMANDLINE:
+            continue
         option = max(parameter.opts, key=len)
         words = option.removeprefix("--").replace("-", "_") + "_"
-        if not (name and given):
-            continue
-        if words.startswith(f"{name[0]}_") or parameter.name == name[0]:  # its unit may be left out
-            message = option + message[name.end() :]
+        if len(names) > 1 and parameter.name in names:  # arguments, which no file has
+            return _with_options(message, parameters)
+        if len(names) == 1 and (parameter.name == names[0] or words.startswith(f"{names[0]}_")):
+            message = option + message[len(names[0]) :]  # its unit may be left out
             break
-    files = [
-        str(value)
-        for parameter in context.command.params
-        if isinstance(parameter, click.Argument)
-        and isinstance(value := context.params.get(parameter.name or ""), Path)
-    ]
-    if len(files) == 1 and not message.startswith("--") and files[0] not in message:
-        return f"{files[0]}: {message}"
-    return message if files else _with_options(message, context.command.params)
+    files = list(_files(context))
+    if not files:
+        return _with_options(message, parameters)
+    if message.startswith("--") or any(file in message for file in files):
+        return message
+    return f"{', '.join(files)}: {message}"
+
+
+def _files(context: click.Context) -> Iterator[str]:
+    """Names of the files that a command was given, the outputs of options apart."""
+    for parameter in context.command.params:
+        if isinstance(parameter, click.Argument):
+            given = context.params.get(parameter.name or "")
+            for value in given if isinstance(given, tuple) else (given,):
+                if isinstance(value, Path):
+                    yield str(value)
 
 
 def _with_options(message: str, parameters: list[click.Parameter]) -> str:
     """Name the options wherever their names stand: there is no file that they could be keys of."""
     names = {p.name: max(p.opts, key=len) for p in parameters if isinstance(p, click.Option)}
-    first = re.match(r"\w+(?=[ :])", message)
-    if first and first[0] in names:
-        message = names[first[0]] + message[first.end() :]
     name = "|".join(sorted(map(str, names), key=len, reverse=True))
     # names that are words of the language as well are taken for names in a list of such alone
     told = rf"(?<![-\w])(?:(?:{name})(?:(?:, | and )(?:{name}))+|\w+_\w+)\b"
-    return re.sub(
+    message = re.sub(
         told, lambda part: re.sub(r"\w+", lambda w: names.get(w[0], w[0]), part[0]), message
     )
+    first = re.match(r"\w+(?=[ :])", message)
+    return names.get(first[0], first[0]) + message[first.end() :] if first else message
 
 
 @click.command(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -163,6 +173,8 @@ def main() -> None:
         if hasattr(stream, "reconfigure"):  # a name may have what the terminal cannot write
             stream.reconfigure(errors="backslashreplace")
     os.environ["MPLBACKEND"] = "agg"  # a notebook's may not be installed here
+    # and where its folder cannot be written, how it helps itself is nobody's business
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     with _interrupts_noted() as interrupts:
         try:
             status = _status()

@@ -13,6 +13,9 @@ from compass.inputs.faults import model_faults
 #: A design file is some kilobytes; anything past this is not one.
 MAX_BYTES = 1_000_000
 
+#: Tables and lists within each other; no file of ours has more than six.
+DEEPEST = 30
+
 #: The table by which each kind of file is known.
 KINDS = {"constellation": "a design", "vehicle": "a scenario of landing", "study": "a study"}
 
@@ -52,6 +55,31 @@ def read_text(path: Path) -> str:
     return text.replace("\r\n", "\n")
 
 
+def tables_of(text: str) -> dict[str, Any]:
+    """Raw tables of a file's text, none nested so deeply that what reads them must give up.
+
+    Raises
+    ------
+    ValueError
+        It is not valid TOML, and why.
+    """
+    try:
+        raw = tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        raise
+    except RecursionError:
+        raise ValueError("nested too deeply") from None
+    except ValueError as error:  # Python's own limit, or a date that no calendar has
+        raise ValueError(f"a value that cannot be: {str(error).partition(';')[0]}") from error
+    level: list[Any] = [raw]
+    for _ in range(DEEPEST):
+        inner = [list(held.values()) if isinstance(held, dict) else held for held in level]
+        level = [held for values in inner for held in values if isinstance(held, dict | list)]
+    if level:
+        raise ValueError(f"nested too deeply, more than {DEEPEST} times")
+    return raw
+
+
 def parse(
     text: str, label: str, model: type[Model], cross_faults: Callable[[dict[str, Any]], list[str]]
 ) -> Model:
@@ -75,15 +103,9 @@ def parse(
         With every fault of the file.
     """
     try:
-        raw = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        if isinstance(error, tomllib.TOMLDecodeError):
-            reason = str(error)
-        elif isinstance(error, RecursionError):
-            reason = "nested too deeply"
-        else:  # Python's own limit, or a date that no calendar has
-            reason = f"a value that cannot be: {str(error).partition(';')[0]}"
-        raise DesignError(f"{label}: not valid TOML: {reason}") from error
+        raw = tables_of(text)
+    except ValueError as error:
+        raise DesignError(f"{label}: not valid TOML: {error}") from error
     if other := _other_kind(raw, model):
         raise DesignError(f"{label}: {other}")
     faults: list[str] = []

@@ -1,6 +1,5 @@
 """Files of requirements: what a constellation that is still looked for must do."""
 
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -12,7 +11,7 @@ from compass.errors import DesignError
 from compass.frames import FIGURES, Figure
 from compass.inputs.design import mask_of, place_faults, read_design_text, site_of
 from compass.inputs.models import CoverageTable, StationTable
-from compass.inputs.reading import parse, read_text
+from compass.inputs.reading import parse, read_text, tables_of
 from compass.inputs.requirements import RequirementTable, requirement_faults, requirements_of
 from compass.inputs.signal import SignalTable, signal_faults, signal_of_table
 from compass.inputs.table import Table
@@ -85,7 +84,7 @@ def read_needs(path: str | Path) -> Needs:
 
 def _tables(text: str) -> dict[str, Any]:
     try:
-        return tomllib.loads(text)
+        return tables_of(text)
     except ValueError:
         return {}
 

@@ -1,6 +1,5 @@
 """The designs, scenarios and studies that come with the package, and the starters of each kind."""
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +7,7 @@ from pydantic import BaseModel
 
 from compass.errors import ArgumentError, near
 from compass.inputs.models import DesignFile
-from compass.inputs.reading import KINDS, read_text
+from compass.inputs.reading import KINDS, read_text, tables_of
 from compass.inputs.scenario_models import ScenarioFile
 from compass.inputs.study_models import StudyFile
 
@@ -87,8 +86,8 @@ def tables(path: Path) -> dict[str, Any]:
         It cannot be read.
     """
     try:
-        return tomllib.loads(read_text(path))
-    except (ValueError, RecursionError):
+        return tables_of(read_text(path))
+    except ValueError:
         return {}
 
 

@@ -1,7 +1,6 @@
 """One self-contained HTML page about a design, a scenario, a study, a paper or a result."""
 
 import json
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,7 +17,7 @@ from compass.design import Design
 from compass.document import Page, Section, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError
-from compass.inputs.reading import read_text
+from compass.inputs.reading import read_text, tables_of
 from compass.inputs.scenario import Scenario
 from compass.inputs.study import Study
 from compass.pages.design import PARTS, design_report
@@ -197,8 +196,8 @@ def _kind(path: Path) -> str:
         return "paper"
     text = read_text(path)
     try:
-        tables = set(tomllib.loads(text))
-    except (ValueError, RecursionError):
+        tables = set(tables_of(text))
+    except ValueError:
         return "design"
     return "study" if "study" in tables else "scenario" if "vehicle" in tables else "design"
 

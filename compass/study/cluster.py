@@ -176,8 +176,8 @@ class Cluster:
             alike = [where for where in versions if where not in unfit]
             for where, found in self._client.run(ByValue(able), workers=alike).items():
                 if found != compass.__version__:
-                    said = found if " " in found else f"compass {found}"
-                    unfit[where] = f"{said}, this is {compass.__version__}"
+                    other = f"compass {found}, this is {compass.__version__}"
+                    unfit[where] = found if " " in found else other
         except OSError as error:
             raise self._lost() from error
         if unfit:

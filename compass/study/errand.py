@@ -1,7 +1,7 @@
 """What a cluster's machine is asked to do, sent with its code: the machine may lack this package.
 
 A function that is sent by its name takes down a worker that cannot import it. These are sent by
-value, so they import inside, and use nothing of this file but themselves.
+value, so they import inside.
 """
 
 import pickle
@@ -10,31 +10,33 @@ from typing import Any
 
 
 def able() -> str:
-    """Return what keeps this machine from the work; nothing if it can do it."""
+    """Return the version of this package on this machine; or what keeps it from the work."""
+    import sys
+
     try:
         import compass
         import compass.study.cluster
         import compass.study.stages
-    except ImportError as error:
-        return f"no package {error.name}" if error.name else str(error)
+    except Exception as error:  # of whatever a machine may lack, or have instead
+        name = getattr(error, "name", None)
+        if not name:
+            return " ".join(f"cannot import compass: {error}".split())
+        there = sys.modules.get("compass")
+        place = getattr(there, "__file__", None) or next(iter(getattr(there, "__path__", ())), None)
+        other = f", and {place} is another compass" if name.startswith("compass.") else ""
+        return f"no package {name}{other}"
     return compass.__version__
 
 
 def work(version: str, stage: str, job: bytes, rows: bytes) -> Any:
     """Do a part of a job, with the client's version or not at all."""
-    try:
-        import compass
-        from compass.study.cluster import evaluated
-    except ImportError as error:
+    if (found := able()) != version:
         from distributed import get_worker
 
-        raise RuntimeError(f"{get_worker().address}: no package {error.name}") from None
-    if version != compass.__version__:
-        from distributed import get_worker
+        said = found if " " in found else f"compass {found}, this is {version}"
+        raise RuntimeError(f"{get_worker().address}: {said}")
+    from compass.study.cluster import evaluated
 
-        raise RuntimeError(
-            f"{get_worker().address}: compass {compass.__version__}, this is {version}"
-        )
     return evaluated(stage, job, rows)
 
 

@@ -73,6 +73,12 @@ def test_no_help_recites_how_large_a_whole_number_may_be(run):
         ("it comes down", ["x.toml"], "x.toml: it comes down"),
         ("x.toml: it comes down", ["x.toml"], "x.toml: it comes down"),
         ("--fold: no", ["x.toml"], "--fold: no"),
+        (
+            "tls_ca, fold and step_deg: together",
+            ["x.toml", "--tls-ca", "a"],
+            "--tls-ca, --fold and --step-deg: together",
+        ),
+        ("sites and fold: no", ["x.toml", "--tls-ca", "a"], "x.toml: sites and fold: no"),
     ],
 )
 def test_a_refusal_names_the_option_or_the_file(message, arguments, said):
@@ -101,6 +107,18 @@ def test_a_command_without_a_file_names_its_options_alone(message, said):
         assert program.in_words_of_the_user(message, context) == said
 
 
+@pytest.mark.parametrize(
+    ("files", "said"),
+    [
+        (["a.toml"], "a.toml: station: none"),
+        (["a.toml", "b.toml"], "a.toml, b.toml: station: none"),
+    ],
+)
+def test_a_refusal_names_every_file_it_may_be_about(files, said):
+    with program._loaded("series").make_context("series", files) as context:
+        assert program.in_words_of_the_user("station: none", context) == said
+
+
 def test_a_refusal_from_inside_comes_out_in_words_of_the_user(meets):
     def refuse():
         raise ArgumentError("duration_h = 3: is not to be")
@@ -120,6 +138,21 @@ def test_what_an_interruption_turns_into_is_one_still(meets):
     code, out, err = meets(compiled)
     assert (code, out) == (130, "") and err.endswith("nothing half-written was left behind\n")
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_a_home_that_cannot_be_written_is_no_matter_of_pictures(tmp_path):
+    script = (
+        "import sys\n"
+        "from compass.cli.main import main\n"
+        "sys.argv = ['compass', '--version']\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
+        "import matplotlib\n"
+        "assert matplotlib.get_configdir()"
+    )
+    nowhere = {**os.environ, "MPLCONFIGDIR": os.devnull + "/none", "TMPDIR": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", script], env=nowhere, capture_output=True)
+    assert (done.returncode, done.stderr) == (0, b"")
 
 
 def test_the_first_import_can_be_interrupted():

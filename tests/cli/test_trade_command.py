@@ -133,8 +133,11 @@ def test_a_large_pool_is_offered_by_default(study, run, monkeypatch):
     ("options", "message"),
     [
         (["--workers", 0], "--workers = 0: must be a whole number from 1 to 1024"),
-        (["--workers", 1, "--scheduler", "tcp://a:1"], "--workers: not beside scheduler"),
-        (["--tls-ca", "a.pem"], "tls_ca, tls_cert, tls_key: all three go together"),
+        (["--workers", 1, "--scheduler", "tcp://a:1"], "--workers and --scheduler: not both"),
+        (
+            ["--tls-ca", "a.pem"],
+            "--tls-ca, --tls-cert, --tls-key and --scheduler: all four go together\n",
+        ),
         (
             ["--scheduler", "tls://a:1", "--tls-ca", "a", "--tls-cert", "b", "--tls-key", "c"],
             "a: no such file; give a certificate",

@@ -1,5 +1,6 @@
 import hashlib
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -254,6 +255,8 @@ def test_all_faults_come_together():
         ("name = 'a'\nsource = 'é'".encode("latin-1"), "line 2 is not text in UTF-8"),
         (b"a = = 3", "not valid TOML"),
         (b"a = " + b"[" * 5000, "nested too deeply|not valid TOML"),
+        (b"a = " + b"[" * 90 + b"]" * 90, "not valid TOML: nested too deeply, more than 30 times$"),
+        (b"a = " + b"{b = " * 900 + b"1" + b"}" * 900, "nested too deeply$|more than 30 times$"),
         (b"a = " + b"9" * 5000, "not valid TOML: a value that cannot be: Exceeds .* digits$"),
         (b"#" * (MAX_BYTES + 1), "at most 1 MB"),
     ],
@@ -267,6 +270,24 @@ def test_files_that_are_no_design(tmp_path, content, message):
     with pytest.raises(DesignError, match=message) as caught:
         compass.read_design(path)
     assert str(caught.value).startswith(str(path))
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["show", "x.toml"],
+        ["land", "x.toml"],
+        ["trade", "x.toml"],
+        ["report", "x.toml"],
+        ["search", "--max-satellites", "3", "--orbit", "areosynchronous", "--require", "x.toml"],
+    ],
+)
+@pytest.mark.parametrize("text", ["x = " + "[" * 990 + "]" * 990, "x = [" + "9" * 5000 + "]"])
+def test_no_command_gives_up_on_what_is_nested_or_long(command, text, run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("x.toml").write_text(text)
+    status, _, err = run(*command)
+    assert status == 2 and err.startswith("x.toml: not valid TOML: ") and err.count("\n") == 1
 
 
 def test_a_name_too_long_for_a_file(tmp_path):

@@ -84,7 +84,7 @@ def test_a_map_by_a_cluster_has_the_same_bytes(designs, local):
         for where in ({}, {"scheduler": address})
     )
     assert here.identical(there)
-    with pytest.raises(ArgumentError, match="workers: not beside scheduler"):
+    with pytest.raises(ArgumentError, match="workers and scheduler: not both"):
         compass.map(designs / "draim-four.toml", workers=2, scheduler=address)
 
 
@@ -92,6 +92,7 @@ def test_a_map_by_a_cluster_has_the_same_bytes(designs, local):
 def test_only_the_candidate_that_kills_its_workers_is_left_out(tiny, tmp_path, monkeypatch):
     monkeypatch.setitem(trade.BATCH, "screen", 26)
     monkeypatch.setattr(cluster, "PATIENCE", 60.0)  # a nanny and its worker begin one by one
+    monkeypatch.setattr(cluster, "SILENCE", 120.0)  # and on a busy machine they take their time
     rows = candidates(tiny()).rows(0, 52)
     (key,) = identities(rows[5:6])
     environment = Trade(None, tmp_path / "store").environment | {
@@ -176,14 +177,16 @@ def test_a_scheduler_without_workers(tiny, monkeypatch, local):
 
 @pytest.mark.parametrize(
     ("found", "why"),
-    [("no package numba", "no package numba, this is"), ("99", "compass 99, this is")],
+    [("no package numba", "no package numba; they"), ("99", "compass 99, this is .*; they")],
 )
 def test_a_worker_that_cannot_do_the_work_is_named_and_left(tiny, monkeypatch, local, found, why):
     monkeypatch.setattr(cluster, "able", lambda: found)
     monkeypatch.setattr(cluster, "ByValue", lambda function: function)
     made = local(1)
     (worker,) = made.workers.values()
-    with pytest.raises(ArgumentError, match=f"1 of 1 .*{worker.address}: {why}.*left as they are"):
+    with pytest.raises(
+        ArgumentError, match=f"1 of 1 .*{worker.address}: {why} are left as they are"
+    ):
         Cluster(StudyJob(tiny()), made.scheduler_address)
     assert worker.status.name == "running"
 
@@ -238,6 +241,41 @@ def test_what_is_sent_needs_nothing_of_this_package():
         done = subprocess.run([sys.executable, "-c", script], input=code, capture_output=True)
         assert done.stdout.decode().split()[0] == function.__name__, done.stderr
     assert errand.able() == compass.__version__
+
+
+INSTEAD = """
+import pickle, sys
+from importlib.machinery import PathFinder
+class Instead:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] == "compass":
+            if (found := PathFinder.find_spec(name, path or [{!r}])) is None:
+                raise ModuleNotFoundError(name, name=name)
+            return found
+sys.meta_path.insert(0, Instead())
+print(pickle.loads(sys.stdin.buffer.read())())
+"""
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "said"),
+    [
+        ("none.txt", "", "no package compass"),
+        ("compass/left.txt", "", "no package compass.study, and {}/compass is another compass"),
+        ("compass/__init__.py", "", "no package compass.study, and {}/compass/__init__.py is anot"),
+        ("compass.py", "", "no package compass.study, and {}/compass.py is another compass"),
+        ("compass.py", "1 / 0", "cannot import compass: division by zero"),
+        ("compass.py", "import absent", "no package absent"),
+    ],
+)
+def test_what_a_machine_has_in_place_of_this_package_is_named(tmp_path, file, text, said):
+    tmp_path.joinpath(file).parent.mkdir(exist_ok=True)
+    tmp_path.joinpath(file).write_text(text)
+    code = pickle.dumps(errand.ByValue(errand.able))
+    script = INSTEAD.format(str(tmp_path))
+    done = subprocess.run([sys.executable, "-c", script], input=code, capture_output=True)
+    found = done.stdout.decode()
+    assert found.startswith(said.format(tmp_path)) and found.count("\n") == 1, done.stderr
 
 
 def test_the_loggers_of_a_host_are_left_alone(tiny, local):
