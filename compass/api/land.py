@@ -211,5 +211,5 @@ def land(
         notice(f"filter runs: about {seconds:.0f} s")
     found = assess_scenario(read, runs)
     fused = run_fusion(plan, runs, progress=progress) if plan else None
-    entries = disperse_scenario(read)
+    entries = disperse_scenario(read, found)
     return LandResult(read, found, fused, command, strict, entries, start_day)

@@ -11,6 +11,7 @@ from compass.document.blocks import Picture, Section, Table, arranged
 from compass.document.numbers import significant
 from compass.entry.accuracy import Accuracy, Spread
 from compass.entry.assess import Assessment, assess
+from compass.entry.carried import CarriedFilter
 from compass.entry.dispersed import Dispersed, fly_dispersed
 from compass.entry.guidance import guided, with_bank
 from compass.entry.state import longitude_degrees
@@ -88,8 +89,10 @@ def satellite_errors(scenario: Scenario) -> NDArray[np.float64] | None:
     return np.concatenate(found)
 
 
-def disperse_scenario(scenario: Scenario) -> Dispersed | None:
+def disperse_scenario(scenario: Scenario, found: Assessment) -> Dispersed | None:
     """Fly the entries of a scenario's [dispersion]; None if it has none.
+
+    Guided ones know of themselves what the filter tells them that `found` was assessed with.
 
     Raises
     ------
@@ -98,6 +101,9 @@ def disperse_scenario(scenario: Scenario) -> Dispersed | None:
     """
     if scenario.dispersion is None:
         return None
+    carried = CarriedFilter(
+        found.flight, found.beacons, found.taken, scenario.measurements, scenario.settings
+    )
     return fly_dispersed(
         scenario.truth,
         scenario.model,
@@ -106,6 +112,7 @@ def disperse_scenario(scenario: Scenario) -> Dispersed | None:
         float(scenario.times[-1]),
         trigger=scenario.deployment,
         guidance=scenario.guidance,
+        carried=None if scenario.guidance is None else carried,
         seed=scenario.seed,
     )
 
@@ -123,8 +130,22 @@ def dispersed_sentence(found: Dispersed) -> str:
     return (
         f"Of {count} dispersed {how}entries half come to {found.event} within {half} of {of}, 95 % "
         f"within {most} (95 % ellipse {_kilometres(ellipse.semi_major)} by "
-        f"{_kilometres(ellipse.semi_minor)}, half axes){lost}."
+        f"{_kilometres(ellipse.semi_minor)}, half axes){lost}.{_knowledge_words(found)}"
     )
+
+
+def _knowledge_words(found: Dispersed) -> str:
+    """What guidance knew, if that was not all."""
+    if found.nees is None:
+        return ""
+    known = (
+        f" They are guided by what the filter knows, which is {significant(found.knowledge, 3)} m "
+        "off at last (rms)"
+    )
+    if found.claims_hold:
+        return f"{known}."
+    nees = significant(float(found.nees[found.reached].mean()), 3)
+    return f"{known} and inconsistent: NEES {nees} where 6 is right."
 
 
 def _kilometres(metres: float) -> str:
@@ -141,6 +162,8 @@ def dispersed_facts(found: Dispersed) -> dict[str, Any]:
         "entries": found.times.size,
         "reached": int(found.reached.sum()),
         "within_m": {"p50": found.within(50.0), "p95": found.within(95.0)},
+        "knowledge_rms_m": None if found.nees is None else found.knowledge,
+        "nees": None if found.nees is None else found.nees[found.reached].mean(),
         "offsets_east_north_m": found.offsets,
         "ellipse": None
         if ellipse is None

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.entry.guide import dispersed_flights
+from compass.core.entry.guide import Until, dispersed_flights
 from compass.cores import cores
 from compass.entry.accuracy import Ellipse, error_ellipse
+from compass.entry.carried import CarriedFilter, nothing_carried
+from compass.entry.consistency import FALSE_ALARM, nees_bounds
 from compass.entry.covariance import LONGEST_STEP
 from compass.entry.guidance import GROUND, Dispersion, Guidance
 from compass.entry.model import EntryModel
@@ -38,6 +40,9 @@ class Dispersed:
         Unit vector to the target, or to where the planned entry comes, (3,).
     guided
         Whether they are guided to it.
+    errors, nees
+        Of what guidance knew of position and velocity when it last heard anything, (m, 6), and
+        normalised, (m,); None where it knows the state as it is.
     """
 
     event: str
@@ -45,6 +50,8 @@ class Dispersed:
     ends: Array
     centre: Array
     guided: bool
+    errors: Array | None = None
+    nees: Array | None = None
 
     @property
     def reached(self) -> NDArray[np.bool_]:
@@ -68,6 +75,21 @@ class Dispersed:
         flat = self.offsets
         return error_ellipse(flat.mean(axis=0), np.cov(flat.T))
 
+    @property
+    def knowledge(self) -> float:
+        """Root mean square error of the position that guidance knew at last, m; nan for none."""
+        if self.errors is None or not self.reached.any():
+            return np.nan
+        return float(np.sqrt((self.errors[self.reached, :3] ** 2).sum(axis=1).mean()))
+
+    @property
+    def claims_hold(self) -> bool:
+        """Whether the errors of what guidance knew are what its filter claimed."""
+        if self.nees is None or not self.reached.any():
+            return True
+        low, high = nees_bounds(6, int(self.reached.sum()), 1.0 - FALSE_ALARM)
+        return bool(low <= self.nees[self.reached].mean() <= high)
+
     def within(self, percent: float) -> float:
         """Distance from the centre within which that many of all entries come, m.
 
@@ -87,6 +109,7 @@ def fly_dispersed(
     *,
     trigger: Trigger | None = None,
     guidance: Guidance | None = None,
+    carried: CarriedFilter | None = None,
     seed: int = 0,
     threads: int | None = None,
 ) -> Dispersed:
@@ -106,6 +129,8 @@ def fly_dispersed(
         The event; the ground if left out.
     guidance
         To a target; without, all fly the bank of the vehicle.
+    carried
+        The filter by which guidance knows its state, and deployment; the true one if left out.
     seed
         Of the draws.
     threads
@@ -120,8 +145,15 @@ def fly_dispersed(
     drawn = np.vstack([np.zeros(8), dispersion.draws(seed)])
     watch, level = watched_level(truth, trigger or GROUND)
     starts, worlds = planned + drawn[:, :6], np.ascontiguousarray(drawn[:, 6:])
-    times, ends = np.empty(len(drawn)), np.empty((len(drawn), 6))
+    count = len(drawn)
+    times, ends, told = np.empty(count), np.empty((count, 6)), np.zeros((count, 7))
     numbers = np.empty(0) if guidance is None else guidance.numbers()
+    filtered, firsts, noise = nothing_carried(count)
+    longest = LONGEST_STEP
+    if carried is not None:
+        longest, filtered = carried.longest_step, carried.numbers()
+        firsts, noise = carried.drawn(starts, seed)
+    until = Until(float(seconds), longest, watch, level, truth.planet_radius)
     p, q, bank = (
         truth.flight_parameters(),
         known.flight_parameters(),
@@ -131,12 +163,12 @@ def fly_dispersed(
     def work(first: int) -> None:
         part = slice(first, first + BLOCK)
         dispersed_flights(
-            starts[part], worlds[part], p, q, numbers, bank, float(seconds), LONGEST_STEP, watch,
-            level, truth.planet_radius, times[part], ends[part],
+            starts[part], worlds[part], p, q, numbers, bank, until, filtered, firsts[part],
+            noise[part], times[part], ends[part], told[part],
         )  # fmt: skip
 
     with ThreadPoolExecutor(cores(threads)) as pool:
-        list(pool.map(work, range(0, len(drawn), BLOCK)))
+        list(pool.map(work, range(0, count, BLOCK)))
     if guidance is None and np.isnan(times[0]):
         raise ArgumentError(
             f"dispersion: the planned entry does not come to {(trigger or GROUND).name} by "
@@ -147,4 +179,7 @@ def fly_dispersed(
         if guidance is None
         else np.asarray(direction(guidance.latitude, guidance.longitude))
     )
-    return Dispersed((trigger or GROUND).name, times[1:], ends[1:], centre, guidance is not None)
+    known_by = (None, None) if carried is None else (told[1:, :6], told[1:, 6])
+    return Dispersed(
+        (trigger or GROUND).name, times[1:], ends[1:], centre, guidance is not None, *known_by
+    )

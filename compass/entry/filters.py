@@ -6,10 +6,18 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.core.entry.filter import PLAIN, RELINEARISED, UNSCENTED
 from compass.entry.layout import Layout, Part
 from compass.errors import ArgumentError
 
 Method = Literal["plain", "unscented", "relinearised"]
+
+#: Numbers by which the kernels know the methods.
+METHODS: dict[Method, int] = {
+    "plain": PLAIN,
+    "unscented": UNSCENTED,
+    "relinearised": RELINEARISED,
+}
 
 
 @dataclass(frozen=True)

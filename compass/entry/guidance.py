@@ -111,17 +111,20 @@ def guided(
     seconds
         When it ends at the latest.
     """
-    from compass.core.entry.guide import guided_flight
+    from compass.core.entry.guide import Until, guided_flight
+    from compass.entry.carried import nothing_carried
     from compass.entry.covariance import LONGEST_STEP
     from compass.entry.trajectory import watched_level
     from compass.entry.views import cartesian_of
 
     watch, level = watched_level(truth, trigger or GROUND)
     p, banks = truth.flight_parameters(), np.empty((int(2 * seconds) + 4, 2))
+    until = Until(float(seconds), LONGEST_STEP, watch, level, truth.planet_radius)
+    carried, firsts, draws = nothing_carried(1)
     _, rows = guided_flight(
         cartesian_of(np.asarray(state, dtype=float)[:6]), 0.0, truth.vehicle.lift_to_drag, p,
-        known.flight_parameters(), guidance.numbers(), float(seconds), LONGEST_STEP, watch, level,
-        truth.planet_radius, banks, np.empty(6),
+        known.flight_parameters(), guidance.numbers(), until, carried, firsts[0], draws[0], banks,
+        np.empty(6), np.empty(7),
     )  # fmt: skip
     kept = banks[:rows]
     changed = np.append(True, np.diff(kept[:, 1]) != 0)

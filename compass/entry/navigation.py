@@ -6,22 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.entry.filter import PLAIN, RELINEARISED, UNSCENTED, filter_run
+from compass.core.entry.filter import filter_run
 from compass.core.entry.kinds import RANGE, RATE
 from compass.core.entry.measure import ideal_values
 from compass.core.entry.runs import monte_carlo
 from compass.cores import cores
 from compass.entry.beacons import Beacons
 from compass.entry.covariance import longest_step, noise_roots
-from compass.entry.filters import Filter, root
+from compass.entry.filters import METHODS, Filter, root
 from compass.entry.model import EntryModel
 from compass.entry.schedule import Measurements
 from compass.entry.trajectory import Trajectory, fly
 from compass.entry.views import spherical_of
 from compass.errors import ArgumentError
-
-#: Numbers by which the kernel knows the methods.
-_METHODS = {"plain": PLAIN, "unscented": UNSCENTED, "relinearised": RELINEARISED}
 
 #: Runs handed to a thread at once.
 BLOCK = 20
@@ -84,7 +81,7 @@ def run_filter(
         kinds,
         layout.numbers(),
         settings.iterations,
-        _METHODS[settings.method],
+        METHODS[settings.method],
         states,
         covariances,
     )
@@ -221,7 +218,7 @@ def run_monte_carlo(
         kinds,
         layout.numbers(),
         settings.iterations,
-        _METHODS[settings.method],
+        METHODS[settings.method],
     )
     size, heard = layout.size, variances.size
 

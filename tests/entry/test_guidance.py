@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from compass.api.land import land
-from compass.api.land_flight import dispersed_facts, dispersed_sentence
+from compass.api.land_flight import assess_scenario, dispersed_facts, dispersed_sentence
 from compass.core.entry.guide import beyond, heading_error, turned
 from compass.entry.accuracy import accuracy
 from compass.entry.atmosphere import Atmosphere
+from compass.entry.carried import CarriedFilter
 from compass.entry.covariance import axes_covariance, linear_covariance
 from compass.entry.dispersed import Dispersed, fly_dispersed
 from compass.entry.guidance import Dispersion, Guidance, guided, with_bank
@@ -72,6 +73,40 @@ def test_scatter_is_that_of_linear_delivery(guided_lander):
 
 
 @pytest.mark.slow
+def test_guidance_flies_on_what_its_filter_knows(guided_lander):
+    """Errors of the filter come down with the vehicle, and a perfect one changes nothing."""
+    lander = guided_lander
+    few = replace(lander.dispersion, entries=24)
+    assessed = assess_scenario(lander, 2)
+
+    def flown(**changes):
+        settings = replace(lander.settings, **changes)
+        carried = CarriedFilter(
+            assessed.flight, assessed.beacons, assessed.taken, lander.measurements, settings
+        )
+        return fly_dispersed(
+            lander.truth, lander.model, lander.state, few, 300.0, trigger=lander.deployment,
+            guidance=lander.guidance, carried=carried, seed=7,
+        )  # fmt: skip
+
+    good = flown()
+    assert good.reached.all() and good.claims_hold and 3.0 < good.knowledge < 15.0
+    sure = flown(parts=(), method="plain")
+    assert not sure.claims_hold and sure.knowledge > 300.0
+    assert sure.within(50.0) > 2 * good.within(50.0)
+    assert "and inconsistent: NEES" in dispersed_sentence(sure)
+    # known to a millimetre, and nothing dispersed: as if the state were known as it is
+    few = Dispersion(3)
+    near = flown(covariance0=axes_covariance(1e-3, 1e-6), parts=(), method="plain")
+    truth = fly_dispersed(
+        lander.truth, lander.model, lander.state, few, 300.0, trigger=lander.deployment,
+        guidance=lander.guidance,
+    )  # fmt: skip
+    np.testing.assert_allclose(near.ends[:, :3], truth.ends[:, :3], rtol=0, atol=50.0)
+    assert near.knowledge < 0.1
+
+
+@pytest.mark.slow
 def test_guidance_brings_all_to_the_target(guided_lander):
     """The planned one within a cycle's way; the adaptive integrator flies its bank to there too."""
     lander, trigger = guided_lander, guided_lander.deployment
@@ -104,7 +139,10 @@ def test_guidance_turns_with_the_problem(world, table5):
     turn *= np.sign(np.linalg.det(turn))
     both = np.kron(np.eye(2), turn)
     flight = fly(model, table5, [0.0, 150.0])
+    # off the plane of flight: straight ahead, rounding would choose the side of the first bank
     aim = flight.path[-1, :3] / np.linalg.norm(flight.path[-1, :3])
+    aim += 0.005 * np.cross(start[:3], start[3:]) / np.linalg.norm(np.cross(start[:3], start[3:]))
+    aim /= np.linalg.norm(aim)
     ends = []
     for state, target in ((start, aim), (both @ start, turn @ aim)):
         latitude, longitude = np.arcsin(target[2]), np.arctan2(target[1], target[0])

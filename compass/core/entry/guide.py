@@ -7,16 +7,63 @@ Progress in Aerospace Sciences 68:64). Its side changes when the heading is off 
 than a dead band (Tu, Munir, Mease and Bayard 2000, J. Guidance 23:620). Before the air is felt a
 bank is held; at low speed the vehicle only turns its heading to the target. The prediction flies
 reversals and that last turn too, or it would be kilometres off.
+
+What guidance knows of its state is what a filter tells it that flies along, hears what is measured
+of the true state, and is moved by the bank that was commanded: errors of the filter turn the
+vehicle, and so change what it measures next. Drag alone it feels as it is. Deployment, too, is when
+the filter believes it to be.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.entry.dop853 import WATCH_RADIUS, WATCH_SPEED, watched
+from compass.core.entry.filter import added, move, update
 from compass.core.entry.flow import advance, rk4_step
+from compass.core.entry.measure import AIR, ideal_values
+from compass.core.entry.measure import LIFT as OF_LIFT
 from compass.core.entry.rates import DRAG, LIFT, log_density, through_air
+from compass.core.entry.runs import normalised_square
 from compass.core.jit import kernel
+
+Array = NDArray[np.float64]
+
+
+class Until(NamedTuple):
+    """When a flight ends: `seconds` at the latest, flown in steps of `longest` seconds at most.
+
+    Or when what is watched falls to a level (see `compass.core.entry.dop853.watched`), or the
+    distance from the centre below `ground`, m.
+    """
+
+    seconds: float
+    longest: float
+    watch: int
+    level: float
+    ground: float
+
+
+class Carried(NamedTuple):
+    """The filter that a guided lander carries, see `compass.core.entry.filter.filter_run`.
+
+    Without epochs there is none, and guidance knows the true state.
+    """
+
+    times: Array
+    covariance: Array
+    noise: Array
+    walk: Array
+    fade: Array
+    sources: Array
+    variances: Array
+    kinds: NDArray[np.int64]
+    places: NDArray[np.int64]
+    iterations: int
+    method: int
+
 
 #: Places in ``g``: unit vector to the target; least and most bank; its rate; drag from which on
 #: distance is controlled, m/s^2; bank before; dead band of the heading; speed below which the
@@ -95,9 +142,9 @@ def turned(bank, wish, most):
 
 
 @kernel
-def predicted(x, thicker, lift, p, g, bank, size, side, seconds, watch, level, ground, end):
+def predicted(x, thicker, lift, p, g, bank, size, side, seconds, until, end):
     """Fly on with a bank of one size until the event; write where to, and return `beyond`."""
-    here = x.copy()
+    here, watch, level = x.copy(), until.watch, until.level
     for _ in range(int(seconds / STRIDE) + 1):
         wish, side = sided(here, size, side, g)
         after = turned(bank, wish, g[RATE] * STRIDE)
@@ -105,7 +152,7 @@ def predicted(x, thicker, lift, p, g, bank, size, side, seconds, watch, level, g
         bank = after
         rk4_step(here, thicker, lift, p, math.cos(angle), math.sin(angle), STRIDE, end)
         before, now = watched(here, watch, p) - level, watched(end, watch, p) - level
-        if now <= 0.0 or not watched(end, WATCH_RADIUS, p) > ground:
+        if now <= 0.0 or not watched(end, WATCH_RADIUS, p) > until.ground:
             share = before / (before - now) if now < before else 1.0
             for i in range(6):
                 end[i] = here[i] + min(1.0, max(0.0, share)) * (end[i] - here[i])
@@ -115,25 +162,23 @@ def predicted(x, thicker, lift, p, g, bank, size, side, seconds, watch, level, g
 
 
 @kernel
-def found_bank(x, thicker, lift, p, g, bank, side, seconds, watch, level, ground):
+def found_bank(x, thicker, lift, p, g, bank, side, seconds, until):
     """Size of the bank that flies as far as the target: regula falsi (Illinois) on `predicted`.
 
     More bank flies less far; where no bank in the limits flies so far, or so short, the limit.
     """
     end = np.empty(6)
     low, high = g[LEAST], g[MOST]
-    far = predicted(x, thicker, lift, p, g, bank, low, side, seconds, watch, level, ground, end)
+    far = predicted(x, thicker, lift, p, g, bank, low, side, seconds, until, end)
     if far <= 0.0:
         return low
-    near = predicted(x, thicker, lift, p, g, bank, high, side, seconds, watch, level, ground, end)
+    near = predicted(x, thicker, lift, p, g, bank, high, side, seconds, until, end)
     if near >= 0.0:
         return high
     middle = low
     for _ in range(TRIALS):
         middle = low + far / (far - near) * (high - low)
-        off = predicted(
-            x, thicker, lift, p, g, bank, middle, side, seconds, watch, level, ground, end
-        )
+        off = predicted(x, thicker, lift, p, g, bank, middle, side, seconds, until, end)
         if abs(off) < NEAR:
             break
         if off > 0.0:
@@ -144,13 +189,13 @@ def found_bank(x, thicker, lift, p, g, bank, side, seconds, watch, level, ground
 
 
 @kernel
-def crossing(x, thicker, lift, p, angle, step, watch, level, out):
+def crossing(x, thicker, lift, p, angle, step, until, out):
     """Part of a step after which the watched quantity is at the level, by bisection."""
     low, high, c, s = 0.0, step, math.cos(angle), math.sin(angle)
     for _ in range(50):
         middle = 0.5 * (low + high)
         rk4_step(x, thicker, lift, p, c, s, middle, out)
-        if watched(out, watch, p) > level:
+        if watched(out, until.watch, p) > until.level:
             low = middle
         else:
             high = middle
@@ -159,8 +204,48 @@ def crossing(x, thicker, lift, p, angle, step, watch, level, out):
 
 
 @kernel
+def hear(x, carried, k, draws, state, covariance, told):
+    """Let the filter hear what is measured of the true state at epoch k.
+
+    `told` (7,) gets the error of its position and velocity, and that error squared, normalised.
+    """
+    z = np.empty((1, carried.sources.shape[1], carried.kinds.size))
+    ideal_values(x.reshape((1, 6)), carried.sources[k : k + 1], carried.kinds, z)
+    for b in range(z.shape[1]):
+        for c in range(z.shape[2]):
+            z[0, b, c] += math.sqrt(carried.variances[k, b, c]) * draws[b, c]
+    update(
+        state, covariance, state, carried.sources[k], carried.variances[k], z[0], carried.kinds,
+        carried.places, carried.iterations,
+    )  # fmt: skip
+    for i in range(6):
+        told[i] = state[i] - x[i]
+    told[6] = normalised_square(covariance[:6, :6], told[:6])
+
+
+@kernel
+def follow(carried, k, time, stop, known, angle, longest, state, covariance):
+    """Move the filter by the bank that is flown; at epoch k with what noise has gathered by then.
+
+    A filter that looks back moves on as a plain one here.
+    """
+    quiet = np.zeros((carried.noise.shape[1], 6))
+    walk, fade = np.zeros(state.size), 1.0
+    if k < carried.times.size and stop == carried.times[k]:
+        quiet[:, :] = carried.noise[k]
+        walk[:] = carried.walk[k]
+        fade = carried.fade[k]
+    bank = np.empty((1, 2))
+    bank[0, 0], bank[0, 1] = time, angle
+    move(
+        state, covariance, state, known, bank, time, stop, longest, quiet, walk, fade,
+        carried.places, carried.method, np.empty(covariance.shape),
+    )  # fmt: skip
+
+
+@kernel
 def guided_flight(
-    start, thicker, lift, p, known, g, seconds, longest, watch, level, ground, banks, end
+    start, thicker, lift, p, known, g, until, carried, first, draws, banks, end, told
 ):  # fmt: skip
     """Fly one guided entry to an event.
 
@@ -172,78 +257,101 @@ def guided_flight(
         The world as it is; see `compass.core.entry.rates.acceleration`.
     known
         The world as it is known to the guidance, which corrects its density by the drag felt.
-    g
-        See `TARGET`.
-    seconds, longest
-        When the flight ends at the latest, and its longest step, s.
-    watch, level, ground
-        The event, see `compass.core.entry.dop853.watched`, and the radius of the ground, m.
+    g, until
+        See `TARGET` and `Until`.
+    carried, first, draws
+        The filter, its first estimate (s,), and normal draws of its noise, (t, n, c); `first` has
+        no element if there is none.
     banks
-        Output, (k, 2): times and the bank that holds from each on.
+        Output, (k, 2): times and the bank that holds from each on, as far as there is room.
     end
         Output, (6,): state at the event.
+    told
+        Output, (7,): error of what guidance knew, and its normalised square, when it last heard.
 
     Returns
     -------
     time, rows
-        Of the event, nan if it does not come; how many rows of `banks` are written.
+        Of the event, nan if it does not come; how many rows of `banks` there are.
     """
-    x, time, rows, side = start.copy(), 0.0, 0, 1.0
-    bank, ratio = g[BEFORE], 0.0
-    steps = max(1, math.ceil(g[CYCLE] / longest - 1e-9))
-    step = g[CYCLE] / steps
-    if heading_error(x, g) < 0.0:
+    x, seen, time, rows, side = start.copy(), start.copy(), 0.0, 0, 1.0
+    state, covariance, k = first.copy(), carried.covariance.copy(), 0
+    blind = carried.times.size == 0
+    bank, ratio, decision = g[BEFORE], 0.0, 0.0
+    step = g[CYCLE] / max(1, math.ceil(g[CYCLE] / until.longest - 1e-9))
+    told[:] = 0.0
+    if not blind:
+        seen[:] = state[:6]
+    if heading_error(seen, g) < 0.0:
         side, bank = -1.0, -bank
-    size = g[BEFORE]
-    while time < seconds - 1e-9:
-        felt = drag_of(x, thicker, p)
-        if felt > g[FELT]:
-            seen = math.log(felt / drag_of(x, 0.0, known))
-            ratio += BELIEF * (seen - ratio)
-            if watched(x, WATCH_SPEED, p) > g[ALIGN]:
-                size = found_bank(
-                    x, ratio, known[LIFT], known, g, bank, side, seconds - time, watch, level,
-                    ground,
-                )  # fmt: skip
-            wish, side = sided(x, size, side, g)
-        else:
-            wish = side * g[BEFORE]
-        for _ in range(steps):
-            after = turned(bank, wish, g[RATE] * step)
-            angle = 0.5 * (bank + after)
-            bank = after
+    size, wish = g[BEFORE], bank
+    while time < until.seconds - 1e-9:
+        if k < carried.times.size and time >= carried.times[k]:
+            hear(x, carried, k, draws[k], state, covariance, told)
+            seen[:] = state[:6]
+            k += 1
+        if time >= decision - 1e-9:
+            decision += g[CYCLE]
+            felt = drag_of(x, thicker, p)
+            if felt > g[FELT]:
+                ratio += BELIEF * (math.log(felt / drag_of(seen, 0.0, known)) - ratio)
+                if watched(seen, WATCH_SPEED, known) > g[ALIGN]:
+                    lift_known = known[LIFT] + added(state, carried.places[OF_LIFT])
+                    size = found_bank(
+                        seen, ratio, lift_known, known, g, bank, side, until.seconds - time, until
+                    )
+                wish, side = sided(seen, size, side, g)
+            else:
+                wish = side * g[BEFORE]
+        stop = min(decision, time + step)
+        if k < carried.times.size:
+            stop = min(stop, carried.times[k])
+        after = turned(bank, wish, g[RATE] * (stop - time))
+        angle = 0.5 * (bank + after)
+        bank = after
+        if rows < banks.shape[0]:
             banks[rows, 0], banks[rows, 1] = time, angle
-            rows += 1
-            rk4_step(x, thicker, lift, p, math.cos(angle), math.sin(angle), step, end)
-            if watched(end, watch, p) <= level:
-                return time + crossing(x, thicker, lift, p, angle, step, watch, level, end), rows
-            if not watched(end, WATCH_RADIUS, p) > ground:
-                return np.nan, rows
-            x[:] = end
-            time += step
+        rows += 1
+        rk4_step(x, thicker, lift, p, math.cos(angle), math.sin(angle), stop - time, end)
+        if blind:
+            if watched(end, until.watch, p) <= until.level:
+                return time + crossing(x, thicker, lift, p, angle, stop - time, until, end), rows
+            seen[:] = end
+        else:
+            air, steeper = added(state, carried.places[AIR]), added(state, carried.places[OF_LIFT])
+            follow(carried, k, time, stop, known, angle, until.longest, state, covariance)
+            if watched(state, until.watch, known) <= until.level:
+                part = crossing(
+                    seen, air, known[LIFT] + steeper, known, angle, stop - time, until, state[:6]
+                )
+                rk4_step(x, thicker, lift, p, math.cos(angle), math.sin(angle), part, end)
+                return time + part, rows
+            seen[:] = state[:6]
+        if not watched(end, WATCH_RADIUS, p) > until.ground:
+            return np.nan, rows
+        x[:] = end
+        time = stop
     return np.nan, rows
 
 
 @kernel
-def plain_flight(
-    start, thicker, lift, p, bank, seconds, longest, watch, level, ground, end
-):  # fmt: skip
+def plain_flight(start, thicker, lift, p, bank, until, end):
     """Fly one entry by a schedule of bank angles to an event; its time, nan if it does not come."""
-    x, time = start.copy(), 0.0
-    while time < seconds - 1e-9:
-        step = min(longest, seconds - time)
+    x, time, longest = start.copy(), 0.0, until.longest
+    while time < until.seconds - 1e-9:
+        step = min(longest, until.seconds - time)
         advance(x, thicker, lift, p, bank, time, time + step, longest, end)
-        if watched(end, watch, p) <= level:
+        if watched(end, until.watch, p) <= until.level:
             low, high = 0.0, step
             for _ in range(50):
                 middle = 0.5 * (low + high)
                 advance(x, thicker, lift, p, bank, time, time + middle, longest, end)
-                if watched(end, watch, p) > level:
+                if watched(end, until.watch, p) > until.level:
                     low = middle
                 else:
                     high = middle
             return time + high
-        if not watched(end, WATCH_RADIUS, p) > ground:
+        if not watched(end, WATCH_RADIUS, p) > until.ground:
             return np.nan
         x[:] = end
         time += step
@@ -252,7 +360,7 @@ def plain_flight(
 
 @kernel
 def dispersed_flights(
-    starts, worlds, p, known, g, bank, seconds, longest, watch, level, ground, times, ends
+    starts, worlds, p, known, g, bank, until, carried, firsts, draws, times, ends, told
 ):  # fmt: skip
     """Fly many entries, guided if `g` (see `TARGET`) is not empty, else by `bank`.
 
@@ -262,21 +370,19 @@ def dispersed_flights(
         States, (m, 6).
     worlds
         What is added to the logarithm of the density and to L/D of each, (m, 2).
-    p, known, g, bank, seconds, longest, watch, level, ground
-        As in `guided_flight` and `plain_flight`.
-    times, ends
-        Outputs: of the event, (m,), nan where it does not come, and the state there, (m, 6).
+    p, known, g, bank, until, carried, firsts, draws
+        As in `guided_flight` and `plain_flight`, `firsts` (m, s) and `draws` (m, t, n, c).
+    times, ends, told
+        Outputs: of the event, (m,), nan where it does not come, the state there, (m, 6), and of
+        guided ones what `guided_flight` tells of the filter, (m, 7).
     """
-    rows = int(seconds / longest) + int(seconds) + 4
-    banks = np.empty((rows, 2))
+    unwritten = np.empty((0, 2))
     for m in range(starts.shape[0]):
         thicker, lift = worlds[m, 0], p[LIFT] + worlds[m, 1]
         if g.size > 0:
             times[m], _ = guided_flight(
-                starts[m], thicker, lift, p, known, g, seconds, longest, watch, level, ground,
-                banks, ends[m],
+                starts[m], thicker, lift, p, known, g, until, carried, firsts[m], draws[m],
+                unwritten, ends[m], told[m],
             )  # fmt: skip
         else:
-            times[m] = plain_flight(
-                starts[m], thicker, lift, p, bank, seconds, longest, watch, level, ground, ends[m]
-            )
+            times[m] = plain_flight(starts[m], thicker, lift, p, bank, until, ends[m])
