@@ -47,21 +47,19 @@ class CarriedFilter:
 
     def numbers(self) -> Carried:
         """Everything as the kernels take it."""
-        path, layout = (
-            np.ascontiguousarray(self.planned.path),
-            self.settings.layout(self.beacons.size),
+        path = np.ascontiguousarray(self.planned.path)
+        layout = self.settings.layout(self.beacons.size)
+        sources, variances, kinds = self.measurements.heard(
+            self.beacons, self.taken, path, self.planned.model
         )
         return Carried(
             np.array(self.beacons.times, dtype=float),
             layout.covariance(np.asarray(self.settings.covariance0, dtype=float)),
             noise_roots(path, self.beacons.times, self.settings.noise),
             *layout.steps(path),
-            *(
-                np.ascontiguousarray(part)
-                for part in self.measurements.heard(
-                    self.beacons, self.taken, path, self.planned.model
-                )
-            ),
+            sources,
+            variances,
+            kinds,
             layout.numbers(),
             self.settings.iterations,
             METHODS[self.settings.method],
