@@ -101,8 +101,9 @@ def disperse_scenario(scenario: Scenario, found: Assessment) -> Dispersed | None
     """
     if scenario.dispersion is None:
         return None
+    settings = found.settings or scenario.settings
     carried = CarriedFilter(
-        found.flight, found.beacons, found.taken, scenario.measurements, scenario.settings
+        found.flight, found.beacons, found.taken, scenario.measurements, settings
     )
     return fly_dispersed(
         scenario.truth,

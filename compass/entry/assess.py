@@ -62,6 +62,8 @@ class Assessment:
         What each source leaves of the error of the place in `accuracy`, largest first.
     known_exactly
         Whether satellites' orbits and clocks count as known.
+    settings
+        The filter, with what it counts of satellites' errors.
     """
 
     flight: Trajectory
@@ -81,6 +83,7 @@ class Assessment:
     range_noise: NDArray[np.float64] | None = None
     budget: tuple[Share, ...] = ()
     known_exactly: bool = True
+    settings: Filter | None = None
 
     @property
     def claim_m(self) -> float | None:
@@ -188,6 +191,7 @@ def assess(
         np.sqrt(variances[:, : beacons.size, 0]),
         landing_budget(flight, beacons, taken, measurements, biased, accuracies[0]),
         satellites is None,
+        settings,
     )
 
 

@@ -38,11 +38,16 @@ STATE_NAMES = (
     "drag bias",
     "side bias",
     "lift bias",
+    "clock",
+    "clock drift",
 )
-STATE_UNITS = (*["m"] * 3, *["m/s"] * 3, "1", "1", *["m/s^2"] * 3)
+STATE_UNITS = (*["m"] * 3, *["m/s"] * 3, "1", "1", *["m/s^2"] * 3, "m", "m/s")
 
 #: Size of each state in which information is weighed (u of the fast rule).
-SCALE = np.array([*[1e3] * 3, *[10.0] * 3, 0.1, 0.02, *[1e-2] * 3])
+SCALE = np.array([*[1e3] * 3, *[10.0] * 3, 0.1, 0.02, *[1e-2] * 3, 1e3, 1.0])
+
+#: Places in these of the clock's states.
+CLOCK = 11
 
 
 @dataclass(frozen=True)
@@ -63,7 +68,11 @@ class FusedFilter:
         Variances of the first estimates of the other states, (0,), (2,): logarithm of the density
         and L/D, or (5,): and accelerometer biases.
     noise
-        Process noise variance per second of the six spherical numbers, then of the other states.
+        Process noise variance per second of the six spherical numbers, then of the other states
+        but for the clock's, which has none.
+    clock
+        One sigma of the receiver's clock (m) and of its drift (m/s), whose first error is drawn in
+        every run and estimated; empty for one that agrees with the beacons'.
     imu_variance
         R of the accelerometers, (m/s^2)^2, shape (3,).
     random_start
@@ -97,6 +106,7 @@ class FusedFilter:
     weight_floor: float = 1e-3
     gate_sigma: float = inf
     gate_start: float = 0.0
+    clock: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if self.further.size not in (0, 2, 5):
@@ -125,13 +135,24 @@ class FusedFilter:
     @property
     def states(self) -> int:
         """Number of states that are estimated."""
-        return 6 + self.further.size
+        return 6 + self.further.size + len(self.clock)
+
+    @property
+    def numbers(self) -> list[int]:
+        """Which of `STATE_NAMES` they are."""
+        known = 6 + self.further.size
+        return [*range(known), *range(CLOCK, CLOCK + len(self.clock))]
 
     @property
     def layout(self) -> Layout:
         """Where the states stand."""
         sigma = tuple(np.sqrt(self.further).tolist())
-        parts = (("air", sigma[:1]), ("lift", sigma[1:2]), ("imu", sigma[2:]))
+        parts = (
+            ("air", sigma[:1]),
+            ("lift", sigma[1:2]),
+            ("imu", sigma[2:]),
+            ("clock", self.clock),
+        )
         return Layout(tuple(Part(name, s) for name, s in parts if s))
 
     @property
@@ -154,7 +175,7 @@ class FusedFilter:
             kind.fading,
             _WEIGHTINGS[self.chosen_weighting],
             self.weight_floor,
-            SCALE[: self.states].copy() if self.scaled else np.ones(self.states),
+            SCALE[self.numbers] if self.scaled else np.ones(self.states),
             kind.iterations,
             float(self.gate_sigma**2),
             float(self.gate_start),
@@ -163,7 +184,7 @@ class FusedFilter:
     def knowledge(self, case: InertialCase) -> Knowledge:
         """The world as the filter knows it, as the kernels take it."""
         walk = np.zeros(self.states)
-        walk[6:] = self.noise[6:]
+        walk[6 : self.noise.size] = self.noise[6:]
         sources, _, kinds = case.heard(np.ones_like(case.visible))
         return Knowledge(
             self.model.flight_parameters(),
@@ -195,19 +216,22 @@ class FusedFilter:
         """
         true, radius = case.flight.model, case.flight.states[:, 0]
         out = np.zeros((case.times.size, self.states))
-        if self.states > 6:
+        if self.further.size:
             ratio = true.atmosphere.density(radius) / self.model.atmosphere.density(radius)
             ratio *= true.vehicle.drag_area_per_mass / self.model.vehicle.drag_area_per_mass
             out[:, 6] = np.log(ratio)
             out[:, 7] = true.vehicle.lift_to_drag - self.model.vehicle.lift_to_drag
-        if self.states > 8:
-            out[:, 8:] = case.imu_bias
+        if self.further.size > 2:
+            out[:, 8:11] = case.imu_bias
         return out
 
     def starts(self, normals: Array) -> Array:
         """First estimate of each run, (runs, s), from normal numbers (runs, >= s)."""
         out = np.zeros((len(normals), self.states))
         out[:, :6] = self.first
+        own = self.numbers
         if self.random_start:
-            out += normals[:, : self.states] @ root(self.covariance).T
+            out += normals[:, own] @ root(self.covariance).T
+        elif self.clock:
+            out[:, -2:] = normals[:, own[-2:]] * np.array(self.clock)
         return out

@@ -12,7 +12,7 @@ from compass.core.entry.measure import AXES
 from compass.cores import cores
 from compass.entry.consistency import LOST, nees_bounds
 from compass.entry.faults import Fault
-from compass.entry.fused import STATE_NAMES, STATE_UNITS, FusedFilter
+from compass.entry.fused import CLOCK, STATE_NAMES, STATE_UNITS, FusedFilter
 from compass.entry.inertial import InertialCase
 from compass.entry.views import along_cross_down, local_axes
 from compass.errors import ArgumentError
@@ -28,8 +28,9 @@ BLOCK = 32
 MOST_RUNS = 1_000_000
 #: Messages of lost runs that are kept; all are counted.
 MESSAGES = 20
-#: Normal numbers a run draws for its start and for its truth an epoch, whatever its filter.
-DRAWS = len(STATE_NAMES)
+#: Normal numbers a run draws for its start and for its truth an epoch, whatever its filter; those
+#: of a clock, which is not shaken, are drawn last.
+DRAWS, CLOCKS = CLOCK, len(STATE_NAMES) - CLOCK
 
 
 def monte_carlo(
@@ -113,7 +114,9 @@ def monte_carlo(
             assumed,
             settings.kind.lost_is_zero,
             axes,
-            draws[..., : settings.states].copy(),
+            np.concatenate([draws, np.zeros((*draws.shape[:2], CLOCKS))], axis=2)[
+                ..., settings.numbers
+            ],
             noises,
             uniforms,
             unknown,
@@ -149,15 +152,17 @@ def _draws(
 ) -> tuple[Array, Array, Array, Array]:
     """Numbers of `count` runs, each from its own stream: start, truth, noise, arrivals."""
     epochs, rows = shape
-    normals = np.empty((count, DRAWS + epochs * (DRAWS + rows)))
+    normals, clocks = np.empty((count, DRAWS + epochs * (DRAWS + rows))), np.empty((count, CLOCKS))
     uniforms = np.empty((count, epochs, m))
     for k in range(count):
         stream = np.random.SeedSequence(seed, spawn_key=(first + k,))
         generator = np.random.Generator(np.random.PCG64DXSM(stream))
         generator.standard_normal(out=normals[k])
         generator.random(out=uniforms[k])
+        generator.standard_normal(out=clocks[k])
+    starts = np.concatenate([normals[:, :DRAWS], clocks], axis=1)
     later = normals[:, DRAWS:].reshape(count, epochs, DRAWS + rows)
-    return normals[:, :DRAWS], later[..., :DRAWS], later[..., DRAWS:].copy(), uniforms
+    return starts, later[..., :DRAWS], later[..., DRAWS:].copy(), uniforms
 
 
 def _outcome(runs: int, epochs: int, m: int, sources: int, states: int) -> Outcome:
@@ -299,11 +304,11 @@ def _first(case: InertialCase, settings: FusedFilter, out: Outcome, message: str
 
 def _coordinates(case: InertialCase, settings: FusedFilter) -> dict[str, object]:
     """Time, states with their units, beacons and sensors."""
-    n = settings.states
+    own = settings.numbers
     return {
         "time": ("time", case.times, {"units": "s", "long_name": "time after entry"}),
-        "state": list(STATE_NAMES[:n]),
-        "unit": ("state", list(STATE_UNITS[:n])),
+        "state": [STATE_NAMES[k] for k in own],
+        "unit": ("state", [STATE_UNITS[k] for k in own]),
         "beacon": list(case.beacons.names),
         "sensor": ["drag", "side", "lift", *case.beacons.names, *case.instruments],
     }

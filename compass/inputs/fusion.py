@@ -103,6 +103,7 @@ def _plan(scenario: "Scenario", table: FusionTable) -> FusionPlan:
         case = case.through_plasma(electrons)
     first = cartesian_of(_start(scenario.state, table.estimate))
     turned = spherical_jacobian(first) * np.sqrt(table.p0_si[:6])
+    clock = table.clock
     assumed = table.assumed_acceleration_sigma_m_s2 or table.acceleration_sigma_m_s2
     filters = tuple(
         FusedFilter(
@@ -111,6 +112,7 @@ def _plan(scenario: "Scenario", table: FusionTable) -> FusionPlan:
             first=first,
             covariance0=turned @ turned.T,
             further=np.array(table.p0_si[6:]),
+            clock=() if clock is None else (clock.sigma_m, clock.drift_sigma_m_s),
             noise=noise,
             imu_variance=np.full(3, assumed**2),
             random_start=table.random_start,

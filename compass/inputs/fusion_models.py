@@ -54,6 +54,13 @@ class FaultTable(Table):
     size_m: float = Field(0.0, description="error of the range, m, for bias and spike")
 
 
+class FusedClockTable(Table):
+    """The receiver's clock, whose first error is drawn in every run and estimated."""
+
+    sigma_m: Positive = Field(description="one sigma of the clock, m")
+    drift_sigma_m_s: Positive = Field(description="one sigma of its drift, m/s")
+
+
 class FusionTable(Table):
     """Accelerometers and ranges in centralised and distributed filters."""
 
@@ -81,6 +88,9 @@ class FusionTable(Table):
     )
     process_noise_si: StateVariances = Field(
         description="variances added a second, as many as p0_si"
+    )
+    clock: FusedClockTable | None = Field(
+        None, description="the receiver's clock, estimated; agrees with the beacons' if left out"
     )
     noisy_truth: bool = Field(
         False, description="the truth takes the process noise too: needed to judge consistency"
