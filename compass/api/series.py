@@ -9,7 +9,7 @@ import numpy as np
 
 import compass
 from compass.api.access_result import WINDOWS_GOOD_TO, check_suffix
-from compass.api.given import given_fold, given_places, given_site, joined_designs
+from compass.api.given import given_fold, given_places, given_site, in_metres, joined_designs
 from compass.api.results import Result
 from compass.arguments import checked
 from compass.contacts.gaps import GapStatistics, ages, gap_statistics
@@ -17,15 +17,19 @@ from compass.contacts.spans import at_least
 from compass.contacts.survey import survey
 from compass.conventions import dated, epoch_text
 from compass.core.ranking import nearest_rank
+from compass.coverage.errors import ERRORS
+from compass.coverage.moving import Mover, errors_along, in_orbit, on_route, standing
 from compass.coverage.site import site_coverage
 from compass.design import Design
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, said_of
 from compass.frames import SECONDS_PER_DAY
-from compass.orbits.motion import MotionModel
+from compass.orbits.constellation import Constellation, keplerian
+from compass.orbits.motion import Motion, MotionModel
 from compass.quantities import quantity
 from compass.saving import replacing, save_netcdf, write_csv
+from compass.signal.budget import basis
 from compass.sites import Mask, Site
 from compass.words import counted
 
@@ -35,6 +39,9 @@ if TYPE_CHECKING:
 
 #: What stands in files, over stations and time.
 NAMES = ("count", "gdop", "pdop", "hdop", "vdop", "tdop", "age_h")
+
+#: Why there are no errors in metres.
+NO_SIGNAL = "need the errors of ranges; give one design with a table [signal]"
 
 #: Kinds of files that series are written to.
 SUFFIXES = (".nc", ".csv")
@@ -61,6 +68,9 @@ class SeriesResult(Result):
         By station: when fewer are in view, found by rise and set.
     dataset
         Count and dilutions over station and time.
+    errors
+        Of a design with a signal: satellites in view and errors of fixes over user and time,
+        stations first, then who moves; else None.
     """
 
     design: Design = field(repr=False)
@@ -70,6 +80,7 @@ class SeriesResult(Result):
     motion: str
     gaps: dict[str, GapStatistics]
     dataset: "xr.Dataset" = field(repr=False)
+    errors: "xr.Dataset | None" = field(repr=False, default=None)
 
     @property
     def holds(self) -> bool:
@@ -112,13 +123,38 @@ class SeriesResult(Result):
                 "epochs": self.dataset.sizes["time"],
                 "evidence": self.evidence(),
                 "stations": self.rows(),
+                **({} if self.errors is None else {"users": self.error_rows()}),
             }
         )
+
+    def error_rows(self) -> list[dict[str, Any]]:
+        """Errors in metres of every user, one sigma, at the moments looked at; may be infinite."""
+        found: list[dict[str, Any]] = []
+        if self.errors is None:
+            return found
+        for name in self.errors.user.values.tolist():
+            seen = self.errors.sel(user=name)
+            fixed = np.isfinite(seen["error_position_m"].values)
+            row = {"user": name, "fix_share": float(fixed.mean())}
+            for each in ERRORS:
+                values = seen[each].values
+                row[each] = {f"p{q}": _percentile(values, q) for q in (50, 95)}
+                row[each]["worst"] = float(values.max())
+            found.append(row)
+        return found
 
     def evidence(self) -> dict[str, str]:
         """How well the numbers of a station are known: of gaps, and at the moments looked at."""
         epochs = self.dataset.sizes["time"]
-        return {
+        moments = (
+            {}
+            if self.errors is None
+            else {
+                "errors": f"one sigma of weighted least squares at {epochs} moments, of the ranges "
+                f"at each alone: {basis(self.design)}"
+            }
+        )
+        return moments | {
             "gaps": f"by rise and set, to {WINDOWS_GOOD_TO}; of this span alone",
             "dilutions": (
                 f"fewest in view and dilutions sampled at {epochs} moments, "
@@ -141,7 +177,31 @@ class SeriesResult(Result):
             "counts"
         )
         blocks = (Verdict("" if not lacking else "gaps", claim, not lacking), self._table())
-        return Page(self.design.name, (*blocks, Sentence(how)))
+        return Page(self.design.name, (*blocks, Sentence(how), *self._error_blocks()))
+
+    def _error_blocks(self) -> tuple[Table | Sentence, ...]:
+        """Errors of fixes in metres over time, of a design with a signal."""
+        rows = self.error_rows()
+        if not rows:
+            return ()
+        known = {name: quantity(name) for name in ERRORS}
+        header = [f"{q.heading}, {p} % below" for q in known.values() for p in (50, 95)]
+        lines = tuple(
+            (
+                row["user"],
+                f"{100 * row['fix_share']:.2f}",
+                *(Value(known[name], row[name][p]) for name in ERRORS for p in ("p50", "p95")),
+            )
+            for row in rows
+        )
+        return (
+            Table("Errors of fixes over time", ("user", "time with a fix, %", *header), lines),
+            Sentence(
+                f"{self.evidence()['errors'].capitalize()}; infinite where four satellites are not "
+                "in view or their lines tell no fix, and that counts. An orbiter is hidden from "
+                "them by Mars alone, has the receiver's noise of the zenith, and no ionosphere."
+            ),
+        )
 
     def _table(self) -> Table:
         names = [name for name in self.rows()[0] if name not in ("station", "age_h")]
@@ -161,7 +221,7 @@ class SeriesResult(Result):
         return Table(f"Fewer than {self.fold} in view, and dilutions over time", header, rows)
 
     def write(self, path: str | Path, *, command: str = "compass.series") -> None:
-        """Write the series as netCDF or CSV, as the file's name asks.
+        """Write the series as netCDF or CSV, as the file's name asks; errors stand in netCDF.
 
         Raises
         ------
@@ -170,7 +230,8 @@ class SeriesResult(Result):
         """
         chosen = check_suffix(Path(path), SUFFIXES)
         if chosen.suffix == ".nc":
-            save_netcdf(chosen, self.dataset.assign_attrs(history=command))
+            every = self.dataset if self.errors is None else self.dataset.merge(self.errors)
+            save_netcdf(chosen, every.assign_attrs(self.dataset.attrs, history=command))
             return
         times = self.dataset.time.values
         columns = {name: self.dataset[name].values for name in NAMES}
@@ -189,7 +250,8 @@ class SeriesResult(Result):
         ----------
         name
             ``count``, ``gdop``, ``pdop``, ``hdop``, ``vdop``, ``tdop`` or ``age_h``: hours since so
-            many were last in view.
+            many were last in view; or an error of a design with a signal, ``error_horizontal_m``,
+            ``error_vertical_m``, ``error_position_m``, ``error_time_m``, of everyone.
         axes
             Where to; new ones without.
 
@@ -198,13 +260,18 @@ class SeriesResult(Result):
         ArgumentError
             Another name.
         """
-        if name not in NAMES:
-            raise ArgumentError(f"name = {name!r}: allowed {', '.join(NAMES)}")
-        from compass.pictures.series import draw_series
+        if name in ERRORS and self.errors is None:
+            raise ArgumentError(f"name = {name!r}: {NO_SIGNAL}")
+        if name not in (*NAMES, *ERRORS):
+            raise ArgumentError(f"name = {name!r}: allowed {', '.join((*NAMES, *ERRORS))}")
+        from compass.pictures.series import draw_errors, draw_series
         from compass.pictures.style import axes_or_new
 
         drawn = axes_or_new(axes, 8.0, 3.5)
-        draw_series(drawn, self.dataset, name, self.fold)
+        if self.errors is not None and name in ERRORS:
+            draw_errors(drawn, self.errors, name)
+        else:
+            draw_series(drawn, self.dataset, name, self.fold)
         return drawn
 
     def save_plot(self, path: str | Path, name: str = "count") -> None:
@@ -220,6 +287,9 @@ def series(
     *others: Design | str | Path,
     stations: Sequence[Site | str] = (),
     beacons: Sequence[Site | str] = (),
+    routes: Sequence[str] = (),
+    orbiters: Sequence[str] = (),
+    beam_deg: float | None = None,
     fold: int | None = None,
     mask_deg: float | None = None,
     days: float = 10.0,
@@ -238,6 +308,14 @@ def series(
     beacons
         On the ground, likewise, or names of stations: ranged to as satellites are and counted with
         them by stations over whose horizon they stand, but for a station's own.
+    routes
+        Rovers, texts ``NAME=LAT,LON;LAT,LON;...`` in degrees: along great circles, evenly over the
+        span, under the design's mask. They need a design with a table [signal].
+    orbiters
+        Texts ``NAME=KM,E,INC,RAAN,ARGP,M``: semi-major axis, eccentricity and degrees at the
+        design's epoch, inertial, in two-body motion. They need it too.
+    beam_deg
+        Half angle of the satellites' antennas, about the way down; all around if left out.
     fold
         Satellites wanted in view; else the design's.
     mask_deg
@@ -267,11 +345,14 @@ def series(
         ("days", days, 0 < days <= 1000, "above 0 to 1000"),
         ("start_day", start_day, 0 <= start_day <= 36525, "0 to 36525, a century"),
         ("epochs", epochs, 2 <= epochs <= MOST_EPOCHS, f"2 to {MOST_EPOCHS}"),
+        ("beam_deg", beam_deg, beam_deg is None or 0 < beam_deg <= 90, "above 0 to 90"),
         ("mask_deg", mask_deg, mask_deg is None or 0 <= mask_deg < 90, "0 up to below 90"),
     )
     for key, value, allowed, words in ranges:
         if not allowed:
             raise ArgumentError(f"{key} = {value:g}: allowed {words}")
+    if (routes or orbiters) and (others or read.signal is None):
+        raise ArgumentError(f"routes, orbiters: {NO_SIGNAL}")
     floor = Mask.of(mask_deg or 0.0)
     sites = tuple(
         replace(site, mask=site.mask.or_higher(floor))
@@ -301,6 +382,10 @@ def series(
     since = duration * np.arange(epochs) / epochs
     sited = replace(read, stations=sites)
     made = _dataset(sited, start + since, moving, lit)
+    errors = None
+    if not others and read.signal is not None:
+        movers = _movers(sited, start + since, routes, orbiters, floor)
+        errors = _errors(in_metres(sited), start + since, moving, movers, beam_deg)
     made["age_h"] = (
         ("station", "time"),
         np.array([ages(spans, since) / 3600.0 for spans in covered.values()]),
@@ -314,7 +399,103 @@ def series(
         motion=moving.title,
         gaps=gaps,
         dataset=made,
+        errors=errors,
     )
+
+
+def _movers(
+    design: Design, times: np.ndarray, routes: Sequence[str], orbiters: Sequence[str], floor: Mask
+) -> list[Mover]:
+    """Stations, rovers and orbiters as users at the times.
+
+    Raises
+    ------
+    ArgumentError
+        A text that cannot be read, or a name that is used twice.
+    """
+    found = [standing(site, times.size) for site in design.stations]
+    for text in routes:
+        name, places = _read_route(text, design)
+        mask = design.mask.or_higher(floor)
+        found.append(on_route(name, places, design.figure, mask, times.size))
+    for text in orbiters:
+        orbit = _read_orbit(text, design)
+        found.append(in_orbit(orbit, design.constellation.epoch, times, design.figure))
+    names = [mover.name for mover in found]
+    for name in names:
+        if names.count(name) > 1:
+            raise ArgumentError(f"user {name!r}: given twice; rename one")
+    return found
+
+
+def _read_route(text: str, design: Design) -> tuple[str, list[tuple[float, float]]]:
+    name, equals, rest = text.partition("=")
+    parts = rest.split(";")
+    if not (name.strip() and equals) or len(parts) < 2:
+        raise ArgumentError(
+            f"route {text!r}: not NAME=LAT,LON;LAT,LON;...; write for example "
+            "'rover=-4.6,137.4;-4.9,137.3'"
+        )
+    sites = [given_site(f"{name}={part}", design, "route") for part in parts]
+    return name.strip(), [(site.latitude, site.longitude) for site in sites]
+
+
+def _read_orbit(text: str, design: Design) -> Constellation:
+    name, equals, rest = text.partition("=")
+    try:
+        numbers = [float(part) for part in rest.split(",")]
+    except ValueError:
+        numbers = []
+    if not (name.strip() and equals) or len(numbers) != 6 or not np.all(np.isfinite(numbers)):
+        raise ArgumentError(
+            f"orbiter {text!r}: not NAME=KM,E,INC,RAAN,ARGP,M (semi-major axis, eccentricity, "
+            "degrees); write for example 'MRO=3660,0.01,93,0,0,0'"
+        )
+    axis, eccentricity, *angles = numbers
+    with said_of(f"orbiter {text!r}"):
+        return keplerian(
+            axis * 1e3,
+            eccentricity,
+            *np.radians(angles),
+            satellite_names=[name.strip()],
+            gm=design.constellation.gm,
+        )
+
+
+def _errors(
+    design: Design,
+    times: np.ndarray,
+    motion: Motion,
+    movers: Sequence[Mover],
+    beam_deg: float | None,
+) -> "xr.Dataset":
+    """Satellites in view and errors of fixes over user and time."""
+    import xarray as xr
+
+    beam = None if beam_deg is None else float(np.radians(beam_deg))
+    each = [errors_along(design, mover, times, motion, beam=beam) for mover in movers]
+    both = ("user", "time")
+    data: dict[str, tuple] = {
+        "in_view": (both, np.array([count for count, _ in each]), {
+            "units": "1", "long_name": "satellites in view"}),
+        **{
+            name: (both, np.array([errors[:, k] for _, errors in each]), {
+                "units": "m", "long_name": f"{words}, one sigma"})
+            for k, (name, words) in enumerate(ERRORS.items())
+        },
+    }  # fmt: skip
+    data["user_position"] = (
+        (*both, "axis"),
+        np.array([mover.r for mover in movers]),
+        {"units": "m", "long_name": "position of the user, Mars-fixed"},
+    )
+    coords = {
+        "user": [mover.name for mover in movers],
+        "axis": ["x", "y", "z"],
+        "time": ("time", times, {"units": "s", "long_name": "time after the epoch"}),
+    }
+    found = xr.Dataset(data, coords, {"epoch_tdb": epoch_text(design.constellation.epoch)})
+    return dated(found, "time")
 
 
 def _heard(site: Site, beacons: Sequence[Site]) -> list[Site]:
@@ -345,6 +526,6 @@ def _dataset(
     return dated(made, "time")
 
 
-def _percentile(values: np.ndarray) -> float:
-    """The least value that 95 of 100 moments do not exceed."""
-    return float(np.sort(values)[nearest_rank(values.size, 95)])
+def _percentile(values: np.ndarray, percent: int = 95) -> float:
+    """The least value that so many of 100 moments do not exceed."""
+    return float(np.sort(values)[nearest_rank(values.size, percent)])

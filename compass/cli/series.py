@@ -32,6 +32,21 @@ from compass.cli.shared import (
     metavar="SITE",
     help="A beacon on the ground, counted as a satellite is: a station's name, or as a --station.",
 )
+@click.option(
+    "--route",
+    "routes",
+    multiple=True,
+    metavar="NAME=LAT,LON;...",
+    help="A rover that goes through these places, evenly over the span; needs a [signal].",
+)
+@click.option(
+    "--orbiter",
+    "orbiters",
+    multiple=True,
+    metavar="NAME=KM,E,INC,RAAN,ARGP,M",
+    help="A user in orbit: semi-major axis, eccentricity, degrees at the epoch; needs a [signal].",
+)
+@real("--beam-deg", help="Half angle of the satellites' antennas, above 0 to 90 degrees.")
 @fold_option
 @real("--mask-deg", help="Elevation mask, degrees; the higher of it and a station's own horizon.")
 @real("--days", default=10.0, help="Length of the span, above 0 to 1000 days.")
@@ -43,7 +58,19 @@ from compass.cli.shared import (
 @choice(
     "--of",
     "drawn",
-    among=["count", "gdop", "pdop", "hdop", "vdop", "tdop", "age_h"],
+    among=[
+        "count",
+        "gdop",
+        "pdop",
+        "hdop",
+        "vdop",
+        "tdop",
+        "age_h",
+        "error_horizontal_m",
+        "error_vertical_m",
+        "error_position_m",
+        "error_time_m",
+    ],
     default="count",
     help="What the curve shows.",
 )
@@ -56,7 +83,7 @@ def command(
     as_json: bool,
     **options: Any,
 ) -> None:
-    """Follow what stations see over time: satellites in view, dilutions, gaps.
+    """Follow what users see over time: satellites in view, dilutions, gaps, errors in metres.
 
     Several DESIGNS are one network. Gaps are found by rise and set, dilutions at moments.
 

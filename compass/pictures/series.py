@@ -33,3 +33,19 @@ def draw_series(axes: "Axes", dataset: "xr.Dataset", name: str, fold: int) -> No
         axes.set_title("What stations see")
         axes.grid(axis="y")
         axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def draw_errors(axes: "Axes", dataset: "xr.Dataset", name: str) -> None:
+    """Draw an error of every user's fixes against time; without a fix there is no line."""
+    days = dataset.time.values / SECONDS_PER_DAY
+    with look():
+        for k, user in enumerate(dataset.user.values.tolist()):
+            values = dataset[name].values[k]
+            shown = np.where(np.isfinite(values), values, np.nan)
+            axes.plot(days, shown, color=CYCLE[k % len(CYCLE)], lw=1.0, label=user)
+        axes.set_yscale("log")
+        axes.set_xlabel("time after the epoch (days)")
+        axes.set_ylabel(f"{dataset[name].attrs['long_name'].split(',')[0]} (m, 1 sigma)")
+        axes.set_title("What users know of their place")
+        axes.grid(axis="y")
+        axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))

@@ -1,0 +1,232 @@
+"""Errors of the fixes of users over time: at a site, on a route over the ground, in orbit."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compass.core import error
+from compass.design import Design
+from compass.errors import ArgumentError
+from compass.frames import (
+    Figure,
+    direction,
+    east_north_up,
+    latitude_longitude,
+    mcmf_from_mci,
+    planetographic_latitude,
+    prime_meridian_angle,
+)
+from compass.orbits.constellation import Constellation
+from compass.orbits.motion import Motion
+from compass.orbits.positions import states_mci
+from compass.signal.ranges import range_errors
+from compass.sites import Mask, Site
+
+Array = NDArray[np.float64]
+
+#: Geometry worse conditioned than this tells no fix: rounding alone makes it regular.
+SINGULAR = 1e12
+
+
+@dataclass(frozen=True)
+class Mover:
+    """A user over time.
+
+    Attributes
+    ----------
+    name
+        What to call it.
+    r
+        Mars-fixed positions, m, shape (t, 3).
+    axes
+        East, north and up there, rows, shape (t, 3, 3).
+    mask
+        The horizon of a user on the ground; None of one in orbit, from whom Mars alone hides.
+    """
+
+    name: str
+    r: Array
+    axes: Array
+    mask: Mask | None = None
+
+
+def standing(site: Site, epochs: int) -> Mover:
+    """Return a site as a user over so many epochs."""
+    return Mover(
+        site.name,
+        np.tile(site.r_mcmf, (epochs, 1)),
+        np.tile(site.enu_mcmf, (epochs, 1, 1)),
+        site.mask,
+    )
+
+
+def on_route(name: str, places: Sequence[tuple[float, float]], figure: Figure, mask: Mask,
+             epochs: int) -> Mover:  # fmt: skip
+    """Return a rover that goes along great circles through places, evenly, first to last epoch.
+
+    Parameters
+    ----------
+    name
+        What to call it.
+    places
+        Planetocentric latitude and east longitude, radians; two or more.
+    figure, mask
+        The ground, and the horizon that it takes along.
+    epochs
+        How many there are.
+
+    Raises
+    ------
+    ArgumentError
+        Two places of the route in a row lie opposite each other, or all at one point.
+    """
+    corners = np.array([direction(lat, lon) for lat, lon in places])
+    legs = np.arccos(np.clip((corners[1:] * corners[:-1]).sum(axis=1), -1.0, 1.0))
+    if np.any(legs > np.pi - 1e-6):
+        raise ArgumentError(
+            f"route {name}: two places in a row lie opposite each other; name one between them"
+        )
+    past = np.concatenate([[0.0], np.cumsum(legs)])
+    if past[-1] < 1e-9:
+        raise ArgumentError(f"route {name}: leads nowhere; give a station for one who stays")
+    along = np.linspace(0.0, past[-1], epochs)
+    k = np.clip(np.searchsorted(past, along, side="right") - 1, 0, len(legs) - 1)
+    angle = legs[k]
+    share = np.divide(along - past[k], angle, out=np.zeros(epochs), where=angle > 0)
+    # the mean of two directions by angle: sin((1 - s) a) u + sin(s a) w over sin a
+    sine = np.where(angle > 0, np.sin(angle), 1.0)
+    first = np.where(angle > 0, np.sin((1.0 - share) * angle) / sine, 1.0)
+    second = np.where(angle > 0, np.sin(share * angle) / sine, 0.0)
+    unit = first[:, None] * corners[k] + second[:, None] * corners[k + 1]
+    lat, lon = latitude_longitude(unit)
+    a, b = figure.equatorial_radius, figure.polar_radius
+    radius = a * b / np.hypot(b * np.cos(lat), a * np.sin(lat))
+    axes = east_north_up(planetographic_latitude(lat, figure), lon)
+    return Mover(name, radius[:, None] * unit, axes, mask)
+
+
+def in_orbit(orbit: Constellation, epoch: float, times: Array, figure: Figure) -> Mover:
+    """Return an orbiter on its ellipse, its elements at `epoch`; east, north and up as a sphere's.
+
+    Raises
+    ------
+    ArgumentError
+        It comes down to the surface.
+    """
+    name = orbit.satellite_names[0]
+    if (low := float(orbit.periapsis_radius.min())) <= figure.equatorial_radius:
+        raise ArgumentError(
+            f"orbiter {name}: comes down to radius {low / 1e3:g} km; must stay above "
+            f"{figure.equatorial_radius / 1e3:g} km"
+        )
+    r, _ = states_mci(orbit, times)
+    fixed = mcmf_from_mci(r[0], prime_meridian_angle(epoch, times))
+    return Mover(name, fixed, east_north_up(*latitude_longitude(fixed)))
+
+
+def errors_along(
+    design: Design,
+    mover: Mover,
+    times: Array,
+    motion: Motion | None = None,
+    *,
+    beam: float | None = None,
+) -> tuple[NDArray[np.int64], Array]:
+    """Satellites in view and errors of a fix at every epoch, one sigma.
+
+    Weighted least squares with the true variances, ``(G' W G)^-1`` with rows ``[-u, 1]``, as in
+    `compass.core.error`. An orbiter has its receiver's noise at the zenith, and no ionosphere.
+
+    Parameters
+    ----------
+    design
+        With a signal.
+    mover
+        The user at these epochs.
+    times
+        Seconds after the epoch, shape (t,).
+    motion
+        Instead of the design's.
+    beam
+        Half angle of the satellites' antennas about the way down, rad; all around if left out.
+
+    Returns
+    -------
+    count, errors
+        In view, shape (t,); horizontal, vertical, position and time error, m, shape (t, 4),
+        infinite without a fix.
+    """
+    moved = motion or design.motion
+    c, figure = design.constellation, design.figure
+    angle = prime_meridian_angle(c.epoch, times)
+    r = np.moveaxis(mcmf_from_mci(moved.states(c, times)[0], angle), 0, 1)
+    line = r - mover.r[:, None]
+    distance = np.linalg.norm(line, axis=2)
+    u = line / distance[..., None]
+    local = np.einsum("tij,tnj->tni", mover.axes, u)
+    sine = local[..., 2]
+    away = np.linalg.norm(r, axis=2)
+    if mover.mask is None:
+        closest = np.einsum("tni,ti->tn", u, mover.r)
+        miss2 = np.einsum("ti,ti->t", mover.r, mover.r)[:, None] - closest**2
+        seen = (closest >= 0.0) | (miss2 > figure.equatorial_radius**2)
+    else:
+        azimuth = np.mod(np.arctan2(local[..., 0], local[..., 1]), 2 * np.pi)
+        seen = np.arcsin(np.clip(sine, -1.0, 1.0)) >= mover.mask.at(azimuth)
+    if beam is not None:
+        seen &= np.einsum("tni,tni->tn", r, u) / away >= np.cos(beam)
+    variances = _variances(design, moved, times, mover, u, distance, sine)
+    g = np.concatenate([-local, np.ones((*seen.shape, 1))], axis=2)
+    weight = np.where(seen, 1.0 / variances, 0.0)
+    normal = np.einsum("tni,tn,tnj->tij", g, weight, g)
+    count = seen.sum(axis=1)
+    scale = np.sqrt(np.maximum(np.einsum("tii->ti", normal), 1e-300))
+    alike = normal / (scale[:, :, None] * scale[:, None, :])
+    good = (count >= 4) & (np.linalg.cond(alike) < SINGULAR)
+    alike[~good] = np.eye(4)
+    p = np.einsum("tii->ti", np.linalg.inv(alike)) / scale**2
+    shared, shared_time = _shared(design)
+    out = np.full((times.size, 4), np.inf)
+    east, north, up, clock = p[good].T
+    out[good, 0] = np.sqrt(east + north + 2 * shared)
+    out[good, 1] = np.sqrt(up)
+    out[good, 2] = np.sqrt(east + north + up + 2 * shared)
+    out[good, 3] = np.sqrt(clock + shared_time)
+    return count, out
+
+
+def _shared(design: Design) -> tuple[float, float]:
+    """Variances that all satellites share, of a horizontal coordinate and of time, m^2."""
+    signal = design.signal
+    assert signal is not None
+    radius = design.figure.equatorial_radius
+    return (radius * signal.common_orientation) ** 2, signal.common_time**2
+
+
+def _variances(
+    design: Design, motion: Motion, times: Array, mover: Mover, u: Array, distance: Array,
+    sine: Array,
+) -> Array:  # fmt: skip
+    """Variance of every range, m^2, shape (t, n); see `compass.core.error.range_variance`."""
+    found = range_errors(design, times, motion)
+    q, numbers = found.forms, found.numbers
+    x, y, z = np.moveaxis(u, 2, 0)
+    xx, yy, zz, xy, xz, yz = np.moveaxis(q[..., :6], 2, 0)
+    orbit = xx * x * x + yy * y * y + zz * z * z + 2 * (xy * x * y + xz * x * z + yz * y * z)
+    orbit = orbit + 2 * np.einsum("tni,tni->tn", q[..., 6:9], u) + q[..., 9]
+    d2 = (distance / design.figure.equatorial_radius) ** 2
+    loop = d2 * (numbers[error.LOOP] + numbers[error.LOOP2] * d2)
+    if mover.mask is None:
+        return orbit + (numbers[error.NOISE] + numbers[error.ZENITH]) ** 2 + loop
+    above = np.maximum(sine, error.LOWEST_SINE)
+    heard = (numbers[error.NOISE] + numbers[error.ZENITH] / above) ** 2
+    through = np.zeros_like(orbit)
+    if numbers[error.DELAY2] > 0.0:
+        overhead = np.einsum("ti,ti->t", mover.axes[:, 2], found.sun)
+        place = 0.5 * (overhead + 1.0) * (len(found.lit) - 1)
+        lit = np.interp(place, np.arange(len(found.lit)), found.lit)
+        through = numbers[error.DELAY2] * lit[:, None]
+        through = through / (1.0 - numbers[error.SHELL2] * (1.0 - sine**2))
+    return orbit + heard + loop + through
