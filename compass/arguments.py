@@ -13,7 +13,8 @@ from typing import Any, Literal, ParamSpec, TypeVar, Union, get_args, get_origin
 import numpy as np
 from numpy.typing import ArrayLike
 
-from compass.errors import ArgumentError, whole_number
+from compass.allowed import RANGES, check_allowed
+from compass.errors import ArgumentError, real_number, whole_number
 
 Given = ParamSpec("Given")
 Returned = TypeVar("Returned")
@@ -21,7 +22,7 @@ Returned = TypeVar("Returned")
 #: How a refusal names each kind.
 _WORDS: dict[object, str] = {
     int: "a whole number",
-    float: "a number",
+    float: "a finite number",
     str: "a text",
     bool: "True or False",
     Path: "a path",
@@ -39,9 +40,10 @@ def checked(function: Callable[Given, Returned]) -> Callable[Given, Returned]:
     Raises
     ------
     ArgumentError
-        When called: an argument is of another kind.
+        When called: an argument is of another kind, or a number out of its range
+        (`compass.allowed`).
     """
-    wanted = signature(function)
+    wanted, where = signature(function), function.__qualname__
 
     @wraps(function)
     def call(*args: Given.args, **kwargs: Given.kwargs) -> Returned:
@@ -58,6 +60,7 @@ def checked(function: Callable[Given, Returned]) -> Callable[Given, Returned]:
                 given.arguments[name] = {key: _taken(key, value[key], hint) for key in value}
             else:
                 given.arguments[name] = _taken(name, value, hint)
+            check_range(where, name, given.arguments[name])
         return function(*given.args, **given.kwargs)
 
     return call
@@ -78,6 +81,26 @@ def _taken(name: str, value: Any, hint: Any) -> Any:
             continue
     words = " or ".join(dict.fromkeys(_words(kind) for kind in kinds))
     raise ArgumentError(f"{name} = {shortened(value)}: must be {words}")
+
+
+def check_range(where: str, name: str, value: Any) -> None:
+    """Refuse a number that its range does not have, or the first such of several.
+
+    Raises
+    ------
+    ArgumentError
+        As `compass.allowed.check_allowed`.
+    """
+    if isinstance(value, dict):  # arguments of any name
+        for key in value:
+            check_range(where, key, value[key])
+    elif not RANGES.keys() & {name, f"{where}.{name}"}:
+        return
+    elif isinstance(value, Real) and not isinstance(value, bool):
+        check_allowed(name, value if isinstance(value, int) else float(value), where)
+    elif not isinstance(value, str) and are_numbers(value):
+        for number in np.unique(np.asarray(value, dtype=float)):
+            check_allowed(name, float(number), where)
 
 
 def _kinds(hint: Any) -> list[Any]:
@@ -126,6 +149,7 @@ def _of_kind(name: str, value: Any, kind: Any) -> Any:
         if isinstance(value, Real) and not isinstance(value, bool):
             if kind is int:
                 return whole_number(name, value)
+            real_number(name, value)
             return value if isinstance(value, int | float) else float(value)
     elif kind is ArrayLike:
         if are_numbers(value):

@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
-from math import inf
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -240,18 +239,6 @@ class Requirement:
             raise ArgumentError(
                 f"requirement {name}: asks for nothing; add fold or one of {', '.join(known)}"
             )
-        ranges = (
-            ("fold", fold, fold is None or fold >= 1, "from 1"),
-            ("mask_deg", mask_deg, mask_deg is None or abs(mask_deg) < 90, "-90 to below 90"),
-            ("share", share, 0 < share <= 1, "above 0 to 1"),
-            ("altitude_km", altitude_km, 0 <= altitude_km <= 1e6, "0 to 1e6"),
-            ("losses", losses, losses >= 0, "from 0"),
-            ("beam_deg", beam_deg, beam_deg is None or 0 < beam_deg < 180, "above 0 to below 180"),
-            *_limit_ranges(at_most, known),
-        )
-        for key, value, allowed, words in ranges:
-            if not allowed:
-                raise ArgumentError(f"{key} = {value:g}: allowed {words}")
         if error_as not in get_args(ErrorAs):
             known_as = ", ".join(get_args(ErrorAs))
             raise ArgumentError(f"error_as = {error_as!r}: allowed {known_as}")
@@ -317,18 +304,6 @@ class Requirement:
         high = f", {self.altitude / 1e3:g} km above the ground" if self.altitude else ""
         beam = "" if self.beam is None else f", in beams of {np.degrees(self.beam):g} deg"
         return ", ".join(named) + high + beam
-
-
-def _limit_ranges(
-    at_most: dict[str, float], known: dict[str, str]
-) -> list[tuple[str, float, bool, str]]:
-    """Limits with whether they are allowed, and what is."""
-    return [
-        (key, limit, 0 < limit < inf, "above 0, finite")
-        if known[key] in ERRORS
-        else (key, limit, 1 <= limit < inf, "from 1, finite")
-        for key, limit in at_most.items()
-    ]
 
 
 @dataclass(frozen=True, repr=False)

@@ -1,10 +1,15 @@
 """Words with numbers in sentences."""
 
+from numbers import Integral
 
-def counted(number: int, noun: str) -> str:
-    """A number and its noun, of many where it is not one: ``1 satellite, 2 satellites``."""
-    many = "es" if noun.endswith(("ch", "s")) and not noun.endswith("och") else "s"
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}{many}"
+def counted(number: float, noun: str) -> str:
+    """A number and its noun, of many where it is not one: ``1 satellite, 2 satellites``.
+
+    Fractions have six digits: ``0.5 days``.
+    """
+    hisses = noun.endswith(("ch", "s")) and not noun.endswith("och")
+    many = "" if number == 1 else "es" if hisses else "s"
+    return f"{number if isinstance(number, Integral) else format(number, 'g')} {noun}{many}"
 
 
 def listed(words: list[str]) -> str:

@@ -5,8 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from compass.api.access_result import AccessResult
 from compass.api.given import given_design, given_site
 from compass.arguments import checked
@@ -15,7 +13,6 @@ from compass.contacts.nodes import check_duration
 from compass.contacts.record import survey_record
 from compass.contacts.survey import survey
 from compass.design import Design, Wanted
-from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.motion import MotionModel
 from compass.sites import Site
@@ -86,8 +83,6 @@ def access(
     duration = read.access_duration if duration_sols is None else duration_sols * SOLAR_DAY.value
     sites = (*read.stations, *(given_site(station, read) for station in stations))
     asked = replace(read, stations=sites, access=wanted, access_duration=duration)
-    if not 0 <= start_day < np.inf:
-        raise ArgumentError(f"start_day = {start_day:g}: must be 0 or more days")
     check_duration(duration)
     start, moved = start_day * SECONDS_PER_DAY, read.motion.or_of(motion)
     options: Any = {"moon_model": moon_model, "start": start}

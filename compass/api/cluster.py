@@ -3,25 +3,10 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from compass.errors import ArgumentError, whole_number
+from compass.errors import ArgumentError
 
 if TYPE_CHECKING:
     from compass.study.cluster import Tls
-
-#: Most workers on one machine.
-MOST_WORKERS = 1024
-
-
-def check_workers(workers: int | None) -> None:
-    """Refuse a number of workers that cannot be.
-
-    Raises
-    ------
-    ArgumentError
-        Outside 1 to 1024.
-    """
-    if workers is not None:
-        whole_number("workers", workers, 1, MOST_WORKERS)
 
 
 def check_cluster(

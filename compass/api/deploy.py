@@ -99,7 +99,8 @@ class DeployResult(Result):
         names = ("waiting_altitude_km", "wait_days", "delta_v_deploy_m_s")
         wait, cost = quantity("wait_days"), quantity("delta_v_deploy_m_s")
         if k is None:
-            claim = f"no waiting orbit brings every plane in {self.longest_wait_days:g} days"
+            longest = counted(self.longest_wait_days, "day")
+            claim = f"no waiting orbit brings every plane in {longest}"
         else:
             known = self._option(k)
             shown = {name: Value(quantity(name), known[name]) for name in names}
@@ -207,14 +208,6 @@ def deploy(
     c, known = read.constellation, read.launching
     if not has_slots(c):
         raise ArgumentError("deploy: needs circular orbits of one radius and inclination")
-    limits = (
-        ("launch_altitude_km", launch_altitude_km, 100.0, 1e6),
-        ("longest_wait_days", longest_wait_days, 1e-3, 36525.0),
-        ("satellites_a_launch", satellites_a_launch, 1, 10_000),
-    )
-    for name, value, least, most in limits:
-        if value is not None and not least <= value <= most:
-            raise ArgumentError(f"{name} = {value:g}: allowed {least:g} to {most:g}")
     sphere = read.figure.equatorial_radius
     launched = known.launched if launch_altitude_km is None else launch_altitude_km * 1e3
     days = known.longest_wait / SECONDS_PER_DAY if longest_wait_days is None else longest_wait_days

@@ -14,7 +14,6 @@ from compass.design import Design
 from compass.digest import digest_of
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
-from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.handover.signal_toml import text_with_signal
 from compass.handover.toml import design_toml
@@ -30,7 +29,7 @@ from compass.signal.determination import (
     implied_signal,
 )
 from compass.tracking import Tracking
-from compass.words import listed
+from compass.words import counted, listed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -243,8 +242,7 @@ class DetermineResult(Result):
 
 def _days(seconds: float) -> str:
     """A time in days, in words."""
-    days = seconds / SECONDS_PER_DAY
-    return f"{days:g} day{'' if days == 1.0 else 's'}"
+    return counted(seconds / SECONDS_PER_DAY, "day")
 
 
 @checked
@@ -284,12 +282,8 @@ def determine(
     read = given_design(design)
     if update_h is None:
         update_h = 6.0 if read.signal is None else read.signal.update / HOUR
-    if not 0.0 <= update_h <= 1e4:
-        raise ArgumentError(f"update_h = {update_h:g}: allowed 0 to 10000 hours")
     tracking = read.tracking
     if tracking is not None and days is not None:
-        if not days > 0:
-            raise ArgumentError(f"days = {days:g}: must be above 0")
         tracking = replace(tracking, duration=days * 86400.0)
     moved = read.motion.or_of(motion)
     found = determine_orbits(read, tracking, motion=moved, prediction=update_h * HOUR)

@@ -5,8 +5,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from compass.api.given import given_design
 from compass.api.results import Result
 from compass.arguments import checked
@@ -163,8 +161,6 @@ def _written(
     start_day: float,
 ) -> tuple[Mapping[str, str], Mapping[str, Any]]:
     """Texts by their names, and the span that they are for."""
-    if not 0 <= start_day < np.inf:
-        raise ArgumentError(f"start_day = {start_day:g}: must be 0 or more days")
     if format == "toml":
         given = {"duration_h": duration_h, "step_s": step_s, "motion": motion}
         for option, value in (given | {"start_day": start_day or None}).items():

@@ -1,8 +1,9 @@
 """Continuous k-fold coverage: proven, or refuted with a witness, and how far from failing."""
 
-from math import degrees, inf
+from math import degrees
 from pathlib import Path
 
+from compass.allowed import check_allowed
 from compass.api.fold_claim import FoldClaim
 from compass.api.fold_result import FoldResult
 from compass.api.given import given_design, given_fold, given_mask
@@ -139,10 +140,7 @@ def _over_days(
     if days is None:
         why = "from a start_day on" if start_day else f"under {motion.title}"
         raise ArgumentError(f"days: missing; {why} nothing is for ever: give the days to prove")
-    if not 0 < days <= 36525:
-        raise ArgumentError(f"days = {days:g}: allowed above 0 to 36525, a century")
-    if not 0 <= start_day < inf:
-        raise ArgumentError(f"start_day = {start_day:g}: must be 0 or more days")
+    check_allowed("days", days)
     start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY
     path = motion.trajectory(
         design.constellation,

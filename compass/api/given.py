@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from compass.coverage.region import read_regions
 from compass.design import Design
-from compass.errors import ArgumentError, real_number, said_of, whole_number
+from compass.errors import ArgumentError, said_of, whole_number
 from compass.inputs import read_design
 from compass.orbits.constellation import Constellation
 from compass.sites import Mask, Site
@@ -176,8 +176,6 @@ def given_mask(mask_deg: float | None, design: Design) -> Mask:
     """
     if mask_deg is None:
         return design.mask
-    if not 0 <= real_number("mask_deg", mask_deg) < 90:
-        raise ArgumentError(f"mask_deg = {mask_deg:g}: allowed 0 up to below 90 degrees")
     return Mask.constant(radians(mask_deg))
 
 

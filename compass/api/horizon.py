@@ -202,8 +202,6 @@ def horizon(
     read = given_design(design)
     if not read.stations:
         raise ArgumentError("stations: there are none; add a [[station]] for every horizon wanted")
-    if not (np.isfinite(above_m) and above_m >= 0):
-        raise ArgumentError(f"above_m = {above_m:g}: must be 0 or more metres over the ground")
     grid = read_terrain(terrain, read.figure, variable=variable, latitude_kind=latitude_kind)
     moved: dict[str, Site] = {}
     for site in bar(progress, "stations", read.stations):

@@ -5,8 +5,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from compass.api.given import given_in_metres, given_places, given_scenario
 from compass.api.judge_tables import (
     budget_table,
@@ -37,7 +35,7 @@ from compass.orbits.touching import touching
 from compass.saving import check_writable, replacing
 from compass.sites import Site
 from compass.study.judge import campaign_of, ground_of
-from compass.study.ranking import Ranking, check_ranking, ground_words, rank_designs
+from compass.study.ranking import Ranking, ground_words, rank_designs
 from compass.study.rival import best_rival, rival_toml
 
 if TYPE_CHECKING:
@@ -238,13 +236,10 @@ def judge(
     >>> found.to_dict()["designs"][0]["in_view"]["min"] >= 4
     True
     """
-    if not 0 <= start_day < np.inf:
-        raise ArgumentError(f"start_day = {start_day:g}: must be 0 or more days")
     if start_day and rival is not None:
         raise ArgumentError("start_day: a rival is sought as patterns are drawn; leave one out")
     lander, candidates = _read(designs, scenario)
     candidates = [_on_day(design, start_day) for design in candidates]
-    check_ranking(goal_m, finalists, runs)
     places = given_places(sites, regions, _with_all_stations(candidates))
     unknown: dict[str, Any] = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
     radial, along, cross = _three(orbit_m)

@@ -24,7 +24,6 @@ from compass.document import Page, Picture, Section, Sentence, Verdict
 from compass.document.plain import plain
 from compass.entry.assess import Assessment, assessment_dataset
 from compass.entry.dispersed import Dispersed
-from compass.errors import ArgumentError
 from compass.inputs.fusion import fusion_plan
 from compass.inputs.scenario import Scenario, provenance
 from compass.saving import save_netcdf
@@ -34,7 +33,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-MOST_RUNS = 100_000
 
 #: Filter runs that take longer (s) are announced.
 LONG = 10.0
@@ -201,8 +199,6 @@ def land(
     5
     """
     read = given_scenario(scenario, start_day)
-    if runs is not None and not 1 <= runs <= MOST_RUNS:
-        raise ArgumentError(f"runs = {runs}: allowed 1 to {MOST_RUNS}")
     plan = fusion_plan(read)
     for words in plan.case.visibility_report() if plan else ():
         notice(words)

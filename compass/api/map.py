@@ -5,7 +5,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from compass.api.cluster import check_cluster, check_workers
+from compass.api.cluster import check_cluster
 from compass.api.given import given_in_metres, given_places
 from compass.api.map_result import MapResult
 from compass.api.progress import bar, foretell, parts_bar
@@ -127,7 +127,6 @@ def map(
         error_max_m=error_max_m,
         weights=weights,
     )
-    check_workers(workers)
     tls = check_cluster(workers, scheduler, tls_ca, tls_cert, tls_key)
     read = given_in_metres(design)
     places = given_places(sites, regions, read)

@@ -21,6 +21,7 @@ from compass.saving import replacing
 from compass.sites import Mask
 from compass.study.requirement_question import Found, Outcome, Question
 from compass.study.requirement_search import MOST_CERTIFIED
+from compass.words import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -97,7 +98,7 @@ class RequirementSearchResult(Result):
             apart = 2.0 * q.radius * sin(angle / 2.0) / 1e3
             parts.append(f"closest approach {apart:.0f} km ({degrees(angle):.1f} deg)")
         if q.days is not None:
-            parts.append(f"left alone on real orbits, it is proven for {q.days:g} days")
+            parts.append(f"left alone on real orbits, it is proven for {counted(q.days, 'day')}")
         if not q.geometry:
             parts.append("geometry was not asked for")
         other = met[1] if len(met) > 1 else self.found.next_best

@@ -13,8 +13,6 @@ from compass.api.requirement_search import RequirementSearchResult, needs_of
 from compass.api.search_result import SearchResult
 from compass.arguments import checked
 from compass.cores import cores
-from compass.coverage.certified_effort import Effort
-from compass.coverage.requirement_verdict import LONGEST
 from compass.design import Requirement
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
@@ -113,21 +111,10 @@ def search(
     if figure not in FIGURES or not FIGURES[figure].is_sphere:
         spheres = ", ".join(name for name, each in FIGURES.items() if each.is_sphere)
         raise ArgumentError(f"figure = {figure!r}: allowed {spheres}")
-    if not 0 <= least_approach_deg < 180:
-        raise ArgumentError(
-            f"least_approach_deg = {least_approach_deg:g}: allowed 0 up to below 180 degrees"
-        )
-    if not 0 <= mask_deg < 90:
-        raise ArgumentError(f"mask_deg = {mask_deg:g}: allowed 0 up to below 90")
-    if not 0 < share <= 1:
-        raise ArgumentError(f"share = {share:g}: allowed above 0 to 1")
-    Effort(budget_s=budget_s)  # refuses what is no budget before anything is looked for
     least, threads = radians(least_approach_deg), cores(workers)
     regions = (region,) if isinstance(region, str) else tuple(region)
     named = (("pdop", pdop_at_most), ("gdop", gdop_at_most))
     limits = [(name, limit) for name, limit in named if limit is not None]
-    if days is not None and not 0 < days <= LONGEST:
-        raise ArgumentError(f"days = {days:g}: allowed above 0 to {LONGEST:g}, a century")
     if require is None and not regions and not limits and days is None:
         return _covering(
             fold,

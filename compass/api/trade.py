@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from compass.api.cluster import check_cluster, check_workers
+from compass.api.cluster import check_cluster
 from compass.api.given import given_study
 from compass.api.progress import bar
 from compass.api.results import Result
@@ -280,7 +280,6 @@ def trade(
     (15, 63)
     """
     tls = check_cluster(workers, scheduler, tls_ca, tls_cert, tls_key)
-    check_workers(workers)
     read = given_study(study)
     check_space(read)
     if read.entry is not None:

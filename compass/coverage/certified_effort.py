@@ -10,6 +10,7 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.allowed import check_all_allowed
 from compass.coverage.certified_percentile import CertifiedPercentile, certified_percentile
 from compass.coverage.certified_question import Asked
 from compass.coverage.certified_share import CertifiedShare, certified_share
@@ -78,10 +79,7 @@ class Effort:
         OutputError
             A file that cannot be written.
         """
-        if self.width is not None and not 0 < self.width < 1:
-            raise ArgumentError(f"width = {self.width:g}: allowed above 0 and below 1")
-        if self.budget_s is not None and not self.budget_s > 0:
-            raise ArgumentError(f"budget_s = {self.budget_s:g}: must be positive")
+        check_all_allowed(width=self.width, budget_s=self.budget_s)
         if self.file is not None:
             check_writable(self.file)
             if self.file.exists():

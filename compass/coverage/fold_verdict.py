@@ -70,7 +70,7 @@ def course_of(design: Design, days: float | None, start_day: float) -> Course | 
     motion = design.motion.title
     if days is not None:
         start = start_day * SECONDS_PER_DAY
-        words = f"over {days:g} days from day {start_day:g}, {motion}, at the place"
+        words = f"over {counted(days, 'day')} from day {start_day:g}, {motion}, at the place"
         return Course((start, start + days * SECONDS_PER_DAY), False, words)
     if c.repeat is not None and not j2:
         revolutions, rotations = c.repeat

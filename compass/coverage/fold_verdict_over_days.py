@@ -12,6 +12,7 @@ from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.trajectory import Trajectory
+from compass.words import counted
 
 
 def fold_verdict_over_days(
@@ -34,7 +35,7 @@ def fold_verdict_over_days(
     assert days is not None
     assert requirement.fold is not None
     motion = design.motion
-    scope = f"over {days:g} days from day {start_day:g}, {motion.title}, at the place"
+    scope = f"over {counted(days, 'day')} from day {start_day:g}, {motion.title}, at the place"
     if reason := not_followed(design, requirement):
         return undecided(requirement, scope, reason)
     start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY

@@ -1,7 +1,6 @@
 """A requirement's verdict: on its fold, its geometry, or both at once."""
 
-from math import isfinite
-
+from compass.allowed import check_all_allowed
 from compass.coverage.certified_effort import Effort
 from compass.coverage.fold_verdict import fold_verdict
 from compass.coverage.fold_verdict_over_days import fold_verdict_over_days
@@ -9,9 +8,6 @@ from compass.coverage.geometry_verdict import geometry_verdict
 from compass.coverage.verdict import Verdict, both
 from compass.design import Design, Requirement
 from compass.errors import ArgumentError
-
-#: Longest span that is looked at, days: a century.
-LONGEST = 36525.0
 
 
 def verdict_of(
@@ -79,7 +75,4 @@ def _check_days(design: Design, days: float | None, start_day: float) -> None:
                 f"start_day = {start_day:g}: counts with days only; give days too, or leave it out"
             )
         return
-    if not 0 < days <= LONGEST:
-        raise ArgumentError(f"days = {days:g}: allowed above 0 to {LONGEST:g}, a century")
-    if not (isfinite(start_day) and start_day >= 0):
-        raise ArgumentError(f"start_day = {start_day:g}: must be 0 or more days")
+    check_all_allowed(days=days, start_day=start_day)

@@ -6,12 +6,9 @@ from math import ceil, log2
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.errors import ArgumentError
+from compass.allowed import check_all_allowed
 
 Array = NDArray[np.float64]
-
-#: Most entries of a campaign: they are kept in memory, 0.1 MB each.
-MOST_SAMPLES = 1 << 13
 
 
 @dataclass(frozen=True)
@@ -45,14 +42,11 @@ def draw_arrivals(count: int, seed: int) -> Arrivals:
     Raises
     ------
     ArgumentError
-        A count outside 1 to `MOST_SAMPLES`, or a seed below 0.
+        A count or a seed outside what is allowed.
     """
     from scipy.stats import qmc
 
-    if not 1 <= count <= MOST_SAMPLES:
-        raise ArgumentError(f"samples = {count}: allowed 1 to {MOST_SAMPLES}")
-    if seed < 0:
-        raise ArgumentError(f"seed = {seed}: must be 0 or more")
+    check_all_allowed(samples=count, seed=seed)
     points = qmc.Sobol(4, scramble=True, seed=seed).random_base2(ceil(log2(count)))[:count]
     return Arrivals(
         np.arcsin(2.0 * points[:, 0] - 1.0),

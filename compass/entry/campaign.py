@@ -8,6 +8,7 @@ from math import isfinite
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compass.allowed import check_all_allowed
 from compass.core.entry.dop853 import watched
 from compass.core.entry.many import fly_many
 from compass.entry.arrivals import Arrivals, draw_arrivals
@@ -29,9 +30,6 @@ from compass.errors import ArgumentError
 from compass.frames import latitude_longitude
 
 Array = NDArray[np.float64]
-
-#: Largest relative uncertainty of density and of L/D, as of the density's bias in a scenario.
-MOST_SIGMA = 10.0
 
 
 @dataclass(frozen=True)
@@ -281,9 +279,7 @@ def check_sigmas(density_sigma: float, lift_sigma: float) -> None:
     ArgumentError
         One is negative, or more than a linear model can bear.
     """
-    for name, sigma in (("density_sigma", density_sigma), ("lift_sigma", lift_sigma)):
-        if not 0 <= sigma <= MOST_SIGMA:
-            raise ArgumentError(f"{name} = {sigma:g}: allowed 0 to {MOST_SIGMA:g}")
+    check_all_allowed(density_sigma=density_sigma, lift_sigma=lift_sigma)
 
 
 def _held(paths: Array, stops: NDArray[np.int64]) -> Array:

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from compass.allowed import check_all_allowed
 from compass.design import Design
 from compass.entry.unknowns import Unknowns
-from compass.errors import ArgumentError
 from compass.signal.budget import mean_age_covariance
 
 
@@ -35,12 +35,7 @@ class Doubts:
     range_bias_m: float = 1.0
 
     def __post_init__(self) -> None:
-        for name, value in (
-            *(("orbit_m", sigma) for sigma in self.orbit_m),
-            ("satellite_clock_m", self.satellite_clock_m),
-        ):
-            if not 0 <= value < float("inf"):
-                raise ArgumentError(f"{name} = {value:g}: must be 0 or more, and finite")
+        check_all_allowed(orbit_m=self.orbit_m, satellite_clock_m=self.satellite_clock_m)
         self.of(None)
 
     def of(self, design: Design | None) -> Unknowns:

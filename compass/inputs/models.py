@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 from pydantic import Field, create_model
 
+from compass.allowed import LONGEST_DAYS
 from compass.design import LinkEnd
 from compass.inputs.integrity import IntegrityTable
 from compass.inputs.requirements import RequirementTable
@@ -189,7 +190,7 @@ class DeploymentTable(Table):
         description="lowest and highest altitude of orbits to wait in, km",
     )
     longest_wait_days: float = Field(
-        365.25, gt=0, le=36525, description="until the last plane is reached, days"
+        365.25, gt=0, le=LONGEST_DAYS, description="until the last plane is reached, days"
     )
     satellites_a_launch: int | None = Field(
         None, ge=1, le=10_000, description="satellites of one launch; all if left out"

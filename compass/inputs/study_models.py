@@ -6,8 +6,8 @@ from pydantic import Field, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
+from compass.allowed import LONGEST_DAYS, MOST_SAMPLES
 from compass.design import PDOP_MAX
-from compass.entry.arrivals import MOST_SAMPLES
 from compass.inputs.models import DeploymentTable, MotionTable, SatelliteCount, StationTable
 from compass.inputs.requirements import RegionTexts, RequirementTable, SiteNames
 from compass.inputs.signal import Sigma, SignalTable
@@ -191,7 +191,7 @@ class OrbitsTable(Table):
     """How far real orbits are followed, for candidates that pass the map."""
 
     days: float = Field(
-        687.0, gt=0, le=36525, description="for how long coverage is to be proven, days"
+        687.0, gt=0, le=LONGEST_DAYS, description="for how long coverage is to be proven, days"
     )
 
 

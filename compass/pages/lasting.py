@@ -15,6 +15,7 @@ from compass.frames import SECONDS_PER_DAY
 from compass.orbits import areosynchronous_radius
 from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, look, new_figure, picture
 from compass.quantities import quantity
+from compass.words import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,7 +43,7 @@ def lasting_answers(design: Design, found: Outlook) -> list[Answer]:
     left = "Left alone on real orbits it lasts"
     proven = f"proven: {shown['lasts']}"
     if found.lasts:
-        rows = [Answer(left, f"{found.horizon_days:g} days and more", None, proven)]
+        rows = [Answer(left, f"{counted(found.horizon_days, 'day')} and more", None, proven)]
     elif found.days_proven == 0.0:
         rows = [Answer(left, "not held at the epoch", None, proven)]
     else:
@@ -99,7 +100,7 @@ def _lasts(design: Design, found: Outlook) -> Verdict:
     if found.lasts:
         years = found.horizon_days / DAYS_PER_YEAR
         return Verdict(
-            f"Lasts {found.horizon_days:g} days left alone",
+            f"Lasts {counted(found.horizon_days, 'day')} left alone",
             f"{found.asked}, proven on real orbits for the {found.horizon_days:g} days looked at "
             f"({years:.1f} years) ({command})",
             True,

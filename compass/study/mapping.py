@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import compass
+from compass.allowed import check_all_allowed
 from compass.conventions import epoch_text
 from compass.coverage.errors import error_map, error_rows
 from compass.coverage.gaps import GapTrack, coverage_gaps, gap_rows, shortest_pass
@@ -31,12 +32,6 @@ from compass.words import counted
 
 if TYPE_CHECKING:
     import xarray as xr
-
-MAX_EPOCHS = 100_000
-MAX_DURATION_H = 1e6
-
-#: Days after the epoch, a century, up to which a map may begin: rounding of time stays small.
-MAX_START_DAY = 36525.0
 
 
 @dataclass(frozen=True)
@@ -88,24 +83,15 @@ class MapOptions:
         ArgumentError
             Naming the option, its value and the range.
         """
-        if not 1 <= self.epochs <= MAX_EPOCHS:
-            raise ArgumentError(f"epochs = {self.epochs}: allowed 1 to {MAX_EPOCHS}")
-        if self.duration_h is not None and not 0 < self.duration_h <= MAX_DURATION_H:
-            raise ArgumentError(
-                f"duration_h = {self.duration_h}: must be above 0, at most {MAX_DURATION_H:g} hours"
-            )
-        if not self.pdop_max >= 1:
-            raise ArgumentError(
-                f"pdop_max = {self.pdop_max:g}: a dilution of precision to ask for is 1 or more"
-            )
+        check_all_allowed(
+            epochs=self.epochs,
+            duration_h=self.duration_h,
+            pdop_max=self.pdop_max,
+            error_max_m=self.error_max_m,
+            start_day=self.start_day,
+        )
         if self.weights not in ("variance", "equal"):
             raise ArgumentError(f"weights = {self.weights!r}: allowed variance, equal")
-        if not self.error_max_m > 0:
-            raise ArgumentError(f"error_max_m = {self.error_max_m:g}: must be positive")
-        if not 0 <= self.start_day <= MAX_START_DAY:
-            raise ArgumentError(
-                f"start_day = {self.start_day:g}: allowed 0 to {MAX_START_DAY:g}, a century"
-            )
 
 
 class MapRows:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from compass.allowed import check_all_allowed
 from compass.coverage.areas import AreaFigures
 from compass.coverage.certified_effort import Effort
 from compass.design import Design
@@ -20,9 +21,6 @@ from compass.study.judge_surface import judge_surface
 from compass.study.judge_worst import worst_entry
 from compass.study.judgement import Judgement
 from compass.study.mapping import MapOptions
-
-#: Most runs of the filter on one design.
-MOST_RUNS = 100_000
 
 
 @dataclass(frozen=True)
@@ -97,7 +95,7 @@ def rank_designs(
     """
     if not designs:
         raise ArgumentError("designs: none given; name at least one design file")
-    check_ranking(goal, finalists, runs)
+    check_all_allowed(goal_m=goal, finalists=finalists, runs=runs)
     check_lander(scenario, samples, seed)
     ground = ground_of(sites, regions)
     air: dict[str, Any] = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
@@ -204,24 +202,6 @@ def dispersed_words(dispersion: Dispersion | None) -> str:
         f"{dispersion.velocity:g} m/s on each axis, {100 * dispersion.density:g} % of density and "
         f"{dispersion.lift:g} of L/D (1 sigma)."
     )
-
-
-def check_ranking(goal: float, finalists: int, runs: int) -> None:
-    """Refuse options of a ranking that are out of range.
-
-    Raises
-    ------
-    ArgumentError
-        One is.
-    """
-    if not 0 < goal < float("inf"):
-        raise ArgumentError(f"goal_m = {goal:g}: must be positive and finite")
-    if finalists < 0:
-        raise ArgumentError(f"finalists = {finalists}: must be 0 or more")
-    if not 1 <= runs <= MOST_RUNS:
-        raise ArgumentError(
-            f"runs = {runs}: allowed 1 to {MOST_RUNS}; give 0 finalists to run no filter"
-        )
 
 
 def answer(figures: dict[str, Any], goal: float) -> str:

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from compass.allowed import check_all_allowed
 from compass.coverage.certified_effort import Effort
 from compass.coverage.clearance import least_clearance
 from compass.coverage.fold_verdict import course_of, fold_always_met, users_of
@@ -27,7 +28,8 @@ from compass.study.lasting import paths_left_alone
 from compass.study.requirement_patterns import grids, sampled
 from compass.study.requirement_question import Found, KeptOut, Outcome, Question
 from compass.study.requirement_samples import is_hopeless
-from compass.study.search import MOST_SATELLITES, pair_cosines
+from compass.study.search import pair_cosines
+from compass.words import counted
 
 #: Candidates of a size whose figures are certified at most, the most promising first; and
 #: inclinations or turns of one pattern.
@@ -91,13 +93,11 @@ def search_for(
 
 
 def _check(question: Question, finalists: int) -> None:
-    if not 1 <= question.largest <= MOST_SATELLITES:
-        raise ArgumentError(f"max_satellites = {question.largest}: allowed 1 to {MOST_SATELLITES}")
-    if finalists < 1:
+    check_all_allowed(
+        max_satellites=question.largest, least_approach_deg=np.degrees(question.least_approach)
+    )
+    if finalists < 1:  # a fold alone may do without
         raise ArgumentError(f"finalists = {finalists}: must be 1 or more")
-    if not 0 <= question.least_approach < np.pi:
-        angle = np.degrees(question.least_approach)
-        raise ArgumentError(f"least_approach_deg = {angle:g}: allowed 0 up to below 180")
     for kind in question.kinds:
         kind_of(kind)
 
@@ -162,11 +162,11 @@ def _certified(
         verdicts, failed = _verdicts(question, one)
         tries[name] = tried + 1
         lost = None if failed else _lost(question, one)
-        if lost and "days" not in kept:
+        if lost and question.days and "days" not in kept:
             kept["days"] = KeptOut(
                 one.constellation,
                 f"left alone on real orbits, no proof of {lost.requirement.wanted} for "
-                f"{question.days:g} days ({lost.requirement.name})",
+                f"{counted(question.days, 'day')} ({lost.requirement.name})",
             )
         if failed is not None and "geometry" not in kept:
             kept["geometry"] = KeptOut(one.constellation, _why(failed))

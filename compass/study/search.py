@@ -8,21 +8,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.allowed import check_all_allowed
 from compass.core.inclination import best_inclination
 from compass.coverage.cap import cap_radius, mask_for_cap
 from compass.coverage.certificate import prove_fold
 from compass.coverage.certified_geometry import CertifiedGeometry, certified_geometry
 from compass.coverage.margin import covering_radius
 from compass.coverage.symmetry import shortest_span
-from compass.errors import ArgumentError, whole_number
+from compass.errors import whole_number
 from compass.frames import Figure
 from compass.orbits import Constellation, Pattern
 from compass.orbits.constellation import from_pattern
 from compass.orbits.kinds import kind_of
 from compass.sites import Mask
-
-#: Sizes that a search can take on in reasonable time.
-MOST_SATELLITES = 64
 
 
 @dataclass(frozen=True)
@@ -150,15 +148,13 @@ def search(
         Something out of range.
     """
     kind_of(kind)
-    if not 1 <= largest <= MOST_SATELLITES:
-        raise ArgumentError(f"max_satellites = {largest}: allowed 1 to {MOST_SATELLITES}")
-    whole_number("fold", fold, 1)
-    if not 0 <= mask < np.pi / 2:
-        raise ArgumentError(f"mask_deg = {np.degrees(mask):g}: allowed 0 up to below 90")
-    if finalists < 0:
-        raise ArgumentError(f"finalists = {finalists}: must be 0 or more")
-    if beyond < 0:
-        raise ArgumentError(f"beyond = {beyond}: must be 0 or more")
+    check_all_allowed(
+        max_satellites=largest,
+        fold=whole_number("fold", fold),
+        mask_deg=np.degrees(mask),
+        finalists=finalists,
+        beyond=beyond,
+    )
     sphere_radius = figure.equatorial_radius
     cap = float(cap_radius(radius, sphere_radius, mask))
     sizes = [list(patterns(kind, t, radius, smallest=t)) for t in range(fold + 1, largest + 1)]

@@ -1,6 +1,8 @@
 """Whatever a public function is given, it answers with a sentence that names the argument."""
 
 import inspect
+import re
+from collections.abc import Sequence
 from pathlib import Path
 from types import UnionType
 from typing import Literal, Union, get_args, get_origin
@@ -10,6 +12,7 @@ import pytest
 from numpy.typing import ArrayLike
 
 import compass
+from compass.allowed import RANGES, check_allowed
 from compass.arguments import checked
 from compass.errors import ArgumentError, CompassError
 
@@ -136,6 +139,81 @@ def test_a_wrong_kind_is_refused_by_name(name, function, designs, monkeypatch):
             assert key.partition("_")[0].rstrip("s") in str(refused.value), (key, value)
 
 
+#: Numbers that no argument can be, whatever it is.
+ABSURD = (float("inf"), -float("inf"), 1e300, -1e300)
+ABSURD_WHOLE = (10**30, -(10**30))
+
+
+def numbers_of(hint):
+    """Absurd numbers in the form that an argument takes; none where it takes no number."""
+    kinds = kinds_of(hint)
+    if kinds & {float, ArrayLike}:
+        yield from ABSURD
+    elif int in kinds:
+        yield from ABSURD_WHOLE
+    for kind in kinds:
+        if get_origin(kind) in (Sequence, tuple) and float in get_args(kind):
+            size = 1 if get_origin(kind) is Sequence else len(get_args(kind))
+            yield from ((number,) * size for number in ABSURD)
+
+
+#: Not numbers of one meaning each: states of any kind, matrices, weights, instants.
+MATRICES_OF = ("covariance_intersection", "intersection_weights")
+
+
+@pytest.mark.parametrize(
+    ("name", "function"),
+    [pytest.param(n, made, id=n) for n, made in public() if n not in MATRICES_OF],
+)
+def test_an_absurd_number_is_refused_by_name(name, function, designs, monkeypatch):
+    """Infinite, or beyond what Mars has room and history time for: before any work is done."""
+    monkeypatch.chdir(designs.parent)
+    given = GIVEN.get(name, {"design": DESIGN})
+    for parameter in inspect.signature(function).parameters.values():
+        keys = (parameter.name,)
+        if parameter.kind is parameter.VAR_KEYWORD:
+            keys = ("pdop_at_most", "error_vertical_m_at_most")
+        for key in keys:
+            kept = {k: v for k, v in given.items() if key not in ORBIT or k not in ORBIT}
+            for value in numbers_of(parameter.annotation):
+                with pytest.raises(CompassError) as refused:
+                    function(**{**kept, key: value})
+                assert str(refused.value).startswith(key.partition("_")[0].rstrip("s")), value
+
+
+def test_every_number_has_a_range_of_its_own_or_says_so_itself():
+    """A new argument without a range is noticed here, and so is a range that nobody asks for."""
+    by_themselves = {"inclination_deg", "latitude_deg", "height_km", "repeat", "multiplier",
+                     "satellites", "planes", "phasing", "times", "lost", "eccentricity",
+                     "semi_major_axis_km", "altitude_km", "radius_km", "rival_radius_km",
+                     "states", "covariances", "weights", "scale", "azimuth"}  # fmt: skip
+    asked = set()
+    for where, function in (*public(), ("Constellation.without", compass.Constellation.without)):
+        for key, parameter in inspect.signature(function).parameters.items():
+            if parameter.kind is parameter.VAR_KEYWORD or not list(
+                numbers_of(parameter.annotation)
+            ):
+                continue
+            asked |= {key, f"{where}.{key}"}
+            known = {key, f"{where}.{key}"} & RANGES.keys()
+            assert known or key in by_themselves, f"{where}: {key} has no range"
+    assert {key for key in RANGES if not key.endswith("_at_most")} <= asked
+
+
+@pytest.mark.parametrize("name", sorted(RANGES))
+def test_the_ends_of_a_range_are_as_it_says(name):
+    allowed = RANGES[name]
+    assert allowed.has(allowed.least) is not allowed.above
+    assert allowed.has(allowed.most) is not allowed.below
+    assert allowed.has((allowed.least + allowed.most) / 2)
+    assert not any(allowed.has(value) for value in (*ABSURD, float("nan")))
+    where, _, key = name.rpartition(".")
+    beyond = 2 * allowed.most + 1
+    with pytest.raises(ArgumentError, match=re.escape(f": allowed {allowed}")) as refused:
+        check_allowed(key, beyond, where)
+    assert str(refused.value).startswith(f"{key} = ")
+
+
 def test_what_fits_comes_as_pythons_own():
     @checked
     def told(number: float, count: int, several: tuple[float, float], *more: bool, **named: str):
@@ -144,7 +222,7 @@ def test_what_fits_comes_as_pythons_own():
     given = told(np.float32(0.5), np.int64(3), [1, 2.5], np.True_, unit="m")
     assert given == (0.5, 3, (1, 2.5), (True,), {"unit": "m"})
     assert [type(part) for part in given[:2]] == [float, int]
-    with pytest.raises(ArgumentError, match=r"several\[1\] = 'x': must be a number"):
+    with pytest.raises(ArgumentError, match=r"several\[1\] = 'x': must be a finite number"):
         told(1, 2, [1, "x"])
     with pytest.raises(ArgumentError, match=r"several = \[1\]: must be 2 of them"):
         told(1, 2, [1])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from compass.entry.arrivals import MOST_SAMPLES
+from compass.allowed import MOST_SAMPLES
 from compass.entry.doubts import Doubts
 from compass.errors import DesignError
 from compass.inputs.study import Free, read_study, read_study_text

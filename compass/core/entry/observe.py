@@ -85,7 +85,7 @@ def observe_epochs(
                 matrix, use_range[t], use_rate[t], orders, views[s, t], rows[s], packed
             )
             jacobi_svd(packed[:, : max(6, filled)], singular[s, t], vectors)
-        index[t] = _triple_index(path[t], r[t], use_range[t], use_rate[t])
+        index[t] = triple_index(path[t], r[t], use_range[t] | use_rate[t])
 
 
 @kernel
@@ -108,11 +108,14 @@ def read_matrix(matrix, use_range, use_rate, orders, view, rows, packed):
 
 
 @kernel
-def _triple_index(x, r, use_range, use_rate):
-    """``det(sum n n^T)``: by Cauchy and Binet the sum over triples of eq. 54."""
+def triple_index(x, r, heard):
+    """``det(sum n n^T)``: by Cauchy and Binet the sum over triples of eq. 54.
+
+    From `x`, whose first three are the place, to the beacons `r` (n, 3) that are `heard` (n,).
+    """
     xx, yy, zz, xy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(r.shape[0]):
-        if not (use_range[i] or use_rate[i]):
+        if not heard[i]:
             continue
         dx, dy, dz = x[0] - r[i, 0], x[1] - r[i, 1], x[2] - r[i, 2]
         square = dx * dx + dy * dy + dz * dz

@@ -33,21 +33,29 @@ COLUMNS, OF_AIR, OF_LIFT = 8, 6, 7
 def log_density(r, p):
     """``ln rho(r)`` and its derivative in r, 1/m.
 
-    ``ln rho0 + (r0 - r)/h``, or linear between the rows of a table (exponential layers), the end
-    layers going on for ever.
+    ``ln rho0 + (r0 - r)/h``, or of a table (`layered`).
     """
     n = (p.size - TABLE - 3 * int(p[WINDS])) // 2
     if n == 0:
         return p[LOG_DENSITY] + (p[R0] - r) / p[SCALE_HEIGHT], -1.0 / p[SCALE_HEIGHT]
+    return layered(r, p, TABLE, n)
+
+
+@fast_kernel
+def layered(r, p, at, n):
+    """``ln rho`` of a table and its derivative in r: n radii from ``p[at]`` on, then n values.
+
+    Linear between the rows (exponential layers); the end layers go on for ever.
+    """
     low, high = 0, n - 1
     while high - low > 1:
         middle = (low + high) // 2
-        if p[TABLE + middle] <= r:
+        if p[at + middle] <= r:
             low = middle
         else:
             high = middle
-    r_low, s_low = p[TABLE + low], p[TABLE + n + low]
-    slope = (p[TABLE + n + low + 1] - s_low) / (p[TABLE + low + 1] - r_low)
+    r_low, s_low = p[at + low], p[at + n + low]
+    slope = (p[at + n + low + 1] - s_low) / (p[at + low + 1] - r_low)
     return s_low + slope * (r - r_low), slope
 
 

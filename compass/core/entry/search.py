@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from compass.core.entry.observe import triple_index
 from compass.core.entry.series import flow_series, range_series
 from compass.core.jacobi_svd import jacobi_svd
 from compass.core.jit import kernel
@@ -57,20 +58,9 @@ def minimum_degree(series, beacons):
 @kernel
 def determinants(lander, beacons, out):
     """``det(sum n n^T)`` at each epoch; lander (t, 3), beacons (t, n, 3)."""
+    heard = np.ones(beacons.shape[1], np.bool_)
     for t in range(lander.shape[0]):
-        xx, yy, zz, xy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for b in range(beacons.shape[1]):
-            dx = lander[t, 0] - beacons[t, b, 0]
-            dy = lander[t, 1] - beacons[t, b, 1]
-            dz = lander[t, 2] - beacons[t, b, 2]
-            square = dx * dx + dy * dy + dz * dz
-            xx += dx * dx / square
-            yy += dy * dy / square
-            zz += dz * dz / square
-            xy += dx * dy / square
-            xz += dx * dz / square
-            yz += dy * dz / square
-        out[t] = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+        out[t] = triple_index(lander[t], beacons[t], heard)
 
 
 @kernel

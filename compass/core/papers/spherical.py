@@ -7,45 +7,32 @@ lift-to-drag ratio. The last two are constants carried as states.
 
 Parameters ``p = [mu, r0, h, B, bank, omega, rotation, ...]``: gravitational parameter, reference
 radius and scale height of the atmosphere, ``B = C_D S / m`` (m^2/kg), bank angle (positive turns
-the velocity clockwise), rotation rate, and which terms of the rotation are kept (`CORIOLIS`,
-`CENTRIFUGAL` or `SWAPPED`; ``omega = 0`` is the planet at rest). Anything after that is a
-tabulated atmosphere: n radii, increasing, then n values of ``ln(rho/rho(r0))``.
+the velocity clockwise), rotation rate, and which terms of the rotation are kept, as in
+`compass.core.entry.rates` (``omega = 0`` is the planet at rest). Anything after that is a tabulated
+atmosphere: n radii, increasing, then n values of ``ln(rho/rho(r0))``.
 """
 
 import math
 
 import numpy as np
 
+from compass.core.entry.rates import CENTRIFUGAL, SWAPPED, layered
 from compass.core.jit import fast_kernel
 
 STATES = 8
 MU, R0, SCALE_HEIGHT, DRAG, BANK, OMEGA, ROTATION, TABLE = range(8)
-
-#: Terms of the rotation: Coriolis alone; Coriolis and centrifugal; Coriolis terms of the
-#: flight-path and heading rates exchanged, as Yu et al. 2018 print them in eq. 1 (wrong).
-CORIOLIS, CENTRIFUGAL, SWAPPED = 0.0, 1.0, 2.0
 
 
 @fast_kernel
 def log_density_ratio(r, p):
     """``ln(rho(r)/rho(r0))`` and its derivative in r, 1/m.
 
-    ``(r0 - r)/h``, or linear between the rows of a table (exponential layers), the end layers
-    going on for ever.
+    ``(r0 - r)/h``, or of a table (`compass.core.entry.rates.layered`).
     """
     n = (p.size - TABLE) // 2
     if n == 0:
         return (p[R0] - r) / p[SCALE_HEIGHT], -1.0 / p[SCALE_HEIGHT]
-    low, high = 0, n - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if p[TABLE + middle] <= r:
-            low = middle
-        else:
-            high = middle
-    r_low, s_low = p[TABLE + low], p[TABLE + n + low]
-    slope = (p[TABLE + n + low + 1] - s_low) / (p[TABLE + low + 1] - r_low)
-    return s_low + slope * (r - r_low), slope
+    return layered(r, p, TABLE, n)
 
 
 @fast_kernel
