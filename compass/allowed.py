@@ -67,6 +67,8 @@ RANGES = {
     "duration_sols": _positive(1000.0, "sols"),
     "epoch": Range(-1e11, 1e11, "seconds after J2000"),
     "ephemeris.times": Range(-1e11, 1e11, "seconds after the epoch"),
+    "export.duration_h": _positive(87_600.0, "hours, ten years"),
+    "export.step_s": Range(1e-3, 1e6, "seconds"),
     "hours": _positive(1e5, "hours"),
     "longest_wait_days": Range(1e-3, LONGEST_DAYS, _CENTURY),
     "series.days": _positive(1000.0, "days"),

@@ -84,7 +84,7 @@ def _taken(name: str, value: Any, hint: Any) -> Any:
 
 
 def check_range(where: str, name: str, value: Any) -> None:
-    """Refuse a number that its range does not have, or the first such of several.
+    """Refuse a number that its range does not have, or the least such of a list.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def check_range(where: str, name: str, value: Any) -> None:
         return
     elif isinstance(value, Real) and not isinstance(value, bool):
         check_allowed(name, value if isinstance(value, int) else float(value), where)
-    elif not isinstance(value, str) and are_numbers(value):
+    elif not isinstance(value, str) and are_numbers(value) and np.ndim(value) == 1:
         for number in np.unique(np.asarray(value, dtype=float)):
             check_allowed(name, float(number), where)
 

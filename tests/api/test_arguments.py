@@ -238,7 +238,7 @@ def test_a_choice_says_what_is_allowed():
         return motion
 
     assert chosen("j2") == "j2" and chosen(2) == 2
-    with pytest.raises(ArgumentError, match="must be one of two-body, j2 or a number"):
+    with pytest.raises(ArgumentError, match="must be one of two-body, j2 or a finite number"):
         chosen("j3")
 
 

@@ -66,5 +66,5 @@ def test_what_has_no_horizon_is_told(wall, tmp_path):
     with pytest.raises(ArgumentError, match="stations: there are none; add a"):
         compass.horizon(path, wall)
     path.write_text(DESIGN.format(station=STATION))
-    with pytest.raises(ArgumentError, match="above_m = -1: must be 0 or more"):
+    with pytest.raises(ArgumentError, match="above_m = -1: allowed 0 to 100000 metres"):
         compass.horizon(path, wall, above_m=-1)

@@ -201,8 +201,8 @@ def test_a_short_simulation_prints_its_costs():
     ("options", "message"),
     [
         ({"years": 0.0}, "years = 0: allowed 0.1 to 100"),
-        ({"dry_mass_kg": 0.0}, r"dry_mass_kg = 0: allowed 0\.001 to 1e\+06"),
-        ({"box_deg": -1.0}, "box_deg = -1: must be more than 0"),
+        ({"dry_mass_kg": 0.0}, r"dry_mass_kg = 0: allowed 0\.001 to 1000000"),
+        ({"box_deg": -1.0}, "box_deg = -1: allowed above 0"),
     ],
 )
 def test_keep_refuses(options, message):
@@ -271,7 +271,7 @@ def test_numbers_of_the_law_are_finite():
 @pytest.mark.parametrize(
     ("fold", "message"),
     [
-        (0, "fold = 0: must be a whole number from 1 on"),
+        (0, "fold = 0: allowed 1 to 10000"),
         (2.5, "fold = 2.5: must be a whole number"),
         (99, "fold = 99: the pattern has it at no mask, so no slot has any room"),
     ],

@@ -122,12 +122,12 @@ def test_windows_are_written(design, tmp_path, monkeypatch, capsys, suffix):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--duration-sols", "0"], "--duration-sols = 0 sols: must be above 0 and at most 1000"),
-        (["--duration-sols", "1e9"], "must be above 0 and at most 1000"),
-        (["--duration-sols", "nan"], "must be above 0 and at most 1000"),
+        (["--duration-sols", "0"], "--duration-sols = 0: allowed above 0 to 1000 sols"),
+        (["--duration-sols", "1e9"], "allowed above 0 to 1000 sols"),
+        (["--duration-sols", "nan"], "--duration-sols = nan: must be a finite number"),
         (["--moon", "luna"], "'luna' is not one of 'phobos', 'deimos'"),
         (["--station", "x=91,0"], "latitude_deg = 91: allowed -90 to 90"),
-        (["--station", "x=1,0,90"], "elevations [90.0] deg; allowed 0 up to below 90"),
+        (["--station", "x=1,0,90"], "mask_deg = 90: allowed 0 up to below 90"),
         (["--station", "x=north,0"], "not NAME=LAT,LON or NAME=LAT,LON,MASK"),
         (["--station", "Base=1,2"], "two nodes named Base"),
         (["-o", "x.xls"], "must end in .nc, .csv, .json"),

@@ -99,10 +99,10 @@ def test_progress_is_told_by_what_is_open():
 @pytest.mark.parametrize(
     ("options", "match"),
     [
-        ({"width": 0.0}, "width = 0: allowed above 0 and below 1"),
+        ({"width": 0.0}, "width = 0: allowed above 0 up to below 1"),
         ({"width": math.nan}, "width = nan"),
         ({"width": 1.0}, "width = 1"),
-        ({"budget_s": -1.0}, "budget_s = -1: must be positive"),
+        ({"budget_s": -1.0}, "budget_s = -1: allowed above 0"),
     ],
 )
 def test_an_effort_out_of_range_is_refused(options, match):

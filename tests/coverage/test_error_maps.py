@@ -290,7 +290,7 @@ def test_changing_the_clock_changes_the_map(written):
 
 def test_options_out_of_range_are_refused(written):
     for option, message in (
-        ({"error_max_m": -1.0}, "error_max_m = -1: must be positive"),
+        ({"error_max_m": -1.0}, "error_max_m = -1: allowed above 0"),
         ({"weights": "best"}, "weights = 'best': must be one of variance, equal"),
     ):
         with pytest.raises(ArgumentError, match=message):

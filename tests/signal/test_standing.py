@@ -147,7 +147,7 @@ def test_those_that_are_there_already_keep_their_own_covariances():
         ({"site": "nowhere"}, "is no station of the design, which has none"),
         ({"site": "far=95,0"}, "^site 'far=95,0': latitude_deg = 95: allowed -90 to 90"),
         ({"satellites": ["x"]}, "satellites = 'x': is none of the design"),
-        ({"goal_m": 0.0}, "goal_m = 0: must be above 0"),
+        ({"goal_m": 0.0}, "goal_m = 0: allowed above 0"),
         ({"hours": 0.0}, "must make 1 to 20000 steps"),
         ({"step_s": 0.0}, "must make 1 to 20000 steps"),
         ({"start_day": -1.0}, "start_day = -1"),
