@@ -94,6 +94,7 @@ RANGES = {
     "mean_anomaly_deg": _ANGLE,
     "phase_deg": _ANGLE,
     "raan_deg": _ANGLE,
+    "series.beam_deg": Range(0.0, 90.0, "degrees", above=True),
     "step_deg": Range(0.05, 90.0, "degrees"),
     "true_anomaly_deg": _ANGLE,
     # errors, one sigma, and how much of them
@@ -134,7 +135,7 @@ RANGES = {
     "runs": Range(1, 100_000),
     "samples": Range(1, MOST_SAMPLES),
     "satellites_a_launch": Range(1, 10_000),
-    "seed": Range(0, (1 << 63) - 1),
+    "seed": Range(0, 1_000_000_000),
     "series.epochs": Range(2, 1_000_000),
     "warm.workers": Range(1, 256),
     "workers": Range(1, 1024),

@@ -164,7 +164,8 @@ class AccessResult(Result):
         OutputError
             The name has another ending, or the file cannot be written.
         """
-        chosen = check_suffix(Path(path))
+        chosen = Path(path)
+        check_suffix(chosen)
         if chosen.suffix == ".nc":
             save_netcdf(chosen, self.dataset.assign_attrs(history=command))
             return
@@ -204,20 +205,19 @@ class AccessResult(Result):
         return drawn
 
 
-def check_suffix(path: Path, among: Sequence[str] = SUFFIXES) -> Path:
-    """Return a path whose ending says in which form to write.
+def check_suffix(path: Path | None, among: Sequence[str] = SUFFIXES) -> None:
+    """Refuse a path whose ending does not say in which form to write; None writes nothing.
 
     Raises
     ------
     OutputError
         It says none of those.
     """
-    if path.suffix not in among:
+    if path is not None and path.suffix not in among:
         raise OutputError(
             f"{path}: unknown kind {path.suffix or 'of file'!r}; "
             f"the name must end in {', '.join(among)}"
         )
-    return path
 
 
 #: What is the name of a row rather than a quantity, and its heading; shares by hops are words.

@@ -226,7 +226,8 @@ class SeriesResult(Result):
         OutputError
             The name has another ending, or the file cannot be written.
         """
-        chosen = check_suffix(Path(path), SUFFIXES)
+        chosen = Path(path)
+        check_suffix(chosen, SUFFIXES)
         if chosen.suffix == ".nc":
             every = self.dataset if self.errors is None else self.dataset.merge(self.errors)
             save_netcdf(chosen, every.assign_attrs(self.dataset.attrs, history=command))

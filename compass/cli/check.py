@@ -5,30 +5,28 @@ from typing import Any
 
 import click
 
+import compass
 from compass.cli.options import (
     certified_options,
-    json_option,
+    designs_argument,
     motion_option,
     real,
+    start_day_option,
 )
-from compass.cli.shared import announce_compilation, print_result, watched
+from compass.cli.shared import watched
 
 
 @click.command()
-@click.argument("designs", nargs=-1, required=True, type=click.Path(path_type=Path))
+@designs_argument
 @real("--days", help="Days to settle it for, at the places; else for ever.")
-@real("--start-day", default=0.0, help="Day after the epoch to begin at.")
+@start_day_option
 @motion_option
 @certified_options
-@json_option
-def command(designs: tuple[Path, ...], as_json: bool, **options: Any) -> None:
+def command(designs: tuple[Path, ...], **options: Any) -> object:
     """Settle every [[requirement]] of DESIGNS: met or missed, proven or with a bracket.
 
     Several DESIGNS are one network: their satellites together, asked for the requirements of all.
 
     Exit status 0 all met, 1 one missed or undecided, 2 bad input.
     """
-    announce_compilation()
-    import compass
-
-    print_result(compass.check(*designs, progress=watched(), **options), as_json)
+    return compass.check(*designs, progress=watched(), **options)

@@ -5,8 +5,9 @@ from typing import Any
 
 import click
 
-from compass.cli.options import design_argument, json_option, motion_option, path, real
-from compass.cli.shared import announce_compilation, check_outputs, print_result, say_written
+import compass
+from compass.cli.options import design_argument, motion_option, path, real
+from compass.cli.shared import check_outputs, put
 
 
 @click.command()
@@ -16,23 +17,14 @@ from compass.cli.shared import announce_compilation, check_outputs, print_result
 @motion_option
 @path("-o", "--output", help="Design file to write, with the [signal] that follows.")
 @path("--figure", "picture", help="PNG of sigma against time.")
-@json_option
-def command(
-    design: Path, output: Path | None, picture: Path | None, as_json: bool, **options: Any
-) -> None:
+def command(design: Path, output: Path | None, picture: Path | None, **options: Any) -> object:
     """Covariance of the orbits and clocks of a DESIGN, tracked as its [tracking] says.
 
     Radial, along, cross and clock sigma of every satellite against time, what each kind of
     tracking buys, and the [signal] for the users that follows.
     """
-    announce_compilation()
-    import compass
-
     check_outputs(output, picture, inputs=[design])
     found = compass.determine(design, **options)
-    if output:
-        found.write(output)
-    if picture:
-        found.save_plot(picture)
-    print_result(found, as_json)
-    say_written(output, picture)
+    put(found.write, output)
+    put(found.save_plot, picture)
+    return found

@@ -5,11 +5,12 @@ from typing import Any
 
 import click
 
-from compass.cli.options import choice, design_argument, json_option, path, real
-from compass.cli.shared import emit_json, say
+import compass
+from compass.cli.options import choice, design_argument, path, real, start_day_option
+from compass.cli.shared import check_outputs, say, wants_json
 
 
-@click.command("export")
+@click.command()
 @design_argument
 @choice(
     "--format",
@@ -33,27 +34,25 @@ from compass.cli.shared import emit_json, say
     among=["two-body", "j2", "numerical"],
     help="How they move; else as the design says.",
 )
-@real("--start-day", default=0.0, help="Day after the epoch to begin at.")
-@json_option
-def command(design: Path, output: Path, as_json: bool, **options: Any) -> None:
+@start_day_option
+def command(design: Path, output: Path, **options: Any) -> object:
     """Write a DESIGN down for other programs.
 
     OEM: states in ICRF about Mars, TDB, one message a satellite. CZML: satellites, paths and
     stations on the Mars ellipsoid. GeoJSON: ground tracks, and sub-satellite points, footprints
     and gaps at the first moment. TOML: the design file itself, every pattern and unit made plain.
     """
-    import compass
-    from compass.saving import check_new_folder, check_writable
+    from compass.saving import check_new_folder
 
     read = compass.read_design(design)
     if options["format"] == "oem":
         check_new_folder(output)
     else:
-        check_writable(output, [design])
+        check_outputs(output, inputs=[design])
     made = compass.export(read, output=output, **options)
-    if as_json:
-        emit_json(made.to_dict())
-        return
+    if wants_json():
+        return made
     for said in made.not_kept:
         say(f"not kept: {said}")
     say(f"wrote {output}" + (f": {len(made.files)} messages" if made.format == "oem" else ""))
+    return None

@@ -1,20 +1,21 @@
 """``compass fold``: continuous k-fold coverage, proven or refuted with a witness."""
 
-from pathlib import Path
 from typing import Any
 
 import click
 
+import compass
 from compass.cli.options import (
     design_argument,
     fold_option,
-    json_option,
     mask_option,
     motion_option,
     real,
+    region_option,
+    start_day_option,
     whole,
 )
-from compass.cli.shared import announce_compilation, print_result, watched
+from compass.cli.shared import watched
 
 
 @click.command()
@@ -22,20 +23,14 @@ from compass.cli.shared import announce_compilation, print_result, watched
 @fold_option
 @mask_option
 @whole("--losses", default=0, help="Also what is left after so many failures.")
-@click.option(
-    "--region", help="lat:MIN:MAX or polygon:LAT,LON;LAT,LON;..., degrees; else everywhere."
-)
+@region_option
 @real("--duration-h", help="Hours from the epoch to look at, not all time.")
 @real("--days", help="Days to prove it for, along the satellites' paths.")
-@real("--start-day", default=0.0, help="Day after the epoch to begin at.")
+@start_day_option
 @motion_option
-@json_option
-def command(design: Path, as_json: bool, **options: Any) -> None:
+def command(**options: Any) -> object:
     """Prove continuous k-fold coverage, or refute it with a witness; no grid, no time steps.
 
     Exit status 0 proven, 1 refuted or undecided, 2 bad input.
     """
-    announce_compilation()
-    import compass
-
-    print_result(compass.fold(design, progress=watched(), **options), as_json)
+    return compass.fold(progress=watched(), **options)

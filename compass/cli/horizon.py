@@ -5,8 +5,9 @@ from typing import Any
 
 import click
 
-from compass.cli.options import choice, design_argument, json_option, path, real, whole
-from compass.cli.shared import announce_compilation, print_result, say, watched
+import compass
+from compass.cli.options import choice, design_argument, path, real, whole
+from compass.cli.shared import check_outputs, put, watched
 
 
 @click.command()
@@ -22,17 +23,9 @@ from compass.cli.shared import announce_compilation, print_result, say, watched
 @real("--above-m", default=0.0, help="Height of stations over the ground, m.")
 @whole("--azimuths", default=360, help="Steps all around.")
 @path("-o", "--output", help="Write the design with the horizons.")
-@json_option
-def command(output: Path | None, design: Path, as_json: bool, **options: Any) -> None:
+def command(output: Path | None, **options: Any) -> object:
     """Draw the horizon of every station from terrain, and write it into a design file."""
-    announce_compilation()
-    import compass
-    from compass.saving import check_writable
-
-    if output is not None:
-        check_writable(output)
-    found = compass.horizon(design, progress=watched(), **options)
-    print_result(found, as_json)
-    if output is not None:
-        found.write(output)
-        say(f"wrote {output}")
+    check_outputs(output)
+    found = compass.horizon(progress=watched(), **options)
+    put(found.write, output)
+    return found

@@ -5,12 +5,20 @@ from typing import Any
 
 import click
 
-from compass.cli.options import area_options, json_option, path, real, whole
-from compass.cli.shared import announce_compilation, command_line, print_result, say, watched
+import compass
+from compass.cli.options import (
+    area_options,
+    designs_argument,
+    path,
+    real,
+    start_day_option,
+    whole,
+)
+from compass.cli.shared import command_line, say, watched
 
 
 @click.command()
-@click.argument("designs", type=click.Path(path_type=Path), nargs=-1, required=True)
+@designs_argument
 @area_options
 @path("-s", "--scenario", required=True, help="Scenario file of the lander.")
 @whole("--samples", default=1024, help="Entries to judge on.")
@@ -29,15 +37,14 @@ from compass.cli.shared import announce_compilation, command_line, print_result,
 @whole("--runs", default=512, help="Filter runs of each.")
 @path("--rival", help="Find the best Walker delta of the first design's size, and write it there.")
 @real("--rival-radius-km", help="Its orbits' radius; the first design's if left out.")
-@real("--start-day", default=0.0, help="Day after the epochs on whose orbits to judge.")
+@start_day_option
 @path(
     "-o",
     "--report",
     "folder",
     help="Folder for an HTML page with maps and distributions; none is made if left out.",
 )
-@json_option
-def command(designs: tuple[Path, ...], folder: Path | None, as_json: bool, **options: Any) -> None:
+def command(designs: tuple[Path, ...], folder: Path | None, **options: Any) -> object:
     """Judge constellations as beacons of a lander: anywhere, along any azimuth, at any time.
 
     The lander of the scenario is flown to parachute deployment (its trigger of that name, or the
@@ -45,8 +52,6 @@ def command(designs: tuple[Path, ...], folder: Path | None, as_json: bool, **opt
     repeat period. Ranked by the 95th percentile of the Cramer-Rao bound of position there,
     blackout taken into account.
     """
-    announce_compilation()
-    import compass
     from compass.pages.page import check_page_folder
 
     if folder is not None:
@@ -57,4 +62,4 @@ def command(designs: tuple[Path, ...], folder: Path | None, as_json: bool, **opt
     if folder is not None:
         made = compass.report(found, output=folder, command=command_line(), progress=watched())
         say(f"report: {made.page}")
-    print_result(found, as_json)
+    return found

@@ -1,12 +1,19 @@
 """``compass keep``: station-keeping of a design, simulated."""
 
-from pathlib import Path
 from typing import Any
 
 import click
 
-from compass.cli.options import design_argument, fold_option, json_option, mask_option, real, whole
-from compass.cli.shared import announce_compilation, print_result, watched
+import compass
+from compass.cli.options import (
+    design_argument,
+    fold_option,
+    mask_option,
+    radii_option,
+    real,
+    whole,
+)
+from compass.cli.shared import watched
 
 
 @click.command()
@@ -21,19 +28,10 @@ from compass.cli.shared import announce_compilation, print_result, watched
 @real("--execution-error", help="Relative; else the design's, 0.01.")
 @real("--navigation-error-m", help="Along the track; else the design's, 1000.")
 @whole("--seed", default=0, help="Of the errors.")
-@click.option(
-    "--radius-km",
-    help="Also how long it lasts untouched at other radii: FIRST..LAST:STEP, or A,B,C, km.",
-)
-@json_option
-def command(design: Path, radius_km: str | None, as_json: bool, **options: Any) -> None:
+@radii_option
+def command(**options: Any) -> object:
     """Simulate impulsive station-keeping of every satellite of a DESIGN in its slot.
 
     Exit status 0 if all stay within the margin, 1 if not.
     """
-    announce_compilation()
-    import compass
-    from compass.api.radii import read_radii
-
-    radii = [] if radius_km is None else read_radii(radius_km)
-    print_result(compass.keep(design, radius_km=radii, progress=watched(), **options), as_json)
+    return compass.keep(progress=watched(), **options)

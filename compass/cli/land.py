@@ -1,61 +1,42 @@
 """``compass land``: how well a lander navigates on radio beacons."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
-from compass.cli.options import json_option, path, real
-from compass.cli.shared import announce_compilation, command_line, print_result, say, watched
+import compass
+from compass.cli.options import figures_option, path, real, scenario_argument, whole
+from compass.cli.shared import (
+    check_outputs,
+    command_line,
+    put,
+    put_pictures,
+    say,
+    watched,
+)
 
 
-@click.command("land")
-@click.argument("scenario", type=click.Path(path_type=Path))
+@click.command()
+@scenario_argument
 @path("-o", "--output", help="netCDF file to write.")
-@path("--figures", help="Folder to write the pictures (SVG, maps PNG) into.")
-@click.option("--runs", type=click.IntRange(1, 100_000), help="Monte Carlo runs, 1 to 100000.")
+@figures_option
+@whole("--runs", help="Monte Carlo runs.")
 @real(
     "--start-day",
     help="Day after the beacons' epoch at which entry begins; else the scenario's.",
 )
 @click.option("--strict", is_flag=True, help="Exit with 1 if a filter is inconsistent.")
-@json_option
-def command(
-    scenario: Path,
-    output: Path | None,
-    figures: Path | None,
-    runs: int | None,
-    start_day: float | None,
-    strict: bool,
-    as_json: bool,
-) -> None:
+def command(scenario: Path, output: Path | None, figures: Path | None, **options: Any) -> object:
     """Fly a SCENARIO and navigate it: trajectory, view, observability, bound and filter.
 
     A scenario with a table [fusion] is also flown with accelerometers and ranges in centralised
     and distributed filters, through plasma and faults if it has them.
     """
-    announce_compilation()
-    import compass
-    from compass.pictures.files import check_folder, write_pictures
-    from compass.saving import check_writable
-
-    if output:
-        check_writable(output, [scenario])
-    if figures:
-        check_folder(figures)
+    check_outputs(output, folders=[figures], inputs=[scenario])
     found = compass.land(
-        scenario,
-        runs=runs,
-        start_day=start_day,
-        strict=strict,
-        command=command_line(),
-        progress=watched(),
-        notice=say,
+        scenario, **options, command=command_line(), progress=watched(), notice=say
     )
-    if output:
-        found.write(output)
-        say(f"wrote {output}")
-    if figures:
-        pictures = found.pictures()
-        write_pictures(pictures, figures)
-        say(f"wrote {len(pictures)} pictures into {figures}")
-    print_result(found, as_json)
+    put(found.write, output)
+    put_pictures(found.pictures, figures)
+    return found

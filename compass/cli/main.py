@@ -23,12 +23,11 @@ import click
 from click.core import ParameterSource
 
 import compass
+from compass.allowed import RANGES
+from compass.cli.shared import CLAIM_FAILS, JSON, QUIET, announce_compilation, print_result
 from compass.errors import ArgumentError, CompassError
 
-DONE, CLAIM_FAILS, BAD_INPUT, BROKEN, INTERRUPTED = 0, 1, 2, 3, 130
-
-#: Where a command's context keeps whether it is to be quiet.
-QUIET = "compass.quiet"
+DONE, BAD_INPUT, BROKEN, INTERRUPTED = 0, 2, 3, 130
 
 
 class WholeNumber(click.types.IntParamType):
@@ -70,42 +69,50 @@ def _loaded(name: str) -> click.Command:
 
 
 def prepared(command: click.Command) -> click.Command:
-    """Return a file's command as the program has it: its numbers bounded, its refusals in words."""
+    """Return a file's command as the program has it: what it returns is printed.
+
+    Its numbers are bounded, their ranges shown, its refusals in words of the user; ``--json``
+    and ``--quiet`` are options of every command.
+    """
     loaded = copy(command)
-    loaded.params = [*(copy(parameter) for parameter in loaded.params), _quiet()]
+    loaded.params = [
+        *(copy(parameter) for parameter in loaded.params),
+        _flag(JSON, "--json", help="Print one JSON object on stdout and nothing else."),
+        _flag(QUIET, "-q", "--quiet", help="No progress, no messages; results and errors alone."),
+    ]
     for parameter in loaded.params:
         if parameter.type is click.INT:
             parameter.type = WholeNumber()
+        allowed = RANGES.get(f"{command.name}.{parameter.name}", RANGES.get(str(parameter.name)))
+        if isinstance(parameter, click.Option) and allowed is not None:
+            parameter.help = f"{parameter.help}  [{allowed}]"
     if loaded.callback is not None:
-        loaded.callback = _in_words_of_the_user(loaded.callback)
+        loaded.callback = _printed(loaded.callback)
     return loaded
 
 
-def _quiet() -> click.Option:
-    """Return the option by which a command keeps to itself what is no result; errors are said."""
+def _flag(key: str, *names: str, help: str) -> click.Option:
+    """Return an option that is kept in the command's context, for whoever prints or says."""
 
     def keep(context: click.Context, _parameter: click.Parameter, wanted: bool) -> None:
-        context.meta[QUIET] = wanted
+        context.meta[key] = wanted
 
-    return click.Option(
-        ["-q", "--quiet"],
-        is_flag=True,
-        expose_value=False,
-        callback=keep,
-        help="No progress and no messages; results and errors alone.",
-    )
+    return click.Option(names, is_flag=True, expose_value=False, callback=keep, help=help)
 
 
-def _in_words_of_the_user(callback: Callable[..., Any]) -> Callable[..., Any]:
-    """Let what a function says of its arguments name the option or the file that they are from."""
+def _printed(callback: Callable[..., Any]) -> Callable[..., None]:
+    """Print what a command returns, if anything; errors name the option or file they are about."""
 
     @functools.wraps(callback)
-    def call(*arguments: Any, **options: Any) -> Any:
+    def call(*arguments: Any, **options: Any) -> None:
+        announce_compilation()
         try:
-            return callback(*arguments, **options)
+            result = callback(*arguments, **options)
         except ArgumentError as error:
             said = in_words_of_the_user(str(error), click.get_current_context())
             raise ArgumentError(said) from error
+        if result is not None:
+            print_result(result)
 
     return call
 

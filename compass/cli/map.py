@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+import compass
 from compass.cli.options import (
     area_options,
     certified_options,
@@ -12,26 +13,25 @@ from compass.cli.options import (
     cluster_options,
     design_argument,
     fold_option,
-    json_option,
     mask_option,
     motion_option,
     path,
     real,
+    start_day_option,
     whole,
 )
 from compass.cli.shared import (
-    announce_compilation,
     check_drawn,
     check_outputs,
     command_line,
-    print_result,
-    say_written,
+    put,
     silence_the_cluster,
     watched,
 )
+from compass.errors import ArgumentError
 
 
-@click.command("map")
+@click.command()
 @design_argument
 @area_options
 @path("-o", "--output", help="netCDF file to write.")
@@ -43,18 +43,18 @@ from compass.cli.shared import (
     show_default=True,
     help="What the PNG map shows: gdop, error_horizontal_m, count_min, ...",
 )
-@real("--step-deg", default=1.0, help="Cell size, 0.05 to 90 degrees.")
+@real("--step-deg", default=1.0, help="Cell size.")
 @choice("--grid", among=["equal-angle", "equal-area"], default="equal-angle", help="Kind of cells.")
 @whole(
     "--epochs",
     default=109,
-    help="Epochs in the period, from 1; a prime number meets moments of symmetry least.",
+    help="Epochs in the period; a prime number meets moments of symmetry least.",
 )
 @mask_option
 @fold_option
 @real("--pdop-max", default=6.0, help="Largest PDOP that counts as available.")
 @motion_option
-@real("--start-day", default=0.0, help="Days after the epoch at which the period begins.")
+@start_day_option
 @real("--duration-h", help="Period to map, hours; by default until the ground tracks repeat.")
 @real(
     "--error-max-m",
@@ -71,25 +71,19 @@ from compass.cli.shared import (
 @whole("--workers", help="Threads of this machine; by default one a core.")
 @cluster_options
 @click.option("--time-series", is_flag=True, help="Also write every epoch's counts and DOPs.")
-@json_option
 def command(
     design: Path,
     output: Path | None,
     picture: Path | None,
     name: str,
     time_series: bool,
-    as_json: bool,
     **options: Any,
-) -> None:
+) -> object:
     """Count and DOP maps of a DESIGN over the sphere and one repeat period.
 
     A dilution of precision is infinite with fewer than four satellites in view; infinities
     count in every percentile (JSON: null) and against availability.
     """
-    announce_compilation()
-    import compass
-    from compass.errors import ArgumentError
-
     read = compass.read_design(design)
     if time_series and output is None:
         raise ArgumentError("--time-series: needs a file to write to; add -o FILE.nc")
@@ -98,9 +92,6 @@ def command(
     if options["scheduler"] is not None:
         silence_the_cluster()
     made = compass.map(read, **options, command=command_line(), progress=watched())
-    if output:
-        made.write(output, time_series=time_series, progress=watched())
-    if picture:
-        made.save_plot(picture, name)
-    print_result(made, as_json)
-    say_written(output, picture)
+    put(lambda file: made.write(file, time_series=time_series, progress=watched()), output)
+    put(lambda file: made.save_plot(file, name), picture)
+    return made

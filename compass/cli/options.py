@@ -37,18 +37,43 @@ def choice(
     return _option(names, click.Choice(among), help, default, more)
 
 
-design_argument = click.argument("design", type=click.Path(path_type=Path))
+_FILE = click.Path(path_type=Path)
+design_argument = click.argument("design", type=_FILE)
+designs_argument = click.argument("designs", nargs=-1, required=True, type=_FILE)
+scenario_argument = click.argument("scenario", type=_FILE)
+kind_argument = click.argument("kind", type=click.Choice(["design", "scenario", "study"]))
 
-json_option = click.option(
-    "--json", "as_json", is_flag=True, help="Print one JSON object on stdout and nothing else."
-)
-
+figures_option = path("--figures", help="Folder to write the pictures (SVG, maps PNG) into.")
 fold_option = whole("--fold", help="Satellites in view at once; else the design's.")
 mask_option = real("--mask-deg", help="Elevation mask, degrees; else the design's.")
 motion_option = choice(
     "--motion",
     among=("two-body", "j2", "numerical"),
     help="How the satellites move; else as the design says.",
+)
+region_option = click.option(
+    "--region", help="lat:MIN:MAX or polygon:LAT,LON;LAT,LON;..., degrees; else everywhere."
+)
+start_day_option = real("--start-day", default=0.0, help="Day after the epoch to begin at.")
+stations_option = click.option(
+    "--station",
+    "stations",
+    multiple=True,
+    metavar="NAME=LAT,LON[,MASK]",
+    help="A station beside the designs': planetocentric latitude, east longitude, mask; degrees.",
+)
+
+
+def _radii(_context: click.Context, _option: click.Parameter, text: str | None) -> Sequence[float]:
+    from compass.api.radii import read_radii
+
+    return () if text is None else read_radii(text)
+
+
+radii_option = click.option(
+    "--radius-km",
+    callback=_radii,
+    help="Also how long it lasts at other radii: FIRST..LAST:STEP, or A,B,C, km.",
 )
 
 

@@ -5,23 +5,20 @@ from typing import Any
 
 import click
 
-from compass.cli.options import choice, json_option, path, real, whole
-from compass.cli.shared import announce_compilation, command_line, print_result, say, watched
+import compass
+from compass.cli.options import choice, path, real, whole
+from compass.cli.shared import check_outputs, command_line, put, watched
 from compass.orbits.kinds import KIND_NAMES
 
 
-def _radius(text: str | None) -> float | tuple[float, float] | None:
+def _radius(_context: click.Context, _option: click.Parameter, text: str | None) -> object:
     """One radius, or the least and the greatest."""
-    if text is None:
-        return None
     try:
-        numbers = [float(part) for part in text.split(":")]
+        numbers = tuple(float(part) for part in text.split(":")) if text is not None else (None,)
     except ValueError:
-        numbers = []
-    if len(numbers) == 2:
-        return numbers[0], numbers[1]
-    if len(numbers) == 1:
-        return numbers[0]
+        numbers = ()
+    if len(numbers) in (1, 2):
+        return numbers if len(numbers) == 2 else numbers[0]
     raise click.BadParameter(f"{text!r} is not a number or LEAST:MOST, such as 9000:26000.")
 
 
@@ -43,7 +40,7 @@ def _radius(text: str | None) -> float | tuple[float, float] | None:
 @click.option(
     "--radius-km",
     metavar="R or LEAST:MOST",
-    callback=lambda _, __, text: _radius(text),
+    callback=_radius,
     help="Orbit radius from Mars's centre; of requirements also a range, nine radii of it.",
 )
 @real("--altitude-km", help="Orbit altitude over the equator.")
@@ -66,22 +63,14 @@ def _radius(text: str | None) -> float | tuple[float, float] | None:
 @real("--days", help="Days for which it must hold on real orbits that nobody steers, too.")
 @real("--budget-s", help="Seconds for each share of geometry wanted.")
 @path("-o", "--output", help="Write the best as a design.")
-@json_option
-def command(output: Path | None, as_json: bool, **options: Any) -> None:
+def command(output: Path | None, **options: Any) -> object:
     """Find the smallest pattern that meets requirements, or covers the whole sphere k-fold.
 
     Requirements are those of a file (--require), or --fold, --region and limits on geometry; size
     after size is tried. Ends with the sentence that says what to build. Exit status 1 if there is
     none.
     """
-    announce_compilation()
-    import compass
-    from compass.saving import check_writable
-
-    if output is not None:
-        check_writable(output)
+    check_outputs(output)
     found = compass.search(**options, progress=watched())
-    print_result(found, as_json)
-    if output is not None:
-        found.write(output, command=command_line())
-        say(f"wrote {output}")
+    put(lambda file: found.write(file, command=command_line()), output)
+    return found

@@ -5,26 +5,24 @@ from typing import Any
 
 import click
 
-from compass.cli.options import choice, fold_option, json_option, motion_option, path, real, whole
-from compass.cli.shared import (
-    announce_compilation,
-    check_drawn,
-    check_outputs,
-    command_line,
-    print_result,
-    say_written,
+import compass
+from compass.cli.options import (
+    choice,
+    designs_argument,
+    fold_option,
+    motion_option,
+    path,
+    real,
+    start_day_option,
+    stations_option,
+    whole,
 )
+from compass.cli.shared import check_drawn, check_outputs, command_line, put
 
 
-@click.command("series")
-@click.argument("designs", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option(
-    "--station",
-    "stations",
-    multiple=True,
-    metavar="NAME=LAT,LON[,MASK]",
-    help="A station beside the designs': planetocentric latitude, east longitude, mask; degrees.",
-)
+@click.command()
+@designs_argument
+@stations_option
 @click.option(
     "--beacon",
     "beacons",
@@ -46,11 +44,11 @@ from compass.cli.shared import (
     metavar="NAME=KM,E,INC,RAAN,ARGP,M",
     help="A user in orbit: semi-major axis, eccentricity, degrees at the epoch; needs a [signal].",
 )
-@real("--beam-deg", help="Half angle of the satellites' antennas, above 0 to 90 degrees.")
+@real("--beam-deg", help="Half angle of the satellites' antennas.")
 @fold_option
 @real("--mask-deg", help="Elevation mask, degrees; the higher of it and a station's own horizon.")
-@real("--days", default=10.0, help="Length of the span, above 0 to 1000 days.")
-@real("--start-day", default=0.0, help="Day after the epoch to begin at.")
+@real("--days", default=10.0, help="Length of the span.")
+@start_day_option
 @whole("--epochs", default=1009, help="Moments at which dilutions are looked at.")
 @motion_option
 @path("-o", "--output", help="Write counts and dilutions over time: .nc or .csv.")
@@ -74,34 +72,26 @@ from compass.cli.shared import (
     default="count",
     help="What the curve shows.",
 )
-@json_option
 def command(
     designs: tuple[Path, ...],
     output: Path | None,
     picture: Path | None,
     drawn: str,
-    as_json: bool,
     **options: Any,
-) -> None:
+) -> object:
     """Follow what users see over time: satellites in view, dilutions, gaps, errors in metres.
 
     Several DESIGNS are one network. Gaps are found by rise and set, dilutions at moments.
 
     Exit status 0 no gap, 1 a station has one, 2 bad input.
     """
-    announce_compilation()
-    import compass
     from compass.api.access_result import check_suffix
     from compass.api.series import SUFFIXES
 
-    if output:
-        check_suffix(output, SUFFIXES)
+    check_suffix(output, SUFFIXES)
     check_drawn(picture, "drawn")
     check_outputs(output, picture, inputs=designs)
     found = compass.series(*designs, **options)
-    if output:
-        found.write(output, command=command_line())
-    if picture:
-        found.save_plot(picture, drawn)
-    print_result(found, as_json)
-    say_written(output, picture)
+    put(lambda file: found.write(file, command=command_line()), output)
+    put(lambda file: found.save_plot(file, drawn), picture)
+    return found

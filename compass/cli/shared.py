@@ -1,20 +1,26 @@
-"""What every command shares: the design argument, ``--json``, tables and messages."""
+"""What commands share: how results are printed, files written, and messages said."""
 
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
 
-from compass.cli.main import CLAIM_FAILS, QUIET
 from compass.errors import ArgumentError
 from compass.saving import check_writable, readable
 
 if TYPE_CHECKING:
     from compass.api.results import Result
+    from compass.document import Picture
+
+#: Exit status of a result whose claim does not hold.
+CLAIM_FAILS = 1
+
+#: Where a command's context keeps whether it is to print JSON, and whether it is to be quiet.
+JSON, QUIET = "compass.json", "compass.quiet"
 
 
 def emit_json(result: dict[str, Any]) -> None:
@@ -24,14 +30,19 @@ def emit_json(result: dict[str, Any]) -> None:
     click.echo(json.dumps(plain(result), indent=2, allow_nan=False, ensure_ascii=False))
 
 
-def print_result(result: "Result", as_json: bool) -> None:
+def print_result(result: "Result") -> None:
     """Print a result as text or JSON; exit status 1 where its claim does not hold."""
-    if as_json:
+    if wants_json():
         emit_json(result.to_dict())
     else:
         click.echo(str(result))
     if not result.holds:
         raise click.exceptions.Exit(CLAIM_FAILS)
+
+
+def wants_json() -> bool:
+    """Whether JSON is to be printed."""
+    return bool(click.get_current_context().meta.get(JSON))
 
 
 def watched() -> bool:
@@ -46,7 +57,11 @@ def say(message: str) -> None:
         click.echo(message, err=True)
 
 
-def check_outputs(*outputs: Path | None, inputs: Sequence[Path]) -> None:
+def check_outputs(
+    *outputs: Path | None,
+    folders: Sequence[Path | None] = (),
+    inputs: Sequence[Path] = (),
+) -> None:
     """Refuse files to write before any work is spent on them; those that are None are not wanted.
 
     Raises
@@ -54,13 +69,18 @@ def check_outputs(*outputs: Path | None, inputs: Sequence[Path]) -> None:
     ArgumentError
         Two are the same.
     OutputError
-        As `compass.saving.check_writable`.
+        As `compass.saving.check_writable` and, of folders, `compass.pictures.files.check_folder`.
     """
     asked = [output for output in outputs if output is not None]
     for output in asked:
         if asked.count(output) > 1:
             raise ArgumentError(f"{output}: is two outputs at once; give another name")
         check_writable(output, inputs)
+    for folder in folders:
+        if folder is not None:
+            from compass.pictures.files import check_folder
+
+            check_folder(folder)
 
 
 def check_drawn(picture: Path | None, parameter: str) -> None:
@@ -79,11 +99,21 @@ def check_drawn(picture: Path | None, parameter: str) -> None:
         )
 
 
-def say_written(*outputs: Path | None) -> None:
-    """Say which files were written; those that are None were not wanted."""
-    for output in outputs:
-        if output is not None:
-            say(f"wrote {output}")
+def put(write: Callable[[Path], object], output: Path | None) -> None:
+    """Write a file or folder that is wanted, and say so; one that is None is not."""
+    if output is not None:
+        write(output)
+        say(f"wrote {readable(output)}")
+
+
+def put_pictures(draw: "Callable[[], tuple[Picture, ...]]", folder: Path | None) -> None:
+    """Draw pictures and write them into a folder that is wanted, and say so."""
+    if folder is not None:
+        from compass.pictures.files import write_pictures
+
+        pictures = draw()
+        write_pictures(pictures, folder)
+        say(f"wrote {len(pictures)} pictures into {folder}")
 
 
 def command_line() -> str:
@@ -98,29 +128,24 @@ def announce_compilation() -> None:
 
     Compiled kernels are kept on disk, so this happens on a first run only.
     """
-    from numba.core import event
-
-    from compass.core import kernel_cache
+    from compass.core.compiling import listeners
 
     wanted = watched()  # a thread that compiles knows no command
+    said = False
 
-    class Announcer(event.Listener):
-        said = False
+    def tell() -> None:
+        nonlocal said
+        from compass.core import kernel_cache
 
-        def on_start(self, event: object) -> None:
-            if wanted and not self.said:
-                self.said = True
-                if kernel_cache.is_lasting():
-                    say("first run: compiling kernels, up to a minute; later runs start at once")
-                else:
-                    say(f"compiling kernels, up to a minute: {kernel_cache.REMEDY}")
+        if wanted and not said:
+            said = True
+            if kernel_cache.is_lasting():
+                say("first run: compiling kernels, up to a minute; later runs start at once")
+            else:
+                say(f"compiling kernels, up to a minute: {kernel_cache.REMEDY}")
 
-        def on_end(self, event: object) -> None:
-            """Nothing is said when it is done."""
-
-    announcer = Announcer()
-    event.register("numba:compile", announcer)
-    click.get_current_context().call_on_close(lambda: event.unregister("numba:compile", announcer))
+    listeners.append(tell)
+    click.get_current_context().call_on_close(lambda: listeners.remove(tell))
 
 
 def silence_the_cluster() -> None:

@@ -4,15 +4,12 @@ from pathlib import Path
 
 import click
 
-from compass.cli.options import design_argument, json_option
-from compass.cli.shared import print_result
+import compass
+from compass.cli.options import design_argument
 
 
-@click.command("show")
+@click.command()
 @design_argument
-@json_option
-def command(design: Path, as_json: bool) -> None:
+def command(design: Path) -> object:
     """Analytic geometry of a DESIGN: caps, gaps, totals; published against exact."""
-    import compass
-
-    print_result(compass.show(design), as_json)
+    return compass.show(design)

@@ -2,14 +2,10 @@
 
 import click
 
-from compass.cli.options import json_option
-from compass.cli.shared import print_result
+import compass
 
 
 @click.command()
-@json_option
-def command(as_json: bool) -> None:
+def command() -> object:
     """Print the versions of compass and of what it runs on."""
-    import compass
-
-    print_result(compass.version(), as_json)
+    return compass.version()

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import click
 
-from compass.cli.options import design_argument, json_option, path
-from compass.cli.shared import announce_compilation, command_line, emit_json, say
+import compass
+from compass.cli.options import design_argument, path
+from compass.cli.shared import check_outputs, command_line, emit_json, say, wants_json
 
 
 @click.command()
@@ -18,29 +19,24 @@ from compass.cli.shared import announce_compilation, command_line, emit_json, sa
     default=None,
     help="Open it in a browser; by default where a person sits at the terminal.",
 )
-@json_option
-def command(design: Path, output: Path | None, opened: bool | None, as_json: bool) -> None:
+def command(design: Path, output: Path | None, opened: bool | None) -> None:
     """Show a DESIGN on a globe: one page, without a network, opened in a browser.
 
     Satellites move with a slider; every place shows how many it sees, or its GDOP.
     """
-    announce_compilation()
-    import compass
-    from compass.saving import check_writable
-
-    path = output or Path("views") / f"{design.stem}.html"
+    page = output or Path("views") / f"{design.stem}.html"
     read = compass.read_design(design)
     if output is None:
-        path.parent.mkdir(exist_ok=True)
-    check_writable(path, [design])
+        page.parent.mkdir(exist_ok=True)
+    check_outputs(page, inputs=[design])
     made = compass.view(read, command=command_line())
-    made.write(path)
-    if as_json:
-        emit_json({"page": str(path), **made.to_dict()})
+    made.write(page)
+    if wants_json():
+        emit_json({"page": str(page), **made.to_dict()})
     else:
-        click.echo(path)
+        click.echo(page)
     if opened or (opened is None and sys.stdout.isatty()):
         import webbrowser
 
-        if not webbrowser.open(path.absolute().as_uri()):
-            say(f"no browser was found; open {path} in one")
+        if not webbrowser.open(page.absolute().as_uri()):
+            say(f"no browser was found; open {page} in one")

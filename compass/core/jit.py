@@ -4,11 +4,27 @@ from collections.abc import Callable
 from typing import Any
 
 from numba import config, njit, typeof, types
+from numba.core import event
 
+from compass.core.compiling import listeners
 from compass.core.kernel_cache import KernelCache
 
 # Everything of fastmath but `nnan` and `ninf`: kernels test for nan and inf.
 FASTMATH = {"contract", "reassoc", "nsz", "arcp", "afn"}
+
+
+class _Teller(event.Listener):
+    """Tells who wants to know that a kernel is about to be compiled."""
+
+    def on_start(self, event: object) -> None:
+        for tell in tuple(listeners):
+            tell()
+
+    def on_end(self, event: object) -> None:
+        """Nothing is said when it is done."""
+
+
+event.register("numba:compile", _Teller())
 
 
 def compile_for_types_alone(compiled: Any) -> None:

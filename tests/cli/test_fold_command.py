@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from compass.cli.fold import command
+from compass.cli.main import program
 from compass.errors import CompassError
 
 DESIGN = """
@@ -53,7 +53,7 @@ def design(tmp_path):
 
 
 def run(*arguments):
-    return CliRunner().invoke(command, [str(a) for a in arguments])
+    return CliRunner().invoke(program, ["fold", *(str(a) for a in arguments)])
 
 
 def test_proven_is_0_and_the_json_is_complete(design):
@@ -159,12 +159,12 @@ def test_an_undecided_claim_names_what_is_left(design, monkeypatch):
     ("arguments", "message"),
     [
         (["--fold", "0"], "fold = 0"),
-        (["--mask-deg", "95"], "mask_deg = 95"),
-        (["--mask-deg", "nan"], "mask_deg = nan"),
+        (["--mask-deg", "95"], "--mask-deg = 95"),
+        (["--mask-deg", "nan"], "--mask-deg = nan"),
         (["--losses", "-1"], "losses = -1"),
         (["--losses", "7"], "losses = 7"),
         (["--region", "moon"], "region = moon"),
-        (["--duration-h", "0"], "duration_h = 0"),
+        (["--duration-h", "0"], "--duration-h = 0"),
     ],
 )
 def test_bad_options(design, arguments, message):

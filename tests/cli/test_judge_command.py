@@ -131,7 +131,10 @@ def test_rival_is_written_and_ranked(run, files):
         (["2.toml", "-s", "nowhere.toml"], "nowhere.toml"),
         (["2.toml", "-s", "2.toml"], "2.toml: is a design, not a scenario of landing"),
         (["2.toml", "-s", "lander.toml", "--samples", "0"], "samples = 0: allowed 1 to"),
-        (["2.toml", "-s", "lander.toml", "--goal-m", "nan"], "--goal-m = nan: must be a finite number"),
+        (
+            ["2.toml", "-s", "lander.toml", "--goal-m", "nan"],
+            "--goal-m = nan: must be a finite number",
+        ),
         (["2.toml", "-s", "lander.toml", "--goal-m", "inf"], "must be a finite number"),
         (["2.toml", "-s", "lander.toml", "--seed", "-1"], "seed = -1: allowed 0 to"),
         (["2.toml", "-s", "lander.toml", "--runs", "1000000000"], "allowed 1 to 100000"),

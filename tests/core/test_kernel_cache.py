@@ -12,8 +12,7 @@ from types import SimpleNamespace
 import pytest
 from numba import config
 
-from compass.cli.main import QUIET
-from compass.cli.shared import announce_compilation
+from compass.cli.shared import QUIET, announce_compilation
 from compass.core import kernel_cache
 from compass.core.kernel_cache import KernelCache, Turn
 
@@ -38,7 +37,7 @@ def package(tmp_path):
     """A package of a kernel, one it is compiled into, and another; and a caller of them."""
     core = tmp_path / "site" / "compass" / "core"
     core.mkdir(parents=True)
-    for name in ("jit.py", "kernel_cache.py", "__init__.py"):
+    for name in ("jit.py", "kernel_cache.py", "compiling.py", "__init__.py"):
         shutil.copy(kernel_cache.SOURCES / name, core)
     (core.parent / "__init__.py").touch()
     (core / "outer.py").write_text(OUTER)
