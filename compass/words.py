@@ -2,6 +2,7 @@
 
 from numbers import Integral
 
+
 def counted(number: float, noun: str) -> str:
     """A number and its noun, of many where it is not one: ``1 satellite, 2 satellites``.
 

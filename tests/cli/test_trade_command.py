@@ -132,7 +132,7 @@ def test_a_large_pool_is_offered_by_default(study, run, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--workers", 0], "--workers = 0: must be a whole number from 1 to 1024"),
+        (["--workers", 0], "--workers = 0: allowed 1 to 1024"),
         (["--workers", 1, "--scheduler", "tcp://a:1"], "--workers and --scheduler: not both"),
         (
             ["--tls-ca", "a.pem"],

@@ -93,7 +93,7 @@ def test_ties_go_to_fewer_satellites(scenario, quick, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"goal": 0.0}, "goal_m = 0: must be positive"),
+        ({"goal": 0.0}, "goal_m = 0: allowed above 0"),
         ({"finalists": -1}, "finalists = -1"),
         ({"runs": 0}, "runs = 0"),
         ({"samples": 0}, "samples = 0"),
