@@ -91,7 +91,7 @@ def test_orbits_and_sites_take_a_figures_name_too():
             lambda: compass.Requirement.of("r", edop_at_most=3),
             "edop_at_most: unknown; allowed pdop",
         ),
-        (lambda: compass.Requirement.of("r", pdop_at_most=0.5), "pdop_at_most = 0.5: allowed from"),
+        (lambda: compass.Requirement.of("r", pdop_at_most=0.5), "pdop_at_most = 0.5: allowed 1 to"),
         (lambda: compass.Requirement.of("r", fold=4, share=97), "share = 97: allowed above 0 to 1"),
     ],
 )
