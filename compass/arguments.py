@@ -1,8 +1,8 @@
 """What public functions are given: of the kinds their signatures name, or refused in a sentence."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
-from inspect import Parameter, signature
+from inspect import Parameter, Signature, signature
 from numbers import Real
 from os import PathLike
 from pathlib import Path
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compass.allowed import RANGES, check_allowed
-from compass.errors import ArgumentError, real_number, whole_number
+from compass.errors import ArgumentError, near, real_number, whole_number
 
 Given = ParamSpec("Given")
 Returned = TypeVar("Returned")
@@ -49,8 +49,8 @@ def checked(function: Callable[Given, Returned]) -> Callable[Given, Returned]:
     def call(*args: Given.args, **kwargs: Given.kwargs) -> Returned:
         try:
             given = wanted.bind(*args, **kwargs)
-        except TypeError:
-            return function(*args, **kwargs)  # which says itself what is missing or unknown
+        except TypeError as error:
+            raise TypeError(_unfitting(wanted, len(args), kwargs, str(error))) from None
         for name, value in given.arguments.items():
             parameter = wanted.parameters[name]
             hint = parameter.annotation
@@ -64,6 +64,34 @@ def checked(function: Callable[Given, Returned]) -> Callable[Given, Returned]:
         return function(*given.args, **given.kwargs)
 
     return call
+
+
+def _unfitting(wanted: Signature, positional: int, given: Iterable[str], otherwise: str) -> str:
+    """Say which name is unknown and which was meant, or what must be named; else as Python."""
+    parameters = wanted.parameters
+    by_place = [
+        name
+        for name, parameter in parameters.items()
+        if parameter.kind is Parameter.POSITIONAL_OR_KEYWORD and name not in ("self", "cls")
+    ]
+    for name in given:
+        if name not in parameters:
+            meant = [known for known in parameters if known.startswith(f"{name}_")]
+            meant = meant or near(name, parameters)
+            told = f"did you mean {' or '.join(meant)}" if meant else f"allowed {_all(parameters)}"
+            return f"{name}: unknown argument; {told}?" if meant else f"{name}: unknown; {told}"
+    if "too many positional" in otherwise:
+        positional -= len({"self", "cls"} & parameters.keys())
+        others = _all(name for name in parameters if name not in by_place)
+        return (
+            f"{positional} arguments by position: allowed {_all(by_place) or 'none'}; "
+            f"give the others by name: {others}"
+        )
+    return otherwise
+
+
+def _all(names: Iterable[str]) -> str:
+    return ", ".join(name for name in names if name not in ("self", "cls"))
 
 
 def _taken(name: str, value: Any, hint: Any) -> Any:

@@ -5,6 +5,7 @@ import json
 import pkgutil
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -56,6 +57,38 @@ def loaded(designs, code):
 )
 def test_only_what_is_needed_is_loaded(designs, code, allowed):
     assert loaded(designs, code) <= allowed
+
+
+def bound(statements):
+    """Public names that statements at the top of a file bind."""
+    for statement in statements:
+        if isinstance(statement, ast.ImportFrom | ast.Import):
+            names = (each.asname or each.name for each in statement.names)
+        elif isinstance(statement, ast.FunctionDef | ast.ClassDef):
+            names = (statement.name,)
+        elif isinstance(statement, ast.Assign | ast.AnnAssign):
+            targets = getattr(statement, "targets", None) or [statement.target]
+            names = (each.id for each in targets if isinstance(each, ast.Name))
+        else:
+            continue
+        yield from (name for name in names if not name.startswith("_"))
+
+
+@pytest.mark.parametrize(
+    "package",
+    sorted(Path(compass.__file__).parent.rglob("__init__.py"))[1:],
+    ids=lambda file: file.parent.name,
+)
+def test_a_package_that_gives_names_lists_them(package):
+    """Most give none: their modules are asked themselves."""
+    given = set(bound(ast.parse(package.read_text()).body))
+    parts = package.relative_to(Path(compass.__file__).parent.parent).parent.parts
+    module = import_module(".".join(parts))
+    listed = list(getattr(module, "__all__", ()))
+    assert len(set(listed)) == len(listed)
+    assert bool(listed) == bool(given), "names without __all__"
+    for name in listed:
+        assert getattr(module, name) is not None
 
 
 @pytest.mark.slow

@@ -228,8 +228,30 @@ def test_what_fits_comes_as_pythons_own():
         told(1, 2, [1])
     with pytest.raises(ArgumentError, match="unit = 5: must be a text"):
         told(1, 2, (1, 2), unit=5)
-    with pytest.raises(TypeError, match=r"told\(\) missing 2 required"):
+    with pytest.raises(TypeError, match="missing a required argument: 'count'"):
         told(1)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (
+            lambda: compass.walker_delta(15, 5, 1, inclination=45, radius_km=20427),
+            "^inclination: unknown argument; did you mean inclination_deg",
+        ),
+        (lambda: compass.fold(DESIGN, mask=5), "^mask: unknown argument; did you mean mask_deg"),
+        (lambda: compass.map(DESIGN, radius_km=5), "^radius_km: unknown; allowed design, sites,"),
+        (
+            lambda: compass.walker_delta(15, 5, 1, 45, 20427),
+            "^5 arguments by position: allowed satellites, planes, phasing; give the others by "
+            "name: inclination_deg, radius_km",
+        ),
+        (lambda: compass.Site.of("x", 1, 2), "^3 arguments by position: allowed name; give"),
+    ],
+)
+def test_an_unknown_name_is_answered_with_the_one_that_was_meant(call, said):
+    with pytest.raises(TypeError, match=said):
+        call()
 
 
 def test_a_choice_says_what_is_allowed():
