@@ -97,7 +97,8 @@ def drift_of(
     if lasting is None:
         lasting = prove_span(path, fold, **place, start=start, stop=stop)
     step = step_days or max(1.0, float(np.ceil(days / MOMENTS)))
-    times = np.append(np.arange(start, stop - 1.0, step * SECONDS_PER_DAY), stop)
+    slack = min(1.0, 0.5 * (stop - start))  # no moment just before the last
+    times = np.append(np.arange(start, stop - slack, step * SECONDS_PER_DAY), stop)
     first = min(start + SECONDS_PER_DAY, stop)
     spans = [(start, first), *pairwise(times.tolist())]
     lost = stop if lasting.lost_at is None else lasting.lost_at

@@ -146,6 +146,12 @@ def test_drift_refuses(file, options, message):
         compass.drift(file, **options)
 
 
+def test_a_span_of_less_than_a_second_has_two_moments(file):
+    found = compass.drift(file, days=1e-7)
+    assert found.drift.times.tolist() == [0.0, 1e-7 * 86400.0]
+    assert str(found).startswith("five: PROVEN")
+
+
 def test_a_trim_needs_forces_and_a_sweep_one_axis(file):
     design = read_design_text(FIVE.format(model="j2"))
     with pytest.raises(ArgumentError, match="has no forces to trim for"):
