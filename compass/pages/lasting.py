@@ -4,6 +4,7 @@ from math import floor
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.api.outlook import Outlook, commands
 from compass.api.promises import promise_table
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
 
 TITLE = "How long it lasts"
 DAYS_PER_YEAR = 365.25
+
+#: A step from one moment to the next that may be a leap to another fit, degrees.
+LEAP = 5.0
 
 
 def lasting_verdicts(design: Design, found: Outlook) -> tuple[Verdict, ...]:
@@ -211,6 +215,8 @@ def _slot_picture(found: Outlook) -> Picture:
     drift = found.drift
     assert drift is not None
     along, across = np.array(drift["in_track_deg"]), np.array(drift["cross_track_deg"])
+    last = until_leap(along, across)
+    along, across = along[: last + 1], across[: last + 1]
     with look():
         figure = new_figure(*HALF)
         axes = figure.add_subplot()
@@ -228,9 +234,22 @@ def _slot_picture(found: Outlook) -> Picture:
         figure,
         "lasting-slots",
         "Drift in the slots",
-        f"From the epoch to day {drift['days'][-1]:.4g} (dots), the pattern turned and advanced as "
-        "a whole where it fits best; the grey oval is how far one satellite may leave its slot.",
+        f"From the epoch to day {drift['days'][last]:.4g} (dots), the pattern turned and advanced "
+        "as a whole where it fits best; the grey oval is how far one satellite may leave its slot."
+        + ("" if last == len(drift["days"]) - 1 else " Later on it fits best elsewhere."),
     )
+
+
+def until_leap(along: NDArray[np.float64], across: NDArray[np.float64]) -> int:
+    """Last moment before the best fit of a pattern leaps, of places in degrees, shape (t, n).
+
+    Far out of their slots satellites fit two turns of the pattern alike: from one moment to the
+    next all of them seem to move by much more than before.
+    """
+    steps = np.hypot(np.diff(along, axis=0), np.diff(across, axis=0)).max(axis=1, initial=0.0)
+    before = np.maximum.accumulate(np.append(0.0, steps[:-1]))
+    leaps = np.flatnonzero((steps > LEAP) & (steps > 4.0 * before))
+    return int(leaps[0]) if leaps.size else len(along) - 1
 
 
 def _slot_rim(axes: "Axes", sideways: float | None) -> None:

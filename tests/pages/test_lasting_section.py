@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import compass
@@ -21,6 +22,7 @@ from compass.pages.lasting import (
     lasting_answers,
     lasting_section,
     lasting_verdicts,
+    until_leap,
 )
 
 PLAIN = 'gravity_degree = 3\nsun = false\nmoons = false\nradiation_m2_kg = 0\nshadow = "none"\n'
@@ -77,6 +79,17 @@ def near(monkeypatch):
 
 def words(section):
     return " ".join(f"{b.word} {b.claim}" for b in section.blocks if hasattr(b, "claim"))
+
+
+def test_places_in_slots_are_drawn_up_to_a_leap_of_the_best_fit():
+    """A drift that grows by a degree a day is none, forty degrees at once are."""
+    smooth = np.column_stack([np.arange(30.0) ** 2 / 4, -(np.arange(30.0) ** 2) / 5])
+    across = np.zeros_like(smooth)
+    assert until_leap(smooth, across) == 29
+    leaping = smooth.copy()
+    leaping[21:] += 60.0
+    assert until_leap(leaping, across) == 20
+    assert until_leap(smooth[:1], across[:1]) == 0
 
 
 @pytest.mark.slow
