@@ -5,16 +5,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compass.design import Radio
+from compass.entry.atmosphere import Atmosphere
 from compass.entry.beacons import Beacons
 from compass.entry.covariance import axes_covariance, linear_covariance, noise_roots
+from compass.entry.instruments import Features, Instrument
 from compass.entry.layout import Layout, Part, block
+from compass.entry.link import Link
+from compass.entry.mars_air import PROFILE, WINDS
 from compass.entry.model import EntryModel
 from compass.entry.navigation import ideal_measurements
-from compass.entry.schedule import Measurements
+from compass.entry.radio import WAKE
+from compass.entry.schedule import Measurements, in_view
 from compass.entry.trajectory import fly
 from compass.entry.views import cartesian_of, spherical_jacobian, spherical_of
 from compass.errors import ArgumentError
 from compass.papers import yu2018_filter as spherical
+from compass.ranging import Receiver
 
 PRIOR = axes_covariance(1000.0, 0.5)
 
@@ -135,6 +142,76 @@ def test_on_a_turning_planet_turns_about_the_pole_change_nothing(
         for f, b in ((flight, beacons), (other, moved))
     )
     np.testing.assert_allclose(one, two, rtol=1e-7)
+
+
+@pytest.mark.parametrize("about_the_pole", [False, True])
+@pytest.mark.parametrize("seed", range(2))
+def test_turning_all_sensors_and_airs_turns_the_answer(
+    world, table5, orbiter_beacons, about_the_pole, seed
+):
+    """Link, both ways, height, velocity, sight; clock, axes, bias, wandering air in a table.
+
+    Winds, zonals and spin know the pole, and leave turns about it.
+    """
+    rng, table = np.random.default_rng(100 + seed), np.array(PROFILE).T
+    radius = world().planet_radius
+    air = Atmosphere(
+        2e-4, 3437.2e3, 7500.0, tuple(radius + 1e3 * table[0]), tuple(table[1]),
+        winds=tuple((radius + 1e3 * km, east, north) for km, east, north in WINDS)
+        if about_the_pole else (),
+    )  # fmt: skip
+    model = replace(
+        world("full" if about_the_pole else "none", bank_times=(0.0, 70.5), bank_angles=(1, -0.6)),
+        atmosphere=air, j2=1.96e-3 * about_the_pole,
+    )  # fmt: skip
+    if about_the_pole:
+        c, s = np.cos(2.0 + seed), np.sin(2.0 + seed)
+        rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    else:
+        rotation, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+        rotation *= np.sign(np.linalg.det(rotation))
+    beacons = orbiter_beacons(model.omega)
+    flight = fly(model, table5, beacons.times)
+    low = flight.path[[150, 220], :3] / np.linalg.norm(flight.path[[150, 220], :3], axis=1)[:, None]
+    lat, lon = np.arcsin(low[:, 2]), np.arctan2(low[:, 1], low[:, 0])
+    sights = Features(("rim", "peak"), tuple(lat), tuple(lon), (0.0, 500.0))
+    radio = Radio(("satellite", "station"), 4e8, 10.0, -25.0, 25.0)
+    receiver = Receiver(chip=300.0, spacing=0.5)
+    instruments = (
+        Instrument("two_way_range", 5.0), Instrument("two_way_rate", 0.01),
+        Instrument("altimeter", 10.0, 0.01, 40e3), Instrument("velocimeter", 0.2, 0.002, 40e3),
+        Instrument("features", 1e-3, below=80e3),
+    )  # fmt: skip
+    parts = (
+        Part("air", (0.05,), scales=(8.2e3, 3e5)), Part("lift", (0.01,)), Part("clock", (3e4, 0.3)),
+        Part("bias", (3.0,), considered=True), Part("attitude", (1e-3,) * 3),
+    )  # fmt: skip
+    layout, found = Layout(parts, 3), []
+    other, moved = turned(rotation, flight, beacons, model, cartesian_of(table5))
+    for f, b, turn in ((flight, beacons, np.eye(3)), (other, moved, rotation)):
+        measurements = Measurements(
+            10.0, 0.1, 3.0, instruments=instruments, features=sights.moved(radius, turn),
+            link=Link(radio, receiver, np.radians(120.0), electrons=WAKE, thickness=1.0),
+        )  # fmt: skip
+        seen = measurements.reaching(in_view(b, f.states, radius), b, f.path, model)
+        taken = measurements.taken(seen, b.times)
+        _, variances, _ = measurements.heard(b, taken, f.path, model)
+        bound = linear_covariance(
+            model, f.path, b, taken, measurements, PRIOR, np.array([1, 0, 0, 1e-4, 0, 0]), layout
+        )
+        found.append((seen, np.isfinite(variances), bound))
+    (seen, heard, one), (seen_too, heard_too, two) = found
+    assert seen.any() and heard[:, -1].any() and heard[:, 3:5].any()
+    np.testing.assert_array_equal(seen, seen_too)
+    np.testing.assert_array_equal(heard, heard_too)
+    whole = np.eye(layout.size)
+    whole[:3, :3] = whole[3:6, 3:6] = rotation
+    at = layout.place("attitude")
+    whole[at : at + 3, at : at + 3] = rotation
+    back = np.swapaxes(whole.T @ two.covariance @ whole, 1, 2)
+    size = np.sqrt(np.einsum("tii->ti", one.covariance))
+    scale = size[:, :, None] * size[:, None, :]
+    np.testing.assert_allclose(back / scale, one.covariance / scale, rtol=0, atol=1e-5)
 
 
 def test_process_noise_and_fewer_measurements_loosen_the_bound(case):
