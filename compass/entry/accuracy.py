@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.entry.filter import covariance_run
+from compass.core.entry.filter import PLAIN, covariance_run
 from compass.core.entry.rates import acceleration, through_air, wind_gradient
 from compass.entry.covariance import LONGEST_STEP, Bound, noise_roots
 from compass.entry.layout import Layout
@@ -236,6 +236,7 @@ def _unmeasured(
         np.empty((times.size, 0, 0)),
         np.empty(0, dtype=np.int64),
         layout.numbers(),
+        PLAIN,
         out,
     )
     return out[-1]

@@ -161,6 +161,7 @@ def assess(
         settings.covariance0,
         settings.noise,
         layout,
+        square_root=settings.method == "square-root",
     )
     runs_made = run_monte_carlo(
         model, flight, beacons, taken, measurements, settings, runs=runs, seed=seed

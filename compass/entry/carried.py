@@ -52,6 +52,8 @@ class CarriedFilter:
         sources, variances, kinds = self.measurements.heard(
             self.beacons, self.taken, path, self.planned.model
         )
+        # what is carried as a root is the covariance here
+        method = "plain" if self.settings.method == "square-root" else self.settings.method
         return Carried(
             np.array(self.beacons.times, dtype=float),
             layout.covariance(np.asarray(self.settings.covariance0, dtype=float)),
@@ -62,7 +64,7 @@ class CarriedFilter:
             kinds,
             layout.numbers(),
             self.settings.iterations,
-            METHODS[self.settings.method],
+            METHODS[method],
         )
 
     def drawn(self, starts: Array, seed: int) -> tuple[Array, Array]:

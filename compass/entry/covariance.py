@@ -66,6 +66,8 @@ def linear_covariance(
     covariance0: ArrayLike,
     noise: ArrayLike = 0.0,
     layout: Layout | None = None,
+    *,
+    square_root: bool = False,
 ) -> Bound:
     """Posterior covariance with prior and process noise, along a flight.
 
@@ -87,12 +89,15 @@ def linear_covariance(
         Process noise variance per second of the six spherical numbers, scalar or (6,).
     layout
         Further blocks; none if left out.
+    square_root
+        Carry a root of the covariance, where measurements are a million times better than the
+        prior.
 
     References
     ----------
     Tichavsky, Muravchik and Nehorai 1998, IEEE Trans. Signal Process. 46:1386, eq. 21.
     """
-    from compass.core.entry.filter import covariance_run
+    from compass.core.entry.filter import PLAIN, ROOTED, covariance_run
 
     flown = np.ascontiguousarray(path, dtype=float)
     blocks = layout or Layout(beacons=beacons.size)
@@ -108,6 +113,7 @@ def linear_covariance(
         *blocks.steps(flown),
         *measurements.heard(beacons, taken, flown, model),
         blocks.numbers(),
+        ROOTED if square_root else PLAIN,
         out,
     )
     return Bound(out)

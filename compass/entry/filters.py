@@ -6,17 +6,18 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.filter import PLAIN, RELINEARISED, UNSCENTED
+from compass.core.entry.filter import PLAIN, RELINEARISED, ROOTED, UNSCENTED
 from compass.entry.layout import Layout, Part
 from compass.errors import ArgumentError
 
-Method = Literal["plain", "unscented", "relinearised"]
+Method = Literal["plain", "unscented", "relinearised", "square-root"]
 
 #: Numbers by which the kernels know the methods.
 METHODS: dict[Method, int] = {
     "plain": PLAIN,
     "unscented": UNSCENTED,
     "relinearised": RELINEARISED,
+    "square-root": ROOTED,
 }
 
 
@@ -36,7 +37,8 @@ class Filter:
         Further blocks, estimated or considered.
     method
         ``plain``: extended; ``unscented``: moved on through spread points; ``relinearised``: looks
-        back when density or L/D is known twice as well; see `compass.core.entry.filter`.
+        back when density or L/D is known twice as well; ``square-root``: extended, with a root of
+        its covariance in its stead; see `compass.core.entry.filter`.
     """
 
     covariance0: NDArray[np.float64]

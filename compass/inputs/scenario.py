@@ -60,6 +60,7 @@ _METHODS: dict[str, Method] = {
     "iterated-ekf": "plain",
     "relinearised-ekf": "relinearised",
     "unscented": "unscented",
+    "square-root-ekf": "square-root",
 }
 
 #: Cosine of a latitude below which sigmas of longitude and heading say nothing.
@@ -433,7 +434,7 @@ def _filter(table: FilterTable, state: NDArray[np.float64], planet_radius: float
     return Filter(
         covariance,
         np.array(table.process_noise_si or [0.0] * 6),
-        table.iterations if table.kind == "iterated-ekf" else 1,
+        table.iterations if table.kind in ("iterated-ekf", "square-root-ekf") else 1,
         _parts(table, state, planet_radius),
         _METHODS[table.kind],
     )

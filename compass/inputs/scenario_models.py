@@ -268,13 +268,17 @@ class AttitudeTable(Table):
     considered: Considered = False
 
 
+FilterKind = Literal["ekf", "iterated-ekf", "relinearised-ekf", "unscented", "square-root-ekf"]
+
+
 class FilterTable(Table):
     """The navigation filter: first uncertainty per Cartesian axis, or of each state."""
 
-    kind: Literal["ekf", "iterated-ekf", "relinearised-ekf", "unscented"] = Field(
+    kind: FilterKind = Field(
         "ekf",
         description="which filter: extended; iterated at each update; extended, that hears all "
-        "again once density or L/D is known twice as well; through spread points",
+        "again once density or L/D is known twice as well; through spread points; iterated, "
+        "with a root in place of its covariance, for ranges far better than the first state",
     )
     iterations: int = Field(5, ge=2, le=100, description="most passes of the iterated filter")
     position_sigma_m: Positive | None = Field(None, description="one sigma a Cartesian axis, m")

@@ -1,10 +1,15 @@
 """Linear covariance: against a batch, another program in other coordinates, and turned about."""
 
 from dataclasses import replace
+from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
 
+from compass.core.entry.flow import advance_transition
+from compass.core.entry.kinds import RANGE
+from compass.core.entry.measure import PLACES, measured
+from compass.core.entry.rates import LIFT
 from compass.design import Radio
 from compass.entry.atmosphere import Atmosphere
 from compass.entry.beacons import Beacons
@@ -212,6 +217,73 @@ def test_turning_all_sensors_and_airs_turns_the_answer(
     size = np.sqrt(np.einsum("tii->ti", one.covariance))
     scale = size[:, :, None] * size[:, None, :]
     np.testing.assert_allclose(back / scale, one.covariance / scale, rtol=0, atol=1e-5)
+
+
+def exact_run(path, prior, p, bank, times, sources, variance):
+    """The recursion of ranges alone in decimals of 60 digits, (6, 6)."""
+    exact = np.vectorize(Decimal, otypes=[object])
+    covariance, phi, state = exact(prior), np.empty((6, 8)), np.empty(6)
+    with localcontext() as context:
+        context.prec = 60
+        for t in range(times.size):
+            if t > 0:
+                advance_transition(
+                    path[t - 1], 0.0, p[LIFT], p, bank, times[t - 1], times[t], 1.0, state, phi
+                )
+                move = exact(phi[:, :6])
+                covariance = move @ covariance @ move.T
+            for source in sources[t]:
+                row = np.zeros(6)
+                measured(RANGE, path[t], source, 0, np.full(PLACES, -1), row)
+                gain = covariance @ exact(row)
+                covariance = covariance - np.outer(gain, gain) / (exact(row) @ gain + variance)
+    return covariance.astype(float)
+
+
+@pytest.mark.parametrize(("prior", "sigma"), [(1e3, 50.0), (1e6, 0.01), (1e8, 0.001)])
+def test_a_root_bears_ranges_of_a_millimetre(case, prior, sigma):
+    """Against 60 digits; the covariance itself is lost where eleven orders lie between."""
+    model, flight, beacons, every = case
+    first = axes_covariance(prior, 1e-3 * prior)
+    short, measurements = slice(0, 30), Measurements(sigma)
+    some = Beacons(
+        beacons.names, beacons.times[short], beacons.r[short], beacons.v[short], beacons.moving
+    )
+    path = np.ascontiguousarray(flight.path[short])
+    exact = exact_run(
+        path, first, model.flight_parameters(), model.vehicle.bank_schedule(), some.times,
+        some.states, Decimal(sigma) ** 2,
+    )  # fmt: skip
+    size = np.sqrt(np.diag(exact))
+    plain, root = (
+        linear_covariance(
+            model, path, some, every[short], measurements, first, square_root=square_root
+        ).covariance[-1]
+        for square_root in (False, True)
+    )
+    # fine measurements take finer steps of the flow, which moves the covariance by 1e-6
+    np.testing.assert_allclose(root / np.outer(size, size), exact / np.outer(size, size), atol=1e-4)
+    if prior > 1e7:
+        off = np.abs(plain - exact) / np.outer(size, size)
+        assert not off.max() < 0.1
+
+
+def test_a_root_considers_what_a_covariance_considers(case):
+    """All blocks, a wandering density and process noise."""
+    model, flight, beacons, every = case
+    parts = (
+        Part("air", (0.05,), scales=(8.2e3, 3e5)), Part("lift", (0.01,), considered=True),
+        Part("clock", (3e4, 0.3)), Part("bias", (3.0,), considered=True),
+    )  # fmt: skip
+    noise = np.array([1.0, 0, 0, 1e-4, 0, 0])
+    given = model, flight.path, beacons, every, Measurements(50.0, 0.1), PRIOR, noise
+    plain, root = (
+        linear_covariance(*given, Layout(parts, 3), square_root=square_root).covariance
+        for square_root in (False, True)
+    )
+    size = np.sqrt(np.einsum("tii->ti", plain))
+    scale = size[:, :, None] * size[:, None, :]
+    np.testing.assert_allclose(root / scale, plain / scale, rtol=0, atol=1e-7)
 
 
 def test_process_noise_and_fewer_measurements_loosen_the_bound(case):

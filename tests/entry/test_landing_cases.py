@@ -216,11 +216,12 @@ def test_one_run_says_what_many_runs_find(seed):
     assert np.abs(ratio - 1).max() < 0.25
 
 
-def test_ranges_of_a_centimetre_are_borne():
+@pytest.mark.parametrize("kind", ["iterated-ekf", "square-root-ekf"])
+def test_ranges_of_a_centimetre_are_borne(kind):
     """Five orders between prior and ranges, and claims of a millimetre that hold."""
     text = changed(
         ("range_sigma_m = 50", "range_sigma_m = 0.01"),
-        ("[monte_carlo]", 'kind = "iterated-ekf"\n[monte_carlo]'),
+        ("[monte_carlo]", f'kind = "{kind}"\n[monte_carlo]'),
     )
     found, _ = section_of(read_scenario_text(text + OTHERS))
     assert found.consistency.holds and found.bound.position_sigma[-1] < 0.01

@@ -21,10 +21,45 @@ from compass.core.entry.flow import advance_spread, advance_transition, retreat
 from compass.core.entry.measure import AIR, CLOCK, ESTIMATED, LIFT, measured
 from compass.core.entry.rates import COLUMNS, OF_AIR, OF_LIFT
 from compass.core.entry.rates import LIFT as RATIO
+from compass.core.entry.root import absorb_root, root_of, square_of, triangle
 from compass.core.jit import fast_kernel, kernel
 
-#: Ways of filtering: extended; through spread points; looking back.
-PLAIN, UNSCENTED, RELINEARISED = range(3)
+#: Ways of filtering: extended; through spread points; looking back; extended, its covariance
+#: carried as a root, see `compass.core.entry.root`.
+PLAIN, UNSCENTED, RELINEARISED, ROOTED = range(4)
+
+
+@fast_kernel
+def moved_rows(phi, dt, fade, places, matrix, out):
+    """``F A`` of a matrix A (s, k), F made as in `moved_covariance`."""
+    air, lift, clock = places[AIR], places[LIFT], places[CLOCK]
+    for i in range(6):
+        for j in range(matrix.shape[1]):
+            total = 0.0
+            for k in range(6):
+                total += phi[i, k] * matrix[k, j]
+            if air >= 0:
+                total += phi[i, OF_AIR] * matrix[air, j]
+            if lift >= 0:
+                total += phi[i, OF_LIFT] * matrix[lift, j]
+            out[i, j] = total
+    for i in range(6, matrix.shape[0]):
+        for j in range(matrix.shape[1]):
+            out[i, j] = fade * matrix[i, j] if i == air else matrix[i, j]
+            if i == clock:
+                out[i, j] += dt * matrix[clock + 1, j]
+
+
+@kernel
+def moved_root(phi, dt, noise, walk, fade, places, root):
+    """As `moved_covariance`, of the root S: the triangle of ``[F S, G, W^(1/2)]``."""
+    size, shaken = root.shape[0], noise.shape[1]
+    rows = np.zeros((size, 2 * size + shaken))
+    moved_rows(phi, dt, fade, places, root, rows[:, :size])
+    rows[:6, size : size + shaken] = noise
+    for i in range(6, size):
+        rows[i, size + shaken + i] = math.sqrt(walk[i])
+    triangle(rows, root)
 
 
 @fast_kernel
@@ -51,21 +86,7 @@ def moved_covariance(phi, dt, noise, walk, fade, places, half, covariance):
     """
     size = covariance.shape[0]
     air, lift, clock = places[AIR], places[LIFT], places[CLOCK]
-    for i in range(6):
-        for j in range(size):
-            total = 0.0
-            for k in range(6):
-                total += phi[i, k] * covariance[k, j]
-            if air >= 0:
-                total += phi[i, OF_AIR] * covariance[air, j]
-            if lift >= 0:
-                total += phi[i, OF_LIFT] * covariance[lift, j]
-            half[i, j] = total
-    for i in range(6, size):
-        for j in range(size):
-            half[i, j] = fade * covariance[i, j] if i == air else covariance[i, j]
-            if i == clock:
-                half[i, j] += dt * covariance[clock + 1, j]
+    moved_rows(phi, dt, fade, places, covariance, half)
     for i in range(size):
         for j in range(min(i + 1, 6)):
             total = 0.0
@@ -120,8 +141,10 @@ def absorb(row, residual, variance, estimated, gain, covariance, shift):
 
 
 @kernel
-def update(x, covariance, base, sources, variances, z, kinds, places, iterations):
+def update(x, covariance, base, sources, variances, z, kinds, places, iterations, method):
     """Update with all measurements of an epoch, linearised at `base` and iterated from there.
+
+    `covariance` is its root for a filter that carries that.
 
     Gauss-Newton on the posterior: each pass linearises at the latest estimate and starts again
     from the prior; one pass from ``base = x`` is the plain extended Kalman filter.
@@ -145,10 +168,18 @@ def update(x, covariance, base, sources, variances, z, kinds, places, iterations
                 residual = z[b, c] - measured(kinds[c], point, sources[b], b, places, row)
                 for i in range(size):
                     residual += row[i] * before[i]
+                if method == ROOTED:
+                    absorb_root(
+                        row, residual, variances[b, c], places[ESTIMATED], gain, covariance, shift
+                    )
+                    continue
                 absorb(row, residual, variances[b, c], places[ESTIMATED], gain, covariance, shift)
         change = 0.0
         for i in range(places[ESTIMATED]):
-            change = max(change, abs(shift[i] - before[i]) / math.sqrt(prior[i, i]))
+            square = prior[i, i]
+            if method == ROOTED:
+                square = (prior[i] * prior[i]).sum()
+            change = max(change, abs(shift[i] - before[i]) / math.sqrt(square))
         if change < 1e-9:
             break
     for i in range(size):
@@ -200,7 +231,10 @@ def move(
         count = 6 + COLUMNS
     else:
         advance_transition(base, thicker, ratio, p, bank, start, stop, longest, after, phi)
-    moved_covariance(phi, stop - start, roots[:, :count], walk, fade, places, half, covariance)
+    if method == ROOTED:
+        moved_root(phi, stop - start, roots[:, :count], walk, fade, places, covariance)
+    else:
+        moved_covariance(phi, stop - start, roots[:, :count], walk, fade, places, half, covariance)
     for i in range(6):
         for k in range(6):
             after[i] += phi[i, k] * (x[k] - base[k])
@@ -268,13 +302,15 @@ def filter_run(
     back = times.size if method == RELINEARISED else 0
     path, marks = np.empty((back, x.size)), np.empty(2)
     mark(covariance, places, marks)
+    if method == ROOTED:
+        root_of(covariance0, covariance)
     for t in range(times.size):
         if t > 0:
             move(
                 x, covariance, x, p, bank, times[t - 1], times[t], longest, noise[t], walk[t],
                 fade[t], places, method, half,
             )  # fmt: skip
-        update(x, covariance, x, sources[t], variances[t], z[t], kinds, places, iterations)
+        update(x, covariance, x, sources[t], variances[t], z[t], kinds, places, iterations, method)
         if method == RELINEARISED and halved(covariance, places, marks):
             path[t] = x
             for k in range(t, 0, -1):
@@ -291,39 +327,52 @@ def filter_run(
                         x, covariance, path[k - 1], p, bank, times[k - 1], times[k], longest,
                         noise[k], walk[k], fade[k], places, method, half,
                     )  # fmt: skip
-                update(x, covariance, path[k], sources[k], variances[k], z[k], kinds, places, 1)
+                update(
+                    x, covariance, path[k], sources[k], variances[k], z[k], kinds, places, 1, method
+                )
         xs[t] = x
-        ps[t] = covariance
+        if method == ROOTED:
+            square_of(covariance, ps[t])
+        else:
+            ps[t] = covariance
 
 
 @kernel
 def covariance_run(
     path, covariance0, p, bank, times, longest, noise, walk, fade, sources, variances, kinds,
-    places, ps,
+    places, method, ps,
 ):  # fmt: skip
     """Linear covariance along a flight: what `filter_run` would claim at the true states.
 
     With the states known that is the posterior Cramer-Rao bound,
     ``J_k = (Q + Phi J_(k-1)^-1 Phi^T)^-1 + H^T R^-1 H`` carried as ``P = J^-1``. Parameters as in
-    `filter_run`; `path` is the flight at the epochs, (t, 6).
+    `filter_run`; `path` is the flight at the epochs, (t, 6), `method` `PLAIN` or `ROOTED`.
     """
     size = covariance0.shape[0]
     covariance, half = covariance0.copy(), np.empty((size, size))
     rows, gain = np.zeros((kinds.size, size)), np.empty(size)
     x, shift = np.zeros(size), np.zeros(size)
+    if method == ROOTED:
+        root_of(covariance0, covariance)
     for t in range(times.size):
         if t > 0:
             move(
                 x, covariance, x, p, bank, times[t - 1], times[t], longest, noise[t], walk[t],
-                fade[t], places, PLAIN, half,
+                fade[t], places, method, half,
             )  # fmt: skip
         for i in range(6):
             x[i] = path[t, i]
         for b in range(sources.shape[1]):
             for c in range(kinds.size):
-                if not math.isnan(variances[t, b, c]):
-                    measured(kinds[c], x, sources[t, b], b, places, rows[c])
-                    absorb(
-                        rows[c], 0.0, variances[t, b, c], places[ESTIMATED], gain, covariance, shift
-                    )
-        ps[t] = covariance
+                variance = variances[t, b, c]
+                if math.isnan(variance):
+                    continue
+                measured(kinds[c], x, sources[t, b], b, places, rows[c])
+                if method == ROOTED:
+                    absorb_root(rows[c], 0.0, variance, places[ESTIMATED], gain, covariance, shift)
+                else:
+                    absorb(rows[c], 0.0, variance, places[ESTIMATED], gain, covariance, shift)
+        if method == ROOTED:
+            square_of(covariance, ps[t])
+        else:
+            ps[t] = covariance

@@ -216,7 +216,7 @@ def hear(x, carried, k, draws, state, covariance, told):
             z[0, b, c] += math.sqrt(carried.variances[k, b, c]) * draws[b, c]
     update(
         state, covariance, state, carried.sources[k], carried.variances[k], z[0], carried.kinds,
-        carried.places, carried.iterations,
+        carried.places, carried.iterations, carried.method,
     )  # fmt: skip
     for i in range(6):
         told[i] = state[i] - x[i]
