@@ -1,6 +1,6 @@
 """A study over many candidates, resumable, on a cluster if asked."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,6 +26,7 @@ from compass.study.candidates import check_space
 from compass.study.clocks import errors_by_clock
 from compass.study.cluster import Cluster, Tls
 from compass.study.judge import check_lander
+from compass.study.requirement_figures import required, requirement_columns
 from compass.study.results import first_front, read_results, write_results
 from compass.study.sampling import front_known, rests_on_samples, sampled_over, sampling_of
 from compass.study.stages import StudyJob
@@ -99,6 +100,7 @@ class TradeResult(Result):
                 "feasible": self.feasible,
                 "bounded": s.bounded,
                 "straddling": int(self.dataset.straddling.sum()),
+                "requirements": [wanted.claim for wanted in self.study.requirements],
                 "front": self.front,
                 "by_clock": list(self.by_clock),
                 "sampled_over": {
@@ -123,7 +125,8 @@ class TradeResult(Result):
             own = [] if self.study.signal is None else ["every candidate"]
             blocks.append(Sentence(self.study.entry.doubts.sentence(own)))
         if front:
-            blocks.append(_front_table(front))
+            blocks.append(_front_table(front, requirement_columns(self.study)))
+            blocks += self._required_table()
             blocks += [Sentence(words) for words in self._evidence()]
             blocks += self._clock_table()
         stages = tuple(
@@ -149,6 +152,18 @@ class TradeResult(Result):
         if how := sampled_over(self.study, list(dict.fromkeys(rest))):
             said.append(f"sampled: {how}")
         return tuple(said)
+
+    def _required_table(self) -> list[Block]:
+        """How those on the front do by each requirement; nothing where there are none."""
+        front = self.front
+        columns = {name: [one[name] for one in front] for name in requirement_columns(self.study)}
+        shown = required(self.study, columns)
+        if not shown:
+            return []
+        header = ("identity", *(one.heading for one in shown))
+        cells = zip(*(one.values for one in shown), strict=True)
+        rows = tuple((one["identity"], *row) for one, row in zip(front, cells, strict=True))
+        return [Table("Requirements on the front", header, rows, LISTED)]
 
     def _clock_table(self) -> list[Block]:
         """What a better clock buys against another candidate; nothing without errors in metres."""
@@ -219,9 +234,9 @@ class TradeResult(Result):
         return tuple(notes)
 
 
-def _front_table(front: list[dict[str, Any]]) -> Table:
-    """The first front, brackets in the place of their middles."""
-    names = [name for name in front[0] if not name.endswith("_bracket")]
+def _front_table(front: list[dict[str, Any]], apart: Collection[str]) -> Table:
+    """The first front, brackets in the place of their middles, without what is shown `apart`."""
+    names = [name for name in front[0] if not (name.endswith("_bracket") or name in apart)]
 
     def written(row: dict[str, Any], name: str) -> Any:
         bracket = row.get(f"{name}_bracket")

@@ -35,6 +35,7 @@ from compass.quantities.merits import MERITS, STAGES
 from compass.study.bounds import bounded_figures, ends
 from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, finalists_of, notation, rows_in
+from compass.study.requirement_figures import required
 from compass.study.results import known_figures, read_results
 from compass.study.sampling import front_known, sampled_over
 from compass.study.yardstick import Yardstick, yardstick
@@ -215,10 +216,13 @@ def _candidate_table(title: str, study: Study, some: "xr.Dataset") -> Table:
     labels = [MERITS[name].heading for name in names]
     if isinstance(study.space.mask_deg, Free) or len(study.space.mask_deg) > 1:
         names, labels = ["mask_deg", *names], ["mask, deg", *labels]
+    each = required(study, some)
+    labels += [one.heading for one in each]
     rows = [
         (
             notation(make_constellation(row)).replace(" ", "\N{NO-BREAK SPACE}"),
             *(_cell(study, some, name, k) for name in names),
+            *(one.values[k] for one in each),
         )
         for k, row in enumerate(rows_in(some))
     ]

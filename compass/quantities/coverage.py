@@ -45,6 +45,10 @@ CONTINUOUS = (
         meaning="Proven upper bound of that share.",
     ),
     Quantity(
+        "requirement_met", "1", "met", better="more", form="yes-no",
+        meaning="Whether a requirement is met; no value where that is undecided.",
+    ),
+    Quantity(
         "requirements_met", "1", "meets all requirements", better="more", form="yes-no",
         meaning="Whether every requirement is met; no value where one is undecided.",
     ),

@@ -19,7 +19,7 @@ from compass.inputs.study import Study
 from compass.study.candidates import PATTERNS, ROW, Members
 from compass.study.stages import FINDERS, Found, figures_of
 
-FORMAT = 2
+FORMAT = 3
 
 _COUNTS = ("satellites", "planes", "phasing")
 
@@ -125,7 +125,7 @@ def batch_of(record: dict[str, Any], study: Study, members: Members) -> Batch:
     if not members.have(rows).all():
         raise DamagedError("a candidate that the study does not have")
     figures = _is(record["figures"], dict, "figures")
-    if set(figures) != set(figures_of(stage)):
+    if set(figures) != set(figures_of(stage, study)):
         raise DamagedError(f"figures {_some(figures)}: must be those of the stage {stage}")
     errors = {}
     for place, text in _is(record["errors"], dict, "errors").items():
@@ -135,7 +135,8 @@ def batch_of(record: dict[str, Any], study: Study, members: Members) -> Batch:
     seconds = float(_numbers([record["seconds"]], 1, "seconds")[0])
     if not 0 <= seconds < np.inf:
         raise DamagedError(f"seconds = {seconds:g}: must be finite and not negative")
-    values = {n: _numbers(figures[n], rows.size, f"figures.{n}") for n in figures_of(stage)}
+    names = figures_of(stage, study)
+    values = {name: _numbers(figures[name], rows.size, f"figures.{name}") for name in names}
     return Batch(stage, rows, Found(values, errors, seconds))
 
 

@@ -1,6 +1,11 @@
-"""What requirements of a study make of candidates: met or not, the margins and the brackets."""
+"""What requirements of a study make of candidates: met or not, the margins and the brackets.
 
-from dataclasses import replace
+Of all together figures of merit, and of each by itself columns ``requirement_K_...``, K as in
+``requirement[K]`` of messages about files.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,14 +14,80 @@ from compass.coverage.certified_effort import Effort
 from compass.coverage.requirement_verdict import verdict_of
 from compass.coverage.verdict import Verdict
 from compass.design import Design, Requirement
+from compass.document import Bracket, Proven, Value
 from compass.inputs.study import Study
 from compass.orbits import Constellation
+from compass.quantities import quantity
 from compass.quantities.merits import merits_of, worked_out
 from compass.sites import Mask
 from compass.study.candidates import make_constellation
 
 #: How near bounds of shares of geometry come at first; most candidates are told apart by that.
 COARSE = 2e-3
+
+#: Parts of a verdict that are kept of each requirement, and the quantities that they are of.
+PARTS = {
+    "met": "requirement_met",
+    "margin_deg": "requirement_margin_deg",
+    "share": "requirement_share",
+    "share_most": "requirement_share_most",
+}
+
+
+def requirement_columns(study: Study) -> dict[str, dict[str, Any]]:
+    """Columns of each requirement of a study by itself, and the attributes of each."""
+    columns = {}
+    for number, wanted in enumerate(study.requirements, start=1):
+        for part, name in PARTS.items():
+            attributes = quantity(name).attributes()
+            title = f"{wanted.name}: {attributes['long_name']}"
+            columns[f"requirement_{number}_{part}"] = attributes | {"long_name": title}
+    return columns
+
+
+@dataclass(frozen=True)
+class Required:
+    """How candidates do by one part of one requirement: a heading, and a value for each."""
+
+    heading: str
+    values: tuple[Value, ...]
+
+
+def required(study: Study, figures: Any) -> list[Required]:
+    """For each requirement the margins and shares of candidates; nothing where none is known.
+
+    Parameters
+    ----------
+    study
+        Whose requirements.
+    figures
+        A mapping, or a dataset, of values of `requirement_columns` by name, shape (n,) each.
+    """
+    shown = []
+    for number, wanted in enumerate(study.requirements, start=1):
+        margin, low, high = (
+            np.asarray(figures[f"requirement_{number}_{part}"], dtype=float)
+            for part in ("margin_deg", "share", "share_most")
+        )
+        for name, values in (
+            ("requirement_margin_deg", [_value("requirement_margin_deg", x) for x in margin]),
+            ("requirement_share", [_share(*pair) for pair in zip(low, high, strict=True)]),
+        ):
+            if any(value.value is not None for value in values):
+                heading = f"{wanted.name}: {quantity(name).heading}"
+                shown.append(Required(heading, tuple(values)))
+    return shown
+
+
+def _value(name: str, value: float) -> Value:
+    return Value(quantity(name), None if np.isnan(value) else float(value))
+
+
+def _share(low: float, high: float) -> Value:
+    known = quantity("requirement_share")
+    if np.isnan(low) or np.isnan(high):
+        return Value(known, None)
+    return Value(known, float(low), Proven() if low == high else Bracket(float(low), float(high)))
 
 
 def requirement_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
@@ -29,8 +100,10 @@ def requirement_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.flo
         repeat = study.space.repeat(float(row["radius_km"]))
         c = replace(make_constellation(row), repeat=repeat)
         found.append(settled(study, c, float(np.radians(row["mask_deg"]))))
-    names = found[0] if found else merits_of("requirements")
-    return worked_out("requirements", {name: [one[name] for one in found] for name in names})
+    names = (*merits_of("requirements"), *requirement_columns(study))
+    known = {name: np.array([one[name] for one in found], dtype=float) for name in names}
+    own = {name: known[name] for name in requirement_columns(study)}
+    return worked_out("requirements", known) | own
 
 
 def settled(study: Study, c: Constellation, mask: float) -> dict[str, float]:
@@ -45,11 +118,25 @@ def settled(study: Study, c: Constellation, mask: float) -> dict[str, float]:
     margins = [verdict.margin for verdict in verdicts if verdict.margin is not None]
     shares = [verdict.share for verdict in verdicts if verdict.share is not None]
     met = 0.0 if False in outcomes else np.nan if None in outcomes else 1.0
-    return {
+    each = dict.fromkeys(requirement_columns(study), np.nan)
+    for number, verdict in enumerate(verdicts, start=1):
+        each |= {f"requirement_{number}_{part}": value for part, value in _parts(verdict).items()}
+    return each | {
         "requirements_met": met,
         "requirement_margin_deg": float(np.degrees(min(margins, default=np.nan))),
         "requirement_share": min((low for low, _ in shares), default=np.nan),
         "requirement_share_most": min((high for _, high in shares), default=np.nan),
+    }
+
+
+def _parts(verdict: Verdict) -> dict[str, float]:
+    """What is kept of a verdict, by `PARTS`; nan where it has no value."""
+    low, high = verdict.share or (np.nan, np.nan)
+    return {
+        "met": np.nan if verdict.met is None else float(verdict.met),
+        "margin_deg": np.nan if verdict.margin is None else float(np.degrees(verdict.margin)),
+        "share": low,
+        "share_most": high,
     }
 
 

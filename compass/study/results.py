@@ -15,6 +15,7 @@ from compass.study.bounds import BOUNDED, bound_columns, bounded_figures, ends
 from compass.study.candidates import PATTERNS, ROW, identities
 from compass.study.order import order_of
 from compass.study.record import Batch
+from compass.study.requirement_figures import requirement_columns
 from compass.study.sampling import sampling_of
 from compass.study.stages import FINDERS
 from compass.study.store import FILE, read_lines
@@ -34,8 +35,11 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
         (its text, or empty), ``feasible`` (whether it is known to meet every constraint; of one
         on entries only those that were judged), ``front`` (of the feasible with a value for every
         objective; -1 elsewhere), ``decided`` (whether it is known for sure, not from samples, that
-        it is of the first front, or that it is not). Figures between proven bounds are the middle
-        of these, which are beside them as ``FIGURE_low`` and ``FIGURE_high``.
+        it is of the first front, or that it is not). Of each requirement
+        ``requirement_K_met`` (1, 0, or nan where it is open or was not asked for),
+        ``_margin_deg``, ``_share`` and ``_share_most``, K its number in the file. Figures
+        between proven bounds are the middle of these, which are beside them as ``FIGURE_low``
+        and ``FIGURE_high``.
 
     Raises
     ------
@@ -60,7 +64,8 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
         )
     keys = identities(rows)
     place = {key: k for k, key in enumerate(keys)}
-    figures = {name: np.full(rows.size, np.nan) for name in (*MERITS, *bound_columns())}
+    each = requirement_columns(study)
+    figures = {name: np.full(rows.size, np.nan) for name in (*MERITS, *bound_columns(), *each)}
     stage, error = np.zeros(rows.size, "i1"), np.full(rows.size, "", dtype=object)
     for name in FINDERS:
         for batch in batches[name]:
@@ -94,6 +99,7 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
             attrs = MERITS[figure].quantity.attributes()
             title = f"{attrs['long_name']}, proven {side} bound"
             data[end] = ("candidate", figures[end], attrs | {"long_name": title})
+    data |= {name: ("candidate", figures[name], attrs) for name, attrs in each.items()}
     data |= {
         "stage": ("candidate", np.array(STAGES, dtype=object)[stage]),
         "error": ("candidate", error),
@@ -140,8 +146,8 @@ def first_front(study: Study, results: "xr.Dataset") -> list[dict[str, Any]]:
     """
     front = results.isel(candidate=np.flatnonzero(results.front.values == 0))
     order = np.lexsort([o.sign * front[o.figure].values for o in study.objectives[::-1]])
-    required = merits_of("requirements") if study.requirements else ()
-    figures = (*(o.figure for o in study.objectives), *required)
+    together = merits_of("requirements") if study.requirements else ()
+    figures = (*(o.figure for o in study.objectives), *together, *requirement_columns(study))
     names = dict.fromkeys(["identity", *(ROW.names or ()), *figures])
     columns = {}
     for name in names:

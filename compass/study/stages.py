@@ -30,7 +30,7 @@ from compass.study.cost import cost_figures
 from compass.study.lasting import keeping_law, orbits_figures
 from compass.study.pattern_judging import entry_figures
 from compass.study.pattern_map import map_figures
-from compass.study.requirement_figures import requirement_figures
+from compass.study.requirement_figures import requirement_columns, requirement_figures
 
 #: Bracket of the cap radius that decides margins, and the one that decides close calls, radians.
 TOLERANCE, FINE = 5e-4, 1e-7
@@ -74,7 +74,7 @@ def evaluate(stage: str, study: Study, rows: NDArray) -> Found:
     try:
         figures = find(study, rows)
     except Exception:
-        figures = {name: np.full(rows.size, np.nan) for name in figures_of(stage)}
+        figures = {name: np.full(rows.size, np.nan) for name in figures_of(stage, study)}
         for k in range(rows.size):
             try:
                 single = find(study, rows[k : k + 1])
@@ -99,11 +99,15 @@ class StudyJob:
         return evaluate(stage, self.study, rows)
 
 
-def figures_of(stage: str) -> tuple[str, ...]:
-    """Names of the figures that a stage stores."""
+def figures_of(stage: str, study: Study) -> tuple[str, ...]:
+    """Names of the figures that a stage of a study stores."""
     if stage in LEVELS:
         return bound_columns()
-    return (*merits_of("cost"), *merits_of("screen")) if stage == "screen" else merits_of(stage)
+    if stage == "screen":
+        return (*merits_of("cost"), *merits_of("screen"))
+    if stage == "requirements":
+        return (*merits_of(stage), *requirement_columns(study))
+    return merits_of(stage)
 
 
 def passing(study: Study, stage: str, figures: dict[str, NDArray[np.float64]]) -> NDArray[np.bool_]:

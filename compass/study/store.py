@@ -133,6 +133,8 @@ class Store:
     damaged
         Lines that were torn or spoilt, or that no run has written, with why; they are ignored, and
         their candidates computed again.
+    study
+        Whose store it is.
 
     Raises
     ------
@@ -146,7 +148,7 @@ class Store:
         self.path = folder / FILE
         self.done: dict[str, set[str]] = {}
         self.damaged: list[str] = []
-        self._study = study
+        self.study = study
         self._end = 0
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -207,7 +209,7 @@ class Store:
 
     def add(self, stage: str, rows: NDArray, found: Found) -> None:
         """Store a finished batch; it is on the disk when this returns."""
-        self._append(batch_record(self._study, stage, rows, found))
+        self._append(batch_record(self.study, stage, rows, found))
         self._note(stage, rows)
 
     def _append(self, record: dict[str, Any]) -> None:
@@ -244,7 +246,7 @@ class Store:
 
     def batches(self, stage: str) -> Iterator[Batch]:
         """Stored batches of a stage."""
-        for line in read_lines(self.path, self._study):
+        for line in read_lines(self.path, self.study):
             if line.batch is not None and line.batch.stage == stage:
                 yield line.batch
 

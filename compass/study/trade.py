@@ -260,7 +260,7 @@ def gather(store: Store, keys: list[str], names: set[str]) -> dict[str, NDArray[
     place = {key: k for k, key in enumerate(keys)}
     found = {name: np.full(len(keys), np.nan) for name in names}
     for stage in FINDERS:
-        own = names & set(figures_of(stage))
+        own = names & set(figures_of(stage, store.study))
         for batch in store.batches(stage) if own else ():
             ids = identities(batch.rows)
             pairs = [(place[key], k) for k, key in enumerate(ids) if key in place]

@@ -11,6 +11,7 @@ from compass.errors import DesignError
 from compass.sites import Mask
 from compass.study import requirement_figures as module
 from compass.study.candidates import batches, candidates, make_constellation
+from compass.study.requirement_figures import required
 from compass.study.results import first_front, read_results
 from compass.study.store import Store
 from compass.study.trade import _Silent, run_trade
@@ -54,6 +55,40 @@ def test_requirements_are_a_stage_a_constraint_and_columns(tiny, tmp_path):
     for one in front:
         assert one["requirements_met"] == 1
         assert one["requirement_share"] <= one["requirement_share_most"]
+    for k in range(asked.sizes["candidate"]):
+        one = asked.isel(candidate=k)
+        each = [one[f"requirement_{number}_met"].item() for number in (1, 2)]
+        assert (one.requirements_met.item() == 1) == (each == [1, 1])
+        known = [one[f"requirement_{number}_share"].item() for number in (1, 2)]
+        assert one.requirement_share.item() == np.nanmin(known)
+    assert results.requirement_2_share.attrs["long_name"].startswith("two at times: share")
+    told = required(study, results)
+    assert [one.heading.split(":")[0] for one in told] == [
+        "one in view", "one in view", "two at times",
+    ]  # fmt: skip
+
+
+def test_a_verdict_fills_the_columns_of_its_own_requirement(tiny):
+    """Each against `verdict_of`; what was not asked for after a miss stays empty."""
+    study = tiny(REQUIRED)
+    rows = next(batches(candidates(study), 12))
+    found = module.requirement_figures(study, rows)
+    for k, row in enumerate(rows):
+        c = replace(make_constellation(row), repeat=(1, 1))
+        design = Design(c, figure=study.figure, mask=Mask.constant(np.radians(row["mask_deg"])))
+        met = True
+        for number, wanted in enumerate(study.requirements, start=1):
+            column = {part: found[f"requirement_{number}_{part}"][k] for part in module.PARTS}
+            if not met:
+                assert np.isnan(list(column.values())).all()
+                continue
+            verdict = verdict_of(design, wanted)
+            met = verdict.met
+            assert column["met"] == met
+            assert column["share"] <= verdict.share[1] + 1e-12
+            assert column["share_most"] >= verdict.share[0] - 1e-12
+            if verdict.margin is not None:
+                assert np.radians(column["margin_deg"]) == pytest.approx(verdict.margin)
 
 
 def test_figures_are_those_of_verdicts_under_closed_tracks(tiny):
