@@ -11,6 +11,8 @@ azimuth by at most ``asin(sin delta / cos elevation)``. Elevation less delta, ov
 of the profile in that range of azimuths, is a lower bound of its clearance in all of the box, and
 the k-th highest of these bounds is one of the k-th highest clearance.
 
+On paths the centre's places are those of their series, and `s` holds their error too.
+
 Where antennas have a beam, clearance is the lesser of that and of how far the user is inside the
 beam. The angle at the satellite between him and the way down changes by at most ``delta`` and what
 the satellite's own direction turns by, ``asin((swift ht + rho hl) / |q|)``.
@@ -29,6 +31,7 @@ import numpy as np
 from compass.core.belt import area_below
 from compass.core.jit import kernel
 from compass.core.kepler import eccentric_anomaly
+from compass.core.path import path_place, piece_of
 
 #: Radians by which every comparison is made on the safe side.
 SLACK = 1e-11
@@ -44,14 +47,17 @@ COARSE = 0.5
 
 
 @kernel
-def bounds(orbits, figure, turn, azimuths, elevations, k, box, near):
+def bounds(orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, near):
     """Lowest, central and highest clearance of the k-th best satellite in a box.
 
     Parameters
     ----------
     orbits
         Rows: towards periapsis and across, times the axes (m, 3 each); e, mean anomaly, pace,
-        swift; shape (n, 10).
+        swift, error of the place (m); shape (n, 11).
+    breaks, paths
+        As in `compass.core.path`, in phase: where satellites are instead of on ellipses, of which
+        then swift and error count alone; without a stretch, shape (0, n, 3, 0), on these.
     figure
         Equatorial radius (m), eccentricity squared, height (m), bound of the meridian's radius
         of curvature (m), half angle of the satellites' beam (pi for all around).
@@ -84,19 +90,19 @@ def bounds(orbits, figure, turn, azimuths, elevations, k, box, near):
     angle = box[1] + turn * box[2]
     ca, sa = math.cos(angle), math.sin(angle)
     level, top_of_all = elevations.min(), elevations.max()
-    seen = 0
+    seen, place = 0, np.empty(3)
+    piece = piece_of(breaks, box[2]) if paths.shape[0] > 0 else -1
     for s in range(n):
         o = orbits[s]
-        anomaly = eccentric_anomaly(o[7] + o[8] * box[2], o[6])
-        p, q = math.cos(anomaly) - o[6], math.sin(anomaly)
-        x, y, z = o[0] * p + o[3] * q, o[1] * p + o[4] * q, o[2] * p + o[5] * q
+        _place(o, breaks, paths, piece, s, box[2], place)
+        x, y, z = place
         # turned to the longitude of the user, who stays at 0
         dx, dy, dz = ca * x + sa * y - eye_x, ca * y - sa * x, z - eye_z
         distance = math.sqrt(dx * dx + dy * dy + dz * dz)
         up, north = cb * dx + sb * dz, cb * dz - sb * dx
         # an arc sine would lose half of the digits overhead
         elevation = math.atan2(up, math.sqrt(dy * dy + north * north))
-        strays = o[9] * box[5] + math.sqrt(x * x + y * y) * box[4] + figure[3] * box[3]
+        strays = o[10] + o[9] * box[5] + math.sqrt(x * x + y * y) * box[4] + figure[3] * box[3]
         delta = math.pi
         if strays < distance:
             delta = math.asin(strays / distance) + box[3] + SLACK
@@ -124,6 +130,18 @@ def bounds(orbits, figure, turn, azimuths, elevations, k, box, near):
         _keep(near[1], central)
         _keep(near[2], highest)
     return near[0, k - 1], near[1, k - 1], near[2, k - 1], seen
+
+
+@kernel
+def _place(o, breaks, paths, piece, s, phase, place):
+    """Fill in where a satellite is at a phase: on a stretch of its path, or on its ellipse."""
+    if piece < 0:
+        anomaly = eccentric_anomaly(o[7] + o[8] * phase, o[6])
+        p, q = math.cos(anomaly) - o[6], math.sin(anomaly)
+        for c in range(3):
+            place[c] = o[c] * p + o[3 + c] * q
+        return
+    path_place(breaks, paths, piece, s, phase, place)
 
 
 @kernel
@@ -181,6 +199,8 @@ def side_of(box, figure, normals, floors):
 @kernel
 def least_clearance(
     orbits,
+    breaks,
+    paths,
     figure,
     turn,
     azimuths,
@@ -198,7 +218,7 @@ def least_clearance(
 
     Parameters
     ----------
-    orbits, figure, turn, azimuths, elevations, k
+    orbits, breaks, paths, figure, turn, azimuths, elevations, k
         As in `bounds`.
     normals, floors
         As in `side_of`.
@@ -233,7 +253,9 @@ def least_clearance(
         _cell(domain, cells, cell, box)
         if side_of(np.array([box[0], box[1], box[2], 0.0, 0.0, 0.0]), figure, normals, floors) < 0:
             continue
-        _, central, _, now = bounds(orbits, figure, turn, azimuths, elevations, k, box, near)
+        _, central, _, now = bounds(
+            orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, near
+        )
         if central < high:
             high, seen = central, now
             worst[:] = box[:3]
@@ -250,7 +272,7 @@ def least_clearance(
                 if side_of(spot, figure, normals, floors) < 0:
                     continue
                 _, central, _, now = bounds(
-                    orbits, figure, turn, azimuths, elevations, k, spot, near
+                    orbits, breaks, paths, figure, turn, azimuths, elevations, k, spot, near
                 )
                 if central < high:
                     high, seen, better = central, now, True
@@ -270,7 +292,7 @@ def least_clearance(
             if side < 0:
                 continue
             bottom, central, _, now = bounds(
-                orbits, figure, turn, azimuths, elevations, k, box, near
+                orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, near
             )
             if central < high:
                 spot[:3] = box[:3]
@@ -336,13 +358,26 @@ def _longest(box, pace):
 
 @kernel
 def clear_share(
-    orbits, figure, turn, azimuths, elevations, normals, floors, k, domain, whole, finest, most
+    orbits,
+    breaks,
+    paths,
+    figure,
+    turn,
+    azimuths,
+    elevations,
+    normals,
+    floors,
+    k,
+    domain,
+    whole,
+    finest,
+    most,
 ):
     """Measure of a domain in which the k-th best satellite is clear for sure, is not, and open.
 
     Parameters
     ----------
-    orbits, figure, turn, azimuths, elevations, normals, floors, k, domain
+    orbits, breaks, paths, figure, turn, azimuths, elevations, normals, floors, k, domain
         As in `least_clearance`.
     whole
         1 if all latitudes of the domain must be clear at once: shares are then of longitude and
@@ -374,7 +409,9 @@ def clear_share(
             if side < 0:
                 continue
             part = _measure(box, figure, whole, domain)
-            bottom, _, top, _ = bounds(orbits, figure, turn, azimuths, elevations, k, box, near)
+            bottom, _, top, _ = bounds(
+                orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, near
+            )
             if bottom >= 0.0 and side > 0:
                 clear += part
                 continue

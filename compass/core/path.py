@@ -34,6 +34,18 @@ def path_state(breaks, paths, piece, s, t, state):
 
 
 @kernel
+def path_place(breaks, paths, piece, s, t, place):
+    """Fill `place` with the position of satellite `s` at time `t`, as `path_state` does, m."""
+    x = 2.0 * (t - breaks[piece]) / (breaks[piece + 1] - breaks[piece]) - 1.0
+    p, q = 1.0, 0.0
+    place[:] = 0.0
+    for k in range(paths.shape[3]):
+        for c in range(3):
+            place[c] += paths[piece, s, c, k] * p
+        p, q = ((2 * k + 1) * x * p - k * q) / (k + 1), p
+
+
+@kernel
 def path_states(breaks, paths, times):
     """Positions and velocities at many times, two arrays of shape (n, t, 3)."""
     n = paths.shape[1]

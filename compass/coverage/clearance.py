@@ -11,7 +11,8 @@ from math import inf
 import numpy as np
 
 from compass.core import clearance as kernels
-from compass.coverage.clearance_layout import Laid, check_users, lay_out, place_of
+from compass.coverage.certified_longitudes import weighed_share
+from compass.coverage.clearance_layout import Laid, Moving, check_users, lay_out, place_of
 from compass.coverage.region import GLOBE
 from compass.coverage.tiles import Sides, Tiles
 from compass.coverage.users import Users, centric
@@ -24,6 +25,12 @@ TOLERANCE, FINEST = 1e-4, 1e-7
 #: Boxes to look at, some seconds for fifteen satellites; and for a margin alone, once it is clear
 #: on which side of zero it lies.
 MOST_BOXES, MARGIN_BOXES = 4_000_000, 200_000
+
+#: How near bounds of the share of a polygon come, one after the other.
+FIRST_WIDTHS = (0.3, 0.1, 0.03, 0.01)
+
+#: Parts of the least clearance seen that are tried as bounds where boxes do not suffice for more.
+PARTS = (0.25, 0.5, 0.8)
 
 
 @dataclass(frozen=True)
@@ -58,7 +65,7 @@ class Clearance:
 
 
 def always_clear(
-    constellation: Constellation,
+    constellation: Moving,
     users: Users,
     fold: int,
     *,
@@ -88,7 +95,7 @@ class Share:
 
 
 def least_clearance(
-    constellation: Constellation,
+    constellation: Moving,
     users: Users,
     fold: int,
     *,
@@ -102,7 +109,7 @@ def least_clearance(
     Parameters
     ----------
     constellation
-        Orbits in two-body motion.
+        Orbits in two-body motion, or paths, which need a span.
     users
         Whose horizon.
     fold
@@ -139,6 +146,11 @@ def least_clearance(
     found = _least(laid, fold, enough, tolerance, min(most, MARGIN_BOXES))
     if found[0] < 0.0 <= found[1]:
         found = _least(laid, fold, 0.0, FINEST, most)
+        for part in PARTS if found[0] >= 0.0 else ():
+            again = _least(laid, fold, part * found[1], FINEST, min(most, MARGIN_BOXES))
+            if again[0] <= found[0]:
+                break
+            found = again
     low, high, worst, seen, boxes = found
     low -= laid.missed
     if not np.isfinite(high):
@@ -156,7 +168,7 @@ def least_clearance(
 
 
 def clear_share(
-    constellation: Constellation,
+    constellation: Moving,
     users: Users,
     fold: int,
     *,
@@ -183,14 +195,64 @@ def clear_share(
         return Share(0.0, 0.0, 0)
     laid = lay_out(constellation, users, span)
     most = MOST_BOXES if most is None else most
-    finest, total = 1e-2, 0
+    finest, total, low, high = 1e-2, 0, 0.0, 1.0
     while True:
         found = _share(laid, fold, 0, finest, most - total)
         total += found.boxes
-        told = level is not None and (found.low >= level or found.high < level)
-        if told or found.high - found.low <= width or total >= most:
-            return replace(found, boxes=total)
+        # a pass that is cut short says less than the one before
+        low, high = max(low, found.low), min(high, found.high)
+        told = level is not None and (low >= level or high < level)
+        if told or high - low <= width or total >= most:
+            return Share(low, high, total)
         finest *= 0.25
+
+
+def polygon_share(
+    constellation: Constellation,
+    users: Users,
+    fold: int,
+    *,
+    width: float = 1e-3,
+    level: float | None = None,
+    most: int | None = None,
+) -> Share:
+    """Bracket the share of area and time of a polygon for ever, where tracks do not close.
+
+    Every place then meets all longitudes alike: belts of latitude weigh by the polygon's width
+    (`compass.coverage.certified_longitudes`). Parameters and errors as in `clear_share`.
+    """
+    check_users(constellation, users, fold)
+    if constellation.size < fold:
+        return Share(0.0, 0.0, 0)
+    everyone = users.belt()
+
+    def belt(
+        south: float, north: float, near: float, seconds: float, boxes: float
+    ) -> tuple[float, float, int, str]:
+        part, left = replace(everyone, south=south, north=north), max(int(boxes), 1)
+        found = clear_share(constellation, part, fold, width=near, most=left)
+        short = found.high - found.low > near
+        return found.low, found.high, found.boxes, "boxes" if short else ""
+
+    low, high, boxes = 0.0, 1.0, 0
+    left = MOST_BOXES if most is None else most
+    for near in (*(one for one in FIRST_WIDTHS if one > width), width):
+        below, above, looked, _ = weighed_share(
+            users.region.normals,
+            1.0 - (users.figure.polar_radius / users.figure.equatorial_radius) ** 2,
+            (users.south, users.north),
+            belt,
+            near,
+            budget_s=inf,
+            budget_boxes=left - boxes,
+            level=level,
+            progress=lambda width: None,
+        )
+        low, high, boxes = max(low, below), min(high, above), boxes + looked
+        told = level is not None and (low >= level or high < level)
+        if told or high - low <= width or boxes >= left:
+            break
+    return Share(float(low), float(high), boxes)
 
 
 def _share(laid: Laid, fold: int, whole: int, finest: float, most: int) -> Share:
@@ -213,7 +275,7 @@ def _share(laid: Laid, fold: int, whole: int, finest: float, most: int) -> Share
 
 
 def worst_share(
-    constellation: Constellation,
+    constellation: Moving,
     users: Users,
     fold: int,
     *,

@@ -1,12 +1,15 @@
-"""Questions about clearances as kernels take them: orbits, frame, and the domain that decides."""
+"""Questions about clearances as kernels take them: motion, frame, and the domain that decides."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from compass.bodies import MARS_ROTATION_RATE
+from compass.core.clearance import COARSE
+from compass.coverage.motion import MERIDIAN_CURVATURE
 from compass.coverage.region import Region
 from compass.coverage.symmetry import deciding_part
 from compass.coverage.users import Users, centric, check_limb
@@ -14,18 +17,32 @@ from compass.errors import ArgumentError, whole_number
 from compass.frames import prime_meridian_angle
 from compass.orbits import Constellation
 from compass.orbits.symmetry import one_circle, one_period
+from compass.orbits.trajectory import LOOKED, LOOKS, Trajectory
 
 #: Revolutions over which phases are good to what bounds allow for.
 MOST_REVOLUTIONS = 5000.0
 
 
-def check_users(c: Constellation, users: Users, fold: int) -> None:
+#: Orbits that keep their shape, or paths.
+Moving = Constellation | Trajectory
+
+
+def has_one_period(moving: Moving) -> bool:
+    """Whether all repeats after one revolution, but for Mars's turn: of no paths."""
+    return isinstance(moving, Constellation) and one_period(moving)
+
+
+def check_users(c: Moving, users: Users, fold: int) -> None:
     """Refuse a fold below 1, satellites that come down to Mars, and users who look through it."""
     whole_number("fold", fold, 1)
     surface = users.figure.equatorial_radius
-    if c.size and c.periapsis_radius.min() <= surface:
+    if isinstance(c, Trajectory):
+        lowest = c.bounds(c.start, c.stop)[:, 0].min(initial=np.inf)
+    else:
+        lowest = c.periapsis_radius.min(initial=np.inf)
+    if lowest <= surface:
         raise ArgumentError(
-            f"constellation: an orbit comes down to {c.periapsis_radius.min() / 1e3:.6g} km, "
+            f"constellation: an orbit comes down to {lowest / 1e3:.6g} km, "
             f"inside Mars of {surface / 1e3:.6g} km"
         )
     check_limb(users)
@@ -44,11 +61,15 @@ class Laid:
     missed: float
     pace: float
     start: float
+    breaks: NDArray[np.float64] = field(default_factory=lambda: np.zeros(1))
+    paths: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0, 3, 0)))
 
     def arrays(self) -> tuple[Any, ...]:
         """In the kernels' order."""
         return (
             self.orbits,
+            self.breaks,
+            self.paths,
             self.figure,
             self.turn,
             self.horizon[0],
@@ -58,9 +79,8 @@ class Laid:
         )
 
 
-def lay_out(c: Constellation, users: Users, span: tuple[float, float] | None) -> Laid:
-    """Orbits, frame and domain of a question."""
-    pace = float(c.mean_motion.mean())
+def lay_out(c: Moving, users: Users, span: tuple[float, float] | None) -> Laid:
+    """Orbits or paths, frame and domain of a question; paths need a span."""
     flattening = 1.0 - (users.figure.polar_radius / users.figure.equatorial_radius) ** 2
     bend = users.figure.equatorial_radius / np.sqrt(1.0 - flattening) + users.height
     beam = np.pi if users.beam is None else users.beam
@@ -68,6 +88,10 @@ def lay_out(c: Constellation, users: Users, span: tuple[float, float] | None) ->
     horizon = np.array([users.mask.azimuth, users.mask.elevation])
     if users.alike_all_around:
         horizon = np.ascontiguousarray(horizon[:, :1])
+    if isinstance(c, Trajectory):
+        assert span is not None
+        return _along(c, users, figure, horizon, span)
+    pace = float(c.mean_motion.mean())
     if span is None:
         turn, angle, start, missed = 0.0, 0.0, 0.0, 0.0
         domain, missed = _torus(c, users)
@@ -81,13 +105,86 @@ def lay_out(c: Constellation, users: Users, span: tuple[float, float] | None) ->
                 f"days = {(span[1] - start) / 86400:g}: {revolutions:.0f} revolutions, more than "
                 f"{MOST_REVOLUTIONS:g}; ask for fewer days"
             )
-        west, east = 0.0, 2 * np.pi
-        if users.longitude is not None:
-            west = east = users.longitude
-        phases = [0.0, (span[1] - start) * pace]
-        domain = np.array([[users.south, users.north], [west, east], phases])
+        domain = _box(users, (span[1] - start) * pace)
     orbits = _orbits(c, pace, turn, angle, start)
     return Laid(orbits, figure, turn, horizon, users.region, domain, missed, pace, start)
+
+
+def _box(users: Users, phase: float) -> NDArray[np.float64]:
+    """Latitudes, longitudes and phases of users who stand on Mars."""
+    west, east = 0.0, 2 * np.pi
+    if users.longitude is not None:
+        west = east = users.longitude
+    return np.array([[users.south, users.north], [west, east], [0.0, phase]])
+
+
+def _along(
+    path: Trajectory,
+    users: Users,
+    figure: NDArray[np.float64],
+    horizon: NDArray[np.float64],
+    span: tuple[float, float],
+) -> Laid:
+    """Paths over a span, seen from the meridian at its begin, which turns with Mars.
+
+    Mars's rotation is taken as its chord over the span, which departs from it by at most an eighth
+    of its curvature times the span squared: an error of places, as that of the paths is.
+    """
+    start, stop = span
+    first = max(int(np.searchsorted(path.breaks, start, side="right")) - 1, 0)
+    last = max(int(np.searchsorted(path.breaks, stop, side="left")), first + 1)
+    angle, end = (float(w) for w in prime_meridian_angle(path.epoch, [start, stop]))
+    rate = (end - angle) / (stop - start)
+    r, v = (one[:, 0] for one in path.states([start]))
+    pace = float((np.linalg.norm(v, axis=-1) / np.linalg.norm(r, axis=-1)).mean())
+    high = path.bounds(start, stop)[:, 1]
+    swift = np.zeros(path.size)
+    for k in range(first, last):
+        swift = np.maximum(swift, _fastest(path, k, rate))
+    off = MERIDIAN_CURVATURE * (stop - start) ** 2 / 8 + 2 * np.spacing(max(abs(angle), abs(end)))
+    orbits = np.zeros((path.size, 11))
+    orbits[:, 0] = high  # by its size sides of boxes are compared
+    orbits[:, 9] = swift / pace
+    breaks = (path.breaks[first : last + 1] - start) * pace
+    # between two moments of a box what paths stand for moves as they do, but for twice their error
+    # at the moments themselves and at every break between
+    ahead = np.searchsorted(breaks, breaks + COARSE, side="right")
+    most = int((ahead - np.arange(len(breaks))).max())
+    orbits[:, 10] = 2 * (most + 1) * path.errors[first:last].max(axis=0) + (off + 1e-15) * high
+    ca, sa = np.cos(angle), np.sin(angle)
+    turned = np.array(path.paths[first:last])
+    turned[:, :, 0] = ca * path.paths[first:last, :, 0] + sa * path.paths[first:last, :, 1]
+    turned[:, :, 1] = ca * path.paths[first:last, :, 1] - sa * path.paths[first:last, :, 0]
+    return Laid(
+        orbits,
+        figure,
+        rate / pace,
+        horizon,
+        users.region,
+        _box(users, (stop - start) * pace),
+        0.0,
+        pace,
+        start,
+        np.ascontiguousarray(breaks),
+        np.ascontiguousarray(turned),
+    )
+
+
+def _fastest(path: Trajectory, piece: int, rate: float) -> NDArray[np.float64]:
+    """Bound on the speed over a stretch in a frame that turns about the pole, m/s, shape (n,).
+
+    The largest at `LOOKS` moments, and how far the nearest of these is times the derivative's
+    bound: the sum of the magnitudes of its Legendre coefficients.
+    """
+    half = 0.5 * (path.breaks[piece + 1] - path.breaks[piece])
+    place = np.moveaxis(path.paths[piece], -1, 0)
+    speed = legendre.legder(place) / half
+    speed = np.concatenate([speed, np.zeros((1, *speed.shape[1:]))])
+    speed[..., 0] += rate * place[..., 1]
+    speed[..., 1] -= rate * place[..., 0]
+    seen = np.linalg.norm(np.moveaxis(legendre.legval(LOOKED, speed), -1, 0), axis=-1)
+    bend = np.linalg.norm(legendre.legder(speed), axis=-1).sum(axis=0)
+    return np.asarray((seen.max(axis=0) + bend / LOOKS) * (1.0 + 1e-12))
 
 
 def _lever(c: Constellation, users: Users) -> float:
@@ -125,7 +222,7 @@ def _orbits(
     anomaly = c.mean_anomaly + c.mean_motion * start
     columns = (a * towards, a * root[:, np.newaxis] * across)
     return np.ascontiguousarray(
-        np.column_stack([*columns, e, anomaly, mean, swift * (1.0 + 1e-12)])
+        np.column_stack([*columns, e, anomaly, mean, swift * (1.0 + 1e-12), np.zeros(c.size)])
     )
 
 
@@ -152,7 +249,7 @@ def _torus(c: Constellation, users: Users) -> tuple[NDArray[np.float64], float]:
 
 
 def place_of(
-    c: Constellation, users: Users, laid: Laid, worst: NDArray[np.float64]
+    c: Moving, users: Users, laid: Laid, worst: NDArray[np.float64]
 ) -> tuple[float, float, float]:
     """Seconds after the epoch, planetocentric latitude, Mars-fixed longitude of a box's centre."""
     time = laid.start + float(worst[2]) / laid.pace

@@ -1,6 +1,6 @@
 """Whether a fold is always, or often enough, in view of a requirement's users."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,8 +14,10 @@ from compass.coverage.clearance import (
     always_clear,
     clear_share,
     least_clearance,
+    polygon_share,
     worst_share,
 )
+from compass.coverage.clearance_layout import Moving
 from compass.coverage.region import Region, read_regions
 from compass.coverage.symmetry import unlike_subsets
 from compass.coverage.users import (
@@ -164,7 +166,7 @@ def losses_of(
         yield tuple(c.satellite_names[s] for s in subset), number, c.without(subset)
 
 
-def _ask(c: Constellation, users: Users, fold: int, course: Course) -> Clearance:
+def ask(c: Moving, users: Users, fold: int, course: Course) -> Clearance:
     """Least clearance of users on a course.
 
     Who stands at every longitude sees in one revolution what he ever sees. What all on the
@@ -173,7 +175,7 @@ def _ask(c: Constellation, users: Users, fold: int, course: Course) -> Clearance
     """
     if course.span is None:
         return least_clearance(c, users.belt(), fold)
-    if users.longitude is None and one_period(c):
+    if users.longitude is None and isinstance(c, Constellation) and one_period(c):
         revolution = 2 * np.pi / float(c.mean_motion[0]) if c.size else 0.0
         if users.is_belt and course.span[1] - course.span[0] >= revolution:
             return _from(course.span[0], c, least_clearance(c, users, fold))
@@ -220,7 +222,7 @@ def _always(
         for lost, alike, left in losses_of(c, requirement, users, course)
         for each in users
     ]
-    asked = shared(lambda case: _ask(case[3], case[0], fold, course), cases)
+    asked = shared(lambda case: ask(case[3], case[0], fold, course), cases)
     found = [(clearance, *case) for clearance, case in zip(asked, cases, strict=True)]
     low = min(clearance.low for clearance, *_ in found)
     tightest, whose, lost, alike, left = min(found, key=lambda one: one[0].high)
@@ -269,20 +271,23 @@ def _often(
     c: Constellation, users: tuple[Users, ...], requirement: Requirement, course: Course
 ) -> Verdict:
     """Verdict on a fold wanted for a share of the time, or of area and time."""
+    return often(losses_of(c, requirement, users, course), users, requirement, course)
+
+
+def often(
+    cases: Iterable[tuple[tuple[str, ...], int, Moving]],
+    users: Sequence[Users],
+    requirement: Requirement,
+    course: Course,
+) -> Verdict:
+    """Verdict on a fold wanted for a share, of what is left in some cases (as of `losses_of`)."""
     shares: list[tuple[Share, float, tuple[str, ...], int]] = []
-    for lost, alike, left in losses_of(c, requirement, users, course):
+    for lost, alike, left in cases:
         parts = [_share_of(left, each, requirement, course) for each in users]
-        told = [part for part in parts if part is not None]
-        if len(told) < len(parts):
-            reason = (
-                "the share of area and time of a region that turns with Mars is bracketed on "
-                "closed tracks alone; ask for its latitudes, or for the time at the worst place"
-            )
-            return undecided(requirement, course.words, reason)
-        least = min(told, key=lambda part: part[0].low)
-        high = min(part[0].high for part in told)
+        least = min(parts, key=lambda part: part[0].low)
+        high = min(part[0].high for part in parts)
         if requirement.share_of == "area-time":  # a mean lies between its parts
-            high = max(part[0].high for part in told)
+            high = max(part[0].high for part in parts)
         shares.append((replace(least[0], high=high), least[1], lost, alike))
     share, latitude, lost, alike = min(shares, key=lambda one: one[0].low)
     high = min(one[0].high for one in shares)
@@ -298,9 +303,9 @@ def _often(
 
 
 def _share_of(
-    c: Constellation, users: Users, requirement: Requirement, course: Course
-) -> tuple[Share, float] | None:
-    """Share of users, and the latitude it is worst at; None where it cannot be bracketed."""
+    c: Moving, users: Users, requirement: Requirement, course: Course
+) -> tuple[Share, float]:
+    """Share of users, and the latitude it is worst at."""
     assert requirement.fold is not None
     fold, level = requirement.fold, requirement.share
     latitude = centric(0.5 * (users.south + users.north), users.figure)
@@ -309,9 +314,11 @@ def _share_of(
         share = clear_share(c, place, fold, span=course.span, level=level, most=SHARE_BOXES)
         return share, latitude
     if requirement.share_of == "area-time":
-        if course.span is None and not users.is_belt:
-            return None
-        span = None if users.is_belt and one_period(c) else course.span
+        if course.span is None and isinstance(c, Constellation) and not users.is_belt:
+            found = polygon_share(c, users, fold, width=1e-3, level=level, most=SHARE_BOXES)
+            return found, latitude
+        repeats = isinstance(c, Constellation) and one_period(c) and course.for_ever
+        span = None if users.is_belt and repeats else course.span
         asked: dict[str, Any] = {"span": span, "width": 1e-3, "level": level, "most": SHARE_BOXES}
         return clear_share(c, users, fold, **asked), latitude
     asked_of = users.belt() if course.span is None else users

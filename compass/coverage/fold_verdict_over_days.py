@@ -1,18 +1,29 @@
 """Whether a fold is kept along real paths for a span of days, by a requirement's users."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
+from itertools import combinations, pairwise
+from math import comb
 from typing import Any
 
 import numpy as np
 
+from compass.cores import shared
 from compass.coverage.certificate import Outcome
 from compass.coverage.claims import Claim, claims_of
+from compass.coverage.fold_verdict import Course, ask, often, users_of
 from compass.coverage.lasting import Lasting, prove_span
+from compass.coverage.users import Users
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
+from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.trajectory import Trajectory
 from compass.words import counted
+
+#: Stretches in which boxes are laid out, s, and sets of lost satellites that are looked at.
+STRETCH, MOST_SETS = 7.0 * SECONDS_PER_DAY, 1000
 
 
 def fold_verdict_over_days(
@@ -36,10 +47,11 @@ def fold_verdict_over_days(
     assert requirement.fold is not None
     motion = design.motion
     scope = f"over {counted(days, 'day')} from day {start_day:g}, {motion.title}, at the place"
-    if reason := not_followed(design, requirement):
-        return undecided(requirement, scope, reason)
     start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY
     path = motion.trajectory(design.constellation, start, stop)
+    if not_followed(design, requirement):
+        course = Course((start, stop), False, scope + _given({path.estimated}))
+        return _by_boxes(path, users_of(design, requirement), requirement, course)
     # whichever are lost: so many are left if so many more are there
     fold = requirement.fold + requirement.losses
     found = [
@@ -49,21 +61,24 @@ def fold_verdict_over_days(
 
 
 def not_followed(design: Design, requirement: Requirement) -> str:
-    """Why a requirement's satellites in view cannot be settled along paths; empty if they can."""
+    """Why a requirement's satellites in view cannot be followed as caps; empty if they can."""
     if requirement.beam is not None:
-        return "beams of antennas are not looked at along real paths; leave out beam_deg"
+        return "beams of antennas are not followed as caps are; ask `compass check --days`"
     if requirement.fold is None:
         return ""
     lowest = design.constellation.periapsis_radius.min(initial=np.inf)
     if requirement.areas and lowest <= design.figure.equatorial_radius + requirement.altitude:
-        return "users above satellites are not looked at along real paths"
+        return "users above satellites are not followed as caps are; ask `compass check --days`"
     if requirement.share < 1.0:
         return (
-            "shares of satellites in view along real paths are not bracketed; ask for a dilution "
-            "of precision, which is, or for always"
+            "shares of satellites in view are not followed as caps are; ask `compass check "
+            "--days`, or for a dilution of precision, or for always"
         )
     if requirement.areas and requirement.altitude and not design.figure.is_sphere:
-        return "users above an ellipsoid are not looked at along real paths; name a sphere"
+        return (
+            "users above an ellipsoid are not followed as caps are; ask `compass check --days`, "
+            "or name a sphere"
+        )
     return ""
 
 
@@ -96,8 +111,70 @@ def _verdict(requirement: Requirement, scope: str, found: list[Lasting]) -> Verd
         kept = first.days_proven / ((first.stop - first.start) / SECONDS_PER_DAY)
         return Verdict(requirement, False, "proven", scope, (kept, 1.0), -w.shortfall, worst)
     if all(one.outcome is Outcome.PROVEN for one in found):
-        estimated = {one.estimated for one in found} - {""}
-        given = f"; given an estimated {', '.join(estimated)}" if estimated else ""
+        given = _given({one.estimated for one in found})
         return Verdict(requirement, True, "proven", scope + given, (1.0, 1.0))
     days = min(one.days_proven for one in found)
     return undecided(requirement, scope, f"proven for {days:.6g} days; then neither could be shown")
+
+
+def _given(estimated: set[str]) -> str:
+    """What a proof is given that is no bound, in words."""
+    known = ", ".join(sorted(estimated - {""}))
+    return f"; given an estimated {known}" if known else ""
+
+
+def _by_boxes(
+    path: Trajectory, users: Sequence[Users], requirement: Requirement, course: Course
+) -> Verdict:
+    """Verdict along paths from boxes of place and time: beams, users above, shares, any figure.
+
+    What is wanted always is settled for one stretch after the other, up to the first that misses
+    it or is left open.
+    """
+    assert requirement.fold is not None
+    assert course.span is not None
+    if requirement.share < 1.0:
+        return often(_without(path, requirement.losses), users, requirement, course)
+    # whichever are lost: so many are left if so many more are there
+    fold, (start, stop) = requirement.fold + requirement.losses, course.span
+    low, tightest = np.inf, None
+    edges = np.linspace(start, stop, max(int(np.ceil((stop - start) / STRETCH - 1e-9)), 1) + 1)
+    for begin, end in pairwise(edges.tolist()):
+        part = Course((begin, end), False, course.words)
+        asked = partial(ask, path, fold=fold, course=part)
+        found = list(shared(asked, users))
+        low = min(low, *(one.low for one in found))
+        closest = min(found, key=lambda one: one.high)
+        if tightest is None or closest.high < tightest.high:
+            tightest = closest
+        if low < 0.0:
+            break
+    assert tightest is not None
+    if low < 0.0 <= tightest.high:
+        days = (begin - start) / SECONDS_PER_DAY
+        reason = f"proven for {days:.6g} days; then neither could be shown"
+        return undecided(requirement, course.words, reason)
+    met = low >= 0.0
+    margin = low if met else tightest.high
+    worst = Worst(tightest.time, tightest.latitude, tightest.longitude, tightest.seen)
+    share = (1.0, 1.0) if met else ((begin - start) / (stop - start), 1.0)
+    return Verdict(
+        requirement,
+        met,
+        "proven",
+        course.words,
+        share,
+        margin if np.isfinite(margin) else None,
+        worst if np.isfinite(tightest.high) else None,
+    )
+
+
+def _without(path: Trajectory, losses: int) -> Iterator[tuple[tuple[str, ...], int, Trajectory]]:
+    """Every set of satellites that may be lost, and the paths of the others."""
+    if comb(path.size, losses) > MOST_SETS:
+        raise ArgumentError(
+            f"losses = {losses}: {comb(path.size, losses)} sets of {path.size} satellites, more "
+            f"than {MOST_SETS}; ask for fewer, or for always"
+        )
+    for lost in combinations(path.satellite_names, losses):
+        yield lost, 1, path.of([name for name in path.satellite_names if name not in lost])

@@ -100,9 +100,10 @@ def check_limb(users: Users) -> None:
     seen_from = users.figure.polar_radius + users.height
     dip = float(np.arccos(min(1.0, users.figure.equatorial_radius / seen_from)))
     if users.mask.lowest < -dip - 1e-12:
+        allowed = np.ceil(-np.degrees(dip) * 1e4) / 1e4  # rounded into what is allowed
         raise ArgumentError(
-            f"mask_deg = {np.degrees(users.mask.lowest):g}: below the limb of Mars, "
-            f"{-np.degrees(dip):.4g} deg as seen from {users.height / 1e3:g} km; ask for more"
+            f"mask_deg = {np.degrees(users.mask.lowest):.7g}: below the limb of Mars as seen from "
+            f"{users.height / 1e3:g} km; allowed from {allowed:.7g}"
         )
 
 

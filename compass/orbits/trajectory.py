@@ -32,7 +32,7 @@ TOLERANCE, COARSE, FIRST = 1e-6, 1e-3, 1.6
 
 #: Moments of a stretch from which its distances are bounded, and where they lie in it.
 LOOKS = 8
-_LOOKS = (2.0 * np.arange(LOOKS) + 1.0) / LOOKS - 1.0
+LOOKED = (2.0 * np.arange(LOOKS) + 1.0) / LOOKS - 1.0
 
 #: Steps that a call of the kernel has room for, and seconds between two signs of life.
 CHUNK, WINDOW = 256, 25.0 * SECONDS_PER_DAY
@@ -166,7 +166,7 @@ class Trajectory:
             path = np.moveaxis(self.paths[k], -1, 0)
             speed = np.linalg.norm(legendre.legder(path), axis=-1).sum(axis=0) / half
             pull = np.linalg.norm(legendre.legder(path, 2), axis=-1).sum(axis=0) / half**2
-            away = np.linalg.norm(np.moveaxis(legendre.legval(_LOOKS, path), -1, 0), axis=-1)
+            away = np.linalg.norm(np.moveaxis(legendre.legval(LOOKED, path), -1, 0), axis=-1)
             reach = speed * half / LOOKS + self.errors[k]
             found[:, 0] = np.minimum(found[:, 0], away.min(axis=0) - reach)
             for column, bound in enumerate((away.max(axis=0) + reach, speed, pull), start=1):
