@@ -131,6 +131,9 @@ DILUTIONS = ("pdop", "gdop", "hdop", "vdop", "tdop")
 ERRORS = ("error_horizontal_m", "error_vertical_m", "error_position_m", "error_time_m")
 LIMITS = DILUTIONS + ERRORS
 
+#: Satellites without which a dilution of precision is infinite.
+FEWEST = 4
+
 #: What an error in metres is meant as.
 ErrorAs = Literal["one-sigma", "95-percent"]
 
@@ -256,6 +259,16 @@ class Requirement:
             error_as,
             None if beam_deg is None else float(np.radians(beam_deg)),
         )
+
+    @property
+    def counts(self) -> int | None:
+        """Satellites in view to be asked for by themselves; None where its limits imply them.
+
+        A dilution of precision, or an error, is finite only where `FEWEST` are in view: whoever
+        keeps the limit for a share of the time has so many at the same moments.
+        """
+        implied = self.limits and self.share < 1.0 and (self.fold or 0) <= FEWEST
+        return None if implied else self.fold
 
     @property
     def areas(self) -> tuple[str, ...]:

@@ -16,9 +16,6 @@ from compass.coverage.room import SlotBox, Slots, covering_slots, room_in_slots
 from compass.design import Design, Requirement
 from compass.orbits.trajectory import Trajectory
 
-#: Satellites without which a dilution of precision is infinite.
-FEWEST = 4
-
 #: A verdict at a latitude this near to a site's, radians, is about the site.
 NEAR = 1e-4
 
@@ -183,9 +180,7 @@ def _follow(
     design: Design, requirement: Requirement, path: Trajectory, start: float, stop: float
 ) -> Promise:
     """Follow one requirement: the place that is lost first."""
-    asked = requirement
-    if asked.share < 1.0 and asked.limits and asked.fold is not None and asked.fold <= FEWEST:
-        asked = replace(asked, fold=None)  # where a dilution is small, four are in view
+    asked = replace(requirement, fold=requirement.counts)
     if reason := not_followed(design, asked):
         return Promise(requirement, reason=reason)
     lasting, claim, geometry = None, None, None

@@ -41,7 +41,7 @@ def verdict_of(
     """
     _check_days(design, days, start_day)
     verdicts = []
-    if requirement.fold is not None:
+    if requirement.counts is not None:
         settled = fold_verdict if closed_form(design, days) else fold_verdict_over_days
         verdicts.append(settled(design, requirement, days=days, start_day=start_day))
     for name, limit in requirement.limits:

@@ -12,6 +12,7 @@ from compass.coverage.promises import box_of
 from compass.coverage.verdict import Verdict, both
 from compass.design import Design
 from compass.errors import ArgumentError
+from compass.frames import FIGURES
 from compass.orbits import positions_mcmf
 from compass.orbits.motion import Motion
 
@@ -186,25 +187,46 @@ def test_along_real_paths_over_days():
     seen = positions_mcmf(design.constellation, [missed.worst.time])[:, 0]
     there = Site("w", missed.worst.latitude, missed.worst.longitude)
     assert there.sees(seen).sum() == missed.worst.value < 3
-    often = replace(belt, share=0.5)
-    assert verdict(replace(design, requirements=(often,)), days=0.5).met is None
-    from compass.frames import FIGURES
-
     flat = replace(design, figure=FIGURES["iau-ellipsoid"], requirements=(belt,))
     missed = verdict(flat, days=0.5)
     seen = positions_mcmf(design.constellation, [missed.worst.time])[:, 0]
     there = Site("w", missed.worst.latitude, missed.worst.longitude, figure=flat.figure)
     assert there.sees(seen).sum() == missed.worst.value < 3
-    for asked, reason in (
-        ({"altitude": 3e7}, "users above satellites are not looked at"),
-        ({"beam": 0.2}, "beams of antennas are not looked at along real paths"),
-    ):
-        (told,) = compass.check(
-            replace(design, requirements=(replace(belt, **asked),)), days=0.5
-        ).verdicts
-        assert told.met is None and reason in told.reason
-    above = replace(belt, altitude=1e5, sites=(EQUATOR,))
-    assert "above an ellipsoid" in verdict(replace(flat, requirements=(above,)), days=0.5).reason
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "asked",
+    [
+        {"beam": 0.21},
+        {"beam": 0.1},
+        {"altitude": 4e7, "mask": np.radians(-85)},
+        {"altitude": 4e7, "mask": np.radians(-85), "beam": 0.2},
+        {"share": 0.5},
+        {"share": 0.9, "share_of": "area-time", "altitude": 1e5},
+        {"share": 0.9, "losses": 1, "beam": 0.3},
+        {"altitude": 1e5, "figure": "iau-ellipsoid"},
+    ],
+    ids=str,
+)
+def test_along_paths_as_on_the_ellipses_they_follow(asked):
+    """Beams, users above, shares, ellipsoids: two-body paths as series, and in closed form."""
+    asked = dict(asked)
+    figure = FIGURES[asked.pop("figure", "iau-sphere")]
+    belt = Requirement("b", regions=("lat:-20:10",), fold=2, **asked)
+    exact = replace(ring(belt, satellites=5), figure=figure)
+    path = Motion("two-body").trajectory(exact.constellation, 0.0, 0.5 * 86400)
+    along = replace(exact, motion=Motion("ephemeris", table=path))
+    one, other = (verdict(design, days=0.5) for design in (exact, along))
+    assert one.met is not None
+    assert other.met == one.met
+    if one.margin is not None and one.met:  # bounds from below
+        assert 0 <= other.margin < one.margin + 1e-4
+    elif one.margin is not None:
+        assert other.margin == pytest.approx(one.margin, abs=3e-4)
+    elif one.share is not None:
+        assert other.share[0] <= one.share[1] + 1e-9
+        assert one.share[0] <= other.share[1] + 1e-9
 
 
 def test_a_horizon_by_azimuth_refutes_with_its_lowest_along_paths():
@@ -281,7 +303,9 @@ def test_users_in_orbit_and_in_beams():
     assert [verdict.met for verdict in found.verdicts] == [True, False]
     assert "40000 km above the ground, in beams of 10 deg" in str(found)
     deep = replace(seen, altitude=4e5, fold=None, limits=(("pdop", 6.0),))
-    with pytest.raises(ArgumentError, match=r"mask_deg = -85: below the limb of Mars, -26"):
+    with pytest.raises(
+        ArgumentError, match=r"below the limb of Mars as seen from 400 km; allowed from -26.5389"
+    ):
         compass.check(ring(deep))
     # geometry in a beam is a horizon's under circles over a sphere, else it is not known
     below = Requirement("g", regions=("lat:-1:1",), limits=(("pdop", 6.0),), beam=0.1)
@@ -289,6 +313,18 @@ def test_users_in_orbit_and_in_beams():
     odd = replace(ring(below), figure="iau-ellipsoid")
     assert "PDOP of these users is not certified" in verdict(odd).reason
     assert box_of(ring(replace(below, limits=(), fold=1))) is None
+
+
+@pytest.mark.slow
+def test_four_in_view_are_implied_by_a_dilution_at_the_same_moments():
+    """Not asked for again: their share and that of the dilution need not add their misses."""
+    wanted = {"regions": "lat:-20:20", "mask_deg": 20, "share": 0.5, "pdop_at_most": 6}
+    alone, four, five = (Requirement.of("a", fold=k, **wanted) for k in (None, 4, 5))
+    assert [one.counts for one in (alone, four, five)] == [None, None, 5]
+    assert Requirement.of("a", fold=4, **wanted | {"share": 1}).counts == 4
+    c = walker_delta(12, 3, 1, inclination_deg=30, radius_km=20000)
+    found = compass.check(Design(c, requirements=(alone, replace(four, name="b"))), width=0.3)
+    assert found.verdicts[0].share == found.verdicts[1].share
 
 
 def made(met, share=None, evidence="bracket"):

@@ -1,6 +1,7 @@
 """Searches for requirements: small ones whose answers are known, and what is kept out."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -242,3 +243,38 @@ def test_orbits_that_nobody_steers_must_hold_too(flat):
     assert "left alone on real orbits, no proof of 1 satellite for 300 days" in long.sentence
     with pytest.raises(ArgumentError, match="days = 0: allowed above 0 to 36525, a century"):
         compass.search(**few, days=0)
+
+
+WANTED = (
+    {"fold": 2, "mask_deg": 10},
+    {"fold": 4, "mask_deg": 0, "pdop_at_most": 20, "share": 0.3},
+    {"fold": 1, "mask_deg": 20, "losses": 1},
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("orbit", [{"radius_km": 20000}, {"orbit": "areosynchronous"}], ids=str)
+@pytest.mark.parametrize("seed", range(3))
+def test_every_answer_over_random_sites_is_proven_anew_by_check(flat, seed, orbit, tmp_path):
+    rng = np.random.default_rng(seed)
+    sites = [
+        Site(f"S{k}", float(np.arcsin(rng.uniform(-0.7, 0.7))), float(rng.uniform(-3, 3)))
+        for k in range(3)
+    ]
+    asked = Requirement.of("sites", sites=sites, **WANTED[seed])
+    found = compass.search(require=[asked], max_satellites=12, **orbit)
+    assert found.holds, found.sentence
+    following = [found.found.next_best] if found.found.next_best else []
+    for one in (*found.found.met, *following):
+        again = compass.check(
+            replace(found.question.design(one.constellation), requirements=(asked,))
+        )
+        assert again.holds, again
+        closed = "tracks declared closed" in again.verdicts[0].scope
+        assert closed == ("orbit" in orbit)
+    # and what is written says the same
+    path = tmp_path / "best.toml"
+    found.write(path)
+    again = compass.check(path)
+    assert again.holds
+    assert again.design.constellation.size == found.size
