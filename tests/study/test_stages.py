@@ -227,7 +227,7 @@ def test_the_batch_does_not_matter(stage, short):
     assert not together.errors
     for some in ([3, 1], *([k] for k in range(rows.size))):
         alone = evaluate(stage, s, rows[some])
-        for name in stages.figures_of(stage):
+        for name in stages.figures_of(stage, s):
             assert np.array_equal(together.figures[name][some], alone.figures[name], equal_nan=True)
 
 
