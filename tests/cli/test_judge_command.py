@@ -5,6 +5,7 @@ import json
 import pytest
 from scipy.stats import chi2
 
+from compass.api.outlook import Glance
 from compass.inputs import read_design
 from compass.study import judge_worst, ranking, rival
 
@@ -180,7 +181,8 @@ def test_options_are_refused_before_a_rival_is_looked_for(run, files, monkeypatc
         assert not (files / "r.toml").exists()
 
 
-def test_page_on_request(run, files):
+def test_page_on_request(run, files, monkeypatch):
+    monkeypatch.setattr("compass.pages.judge.glance", lambda _: Glance(0.0, 40.0, "3 in view"))
     folder = files / "pages" / "judged"
     status, out, err = run(
         "judge", files / "2.toml", files / "3.toml", "-s", files / "lander.toml",
@@ -189,6 +191,7 @@ def test_page_on_request(run, files):
     assert status == 0 and f"report: {folder / 'index.html'}" in err
     page = (folder / "index.html").read_text()
     assert "Users on the surface" in page and "no mask has it" in page
+    assert "not at the epoch: 3 in view" in page
     assert json.loads(out)["designs"][0]["answer"] in page
     assert (folder / "judge-map.png").read_bytes().startswith(b"\x89PNG")
 

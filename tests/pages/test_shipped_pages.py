@@ -34,3 +34,21 @@ def test_a_design_takes_sixteen_sheets_of_paper(browser):
     paper = browser.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})["data"]
     sheets = re.findall(rb"/Type\s*/Page\b", base64.b64decode(paper))
     assert 5 < len(sheets) <= 16
+
+
+def test_no_table_is_cut_on_paper(browser):
+    """At the width of a sheet within its margins no table sticks out, and none ends in a row."""
+    for page in PAGES:
+        sized(browser, 711)  # 188 mm
+        browser.get(page.absolute().as_uri())
+        browser.execute_script("dispatchEvent(new Event('beforeprint'))")
+        browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+        tables, cut = browser.execute_script(
+            "const all = [...document.querySelectorAll('table')], sheet = innerWidth;"
+            "return [all.length, all.filter(e => {"
+            "  const {right} = e.getBoundingClientRect(), row = getComputedStyle(e.rows[0]);"
+            "  return right > Math.min(sheet, e.closest('.scroll').getBoundingClientRect().right) + 2"
+            "    || row.breakInside !== 'avoid';"
+            "}).map(e => e.caption.textContent)]"
+        )
+        assert tables and cut == []
