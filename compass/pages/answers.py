@@ -183,6 +183,8 @@ def accurate(found: Found) -> str:
             value = Value(value.quantity, value.evidence.high, Proven())
         if value.value is not None and np.isfinite(value.value):
             return f"GDOP is below {value} in {share} of area and time."
+    if numbers["gdop"].get("p50_bracket", (0.0,))[0] >= GREATEST:
+        return "In more than half of area and time ranges of one moment give no fix."
     return "In more than half of area and time no bound of GDOP is known."
 
 

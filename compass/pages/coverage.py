@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 from compass.api.map_result import MapResult
 from compass.document.blocks import Picture
@@ -34,6 +35,14 @@ def count_picture(mapped: MapResult) -> Picture:
         "The smallest number of satellites in view at any epoch, by cell; red: fewer than wanted.",
         alt=f"Map of Mars: {fewest.min()} to {fewest.max()} satellites in view at least.",
     )
+
+
+def one_count(mapped: MapResult) -> list[str]:
+    """Say what a map of the fewest in view would show in one colour."""
+    fewest = mapped.dataset.count_min.values
+    if fewest.max() > fewest.min():
+        return []
+    return [f"At every cell the fewest in view at any epoch are {int(fewest.min())}."]
 
 
 def dilution_pictures(mapped: MapResult) -> list[Picture]:
@@ -197,6 +206,7 @@ def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
             ylim=(0, None),
             title="Satellites in view over time",
         )
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
         axes.margins(x=0)
         axes.grid(True, color=FAINT, alpha=0.4)
         axes.legend(

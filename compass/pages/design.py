@@ -36,7 +36,13 @@ from compass.document.blocks import (
 from compass.orbits.symmetry import one_circle
 from compass.pages.access import access_section
 from compass.pages.answers import answer_section, subtitle
-from compass.pages.coverage import count_picture, dilution_pictures, fold_pictures, one_colour
+from compass.pages.coverage import (
+    count_picture,
+    dilution_pictures,
+    fold_pictures,
+    one_colour,
+    one_count,
+)
 from compass.pages.deployment import deployment_section
 from compass.pages.fold import fold_section
 from compass.pages.found import Found
@@ -172,10 +178,12 @@ def _coverage(found: Found, beside: list[Neighbour]) -> Section:
     """Whether everybody is served, always: proof, margin, and how many are in view where."""
     exact = fold_section(found.fold, beside)
     in_view = found.mapped.tables()[0]
-    pictures = (count_picture(found.mapped), *fold_pictures(found.mapped.dataset))
+    alike = one_count(found.mapped)
+    mapped = () if alike else (count_picture(found.mapped),)
+    pictures = (*mapped, *fold_pictures(found.mapped.dataset))
     return arranged(
         "Coverage",
-        exact.paragraphs,
+        (*exact.paragraphs, *alike),
         (*exact.pictures, *pictures),
         (*exact.tables, in_view),
     )

@@ -177,6 +177,8 @@ def test_how_accurate_a_fix_is_is_one_sentence():
     assert "takes four satellites in view" in accurate(few)
     assert [row.written for row in geometry(few)] == ["never: it takes four satellites in view"]
     assert "no bound of GDOP is known" in accurate(mapped())
+    none = mapped(gdop={"p50": np.inf, "p95": np.inf, "p50_bracket": (1e5, np.inf)})
+    assert accurate(none).endswith("ranges of one moment give no fix.")
     half = mapped(gdop={"p50": 2.0, "p95": 9.0, "p95_bracket": (8.0, np.inf)})
     assert accurate(half) == "GDOP is below 2 in half of area and time."
     most = mapped(gdop={"p50": 2.0, "p95": 3.4, "p95_bracket": (3.4059, 3.4101)})
@@ -218,7 +220,7 @@ def test_a_rover_anywhere_is_answered_where_a_signal_is_known(met):
 
 def test_maps_and_losses_of_a_page(met):
     from compass.pages import design as page
-    from compass.pages.coverage import count_picture, dilution_pictures, one_colour
+    from compass.pages.coverage import count_picture, dilution_pictures, one_colour, one_count
 
     assert "0 to" in count_picture(met.mapped).alt or "1 to" in count_picture(met.mapped).alt
     drawn = dilution_pictures(met.mapped)
@@ -230,6 +232,10 @@ def test_maps_and_losses_of_a_page(met):
     flat = met.mapped.dataset.assign(availability=0.0 * met.mapped.dataset.availability)
     even = replace(met.mapped, made=replace(met.mapped.made, dataset=flat))
     assert one_colour(even) == ["PDOP is at most 6 for 0.0% of the time, at every cell."]
+    assert one_count(met.mapped) == []
+    flat = met.mapped.dataset.assign(count_min=3 + 0 * met.mapped.dataset.count_min)
+    even = replace(met.mapped, made=replace(met.mapped.made, dataset=flat))
+    assert one_count(even) == ["At every cell the fewest in view at any epoch are 3."]
     lost = page._losses(met, [])
     assert lost is not None and lost.tables[0].title.startswith("After 1 loss")
 
