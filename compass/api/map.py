@@ -6,20 +6,22 @@ from pathlib import Path
 from typing import Any
 
 from compass.api.cluster import check_cluster
-from compass.api.given import given_in_metres, given_places
+from compass.api.given import given_design, given_places, in_metres
 from compass.api.map_result import MapResult
 from compass.api.progress import bar, foretell, parts_bar
 from compass.arguments import checked
 from compass.cores import cores
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_geometry import CertifiedGeometry
+from compass.coverage.protection import protection_after_losses
 from compass.coverage.rows import Rows
 from compass.design import PDOP_MAX, Design
+from compass.errors import ArgumentError
 from compass.orbits.motion import MotionModel
 from compass.signal.ranges import Weighting
 from compass.sites import Site
 from compass.study.certified import certified_areas, certified_figures
-from compass.study.mapping import MapOptions, MapRows, make_map
+from compass.study.mapping import DesignMap, MapOptions, MapRows, make_map
 
 
 @checked
@@ -39,6 +41,7 @@ def map(
     duration_h: float | None = None,
     error_max_m: float = 30.0,
     weights: Weighting = "variance",
+    each_loss: bool = False,
     width: float | None = None,
     budget_s: float | None = None,
     leaves: str | Path | None = None,
@@ -84,6 +87,9 @@ def map(
         Largest error of a fix that counts as within, metres, one sigma; of designs with a signal.
     weights
         How a fix weighs ranges: by their ``variance``, or all ``equal``.
+    each_loss
+        Whether to map protection levels without each satellite in turn, too: as many maps more as
+        there are satellites. The design needs tables [signal] and [integrity].
     width, budget_s
         How near proven bounds of a share are to come (of a percentile 100 times that, relative),
         and seconds that each figure may take; by default 2e-4, and a number of boxes.
@@ -127,8 +133,14 @@ def map(
         error_max_m=error_max_m,
         weights=weights,
     )
+    given = given_design(design)
+    if each_loss and (given.signal is None or given.integrity is None):
+        raise ArgumentError(
+            "each_loss: protection after a loss needs what is promised, and the errors of ranges; "
+            "add tables [signal] and [integrity]"
+        )
     tls = check_cluster(workers, scheduler, tls_ca, tls_cert, tls_key)
-    read = given_in_metres(design)
+    read = in_metres(given)
     places = given_places(sites, regions, read)
     file, threads = None if leaves is None else Path(leaves), cores(workers)
     effort = Effort(width, budget_s, file, threads)
@@ -157,8 +169,30 @@ def map(
         certified = certified_figures(read, options, effort)
         areas = certified_areas(read, options, *places, effort)
     found = MapResult(read, made, certified, areas)
+    if each_loss:
+        _add_losses(made, read, options, workers, progress)
     made.dataset.attrs |= _attributes(certified) | {"sampled": found.sampled}
     return found
+
+
+def _add_losses(
+    made: DesignMap, design: Design, options: MapOptions, workers: int | None, progress: bool
+) -> None:
+    """Add to a map which shares are protected without each satellite."""
+    assert design.integrity is not None
+    rows = MapRows(design, options)
+    names = design.constellation.satellite_names
+    with bar(progress, "losses", unit="row", total=len(names) * made.grid.latitude.size) as done:
+        shares = protection_after_losses(
+            made.view, made.grid, rows.ranges, design.integrity, workers=workers,
+            progress=done.update,
+        )  # fmt: skip
+    made.dataset["loss_protection_share"] = (
+        ("lost", "protected"),
+        shares,
+        {"units": "1", "long_name": "share of area and time after the loss of one satellite"},
+    )
+    made.dataset.coords["lost"] = list(names)
 
 
 def _attributes(certified: CertifiedGeometry | None) -> dict[str, Any]:

@@ -216,6 +216,7 @@ class MapResult(Result):
         return (
             Table("Protection levels, m: percentiles over area and time", header, rows),
             facts("One faulty satellite", shares),
+            *self._loss_blocks(found),
             Sentence(
                 "solution separation: 2 Q((L - b0)/s0) + sum of P_sat Q((L - Tk - bk)/sk) = P_HMI "
                 f"less what two faults use up; P_HMI {promise.hazard:g} ({promise.horizontal:g} "
@@ -225,6 +226,25 @@ class MapResult(Result):
                 f"horizontal, {promise.alert_vertical:g} m vertical; sampled as the errors are"
             ),
         )
+
+    def _loss_blocks(self, found: dict[str, Any]) -> list[Table | Sentence]:
+        """What is left of protection after the worst loss, if losses were looked at."""
+        if (loss := found.get("after_loss")) is None:
+            return []
+        left = [
+            Value(quantity(name), loss[name]) for name in ("detection_share", "protection_share")
+        ]
+        few = self.design.constellation.size <= 5
+        return [
+            facts(f"One faulty satellite after the worst loss, of {loss['satellite']}", left),
+            Sentence(
+                "fewer than five satellites are left, and no fault is noticed"
+                if few
+                else "every satellite was left out in turn; the loss that harms least leaves "
+                f"{100 * loss['detection_share_most']:.2f} % detectable and "
+                f"{100 * loss['protection_share_most']:.2f} % within the limits"
+            ),
+        ]
 
     def _between_epochs(self) -> list[Sentence]:
         """How well gaps are known, and whether the epochs are too few for the quickest pass."""

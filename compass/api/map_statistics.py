@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from compass.ranging import FACTOR_95
 
 if TYPE_CHECKING:
@@ -86,4 +88,25 @@ def protection_statistics(dataset: "xr.Dataset") -> dict[str, Any]:
         "protection_share": float(shares.sel(protected="both")),
         "protection_horizontal_share": float(shares.sel(protected="horizontal")),
         "protection_vertical_share": float(shares.sel(protected="vertical")),
+        **_after_loss(dataset),
+    }
+
+
+def _after_loss(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Shares without the satellite whose loss leaves least, if losses were looked at."""
+    if "loss_protection_share" not in dataset:
+        return {}
+    shares = dataset.loss_protection_share
+    both, able = shares.sel(protected="both").values, shares.sel(protected="detectable").values
+    worst = int(np.lexsort((able, both))[0])
+    return {
+        "after_loss": {
+            "satellite": str(dataset.lost.values[worst]),
+            "detection_share": float(able[worst]),
+            "protection_share": float(both[worst]),
+            "protection_horizontal_share": float(shares.sel(protected="horizontal").values[worst]),
+            "protection_vertical_share": float(shares.sel(protected="vertical").values[worst]),
+            "detection_share_most": float(able.max()),
+            "protection_share_most": float(both.max()),
+        }
     }

@@ -67,6 +67,11 @@ from compass.errors import ArgumentError
     default="variance",
     help="How a fix weighs its ranges.",
 )
+@click.option(
+    "--each-loss",
+    is_flag=True,
+    help="Also protection after the loss of any one satellite; needs [signal] and [integrity].",
+)
 @certified_options
 @whole("--workers", help="Threads of this machine; by default one a core.")
 @cluster_options

@@ -1,5 +1,7 @@
 """Protection levels: the equation solved elsewhere, and faults that are injected."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -259,3 +261,39 @@ def test_four_satellites_are_too_few_for_a_map():
     seen = view(c, [0.0], d.figure.equatorial_radius, d.mask)
     with pytest.raises(ArgumentError, match="4 satellites; a fault is noticed"):
         protection_map(seen, make_grid("equal-angle", 90), range_errors(d, [0.0]), Integrity())
+
+
+def test_after_a_loss_the_others_are_mapped_by_themselves():
+    """By hand: a design without that satellite."""
+    text = DESIGN.format(
+        satellites=10, signal=SIGNAL, text="alert_horizontal_m = 5e3\nalert_vertical_m = 2e4"
+    )
+    read = read_design_text(text)
+    asked = {"step_deg": 30, "epochs": 3, "duration_h": 5}
+    found = compass.map(read, each_loss=True, **asked)
+    shares = found.dataset.loss_protection_share
+    for lost in (0, 4):
+        c = read.constellation.without([lost])
+        other = compass.map(replace(read, constellation=c), **asked).dataset
+        expected = other.global_protection_share.values
+        np.testing.assert_allclose(shares.values[lost], expected, atol=1e-12)
+    told = found.to_dict()
+    both = shares.sel(protected="both").values
+    assert told["after_loss"]["protection_share"] == both.min() < told["protection_share"]
+    worst = told["after_loss"]["satellite"]
+    assert float(shares.sel(lost=worst, protected="both")) == both.min()
+    assert f"One faulty satellite after the worst loss, of {worst}" in str(found)
+
+
+def test_five_satellites_less_one_notice_nothing():
+    found = compass.map(
+        read_design_text(DESIGN.format(satellites=5, signal=SIGNAL, text="")),
+        each_loss=True, step_deg=60, epochs=2, duration_h=2,
+    )  # fmt: skip
+    assert found.to_dict()["after_loss"]["detection_share"] == 0.0
+    assert "fewer than five satellites are left" in str(found)
+    bare = read_design_text(DESIGN.format(satellites=6, signal=SIGNAL, text="").split("[integ")[0])
+    with pytest.raises(
+        ArgumentError, match=r"each_loss: .* add tables \[signal\] and \[integrity\]"
+    ):
+        compass.map(bare, each_loss=True, step_deg=60, epochs=2)
