@@ -94,8 +94,13 @@ def bounds(orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, ne
     piece = piece_of(breaks, box[2]) if paths.shape[0] > 0 else -1
     for s in range(n):
         o = orbits[s]
-        _place(o, breaks, paths, piece, s, box[2], place)
-        x, y, z = place
+        if piece >= 0:
+            path_place(breaks, paths, piece, s, box[2], place)
+            x, y, z = place[0], place[1], place[2]
+        else:
+            anomaly = eccentric_anomaly(o[7] + o[8] * box[2], o[6])
+            p, q = math.cos(anomaly) - o[6], math.sin(anomaly)
+            x, y, z = o[0] * p + o[3] * q, o[1] * p + o[4] * q, o[2] * p + o[5] * q
         # turned to the longitude of the user, who stays at 0
         dx, dy, dz = ca * x + sa * y - eye_x, ca * y - sa * x, z - eye_z
         distance = math.sqrt(dx * dx + dy * dy + dz * dz)
@@ -130,18 +135,6 @@ def bounds(orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, ne
         _keep(near[1], central)
         _keep(near[2], highest)
     return near[0, k - 1], near[1, k - 1], near[2, k - 1], seen
-
-
-@kernel
-def _place(o, breaks, paths, piece, s, phase, place):
-    """Fill in where a satellite is at a phase: on a stretch of its path, or on its ellipse."""
-    if piece < 0:
-        anomaly = eccentric_anomaly(o[7] + o[8] * phase, o[6])
-        p, q = math.cos(anomaly) - o[6], math.sin(anomaly)
-        for c in range(3):
-            place[c] = o[c] * p + o[3 + c] * q
-        return
-    path_place(breaks, paths, piece, s, phase, place)
 
 
 @kernel
