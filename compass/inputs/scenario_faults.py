@@ -77,8 +77,8 @@ def scenario_faults(raw: dict[str, Any]) -> list[str]:
 def _filter_faults(table: dict[str, Any]) -> list[str]:
     """Options of one kind of filter beside another, and a flight that cannot be looked back on."""
     kind, faults = table.get("kind", "ekf"), []
-    if kind != "iterated-ekf" and "iterations" in table:
-        problem = 'only for kind = "iterated-ekf"; change the kind or leave it out'
+    if kind not in ("iterated-ekf", "square-root-ekf") and "iterations" in table:
+        problem = 'only for kind = "iterated-ekf" or "square-root-ekf"; change it or leave it out'
         faults.append(fault("filter.iterations", table["iterations"], problem))
     density, noise = table.get("density"), table.get("process_noise_si")
     wanders = isinstance(density, dict) and ("scale_km" in density or "along_km" in density)
