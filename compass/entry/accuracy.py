@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.entry.filter import PLAIN, covariance_run
+from compass.core.entry.filter import covariance_run
+from compass.core.entry.kinds import PLAIN
 from compass.core.entry.rates import acceleration, through_air, wind_gradient
 from compass.entry.covariance import LONGEST_STEP, Bound, noise_roots
 from compass.entry.layout import Layout

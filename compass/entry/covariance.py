@@ -97,7 +97,8 @@ def linear_covariance(
     ----------
     Tichavsky, Muravchik and Nehorai 1998, IEEE Trans. Signal Process. 46:1386, eq. 21.
     """
-    from compass.core.entry.filter import PLAIN, ROOTED, covariance_run
+    from compass.core.entry.filter import covariance_run
+    from compass.core.entry.kinds import PLAIN, ROOTED
 
     flown = np.ascontiguousarray(path, dtype=float)
     blocks = layout or Layout(beacons=beacons.size)

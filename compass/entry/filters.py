@@ -6,7 +6,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.filter import PLAIN, RELINEARISED, ROOTED, UNSCENTED
+from compass.core.entry.kinds import PLAIN, RELINEARISED, ROOTED, UNSCENTED
 from compass.entry.layout import Layout, Part
 from compass.errors import ArgumentError
 

@@ -18,15 +18,12 @@ import math
 import numpy as np
 
 from compass.core.entry.flow import advance_spread, advance_transition, retreat
+from compass.core.entry.kinds import RELINEARISED, ROOTED, UNSCENTED
 from compass.core.entry.measure import AIR, CLOCK, ESTIMATED, LIFT, measured
 from compass.core.entry.rates import COLUMNS, OF_AIR, OF_LIFT
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.entry.root import absorb_root, root_of, square_of, triangle
 from compass.core.jit import fast_kernel, kernel
-
-#: Ways of filtering: extended; through spread points; looking back; extended, its covariance
-#: carried as a root, see `compass.core.entry.root`.
-PLAIN, UNSCENTED, RELINEARISED, ROOTED = range(4)
 
 
 @fast_kernel
