@@ -39,6 +39,13 @@ HOUR = 3600.0
 COMPONENTS = ("radial", "along", "cross", "clock")
 
 
+#: How well the sigmas are known.
+EVIDENCE = (
+    "covariance of linearised least squares, no sample: exact for the errors that are modelled, "
+    "and silent on those that are not"
+)
+
+
 @dataclass(frozen=True, repr=False)
 class DetermineResult(Result):
     """How well every satellite's orbit and clock are known, and what each kind of tracking buys.
@@ -74,6 +81,7 @@ class DetermineResult(Result):
                 "tracking": list(found.tracking.kinds),
                 "measurements": found.counts,
                 "considered": found.tracking.considered,
+                "evidence": EVIDENCE,
                 **self._numbers(found.rms[last]),
                 "common_orientation_mas": (found.orientation / MAS).tolist(),
                 "common_time_m": found.common_time,

@@ -106,6 +106,10 @@ class FoldResult(FoldClaim):
                 "figure": self.design.figure.name,
                 "fold_share": None if shares is None else shares.share,
                 "fold_share_error": None if shares is None else shares.error,
+                "evidence": {
+                    "fold_share": "" if shares is None else str(_integrated(shares.error)),
+                    "others": str(Proven(self.scope)),
+                },
                 "min_fold_bounds": found.least,
                 "max_fold_bounds": found.greatest,
                 "stations": [
@@ -248,7 +252,7 @@ class FoldResult(FoldClaim):
         shares, share = self.coverage.shares, quantity("fold_share")
         if shares is None:
             return ()
-        evidence = Sampled(shares.error, "areas exact, integrated over time")
+        evidence = _integrated(shares.error)
         known = (
             Value(share, float(part), evidence, f"exactly {k} in view")
             for k, part in enumerate(shares.share)
@@ -311,6 +315,11 @@ class FoldResult(FoldClaim):
 
 #: What is said of a claim that holds, fails, or is open.
 _OUTCOMES = {True: Outcome.PROVEN, False: Outcome.REFUTED, None: Outcome.UNDECIDED}
+
+
+def _integrated(error: float) -> Sampled:
+    """How well shares by fold are known."""
+    return Sampled(error, "areas exact, integrated over time")
 
 
 def _settled(bounds: tuple[int, int]) -> int | None:

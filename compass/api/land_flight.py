@@ -8,12 +8,14 @@ from numpy.typing import NDArray
 
 from compass.api.given import in_metres
 from compass.document.blocks import Picture, Section, Table, arranged
+from compass.document.evidence import Sampled
 from compass.document.numbers import significant
 from compass.entry.accuracy import Accuracy, Spread
 from compass.entry.assess import Assessment, assess
 from compass.entry.carried import CarriedFilter
 from compass.entry.dispersed import Dispersed, fly_dispersed
 from compass.entry.guidance import guided, with_bank
+from compass.entry.quantiles import share_bounds
 from compass.entry.state import longitude_degrees
 from compass.entry.trajectory import Trajectory, fly, loads
 from compass.errors import ArgumentError
@@ -21,6 +23,12 @@ from compass.inputs.scenario import Scenario
 from compass.signal.budget import basis, mean_age_covariance
 
 KM = 1e3
+
+#: How well what is drawn is known.
+EVIDENCE = (
+    "beside percentiles and shares of entries or runs drawn as _interval: bounds that hold that of "
+    "all in 95 of 100 cases"
+)
 
 #: Filter runs that would take longer (s), or have more epochs in all, are refused.
 MOST_SECONDS, MOST_STEPS = 3600.0, 100_000_000
@@ -128,10 +136,14 @@ def dispersed_sentence(found: Dispersed) -> str:
         return f"Of {count} dispersed {how}entries {came} come to {found.event}."
     ellipse = found.ellipse
     half, most = (_kilometres(found.within(share)) for share in (50.0, 95.0))
+    (least, less), (more, greatest) = (
+        map(_kilometres, found.within_bounds(share)) for share in (50.0, 95.0)
+    )
     return (
         f"Of {count} dispersed {how}entries half come to {found.event} within {half} of {of}, 95 % "
         f"within {most} (95 % ellipse {_kilometres(ellipse.semi_major)} by "
-        f"{_kilometres(ellipse.semi_minor)}, half axes){lost}.{_knowledge_words(found)}"
+        f"{_kilometres(ellipse.semi_minor)}, half axes). Other draws would put half within "
+        f"{least} to {less}, 95 % within {more} to {greatest}, in 95 of 100 cases{lost}.{_knowledge_words(found)}"
     )
 
 
@@ -162,7 +174,14 @@ def dispersed_facts(found: Dispersed) -> dict[str, Any]:
         "guided": found.guided,
         "entries": found.times.size,
         "reached": int(found.reached.sum()),
-        "within_m": {"p50": found.within(50.0), "p95": found.within(95.0)},
+        "within_m": {
+            "p50": found.within(50.0),
+            "p50_interval": found.within_bounds(50.0),
+            "p95": found.within(95.0),
+            "p95_interval": found.within_bounds(95.0),
+        },
+        "reached_share": found.reached.mean(),
+        "reached_share_interval": share_bounds(float(found.reached.mean()), found.times.size),
         "knowledge_rms_m": None if found.nees is None else found.knowledge,
         "nees": None if found.nees is None else found.nees[found.reached].mean(),
         "offsets_east_north_m": found.offsets,
@@ -512,6 +531,14 @@ def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
         "beacons": list(found.beacons.names),
         "readings": dict(found.readings),
         "in_view_share": found.seen.mean(axis=0),
+        "evidence": {
+            "in_view_share": str(Sampled(how=f"at the {flight.times.size} epochs of the flight")),
+            "navigation": (
+                f"bounds of a covariance; rms and nees of {len(mc.errors)} runs, rms with its "
+                "standard error beside it as _sampling"
+            ),
+            "others": EVIDENCE,
+        },
         "in_view": {
             "min": found.seen.sum(axis=1).min(),
             "max": found.seen.sum(axis=1).max(),
@@ -567,7 +594,9 @@ def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
             "position_bound_m": bound.position_sigma,
             "velocity_bound_m_s": bound.velocity_sigma,
             "position_rms_m": mc.position_rms,
+            "position_rms_sampling_m": mc.position_rms_error,
             "velocity_rms_m_s": mc.velocity_rms,
+            "velocity_rms_sampling_m_s": mc.velocity_rms_error,
             "nees": mc.mean_nees,
             "runs": len(mc.errors),
             "diverged": int(mc.diverged.sum()),

@@ -1,5 +1,6 @@
 """What is said of fused filters: errors, claims, faults, plasma; sentences, tables, numbers."""
 
+from math import isnan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -8,6 +9,7 @@ from compass.document.blocks import Picture, Section, Table, arranged
 from compass.entry.accuracy import error_ellipse
 from compass.entry.faults import Fault
 from compass.entry.fused_kinds import Kind
+from compass.entry.quantiles import share_bounds
 from compass.study.fusion import SETTLING, TITLES, FusionRuns
 
 if TYPE_CHECKING:
@@ -200,6 +202,23 @@ def _refused_table(found: FusionRuns) -> Table:
     )
 
 
+def _shares(
+    name: str, of: "xr.DataArray", found: "xr.DataArray", runs: int
+) -> dict[str, dict[str, Any]]:
+    """Shares of the epochs of all runs, with bounds as if a run were all one or all the other.
+
+    Whatever ties the epochs of a run, their share is of no greater variance.
+    """
+    shares = dict(zip(of.values.tolist(), found[1:].mean("time").values.tolist(), strict=True))
+    return {
+        name: shares,
+        f"{name}_interval": {
+            key: None if isnan(share) else share_bounds(share, runs)
+            for key, share in shares.items()
+        },
+    }
+
+
 def fusion_facts(found: FusionRuns) -> dict[str, Any]:
     """Results as plain values for JSON."""
     case = found.plan.case
@@ -210,12 +229,8 @@ def fusion_facts(found: FusionRuns) -> dict[str, Any]:
             "final_position_rmse_m": float(data.position_rmse[-1]),
             "nees": _settled(data, "nees"),
             "nees_95": [data.attrs["nees_low"], data.attrs["nees_high"]],
-            "within_3_sigma": dict(
-                zip(data.state.values.tolist(), data.capture[1:].mean("time").values, strict=True)
-            ),
-            "refused_share": dict(
-                zip(data.sensor.values.tolist(), data.refused[1:].mean("time").values, strict=True)
-            ),
+            **_shares("within_3_sigma", data.state, data.capture, data.attrs["runs"]),
+            **_shares("refused_share", data.sensor, data.refused, data.attrs["runs"]),
             "runs": data.attrs["runs"],
             "diverged": data.attrs["diverged"],
             "divergences": list(data.attrs["divergences"]),

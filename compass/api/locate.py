@@ -27,6 +27,12 @@ if TYPE_CHECKING:
 
 HOUR = 3600.0
 
+#: How well the errors are known.
+EVIDENCE = (
+    "covariance of linearised least squares at the epochs looked at, no sample of errors; in view: "
+    "at these epochs"
+)
+
 #: Most epochs of one look.
 MOST_EPOCHS = 20_000
 
@@ -114,6 +120,7 @@ class LocateResult(Result):
                 "doppler_m_s": self.doppler_m_s,
                 "clock": self.clock,
                 "hours": self.hours,
+                "evidence": EVIDENCE,
                 "in_view": self.seen,
                 "ways": [
                     {

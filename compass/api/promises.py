@@ -43,6 +43,7 @@ def promise_dict(promise: Promise) -> dict[str, Any]:
         "days_proven": None if decides is None else decides.days_proven,
         "first_loss_days": promise.first_loss_days,
         "share": _share(promise),
+        "evidence": "none" if promise.geometry is None else promise.geometry.verdict.evidence,
         "room_deg": None if room is None else np.degrees(room).tolist(),
         "slot_box": box_dict(promise.box),
         "reason": promise.reason,

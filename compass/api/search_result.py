@@ -95,6 +95,7 @@ class SearchResult(Result):
                 "least_approach_deg": self.least_approach_deg,
                 "kept_out": [candidate.as_dict() for candidate in self.kept_out],
                 "sentence": self.sentence,
+                "evidence": "fold and margins proven; geometry between proven bounds, as _bracket",
             }
         )
 

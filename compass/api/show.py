@@ -16,7 +16,7 @@ from compass.arguments import checked
 from compass.coverage.cap import cap, published_cap_area
 from compass.coverage.geometry import Geometry, pattern_geometry
 from compass.design import Design
-from compass.document import Page, Sentence, Table, Value, Verdict
+from compass.document import Page, Proven, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block, columns, facts, values
 from compass.document.plain import plain
 from compass.frames import J2000
@@ -55,7 +55,12 @@ class ShowResult(Result):
         found |= geometry_facts(self.geometry) if self.geometry else {"cap": None, "gap": None}
         if self.design.signal is not None:
             found["signal"] = signal_facts(self.design)
-        return plain(found | {"comparison": [row.as_dict() for row in self.comparison]})
+        known = "of circular orbits over a sphere, in closed form"
+        return plain(
+            found
+            | {"evidence": str(Proven(known))}
+            | {"comparison": [row.as_dict() for row in self.comparison]}
+        )
 
     def document(self) -> Page:
         """What it is in a sentence, its facts, caps and gaps, published against exact."""

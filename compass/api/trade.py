@@ -13,7 +13,7 @@ from compass.api.progress import bar
 from compass.api.results import Result
 from compass.arguments import checked
 from compass.cores import cores
-from compass.document import Bracket, Page, Sentence, Table, Value, Verdict
+from compass.document import Bracket, Page, Sampled, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block
 from compass.document.plain import plain
 from compass.errors import ArgumentError
@@ -103,11 +103,9 @@ class TradeResult(Result):
                 "requirements": [wanted.claim for wanted in self.study.requirements],
                 "front": self.front,
                 "by_clock": list(self.by_clock),
-                "sampled_over": {
-                    name: how
-                    for name in MERITS
-                    if name not in self._bracketed and (how := sampling_of(self.study, name))
-                },
+                "sampled_over": self._sampled_over,
+                "evidence": dict.fromkeys(self._bracketed, "between proven bounds")
+                | {name: str(Sampled(how=how)) for name, how in self._sampled_over.items()},
                 "rests_on_samples": rests_on_samples(self.study),
             }
         )
@@ -135,6 +133,15 @@ class TradeResult(Result):
         )
         header = ("stage", "candidates", "computed now", "raised", "work s")
         return Page(self.study.name, (*blocks, Table("Stages", header, stages)))
+
+    @property
+    def _sampled_over(self) -> dict[str, str]:
+        """What figures without proven bounds were sampled over, by name."""
+        return {
+            name: how
+            for name in MERITS
+            if name not in self._bracketed and (how := sampling_of(self.study, name))
+        }
 
     @property
     def _bracketed(self) -> list[str]:

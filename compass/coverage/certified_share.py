@@ -21,7 +21,7 @@ from compass.orbits import Constellation
 PIECE = 2048
 
 #: Part of the whole that a box may keep open in the first round of splitting; four times less in
-#: each that follows.
+#: each that follows, but no less in the last than the width asked for needs.
 FIRST = 1e-3
 
 #: How near bounds come at most to tell a share from one it is compared with.
@@ -200,7 +200,8 @@ class Search:
             decided = level is not None and (found.low >= level or found.high < level)
             if found.width <= width or decided or not len(leaves):
                 break
-            eps *= 0.25
+            # bounds come nearer as the root of what a box may keep open: the last round ends there
+            eps *= max(0.25, (0.9 * width / found.width) ** 2)
             leaves, sums, stopped = self._round(leaves, eps, limit, end, most - boxes)
             settled, boxes = settled + sums[:3], boxes + int(sums[3])
         return self._result(leaves, settled, boxes, stopped)

@@ -14,6 +14,7 @@ from compass.entry.consistency import FALSE_ALARM, nees_bounds
 from compass.entry.covariance import LONGEST_STEP
 from compass.entry.guidance import GROUND, Dispersion, Guidance
 from compass.entry.model import EntryModel
+from compass.entry.quantiles import quantile_bounds
 from compass.entry.start import Trigger
 from compass.entry.trajectory import watched_level
 from compass.entry.views import cartesian_of, local_axes
@@ -95,9 +96,19 @@ class Dispersed:
 
         Infinite where fewer come to the event at all.
         """
+        return float(np.percentile(self._misses, percent, method="inverted_cdf"))
+
+    def within_bounds(self, percent: float) -> tuple[float, float]:
+        """Bounds of that distance that so few entries leave, m: `quantile_bounds`."""
+        low, high = quantile_bounds(self._misses, percent)
+        return max(low, 0.0), high
+
+    @property
+    def _misses(self) -> Array:
+        """Distance of every entry from the centre, m, infinite where it does not come."""
         misses = np.full(self.times.size, np.inf)
         misses[self.reached] = np.hypot(*self.offsets.T)
-        return float(np.percentile(misses, percent, method="inverted_cdf"))
+        return misses
 
 
 def fly_dispersed(

@@ -143,6 +143,16 @@ class MonteCarlo:
         return _rms(self.errors[~self.diverged, :, 3:])
 
     @property
+    def position_rms_error(self) -> NDArray[np.float64]:
+        """Standard error that so few runs leave of the position's, m, shape (t,); nan of one."""
+        return _rms_error(self.errors[~self.diverged, :, :3])
+
+    @property
+    def velocity_rms_error(self) -> NDArray[np.float64]:
+        """Standard error that so few runs leave of the velocity's, m/s, shape (t,); nan of one."""
+        return _rms_error(self.errors[~self.diverged, :, 3:])
+
+    @property
     def mean_nees(self) -> NDArray[np.float64]:
         """Mean of the normalised error squared over the runs, shape (t,); nan if one is."""
         kept = self.nees[~self.diverged]
@@ -158,6 +168,16 @@ def _rms(errors: NDArray[np.float64]) -> NDArray[np.float64]:
     if not len(errors):
         return np.full(errors.shape[1], np.nan)
     return np.sqrt((errors**2).sum(axis=2).mean(axis=0))
+
+
+def _rms_error(errors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Standard error of the root of a mean, by that of the mean: ``s/sqrt(n) / (2 rms)``."""
+    if len(errors) < 2:
+        return np.full(errors.shape[1], np.nan)
+    squares = (errors**2).sum(axis=2)
+    rms = np.sqrt(squares.mean(axis=0))
+    error = squares.std(axis=0, ddof=1) / np.sqrt(len(errors))
+    return np.divide(error, 2.0 * rms, out=np.zeros_like(rms), where=rms > 0.0)
 
 
 def run_monte_carlo(

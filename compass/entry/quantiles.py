@@ -20,6 +20,25 @@ def percentiles(
     return found
 
 
+def share_bounds(share: float, draws: int) -> tuple[float, float]:
+    """Bounds of a probability by the share of independent draws that had it, as `CONFIDENCE` says.
+
+    By Clopper and Pearson: the probabilities at which so many or more, and so many or fewer, would
+    be as rare as either tail. Of draws that have it in part the bounds are wider than they need be.
+
+    References
+    ----------
+    Clopper and Pearson 1934, Biometrika 26, 404-413.
+    """
+    from scipy.stats import beta
+
+    hits, tail = share * draws, 0.5 * (1.0 - CONFIDENCE)
+    return (
+        float(beta.ppf(tail, hits, draws - hits + 1)) if hits > 0 else 0.0,
+        float(beta.ppf(1.0 - tail, hits + 1, draws - hits)) if hits < draws else 1.0,
+    )
+
+
 def quantile_bounds(values: NDArray[np.float64], percent: float) -> tuple[float, float]:
     """Bounds of a percentile whatever the distribution, at least `CONFIDENCE` to hold.
 

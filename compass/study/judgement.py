@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.entry.campaign import Campaign
-from compass.entry.quantiles import percentiles
+from compass.entry.quantiles import percentiles, quantile_bounds, share_bounds
 from compass.entry.unknowns import Unknowns
 from compass.orbits import Constellation
 from compass.quantities.merits import median_number
@@ -139,7 +139,7 @@ class Judgement:
         spectrum, blind = self._spectrum(f)
         with np.errstate(divide="ignore"):
             log_det = np.log(np.where(blind[:, None], 0.0, spectrum)).sum(axis=1)
-        worst = int(position.argmax())
+        worst, trace = int(position.argmax()), spectrum.sum(axis=1)
         latitude, longitude = self.campaign.deployment_place
         return {
             "in_view": {"min": int(np.argmax(counts > 0)), "median": float(median_number(counts))},
@@ -152,14 +152,25 @@ class Judgement:
                 "worst_epoch_s": float(self.epochs[worst]),
             },
             "crlb_velocity_m_s": {**percentiles(velocity), "worst": float(velocity.max())},
-            "share_within_goal": float((position <= goal).mean()),
-            "unobservable_share": float(blind.mean()),
+            **_share("share_within_goal", position <= goal),
+            **_share("unobservable_share", blind),
             "fisher_log_det": {
                 "p50": float(np.percentile(log_det, 50, method="inverted_cdf")),
+                "p50_interval": list(quantile_bounds(log_det, 50)),
                 "p5": float(np.percentile(log_det, 5, method="inverted_cdf")),
+                "p5_interval": list(quantile_bounds(log_det, 5)),
             },
-            "fisher_trace": {"p50": float(np.median(spectrum.sum(axis=1)))},
+            "fisher_trace": {
+                "p50": float(np.median(trace)),
+                "p50_interval": list(quantile_bounds(trace, 50)),
+            },
         }
+
+
+def _share(name: str, drawn: NDArray[np.bool_]) -> dict[str, Any]:
+    """Share of the entries drawn of which something holds, with the bounds that so few leave."""
+    share = float(drawn.mean())
+    return {name: share, f"{name}_interval": list(share_bounds(share, drawn.size))}
 
 
 def unpacked(packed: Array) -> Array:

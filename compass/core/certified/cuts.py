@@ -30,7 +30,8 @@ With y = l.u: kept where ``g - y + y^2/g + beta' + E3 + r1 <= limit^2``, that is
 ``y >= 2 c0/(1 + sqrt(1 - 4 c0/g))``, ``c0 = g + beta' + E3 + r1 - limit^2``; as |y| <= k1 g < g/2
 the other root does not matter.
 
-**Rounding.** Doubles, sums in the order written. Broken holds for the matrix Y as it is stored, so
+**Rounding.** Doubles, sums in the order written, multiply-adds fused where the machine can: that
+rounds once where twice is counted here. Broken holds for the matrix Y as it is stored, so
 only the sums err: the entries of Q by 1e-15 (tr M)^2 and the form by as much a term, 1e-13 times
 ``sum |a|^2 (tr M)^2`` in all (over 40 operations of 1.1e-16 on 16 entries, and the rows' own
 1e-15). Kept is used only where ``tr M sum |a|^2 <= 1e9``, which bounds the condition number; the
@@ -42,7 +43,7 @@ times that product, thresholds moved by 1e-9 of themselves.
 import math
 
 from compass.core.certified.sights import DOP, FIRST, LAST, ORBIT, SECOND, sights
-from compass.core.jit import kernel
+from compass.core.jit import fused_kernel, inline_kernel
 
 #: Offsets in the scratch array of `cuts`: N, M, P, Q, three slopes of N, three X, three Q dN, and
 #: how many numbers of a row move less 3.
@@ -56,7 +57,7 @@ KEPT, BROKEN, CUT = 0, 4, 8
 CENTRE, TILT, MOST, LEAST, SMALL, EXPANSION = 0, 1, 4, 5, 6, 7
 
 
-@kernel
+@fused_kernel
 def projector(dop, user, s):
     """Fill P: 0 GDOP, 1 PDOP, 2 HDOP, 3 VDOP, 4 TDOP, in the order of `compass.core.dop`."""
     for i in range(4):
@@ -76,7 +77,7 @@ def projector(dop, user, s):
             s[P_ + 4 * i + j] = p
 
 
-@kernel
+@fused_kernel
 def gather(box, user, scratch, q, dq, rows, kinds, orbits, numbers, mask):
     """Fill lines of sight from a box and P of the dilution asked for; return `sights`'s number.
 
@@ -89,7 +90,7 @@ def gather(box, user, scratch, q, dq, rows, kinds, orbits, numbers, mask):
     return sights(box, user, orbits, q, dq, numbers, level, mask[0], mask[1], rows, kinds)
 
 
-@kernel
+@inline_kernel
 def invert(s, ridge):
     """Invert ``N + ridge`` into M by Cholesky; False where it is not positive."""
     c = s[Q_ : Q_ + 16]  # the factor's inverse; Q is made afterwards
@@ -120,7 +121,7 @@ def invert(s, ridge):
     return True
 
 
-@kernel
+@inline_kernel
 def multiply(s, a, b, out):
     """Product of two 4 x 4 matrices in the scratch array."""
     for i in range(4):
@@ -133,7 +134,7 @@ def multiply(s, a, b, out):
             )
 
 
-@kernel
+@inline_kernel
 def trace_of_product(s, a, b):
     """Trace of the product of two 4 x 4 matrices in the scratch array."""
     total = 0.0
@@ -143,7 +144,7 @@ def trace_of_product(s, a, b):
     return total
 
 
-@kernel
+@inline_kernel
 def moments(rows, kinds, count, sure, s):
     """Fill N and its three slopes from the sure rows, or all; return their number."""
     s[N_ : N_ + 16] = 0.0
@@ -174,7 +175,7 @@ def moments(rows, kinds, count, sure, s):
     return used
 
 
-@kernel
+@inline_kernel
 def block_norm(s, m):
     """Frobenius norm of the part of a matrix that numbers of rows that move meet."""
     total = 0.0
@@ -185,7 +186,7 @@ def block_norm(s, m):
     return math.sqrt(total + s[MOVING] * s[m + 15] * s[m + 15])
 
 
-@kernel
+@inline_kernel
 def residues(rows, kinds, count, sure, s):
     """Sums over the rows: a'Q a, D2 |Q a|, ||Q_33|| D1^2, and k2."""
     q33, m33 = block_norm(s, Q_), block_norm(s, M_)
@@ -213,7 +214,7 @@ def residues(rows, kinds, count, sure, s):
     return value, bent, q33 * spread, k2
 
 
-@kernel
+@fused_kernel
 def expansion(rows, kinds, count, sure, above, s, out):
     """Expand the square of a dilution over a box, with bounds of what is left out.
 
@@ -282,7 +283,7 @@ def expansion(rows, kinds, count, sure, above, s, out):
     return used
 
 
-@kernel
+@fused_kernel
 def cuts(rows, kinds, count, sure, above, square, s, cut):
     """Fill the half-spaces ``direction . u >= threshold`` where the limit is kept and broken.
 
@@ -311,7 +312,7 @@ def cuts(rows, kinds, count, sure, above, square, s, cut):
         cut[KEPT + 1], cut[KEPT + 2], cut[KEPT + 3] = l0, l1, l2
 
 
-@kernel
+@fused_kernel
 def most(out):
     """Bound from above of the square of a dilution over a box, from its `expansion`.
 
@@ -321,7 +322,7 @@ def most(out):
     return (out[MOST] + tilt + tilt * tilt / out[CENTRE]) * (1.0 + 1e-9) + out[SMALL]
 
 
-@kernel
+@fused_kernel
 def least(out):
     """Bound from below of the square of a dilution at the centre of a box without width."""
     return out[CENTRE] * out[CENTRE] / out[LEAST] * (1.0 - 1e-9)

@@ -34,7 +34,7 @@ from compass.core.certified.sights import (
     states,
 )
 from compass.core.certified.volumes import volume
-from compass.core.jit import kernel
+from compass.core.jit import fused_kernel
 
 #: Columns of a box: centre and half-widths (b, l, t), what is kept, broken, outside and open.
 BOX = 10
@@ -43,7 +43,7 @@ BOX = 10
 FINEST = 1e-7
 
 
-@kernel
+@fused_kernel
 def measure(box, e2):
     """Measure of a box, its volume, and the smallest and largest density in it.
 
@@ -64,7 +64,7 @@ def measure(box, e2):
     return m, 2.0 * hb * wide, min(cl, ch) * thin * (1.0 - 1e-12), most * dense * (1.0 + 1e-12)
 
 
-@kernel
+@fused_kernel
 def of_measure(share, m, size, thin, dense):
     """Least measure of a share of the volume."""
     if share >= 1.0:
@@ -72,7 +72,7 @@ def of_measure(share, m, size, thin, dense):
     return max(0.0, share * size * thin, m - (1.0 - share) * size * dense)
 
 
-@kernel
+@fused_kernel
 def region_parts(user, normals):
     """Bounds of the shares of a box inside and outside half-spaces ``normals . place >= 0``."""
     inside, outside = 1.0, 0.0
@@ -87,7 +87,7 @@ def region_parts(user, normals):
     return max(inside, 0.0), outside
 
 
-@kernel
+@fused_kernel
 def rim_parts(rows, kinds, count):
     """Bounds of the shares of a box in which all and none of the doubtful satellites are seen."""
     on, off = 1.0, 1.0
@@ -99,7 +99,7 @@ def rim_parts(rows, kinds, count):
     return max(on, 0.0), max(off, 0.0)
 
 
-@kernel
+@fused_kernel
 def kept_broken(rows, kinds, count, square, s, cut):
     """Bounds of the shares of a box's volume where a limit is kept and broken."""
     if count < 0:
@@ -109,21 +109,20 @@ def kept_broken(rows, kinds, count, square, s, cut):
     doubtful = 0
     for k in range(count):
         doubtful += kinds[k] - 1
-    on, off = 1.0, 0.0
-    if doubtful:
-        on, off = rim_parts(rows, kinds, count)
-    cuts(rows, kinds, count, False, on > 0.0, square, s, cut)
+    # the surely seen first: where they keep the limit, as nearly everywhere, that is all
+    cuts(rows, kinds, count, True, True, square, s, cut)
     kept = volume(cut[KEPT], cut[KEPT + 1], cut[KEPT + 2], cut[KEPT + 3])
     broken = volume(cut[BROKEN], cut[BROKEN + 1], cut[BROKEN + 2], cut[BROKEN + 3])
-    if doubtful == 0 or broken == 1.0:
-        return (0.0 if doubtful else kept), broken
-    cuts(rows, kinds, count, True, True, square, s, cut)
-    surely = volume(cut[KEPT], cut[KEPT + 1], cut[KEPT + 2], cut[KEPT + 3])
-    fewest = volume(cut[BROKEN], cut[BROKEN + 1], cut[BROKEN + 2], cut[BROKEN + 3])
-    return max(surely, on + kept - 1.0), max(broken, off + fewest - 1.0)
+    if doubtful == 0 or kept == 1.0:
+        return kept, broken
+    on, off = rim_parts(rows, kinds, count)
+    cuts(rows, kinds, count, False, on > kept, square, s, cut)
+    most = volume(cut[KEPT], cut[KEPT + 1], cut[KEPT + 2], cut[KEPT + 3])
+    least = volume(cut[BROKEN], cut[BROKEN + 1], cut[BROKEN + 2], cut[BROKEN + 3])
+    return max(kept, on + most - 1.0), max(least, off + broken - 1.0)
 
 
-@kernel
+@fused_kernel
 def look(
     box, user, scratch, q, dq, rows, kinds, orbits, circles, breaks, paths, normals, numbers, mask
 ):
@@ -148,7 +147,7 @@ def look(
     box[9] = max(0.0, m - box[6] - box[7] - box[8])
 
 
-@kernel
+@fused_kernel
 def split(box, speed, left, right):
     """Halve a box along its longest side; False where all are too short."""
     low, high = box[0] - box[3], box[0] + box[3]
@@ -169,7 +168,7 @@ def split(box, speed, left, right):
     return True
 
 
-@kernel
+@fused_kernel
 def refine(leaves, eps, speed, orbits, circles, breaks, paths, normals, numbers, mask):
     """Split boxes until none has more than `eps` open.
 
@@ -196,13 +195,14 @@ def refine(leaves, eps, speed, orbits, circles, breaks, paths, normals, numbers,
     q, dq, rows = np.empty((n, 3)), np.empty((n, 3)), np.empty((n + 1, WIDTH))
     kinds = np.empty(n + 1, np.int64)
     settled, out, stack = np.zeros(4), np.empty((64, BOX)), np.empty((256, BOX))
+    box = np.empty(BOX)
     found = 0
     for i in range(leaves.shape[0]):
         stack[0] = leaves[i]
         depth = 1
         while depth > 0:
             depth -= 1
-            box = stack[depth].copy()
+            box[:] = stack[depth]
             if box[9] > eps and depth < 250 and split(box, speed, stack[depth], stack[depth + 1]):
                 for k in range(depth, depth + 2):
                     look(stack[k], user, scratch, q, dq, rows, kinds, orbits, circles, breaks,

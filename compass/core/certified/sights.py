@@ -36,7 +36,7 @@ import math
 import numpy as np
 
 from compass.core.certified.weights import BY, W1, W2, WEIGHED, WEIGHT, line_weight
-from compass.core.jit import kernel
+from compass.core.jit import fused_kernel
 from compass.core.kepler import eccentric_anomaly
 from compass.core.path import path_state, piece_of
 
@@ -62,7 +62,7 @@ E2, SLACK, HEIGHT, DOP, SQUARE, NUMBERS = 0, 1, 2, 3, 4, 5
 SIGHT_ROUNDING = 1e-12
 
 
-@kernel
+@fused_kernel
 def turned_paths(orbits, breaks, paths, t, q, dq):
     """Fill positions and velocities of satellites on paths, seen from a turning frame."""
     piece, state = piece_of(breaks, t), np.empty(6)
@@ -80,7 +80,7 @@ def turned_paths(orbits, breaks, paths, t, q, dq):
         dq[k, 2] = state[5]
 
 
-@kernel
+@fused_kernel
 def states(orbits, circles, breaks, paths, t, q, dq):
     """Positions and velocities of satellites at time t, filled in, shape (n, 3).
 
@@ -126,7 +126,7 @@ def states(orbits, circles, breaks, paths, t, q, dq):
         dq[k, 2] = si * wy
 
 
-@kernel
+@fused_kernel
 def place(box, e2, height, user):
     """Fill the user's up, place, their slopes and bounds; shape (25,).
 
@@ -168,7 +168,7 @@ def place(box, e2, height, user):
     user[24] = e2
 
 
-@kernel
+@fused_kernel
 def mask_range(azimuths, elevations, azimuth, half):
     """Lowest and highest elevation of a profile within `half` of an azimuth, radians."""
     n = azimuths.size
@@ -190,7 +190,7 @@ def mask_range(azimuths, elevations, azimuth, half):
     return low, high
 
 
-@kernel
+@fused_kernel
 def azimuth_reach(user, ex, ey, ez, first):
     """Azimuth of a line of sight at the centre of a box, and how far it can be from that in it.
 
@@ -212,7 +212,7 @@ def azimuth_reach(user, ex, ey, ez, first):
     return azimuth, math.asin(turn / level) + spin + 1e-12
 
 
-@kernel
+@fused_kernel
 def sights(box, user, orbits, q, dq, numbers, level, azimuths, elevations, rows, kinds):
     """Fill the rows of satellites that a box may see, and which: 1 surely, 2 in part.
 
@@ -336,7 +336,7 @@ def sights(box, user, orbits, q, dq, numbers, level, azimuths, elevations, rows,
     return count
 
 
-@kernel
+@fused_kernel
 def weighed_row(row, weight, rate, second):
     """Multiply a row by its weight; return bounds of how far it strays, and of its curvature.
 
@@ -356,14 +356,14 @@ def weighed_row(row, weight, rate, second):
     return chord(row) + 0.5 * second, second
 
 
-@kernel
+@fused_kernel
 def chord(row):
     """Bound of ``|sum a_d u_d|`` over the box, a the row of which e is a part."""
     total = 0.0
     for d in range(3):
-        for f in range(3):
+        for f in range(d + 1):
             dot = row[LAST + 1 + d] * row[LAST + 1 + f]
             for k in range(3):
                 dot += row[3 + 3 * d + k] * row[3 + 3 * f + k]
-            total += abs(dot)
+            total += abs(dot) if d == f else 2.0 * abs(dot)
     return math.sqrt(total)

@@ -1,9 +1,9 @@
 """Volume of a half-space in a cube, rounded down."""
 
-from compass.core.jit import kernel
+from compass.core.jit import fused_kernel
 
 
-@kernel
+@fused_kernel
 def volume(threshold, a, b, c):
     """Share of the cube [-1, 1]^3 where ``a x + b y + c z >= threshold``, never too large.
 
@@ -31,7 +31,7 @@ def volume(threshold, a, b, c):
     return min(1.0, max(0.0, share - 1e-9))
 
 
-@kernel
+@fused_kernel
 def corner(w, a, b, c):
     """Share of the cube of side 2 at the origin where ``a x + b y + c z <= w``, a >= b >= c >= 0.
 
