@@ -143,7 +143,8 @@ def dispersed_sentence(found: Dispersed) -> str:
         f"Of {count} dispersed {how}entries half come to {found.event} within {half} of {of}, 95 % "
         f"within {most} (95 % ellipse {_kilometres(ellipse.semi_major)} by "
         f"{_kilometres(ellipse.semi_minor)}, half axes). Other draws would put half within "
-        f"{least} to {less}, 95 % within {more} to {greatest}, in 95 of 100 cases{lost}.{_knowledge_words(found)}"
+        f"{least} to {less}, 95 % within {more} to {greatest}, in 95 of 100 cases{lost}."
+        f"{_knowledge_words(found)}"
     )
 
 

@@ -110,6 +110,9 @@ class SeriesResult(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
+        known = self.evidence()
+        gaps = dict.fromkeys(("share", "p95_gap_h"), known["gaps"])
+        dilutions = dict.fromkeys(("gdop_p95", "pdop_p95"), known["dilutions"])
         return plain(
             {
                 "design": self.design.name,
@@ -118,7 +121,7 @@ class SeriesResult(Result):
                 "start_day": self.start_day,
                 "days": self.days,
                 "epochs": self.dataset.sizes["time"],
-                "evidence": self.evidence(),
+                "evidence": known | gaps | dilutions,
                 "stations": self.rows(),
                 **({} if self.errors is None else {"users": self.error_rows()}),
             }

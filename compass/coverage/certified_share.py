@@ -201,7 +201,7 @@ class Search:
             if found.width <= width or decided or not len(leaves):
                 break
             # bounds come nearer as the root of what a box may keep open: the last round ends there
-            eps *= max(0.25, (0.9 * width / found.width) ** 2)
+            eps *= max(0.25, (0.95 * width / found.width) ** 2)
             leaves, sums, stopped = self._round(leaves, eps, limit, end, most - boxes)
             settled, boxes = settled + sums[:3], boxes + int(sums[3])
         return self._result(leaves, settled, boxes, stopped)

@@ -75,7 +75,7 @@ SAID = {
     "judge": lambda d: compass.judge(
         d / "compass-15-5-1.toml", scenario=d / "entry-compass.toml", samples=8
     ),
-    "search": lambda d: compass.search(max_satellites=6, fold=1),
+    "search": lambda d: compass.search(max_satellites=6, fold=1, radius_km=20427),
 }
 
 

@@ -178,6 +178,11 @@ def test_what_dispersed_entries_say():
     np.testing.assert_allclose(found.offsets, expected, rtol=1e-9, atol=1e-6)
     said = dispersed_sentence(found)
     assert said.startswith("Of 4 dispersed guided entries half come to parachute within 5.93 km of")
+    # the median of four lies beyond the least, or the greatest, in one of sixteen cases each
+    assert found.within_bounds(50.0) == (0.0, np.inf)
+    facts = dispersed_facts(found)
+    assert facts["within_m"]["p95_interval"][0] <= facts["within_m"]["p95"]
+    assert facts["reached_share_interval"] == pytest.approx((0.025**0.25, 1.0))
     lost = replace(found, times=np.array([1.0, 1.0, 1.0, np.nan]), guided=False)
     assert lost.within(95.0) == np.inf
     assert "95 % within no distance" in dispersed_sentence(lost)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from compass.entry.quantiles import percentiles, quantile_bounds
+from compass.entry.quantiles import percentiles, quantile_bounds, share_bounds
 
 
 @pytest.mark.parametrize("draw", [np.random.Generator.normal, np.random.Generator.standard_cauchy])
@@ -33,3 +33,17 @@ def test_what_no_draw_can_bound_is_infinite():
 def test_ranks_by_the_binomial_sums():
     """Of 100 draws the median lies between the 40th and the 61st in 96 of 100 cases (by hand)."""
     assert quantile_bounds(np.arange(1.0, 101.0), 50) == (40.0, 61.0)
+
+
+def test_bounds_of_a_share_are_where_so_many_would_be_rare():
+    from scipy.stats import binom
+
+    for hits, draws in ((3, 10), (0, 7), (7, 7), (40, 90)):
+        low, high = share_bounds(hits / draws, draws)
+        assert low == 0.0 if hits == 0 else abs(binom.sf(hits - 1, draws, low) - 0.025) < 1e-9
+        assert high == 1.0 if hits == draws else abs(binom.cdf(hits, draws, high) - 0.025) < 1e-9
+    # they hold in 95 of 100 cases or more, whatever the chance; of 400 draws so many for sure
+    rng = np.random.default_rng(2)
+    for chance in (0.02, 0.3, 0.9):
+        seen = np.array([share_bounds(k / 40, 40) for k in rng.binomial(40, chance, 400)])
+        assert ((seen[:, 0] <= chance) & (chance <= seen[:, 1])).mean() > 0.93
