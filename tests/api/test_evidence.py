@@ -6,8 +6,6 @@ import pytest
 
 import compass
 
-SMALL = {"step_deg": 15, "epochs": 6}
-
 #: Names of shares and percentiles: of values, not of what was asked or of what knows them.
 NAMED = re.compile(r"(^|_)(share|availability|fraction|p\d\d?|within_3_sigma)(_|$)")
 BESIDE = ("_bracket", "_interval", "_sampling", "_error")
@@ -64,9 +62,6 @@ SAID = {
     "show": lambda d: compass.show(d / "compass-15-5-1.toml"),
     "fold": lambda d: compass.fold(d / "rosette-12-3-quarter.toml"),
     "check": lambda d: compass.check(d / "relay-orbiters.toml"),
-    "map": lambda d: compass.map(d / "areostationary-trio.toml", **SMALL),
-    "map with errors": lambda d: compass.map(d / "tracked-15-5-1.toml", **SMALL, width=0.05),
-    "access": lambda d: compass.access(d / "relay-orbiters.toml", sols=1),
     "series": lambda d: compass.series(d / "compass-15-5-1.toml", days=0.2),
     "drift": lambda d: compass.drift(d / "compass-15-5-1.toml", days=1),
     "determine": lambda d: compass.determine(d / "tracked-15-5-1.toml"),
@@ -83,9 +78,3 @@ SAID = {
 @pytest.mark.parametrize("command", SAID)
 def test_every_share_and_percentile_says_how_well_it_is_known(command, designs):
     assert unknown(SAID[command](designs).to_dict()) == []
-
-
-@pytest.mark.slow
-def test_a_study_says_how_well_its_figures_are_known(designs, tmp_path):
-    found = compass.trade(designs / "study-small.toml", output=tmp_path, workers=1).to_dict()
-    assert unknown(found) == []
