@@ -32,6 +32,10 @@ FIRST_WIDTHS = (0.3, 0.1, 0.03, 0.01)
 #: Parts of the least clearance seen that are tried as bounds where boxes do not suffice for more.
 PARTS = (0.25, 0.5, 0.8)
 
+#: Satellites times boxes, each of which looks at all of them: a minute at the most, so that many
+#: satellites have an answer too, in wider bounds.
+MOST_SIGHTS = 160_000_000
+
 
 @dataclass(frozen=True)
 class Clearance:
@@ -79,7 +83,7 @@ def always_clear(
     check_users(constellation, users, fold)
     if constellation.size < fold:
         return False
-    most = MOST_BOXES if most is None else most
+    most = _affordable(most, constellation)
     laid = lay_out(constellation, users, span)
     low, *_ = _least(laid, fold, laid.missed, FINEST, most, 0.0)
     return bool(low - laid.missed >= 0.0)
@@ -122,7 +126,7 @@ def least_clearance(
     tolerance
         How near the bounds are to come; nearer where they lie on both sides of zero.
     most
-        Boxes to look at; `MOST_BOXES` if left out.
+        Boxes to look at; `MOST_BOXES` if left out; fewer with many satellites.
 
     Raises
     ------
@@ -141,7 +145,7 @@ def least_clearance(
             seen=0,
             boxes=0,
         )
-    most = MOST_BOXES if most is None else most
+    most = _affordable(most, constellation)
     laid = lay_out(constellation, users, span)
     found = _least(laid, fold, enough, tolerance, min(most, MARGIN_BOXES))
     if found[0] < 0.0 <= found[1]:
@@ -188,13 +192,13 @@ def clear_share(
     level
         Stop, too, when both are on one side of this.
     most
-        Boxes to look at; `MOST_BOXES` if left out.
+        Boxes to look at; `MOST_BOXES` if left out; fewer with many satellites.
     """
     check_users(constellation, users, fold)
     if constellation.size < fold:
         return Share(0.0, 0.0, 0)
     laid = lay_out(constellation, users, span)
-    most = MOST_BOXES if most is None else most
+    most = _affordable(most, constellation)
     finest, total, low, high = 1e-2, 0, 0.0, 1.0
     while True:
         found = _share(laid, fold, 0, finest, most - total)
@@ -296,7 +300,7 @@ def worst_share(
     check_users(constellation, users, fold)
     if constellation.size < fold:
         return Share(0.0, 0.0, 0), users.south
-    most, places = MOST_BOXES if most is None else most, span is not None
+    most, places = _affordable(most, constellation), span is not None
 
     def at(latitude: float, longitude: float) -> tuple[float, int]:
         here = replace(users, south=latitude, north=latitude, region=GLOBE)
@@ -321,6 +325,11 @@ def worst_share(
     south = 0.0 if mirrored else users.south
     found = tiles.least(south, users.north, width=width, level=level, most=most)
     return Share(found.low, found.high, found.looked), found.latitude
+
+
+def _affordable(most: int | None, constellation: Constellation) -> int:
+    """Boxes to look at with so many satellites."""
+    return min(MOST_BOXES if most is None else most, MOST_SIGHTS // constellation.size)
 
 
 def _least(

@@ -30,6 +30,7 @@ from compass.coverage.users import (
 )
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
+from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY, prime_meridian_angle
 from compass.orbits import Constellation
 from compass.orbits.symmetry import one_circle, one_period
@@ -41,6 +42,9 @@ SHARE_BOXES, MISSED_BOXES = 4_000_000, 300_000
 
 #: Boxes for one of many candidates.
 GLANCE_BOXES = 200_000
+
+#: Satellites times sets of lost ones, each a proof of its own: past it a day would not do.
+MOST_LEFT = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -162,6 +166,12 @@ def losses_of(
     still = Region("places that turn with Mars", mars_fixed=turns)
     turning = all(each.alike_all_around for each in users)
     found = unlike_subsets(c, requirement.losses, still, backwards=turning)
+    if (proofs := len(found.sets)) > 1 and proofs * c.size > MOST_LEFT:
+        raise ArgumentError(
+            f"{requirement.name}: losses = {requirement.losses}: {proofs} sets of lost satellites "
+            f"are unlike, each a proof of {c.size} satellites; allowed up to {MOST_LEFT // c.size} "
+            "sets; ask for fewer losses or satellites"
+        )
     for subset, number in found.sets.items():
         yield tuple(c.satellite_names[s] for s in subset), number, c.without(subset)
 

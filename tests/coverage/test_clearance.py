@@ -10,9 +10,11 @@ from hypothesis import strategies as st
 from compass.core.clearance import profile_range
 from compass.coverage.certificate import prove_fold
 from compass.coverage.clearance import clear_share, least_clearance, polygon_share, worst_share
+from compass.coverage.fold_verdict import Course, losses_of
 from compass.coverage.region import read_region, read_regions
 from compass.coverage.share import mean_fold_shares
 from compass.coverage.users import Users, by_horizon, geodetic, region_users, site_users
+from compass.design import Requirement
 from compass.errors import ArgumentError
 from compass.frames import FIGURES, prime_meridian_angle
 from compass.orbits import (
@@ -353,3 +355,24 @@ def test_the_worst_place_of_a_region_has_the_least_share_under_closed_tracks():
     # a moment of 500 is off by one at each of some twenty rises and sets
     assert found.low <= min(shares) + 0.04
     assert found.high < 0.999 or found.low >= 0.999
+
+
+def test_many_satellites_have_an_answer_too_in_wider_bounds(monkeypatch):
+    c = walker_delta(60, 6, 1, inclination_deg=50, radius_km=20000)
+    users = region_users(read_region("globe"), SPHERE, Mask.constant(0.1))
+    exact = least_clearance(c, users, 4)
+    monkeypatch.setattr("compass.coverage.clearance.MOST_SIGHTS", 60 * 300)
+    found = least_clearance(c, users, 4)
+    assert found.boxes < 2 * 300 < exact.boxes  # it ends a little past them
+    assert found.low <= exact.low <= exact.high <= found.high and found.low < exact.low
+
+
+def test_losses_of_many_unlike_satellites_are_refused_before_any_proof(monkeypatch):
+    monkeypatch.setattr("compass.coverage.fold_verdict.MOST_LEFT", 30)
+    c = some_orbits(np.random.default_rng(3), 6)
+    wanted = Requirement("four", regions=("globe",), fold=1, losses=1)
+    course = Course((0.0, 60.0), False, "")
+    with pytest.raises(ArgumentError, match=r"four: losses = 1: 6 sets .* allowed up to 5 sets"):
+        next(losses_of(c, wanted, (), course))
+    monkeypatch.setattr("compass.coverage.fold_verdict.MOST_LEFT", 36)
+    assert len(list(losses_of(c, wanted, (), course))) == 6
