@@ -239,7 +239,7 @@ def polygon_share(
         return found.low, found.high, found.boxes, "boxes" if short else ""
 
     low, high, boxes = 0.0, 1.0, 0
-    left = MOST_BOXES if most is None else most
+    left = _affordable(most, constellation)
     for near in (*(one for one in FIRST_WIDTHS if one > width), width):
         below, above, looked, _ = weighed_share(
             users.region.normals,
