@@ -83,7 +83,7 @@ def always_clear(
     check_users(constellation, users, fold)
     if constellation.size < fold:
         return False
-    most = _affordable(most, constellation)
+    most = _affordable(most, constellation.size)
     laid = lay_out(constellation, users, span)
     low, *_ = _least(laid, fold, laid.missed, FINEST, most, 0.0)
     return bool(low - laid.missed >= 0.0)
@@ -145,7 +145,7 @@ def least_clearance(
             seen=0,
             boxes=0,
         )
-    most = _affordable(most, constellation)
+    most = _affordable(most, constellation.size)
     laid = lay_out(constellation, users, span)
     found = _least(laid, fold, enough, tolerance, min(most, MARGIN_BOXES))
     if found[0] < 0.0 <= found[1]:
@@ -198,7 +198,7 @@ def clear_share(
     if constellation.size < fold:
         return Share(0.0, 0.0, 0)
     laid = lay_out(constellation, users, span)
-    most = _affordable(most, constellation)
+    most = _affordable(most, constellation.size)
     finest, total, low, high = 1e-2, 0, 0.0, 1.0
     while True:
         found = _share(laid, fold, 0, finest, most - total)
@@ -239,7 +239,7 @@ def polygon_share(
         return found.low, found.high, found.boxes, "boxes" if short else ""
 
     low, high, boxes = 0.0, 1.0, 0
-    left = _affordable(most, constellation)
+    left = _affordable(most, constellation.size)
     for near in (*(one for one in FIRST_WIDTHS if one > width), width):
         below, above, looked, _ = weighed_share(
             users.region.normals,
@@ -300,7 +300,7 @@ def worst_share(
     check_users(constellation, users, fold)
     if constellation.size < fold:
         return Share(0.0, 0.0, 0), users.south
-    most, places = _affordable(most, constellation), span is not None
+    most, places = _affordable(most, constellation.size), span is not None
 
     def at(latitude: float, longitude: float) -> tuple[float, int]:
         here = replace(users, south=latitude, north=latitude, region=GLOBE)
@@ -327,9 +327,9 @@ def worst_share(
     return Share(found.low, found.high, found.looked), found.latitude
 
 
-def _affordable(most: int | None, constellation: Constellation) -> int:
+def _affordable(most: int | None, satellites: int) -> int:
     """Boxes to look at with so many satellites."""
-    return min(MOST_BOXES if most is None else most, MOST_SIGHTS // constellation.size)
+    return min(MOST_BOXES if most is None else most, MOST_SIGHTS // satellites)
 
 
 def _least(
