@@ -22,6 +22,9 @@ from compass.tracking import Tracking
 
 Array = NDArray[Any]
 
+#: Seconds.
+HOUR = 3600.0
+
 #: Relative error of a clock's frequency before the arc, where none is given.
 UNKNOWN_FREQUENCY = 1e-10
 
@@ -270,6 +273,7 @@ def implied_signal(found: Determination, design: Design, update: float) -> Signa
     slope = np.zeros(3)
     if behind.sum() > 1:
         slope = np.maximum(np.polyfit(found.times[behind], found.rms[behind, :3], 1)[0], 0.0)
+    a, b, c = slope * HOUR
     base = design.signal or Signal(receiver=Receiver(0.5, 0.5))
     symmetric = 0.5 * (mean + mean.T)
     return replace(
@@ -278,6 +282,7 @@ def implied_signal(found: Determination, design: Design, update: float) -> Signa
         clock_sigma=0.0,
         determined=False,
         covariance=(tuple(tuple(float(x) for x in row) for row in symmetric),),
-        ephemeris_rate=(float(slope[0]), float(slope[1]), float(slope[2])),
+        # rounded as metres an hour are, which files hold: what is written reads as the same
+        ephemeris_rate=(float(a) / HOUR, float(b) / HOUR, float(c) / HOUR),
         update=update,
     )

@@ -5,10 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from compass.core.entry.rates import CENTRIFUGAL, CORIOLIS, SWAPPED
 from compass.core.papers.spherical import (
-    CENTRIFUGAL,
-    CORIOLIS,
-    SWAPPED,
     entry_jacobian,
     entry_rates,
     rk4_step,

@@ -236,12 +236,12 @@ def test_orbits_that_nobody_steers_must_hold_too(flat):
     belt = Requirement.of("one", regions="lat:-1:1", fold=1)
     few = {"require": [belt], "radius_km": 20427.7, "max_satellites": 3}
     day = compass.search(**few, days=1)
-    assert day.holds and "left alone on real orbits, it is proven for 1 days" in day.sentence
+    assert day.holds and "left alone on real orbits, it is proven for 1 day;" in day.sentence
     assert day.to_dict()["days"] == 1
     long = compass.search(**few, days=300)
     assert not long.holds
     assert "left alone on real orbits, no proof of 1 satellite for 300 days" in long.sentence
-    with pytest.raises(ArgumentError, match="days = 0: allowed above 0 to 36525, a century"):
+    with pytest.raises(ArgumentError, match="days = 0: allowed above 0 to 36525 days, a century"):
         compass.search(**few, days=0)
 
 
