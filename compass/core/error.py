@@ -338,6 +338,60 @@ def error_map_row(
             good[d, j] = within[d, j] / epochs
 
 
+@kernel
+def errors_over_time(places, ups, r, seen, aloft, ranges, out):
+    """Errors of a fix of one user at every epoch; who is in orbit has no ionosphere.
+
+    Parameters
+    ----------
+    places, ups
+        Where the user is, in units of the equatorial radius, and unit vectors up, (epoch, 3).
+    r, seen
+        Satellites likewise, (epoch, satellite, 3), and which of them are in view.
+    aloft
+        Whether the user is in orbit, and has the receiver's noise of the zenith.
+    ranges
+        What they are worth.
+    out
+        Filled, infinite without a fix; shape (epoch, 4): horizontal, vertical, position, time; m.
+    """
+    numbers, m = ranges.numbers, np.empty(10)
+    for t in range(places.shape[0]):
+        p, up, sun = places[t], ups[t], ranges.sun[t]
+        lit, count = 0.0, 0
+        if not aloft and numbers[DELAY2] > 0.0:
+            lit = sunlit(up[0] * sun[0] + up[1] * sun[1] + up[2] * sun[2], ranges.lit)
+        m[:] = 0.0
+        for s in range(r.shape[1]):
+            if not seen[t, s]:
+                continue
+            x, y, z = r[t, s, 0] - p[0], r[t, s, 1] - p[1], r[t, s, 2] - p[2]
+            w = 1.0 / math.sqrt(x * x + y * y + z * z)
+            x, y, z = x * w, y * w, z * w
+            sine = 1.0 if aloft else up[0] * x + up[1] * y + up[2] * z
+            weight = 1.0 / range_variance(x, y, z, w, sine, lit, ranges.q[t, s], numbers)
+            m[0] += weight
+            m[1] += weight * x * x
+            m[2] += weight * y * y
+            m[3] += weight * z * z
+            m[4] += weight * x * y
+            m[5] += weight * x * z
+            m[6] += weight * y * z
+            m[7] += weight * x
+            m[8] += weight * y
+            m[9] += weight * z
+            count += 1
+        out[t] = math.inf
+        if count >= 4:
+            _, whole, level, height, time = weighted_dops(
+                m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], up[0], up[1], up[2]
+            )
+            out[t, HORIZONTAL] = math.sqrt(level * level + 2.0 * numbers[SHARED])
+            out[t, VERTICAL] = height
+            out[t, POSITION] = math.sqrt(whole * whole + 2.0 * numbers[SHARED])
+            out[t, TIME] = math.sqrt(time * time + numbers[SHARED_TIME])
+
+
 def empty_error_histograms() -> np.ndarray:
     """Histograms of the errors, ready to be added to."""
     return np.zeros((SAMPLES, 4, BINS + 1))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core import error
+from compass.core.error import Ranges, errors_over_time
 from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import (
@@ -25,9 +25,6 @@ from compass.signal.ranges import range_errors
 from compass.sites import Mask, Site
 
 Array = NDArray[np.float64]
-
-#: Geometry worse conditioned than this tells no fix: rounding alone makes it regular.
-SINGULAR = 1e12
 
 
 @dataclass(frozen=True)
@@ -136,8 +133,8 @@ def errors_along(
 ) -> tuple[NDArray[np.int64], Array]:
     """Satellites in view and errors of a fix at every epoch, one sigma.
 
-    Weighted least squares with the true variances, ``(G' W G)^-1`` with rows ``[-u, 1]``, as in
-    `compass.core.error`. An orbiter has its receiver's noise at the zenith, and no ionosphere.
+    Weighted least squares with the true variances, as of maps (`compass.core.error`). An orbiter
+    has its receiver's noise at the zenith, and no ionosphere.
 
     Parameters
     ----------
@@ -159,74 +156,30 @@ def errors_along(
         infinite without a fix.
     """
     moved = motion or design.motion
-    c, figure = design.constellation, design.figure
+    c, radius = design.constellation, design.figure.equatorial_radius
     angle = prime_meridian_angle(c.epoch, times)
     r = np.moveaxis(mcmf_from_mci(moved.states(c, times)[0], angle), 0, 1)
     line = r - mover.r[:, None]
-    distance = np.linalg.norm(line, axis=2)
-    u = line / distance[..., None]
-    local = np.einsum("tij,tnj->tni", mover.axes, u)
-    sine = local[..., 2]
-    away = np.linalg.norm(r, axis=2)
+    u = line / np.linalg.norm(line, axis=2)[..., None]
     if mover.mask is None:
         closest = np.einsum("tni,ti->tn", u, mover.r)
         miss2 = np.einsum("ti,ti->t", mover.r, mover.r)[:, None] - closest**2
-        seen = (closest >= 0.0) | (miss2 > figure.equatorial_radius**2)
+        seen = (closest >= 0.0) | (miss2 > radius**2)
     else:
-        azimuth = np.mod(np.arctan2(local[..., 0], local[..., 1]), 2 * np.pi)
-        seen = np.arcsin(np.clip(sine, -1.0, 1.0)) >= mover.mask.at(azimuth)
+        east, north, up = np.moveaxis(np.einsum("tij,tnj->tni", mover.axes, u), 2, 0)
+        azimuth = np.mod(np.arctan2(east, north), 2 * np.pi)
+        seen = np.arcsin(np.clip(up, -1.0, 1.0)) >= mover.mask.at(azimuth)
     if beam is not None:
-        seen &= np.einsum("tni,tni->tn", r, u) / away >= np.cos(beam)
-    variances = _variances(design, moved, times, mover, u, distance, sine)
-    g = np.concatenate([-local, np.ones((*seen.shape, 1))], axis=2)
-    weight = np.where(seen, 1.0 / variances, 0.0)
-    normal = np.einsum("tni,tn,tnj->tij", g, weight, g)
-    count = seen.sum(axis=1)
-    scale = np.sqrt(np.maximum(np.einsum("tii->ti", normal), 1e-300))
-    alike = normal / (scale[:, :, None] * scale[:, None, :])
-    good = (count >= 4) & (np.linalg.cond(alike) < SINGULAR)
-    alike[~good] = np.eye(4)
-    p = np.einsum("tii->ti", np.linalg.inv(alike)) / scale**2
-    shared, shared_time = _shared(design)
-    out = np.full((times.size, 4), np.inf)
-    east, north, up, clock = p[good].T
-    out[good, 0] = np.sqrt(east + north + 2 * shared)
-    out[good, 1] = np.sqrt(up)
-    out[good, 2] = np.sqrt(east + north + up + 2 * shared)
-    out[good, 3] = np.sqrt(clock + shared_time)
-    return count, out
-
-
-def _shared(design: Design) -> tuple[float, float]:
-    """Variances that all satellites share, of a horizontal coordinate and of time, m^2."""
-    signal = design.signal
-    assert signal is not None
-    radius = design.figure.equatorial_radius
-    return (radius * signal.common_orientation) ** 2, signal.common_time**2
-
-
-def _variances(
-    design: Design, motion: Motion, times: Array, mover: Mover, u: Array, distance: Array,
-    sine: Array,
-) -> Array:  # fmt: skip
-    """Variance of every range, m^2, shape (t, n); see `compass.core.error.range_variance`."""
-    found = range_errors(design, times, motion)
-    q, numbers = found.forms, found.numbers
-    x, y, z = np.moveaxis(u, 2, 0)
-    xx, yy, zz, xy, xz, yz = np.moveaxis(q[..., :6], 2, 0)
-    orbit = xx * x * x + yy * y * y + zz * z * z + 2 * (xy * x * y + xz * x * z + yz * y * z)
-    orbit = orbit + 2 * np.einsum("tni,tni->tn", q[..., 6:9], u) + q[..., 9]
-    d2 = (distance / design.figure.equatorial_radius) ** 2
-    loop = d2 * (numbers[error.LOOP] + numbers[error.LOOP2] * d2)
-    if mover.mask is None:
-        return orbit + (numbers[error.NOISE] + numbers[error.ZENITH]) ** 2 + loop
-    above = np.maximum(sine, error.LOWEST_SINE)
-    heard = (numbers[error.NOISE] + numbers[error.ZENITH] / above) ** 2
-    through = np.zeros_like(orbit)
-    if numbers[error.DELAY2] > 0.0:
-        overhead = np.einsum("ti,ti->t", mover.axes[:, 2], found.sun)
-        place = 0.5 * (overhead + 1.0) * (len(found.lit) - 1)
-        lit = np.interp(place, np.arange(len(found.lit)), found.lit)
-        through = numbers[error.DELAY2] * lit[:, None]
-        through = through / (1.0 - numbers[error.SHELL2] * (1.0 - sine**2))
-    return orbit + heard + loop + through
+        seen &= np.einsum("tni,tni->tn", r, u) / np.linalg.norm(r, axis=2) >= np.cos(beam)
+    worth = range_errors(design, times, moved)
+    out = np.empty((times.size, 4))
+    errors_over_time(
+        np.ascontiguousarray(mover.r / radius),
+        np.ascontiguousarray(mover.axes[:, 2]),
+        np.ascontiguousarray(r / radius),
+        seen,
+        mover.mask is None,
+        Ranges(worth.forms, worth.sun, worth.lit, worth.numbers),
+        out,
+    )
+    return seen.sum(axis=1), out

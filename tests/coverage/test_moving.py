@@ -32,7 +32,7 @@ def design():
 
 
 def test_who_stands_in_a_cell_has_the_errors_of_the_map(design):
-    """The kernel adds up moments row by row in single precision; here each fix is inverted."""
+    """The map keeps its errors in single precision."""
     grid = make_grid("equal-angle", 60)
     for time in TIMES:
         seen = view(design.constellation, [time], design.figure.equatorial_radius, design.mask)
