@@ -19,6 +19,8 @@ from compass.errors import ArgumentError
 if TYPE_CHECKING:
     from pyproj import CRS
 
+#: Seconds.
+HOUR = 3600.0
 SECONDS_PER_DAY = 86400.0
 SECONDS_PER_CENTURY = 36525.0 * SECONDS_PER_DAY
 J2000 = datetime(2000, 1, 1, 12)

@@ -14,7 +14,7 @@ from compass.design import Design
 from compass.digest import digest_of
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
-from compass.frames import SECONDS_PER_DAY
+from compass.frames import HOUR, SECONDS_PER_DAY
 from compass.handover.signal_toml import text_with_signal
 from compass.handover.toml import design_toml
 from compass.inputs import read_design_text
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-HOUR = 3600.0
 COMPONENTS = ("radial", "along", "cross", "clock")
 
 

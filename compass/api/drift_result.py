@@ -248,9 +248,8 @@ class DriftResult(Result):
         step = (found.times[1] - found.times[0]) / SECONDS_PER_DAY
         ground = self._figure()
         note = (
-            f"least margin: by how much all caps could shrink in the {step:g} "
-            f"day{'s' if step != 1 else ''} before, a "
-            f"proven bound (of the first row, in the day after); {self._slots()}"
+            f"least margin: by how much all caps could shrink in the {counted(step, 'day')} "
+            f"before, a proven bound (of the first row, in the day after); {self._slots()}"
             + (f"; {ground}" if ground else "")
         )
         return [Table("Margin and room over time", header, rows), Sentence(note)]

@@ -88,8 +88,6 @@ def keep(
     c, motion = read.constellation, real_motion(read)
     wanted, mask = given_fold(fold, read), given_mask(mask_deg, read).highest
     own = fold is None and mask_deg is None
-    if box_deg is not None and not 0.0 < box_deg < 180.0:
-        raise ArgumentError(f"box_deg = {box_deg:g}: must be more than 0 and below 180 degrees")
     slots = has_slots(c)
     if slots:
         margin = _margin(read, wanted, mask, own, box_deg is not None)

@@ -16,7 +16,7 @@ from compass.design import Design
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError
-from compass.frames import SECONDS_PER_DAY
+from compass.frames import HOUR, SECONDS_PER_DAY
 from compass.quantities import quantity
 from compass.signal.standing import SIDEWAYS, UPWARDS, sights_from, standing_covariance
 from compass.sites import Site
@@ -25,7 +25,6 @@ from compass.words import counted
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-HOUR = 3600.0
 
 #: How well the errors are known.
 EVIDENCE = (

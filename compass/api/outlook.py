@@ -26,6 +26,7 @@ from compass.frames import SECONDS_PER_DAY
 from compass.kept import kept
 from compass.orbits.trajectory import Trajectory
 from compass.orbits.trimming import beat_of
+from compass.words import counted
 
 #: A Mars year, days: how far a page looks ahead, and the look before that.
 HORIZON, GLANCE = 687.0, 40.0
@@ -136,8 +137,7 @@ class Glance:
             return f"{floor(self.looked_days)} days and more"
         if self.days_proven == 0.0:
             return f"not at the epoch: {self.lost}" if self.lost else "nothing proven"
-        days = floor(self.days_proven)
-        return f"{days} day{'' if days == 1 else 's'}"
+        return counted(floor(self.days_proven), "day")
 
     def command(self, design: Design) -> str:
         """The command line that proves it."""

@@ -7,12 +7,12 @@ import numpy as np
 from compass.design import Design
 from compass.document import Sentence, Table, Value
 from compass.document.blocks import Block, columns
+from compass.frames import HOUR
 from compass.quantities import quantity
 from compass.signal.budget import TERMS, basis, range_budget
 from compass.signal.weights import average_weights
 
 ELEVATIONS = (0.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 90.0)
-HOUR = 3600.0
 
 
 def _ages(design: Design) -> tuple[float, ...]:

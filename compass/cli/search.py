@@ -13,8 +13,10 @@ from compass.orbits.kinds import KIND_NAMES
 
 def _radius(_context: click.Context, _option: click.Parameter, text: str | None) -> object:
     """One radius, or the least and the greatest."""
+    if text is None:
+        return None
     try:
-        numbers = tuple(float(part) for part in text.split(":")) if text is not None else (None,)
+        numbers = tuple(float(part) for part in text.split(":"))
     except ValueError:
         numbers = ()
     if len(numbers) in (1, 2):

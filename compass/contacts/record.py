@@ -15,10 +15,8 @@ from compass.contacts.statistics import statistics
 from compass.contacts.survey import Survey
 from compass.contacts.windows import Windows, eclipses
 from compass.design import Radio
-from compass.frames import DEFAULT_FIGURE, SECONDS_PER_DAY, Figure
+from compass.frames import DEFAULT_FIGURE, HOUR, SECONDS_PER_DAY, Figure
 from compass.planets import conjunction_seasons, sun_earth_mars_angle
-
-HOUR = 3600.0
 
 #: Range is taken this often in a turn of the faster node, and at most so often in all.
 POINTS_PER_TURN, MAX_POINTS = 64, 20_000

@@ -1,7 +1,7 @@
 """Sorting in place, in kernels.
 
 Numba's own sort and what gathers by an order are more code than what sorts here, and are compiled
-once more into each kernel that reaches them: two thirds of the time of a first run.
+once more into each kernel that reaches them.
 """
 
 from compass.core.jit import kernel

@@ -33,18 +33,14 @@ class Bracket:
 class Sampled:
     """From a sample or a quadrature: `error` is in the number's own unit, `how` says of what.
 
-    Draws leave `bounds` that hold in 95 of 100 cases. Neither error nor bounds means that none is
-    known, which is said too.
+    An error of None means that none is known, which is said too.
     """
 
     error: float | None = None
     how: str = ""
-    bounds: tuple[float, float] | None = None
 
     def __str__(self) -> str:
         error = "error not known" if self.error is None else ""
-        if self.bounds is not None:
-            error = "bounds that hold in 95 of 100 cases"
         return ", ".join(part for part in ("sampled", self.how, error) if part)
 
 

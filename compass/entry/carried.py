@@ -67,12 +67,13 @@ class CarriedFilter:
             METHODS[method],
         )
 
-    def drawn(self, starts: Array, seed: int) -> tuple[Array, Array]:
+    def drawn(self, numbers: Carried, starts: Array, seed: int) -> tuple[Array, Array]:
         """First estimates (m, s) of entries that begin at `starts` (m, 6), and draws of the noise.
 
-        Each entry has a stream of its own, so that more entries begin with the same ones.
+        From its `numbers`. Each entry has a stream of its own, so that more entries begin with the
+        same ones.
         """
-        layout, numbers = self.settings.layout(self.beacons.size), self.numbers()
+        layout = self.settings.layout(self.beacons.size)
         factor, shape = root(numbers.covariance), numbers.variances.shape
         firsts, noise = np.zeros((len(starts), layout.size)), np.empty((len(starts), *shape))
         firsts[:, :6] = starts

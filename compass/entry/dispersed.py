@@ -163,7 +163,7 @@ def fly_dispersed(
     longest = LONGEST_STEP
     if carried is not None:
         longest, filtered = carried.longest_step, carried.numbers()
-        firsts, noise = carried.drawn(starts, seed)
+        firsts, noise = carried.drawn(filtered, starts, seed)
     until = Until(float(seconds), longest, watch, level, truth.planet_radius)
     p, q, bank = (
         truth.flight_parameters(),

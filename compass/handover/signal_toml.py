@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import fields
 
 from compass.clocks import CLOCKS, PARAMETERS, Clock
+from compass.frames import HOUR
 from compass.handover.decimals import decimal, number
-from compass.inputs.signal import HOUR
 from compass.inputs.toml_values import toml_text
 from compass.ranging import MAS, Matrix, Receiver, Signal
 

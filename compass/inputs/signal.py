@@ -8,11 +8,10 @@ from pydantic_core import CoreSchema
 
 from compass.clocks import PARAMETERS, Clock, clock_named
 from compass.errors import ArgumentError
+from compass.frames import HOUR
 from compass.inputs.faults import fault, satellites_given
 from compass.inputs.table import Table
 from compass.ranging import MAS, Receiver, Signal
-
-HOUR = 3600.0
 
 Sigma = Annotated[float, Field(ge=0, le=1e9)]
 Three = Annotated[list[Sigma], Field(min_length=3, max_length=3)]

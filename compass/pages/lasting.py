@@ -51,7 +51,7 @@ def lasting_answers(design: Design, found: Outlook) -> list[Answer]:
     elif found.days_proven == 0.0:
         rows = [Answer(left, "not held at the epoch", None, proven)]
     else:
-        rows = [Answer(left, f"{floor(found.days_proven)} days", None, proven)]
+        rows = [Answer(left, counted(floor(found.days_proven), "day"), None, proven)]
     if found.keeping is not None:
         mean = Value(quantity("delta_v_keeping_m_s_year"), found.keeping["delta_v_mean_m_s_year"])
         years = f"simulated over {_years(found.keeping)}"

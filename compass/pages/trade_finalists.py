@@ -35,6 +35,7 @@ from compass.study.ranking import Ranking, ground_words, rank_designs
 from compass.study.results import known_figures
 from compass.study.sampling import sampled_over, sampling_of
 from compass.study.yardstick import Yardstick, compared_mask_deg
+from compass.words import counted
 
 #: The figure that is of a quick law, and simulated for finalists.
 LAW = "delta_v_keeping_m_s_year"
@@ -217,8 +218,8 @@ def _lasts(one: Entrant) -> Answer:
 def _build(one: Entrant) -> str:
     """Say what to build."""
     row, notation = one.finalist.row, one.finalist.notation
-    planes = f"{row['planes']} plane{'s' if row['planes'] > 1 else ''}"
-    return f"Build {row['satellites']} satellites in {planes}: {notation} ({one.design.label})."
+    built = f"{counted(row['satellites'], 'satellite')} in {counted(row['planes'], 'plane')}"
+    return f"Build {built}: {notation} ({one.design.label})."
 
 
 def worth(name: str, value: float, error: float = 0.0) -> str:

@@ -12,7 +12,7 @@ from compass.bodies import DEIMOS_SEMI_MAJOR_AXIS, MARS_GM, SOLAR_DAY, sidereal_
 from compass.contacts.nodes import Node, moon_node, satellite_nodes, station_node
 from compass.contacts.spans import any_of, outside, total
 from compass.contacts.windows import Windows, windows
-from compass.frames import FIGURES
+from compass.frames import FIGURES, HOUR
 from compass.orbits import Constellation, walker_delta
 from compass.papers.verdict import Erratum, Row, claim, compare, computed
 from compass.sites import Mask, Site
@@ -22,7 +22,6 @@ TITLE = (
     "Satellites, University of Florida, 2018, section IV"
 )
 
-HOUR = 3600.0
 SPAN = 30 * SOLAR_DAY.value
 
 #: Longitudes of the first of the two equatorial stations, over half a turn.

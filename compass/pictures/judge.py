@@ -76,7 +76,9 @@ def bound_map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> 
             share = f"{100 * far.mean():.3g} % of entries beyond {goal:g} m"
             each.set_title(f"{fill(name, 46)}\n{share}", fontsize=9)
         bar = colour_bar(list(axes), mesh, "largest position bound at deployment in the cell, m")
-        ticks = [t for t in _round(low, high) if low <= t <= high]
+        per = (1, 1.5, 2, 3, 4, 5, 6, 8) if high < 8 * low else (1, 2, 5)
+        round_ones = LogLocator(subs=per, numticks=100).tick_values(low, high)
+        ticks = [float(tick) for tick in round_ones if low <= tick <= high]
         if len(ticks) > 1:
             bar.set_ticks(ticks, labels=[f"{t:g}" for t in ticks])
             bar.ax.minorticks_off()
@@ -89,13 +91,6 @@ def bound_map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> 
         "deployed there.",
         wide=True,
     )
-
-
-def _round(low: float, high: float) -> list[float]:
-    """Round numbers about a range of a logarithmic scale, the fewer the wider it is."""
-    per = (1, 1.5, 2, 3, 4, 5, 6, 8) if high < 8 * low else (1, 2, 5)
-    first, last = np.floor(np.log10(low)), np.floor(np.log10(high))
-    return [float(k * 10.0**p) for p in np.arange(first, last + 1) for k in per]
 
 
 def bound_distributions(names: Sequence[str], found: Sequence[Judgement], goal: float) -> Picture:

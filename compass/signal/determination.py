@@ -12,6 +12,7 @@ from compass.clocks import SECONDS_PER_DAY, Clock
 from compass.core.determine import STATES, follow
 from compass.design import Design
 from compass.errors import ArgumentError
+from compass.frames import HOUR
 from compass.orbits.gravity import built_in_field
 from compass.orbits.motion import Motion
 from compass.orbits.transition import gradient, transitions, turned_quadrupole
@@ -21,9 +22,6 @@ from compass.signal.ranges import radial_along_cross
 from compass.tracking import Tracking
 
 Array = NDArray[Any]
-
-#: Seconds.
-HOUR = 3600.0
 
 #: Relative error of a clock's frequency before the arc, where none is given.
 UNKNOWN_FREQUENCY = 1e-10
