@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 TITLE = "How long it lasts"
 DAYS_PER_YEAR = 365.25
 
-#: A step from one moment to the next that may be a leap to another fit, degrees.
-LEAP = 5.0
+#: Growth of the largest step between moments that may be a leap to another fit, degrees.
+LEAP = 2.0
 
 
 def lasting_verdicts(design: Design, found: Outlook) -> tuple[Verdict, ...]:
@@ -243,13 +243,15 @@ def _slot_picture(found: Outlook) -> Picture:
 def until_leap(along: NDArray[np.float64], across: NDArray[np.float64]) -> int:
     """Last moment before the best fit of a pattern leaps, of places in degrees, shape (t, n).
 
-    Far out of their slots satellites fit two turns of the pattern alike: from one moment to the
-    next all of them seem to move by much more than before.
+    Far out of their slots satellites fit two turns of the pattern alike. Drifts grow as the time
+    squared at most, so that steps grow by twice the first at most; a leap is more than thrice as
+    much as they ever grew by.
     """
     steps = np.hypot(np.diff(along, axis=0), np.diff(across, axis=0)).max(axis=1, initial=0.0)
-    before = np.maximum.accumulate(np.append(0.0, steps[:-1]))
-    leaps = np.flatnonzero((steps > LEAP) & (steps > 4.0 * before))
-    return int(leaps[0]) if leaps.size else len(along) - 1
+    growth = np.diff(steps, prepend=0.0)
+    before = np.maximum.accumulate(growth)[:-1]
+    leaps = np.flatnonzero((growth[1:] > LEAP) & (growth[1:] > 3.0 * before))
+    return int(leaps[0]) + 1 if leaps.size else len(along) - 1
 
 
 def _slot_rim(axes: "Axes", sideways: float | None) -> None:

@@ -90,6 +90,12 @@ def test_places_in_slots_are_drawn_up_to_a_leap_of_the_best_fit():
     leaping[21:] += 60.0
     assert until_leap(leaping, across) == 20
     assert until_leap(smooth[:1], across[:1]) == 0
+    coarse = 16.0 * smooth[:5]  # by 4 degrees first, by 12 next
+    assert until_leap(coarse, across[:5]) == 4
+    turned = across.copy()
+    turned[29:, 1] = 15.0  # less than the drift itself, beside it
+    slow = 0.1 * smooth
+    assert until_leap(slow, turned) == 28
 
 
 @pytest.mark.slow
