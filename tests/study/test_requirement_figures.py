@@ -87,6 +87,8 @@ def test_a_verdict_fills_the_columns_of_its_own_requirement(tiny):
             assert column["met"] == met
             assert column["share"] <= verdict.share[1] + 1e-12
             assert column["share_most"] >= verdict.share[0] - 1e-12
+            bracketed = verdict.share[0] < verdict.share[1]
+            assert (column["share"] < column["share_most"]) == bracketed
             if verdict.margin is not None:
                 assert np.radians(column["margin_deg"]) == pytest.approx(verdict.margin)
 
