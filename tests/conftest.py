@@ -2,9 +2,9 @@ import os
 import signal
 from pathlib import Path
 
+import numba
 import pytest
 from hypothesis import settings
-from numba import config
 
 import compass
 from compass.cli import main as program
@@ -15,6 +15,18 @@ settings.load_profile("compass")
 
 # Programs started in the background inherit that ^C is ignored; some tests send it.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_addoption(parser):
+    parser.addoption("--interpreted", action="store_true", help="run kernels as plain Python")
+
+
+def pytest_configure(config):
+    if config.getoption("interpreted"):
+        # workers and programs that tests start inherit it; numba read its own copy when imported
+        os.environ["NUMBA_DISABLE_JIT"] = "1"
+        numba.config.reload_config()
+
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 
@@ -46,7 +58,7 @@ def little_to_certify():
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("compass.study.order.LEVELS", {})
-        if config.DISABLE_JIT:
+        if numba.config.DISABLE_JIT:
             patch.setattr("compass.coverage.certified_geometry.BUDGET_BOXES", 0)
             patch.setattr("compass.coverage.clearance.MARGIN_BOXES", 100)
             patch.setattr("compass.coverage.clearance.MOST_BOXES", 500)
