@@ -19,6 +19,8 @@ the satellite's own direction turns by, ``asin((swift ht + rho hl) / |q|)``.
 
 `least_clearance` keeps the least that any centre showed and halves the boxes whose bound is below
 it; `clear_share` adds up the boxes in which the clearance is surely positive or surely negative.
+Halves look only at satellites of which it is not known yet on which side of the k-th they are (of
+zero, for a share): those surely above it are counted, those surely below left out.
 
 Directions are good to 1e-13 rad for phases of a revolution; `SLACK` covers that many times over,
 and phases of thousands of revolutions.
@@ -47,7 +49,7 @@ COARSE = 0.5
 
 
 @kernel
-def bounds(orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, near):
+def bounds(orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, who, ranges, near):
     """Lowest, central and highest clearance of the k-th best satellite in a box.
 
     Parameters
@@ -69,19 +71,25 @@ def bounds(orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, ne
         Which satellite counts.
     box
         See `BOX`.
+    who
+        Which satellites are looked at, shape (m,).
+    ranges
+        Here the lowest and highest clearance of each of them is written, shape (m or more, 2).
     near
-        Room for three rows of the k highest so far, shape (3, k).
+        Room for three rows of the k highest so far, shape (3, k or more).
 
     Returns
     -------
     lowest, central, highest
-        Radians: bounds for the box, and what its centre shows; minus infinity without k.
+        Radians: bounds for the box, and what its centre shows; minus infinity without k, and
+        infinity where none is needed.
     seen
         Satellites above the horizon at the centre.
     """
-    n = orbits.shape[0]
-    near[:, :] = -math.inf
-    if n < k:
+    if k <= 0:
+        return math.inf, math.inf, math.inf, 0
+    near[:, :k] = -math.inf
+    if who.size < k:
         return -math.inf, -math.inf, -math.inf, 0
     cb, sb = math.cos(box[0]), math.sin(box[0])
     across = figure[0] / math.sqrt(1.0 - figure[1] * sb * sb)
@@ -92,7 +100,8 @@ def bounds(orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, ne
     level, top_of_all = elevations.min(), elevations.max()
     seen, place = 0, np.empty(3)
     piece = piece_of(breaks, box[2]) if paths.shape[0] > 0 else -1
-    for s in range(n):
+    for j in range(who.size):
+        s = who[j]
         o = orbits[s]
         if piece >= 0:
             path_place(breaks, paths, piece, s, box[2], place)
@@ -131,9 +140,10 @@ def bounds(orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, ne
             central = min(central, room)
             highest = min(highest, room + delta + turn_of_it + SLACK)
         seen += 1 if central >= -SLACK else 0
-        _keep(near[0], lowest)
-        _keep(near[1], central)
-        _keep(near[2], highest)
+        ranges[j, 0], ranges[j, 1] = lowest, highest
+        _keep(near[0, :k], lowest)
+        _keep(near[1, :k], central)
+        _keep(near[2, :k], highest)
     return near[0, k - 1], near[1, k - 1], near[2, k - 1], seen
 
 
@@ -155,6 +165,25 @@ def _keep(highest, value):
         highest[place] = highest[place - 1]
         place -= 1
     highest[place] = value
+
+
+@kernel
+def _open(who, ranges, below, above):
+    """Keep at the front of `who` those of which it is not known on which side they are.
+
+    Returns how many these are, and how many are surely above: none of their ranges begins below
+    `above`. Those whose ranges end before `below` are left out.
+    """
+    kept, sure = 0, 0
+    for j in range(who.size):
+        if ranges[j, 1] < below:
+            continue
+        if ranges[j, 0] >= above:
+            sure += 1
+            continue
+        who[kept] = who[j]
+        kept += 1
+    return kept, sure
 
 
 @kernel
@@ -233,24 +262,26 @@ def least_clearance(
     worst
         Latitude, longitude and phase at which `high` was found, shape (3,).
     seen
-        Satellites above the horizon there.
+        Satellites above the horizon there; 0 if it was given up.
     boxes
         Boxes looked at.
     """
     near, cells = np.empty((3, max(k, 1))), _cells(domain)
-    pace = _pace(orbits)
+    pace, n = _pace(orbits), orbits.shape[0]
+    all_, ranges = np.arange(n), np.empty((n, 2))
     box, stack = np.zeros(BOX), np.empty((DEEPEST, BOX))
+    who, ranks = np.empty((DEEPEST, n), dtype=np.int64), np.empty((DEEPEST, 2), dtype=np.int64)
     high, seen, worst = math.inf, 0, np.full(3, math.nan)
     # a first guess: the lowest of the centres of the first boxes, and down from there
     for cell in range(cells.prod()):
         _cell(domain, cells, cell, box)
         if side_of(np.array([box[0], box[1], box[2], 0.0, 0.0, 0.0]), figure, normals, floors) < 0:
             continue
-        _, central, _, now = bounds(
-            orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, near
+        _, central, _, _ = bounds(
+            orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, all_, ranges, near
         )
         if central < high:
-            high, seen = central, now
+            high = central
             worst[:] = box[:3]
             if high < give_up:
                 return -math.inf, high, worst, seen, cell
@@ -264,11 +295,22 @@ def least_clearance(
                 spot[axis] = min(max(moved, domain[axis, 0]), domain[axis, 1])
                 if side_of(spot, figure, normals, floors) < 0:
                     continue
-                _, central, _, now = bounds(
-                    orbits, breaks, paths, figure, turn, azimuths, elevations, k, spot, near
+                _, central, _, _ = bounds(
+                    orbits,
+                    breaks,
+                    paths,
+                    figure,
+                    turn,
+                    azimuths,
+                    elevations,
+                    k,
+                    spot,
+                    all_,
+                    ranges,
+                    near,
                 )
                 if central < high:
-                    high, seen, better = central, now, True
+                    high, better = central, True
                     worst[:] = spot[:3]
         if high < give_up:
             return -math.inf, high, worst, seen, 0
@@ -276,6 +318,7 @@ def least_clearance(
     low, boxes = math.inf, 0
     for cell in range(cells.prod()):
         _cell(domain, cells, cell, stack[0])
+        who[0], ranks[0, 0], ranks[0, 1] = all_, n, k
         depth = 1
         while depth > 0:
             depth -= 1
@@ -284,13 +327,27 @@ def least_clearance(
             side = side_of(box, figure, normals, floors)
             if side < 0:
                 continue
-            bottom, central, _, now = bounds(
-                orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, near
+            few, rank = who[depth, : ranks[depth, 0]], ranks[depth, 1]
+            bottom, central, top, _ = bounds(
+                orbits,
+                breaks,
+                paths,
+                figure,
+                turn,
+                azimuths,
+                elevations,
+                rank,
+                box,
+                few,
+                ranges,
+                near,
             )
+            # who is nowhere below what was seen already may count as above
+            left, sure = _open(few, ranges, bottom, min(np.nextafter(top, math.inf), high))
             if central < high:
                 spot[:3] = box[:3]
                 if side_of(spot, figure, normals, floors) >= 0:
-                    high, seen = central, now
+                    high = central
                     worst[:] = box[:3]
                     if high < give_up:
                         return -math.inf, high, worst, seen, boxes
@@ -300,10 +357,17 @@ def least_clearance(
                 low = min(low, bottom)
                 continue
             box[3 + longest] *= 0.5
+            who[depth + 1, :left] = who[depth, :left]
             for sign in (-1.0, 1.0):
                 stack[depth] = box
                 stack[depth, longest] += sign * box[3 + longest]
+                ranks[depth, 0], ranks[depth, 1] = left, rank - sure
                 depth += 1
+    if high < math.inf:
+        spot[:3] = worst
+        _, _, _, seen = bounds(
+            orbits, breaks, paths, figure, turn, azimuths, elevations, k, spot, all_, ranges, near
+        )
     return min(low, high), high, worst, seen, boxes
 
 
@@ -388,11 +452,14 @@ def clear_share(
     """
     near, cells = np.empty((3, max(k, 1))), _cells(domain)
     cells[:whole] = 1
-    pace = _pace(orbits)
+    pace, n = _pace(orbits), orbits.shape[0]
+    ranges, who = np.empty((n, 2)), np.empty((DEEPEST, n), dtype=np.int64)
+    ranks = np.empty((DEEPEST, 2), dtype=np.int64)
     box, stack, kept = np.zeros(BOX), np.empty((DEEPEST, BOX)), np.empty(3)
     clear, hidden, undecided, boxes = 0.0, 0.0, 0.0, 0
     for cell in range(cells.prod()):
         _cell(domain, cells, cell, stack[0])
+        who[0], ranks[0, 0], ranks[0, 1] = np.arange(n), n, k
         depth = 1
         while depth > 0:
             depth -= 1
@@ -402,8 +469,20 @@ def clear_share(
             if side < 0:
                 continue
             part = _measure(box, figure, whole, domain)
+            few, rank = who[depth, : ranks[depth, 0]], ranks[depth, 1]
             bottom, _, top, _ = bounds(
-                orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, near
+                orbits,
+                breaks,
+                paths,
+                figure,
+                turn,
+                azimuths,
+                elevations,
+                rank,
+                box,
+                few,
+                ranges,
+                near,
             )
             if bottom >= 0.0 and side > 0:
                 clear += part
@@ -419,9 +498,14 @@ def clear_share(
             longest = _longest(box, pace)
             box[3 + longest] *= 0.5
             box[3 : 3 + whole] = kept[:whole]
+            left, sure = 0, 0
+            if 0 < rank <= few.size:
+                left, sure = _open(few, ranges, 0.0, 0.0)
+            who[depth + 1, :left] = who[depth, :left]
             for sign in (-1.0, 1.0):
                 stack[depth] = box
                 stack[depth, longest] += sign * box[3 + longest]
+                ranks[depth, 0], ranks[depth, 1] = left, rank - sure
                 depth += 1
     return clear, hidden, undecided, boxes
 
