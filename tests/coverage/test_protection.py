@@ -209,7 +209,7 @@ def test_a_design_with_a_promise_is_mapped_and_written(tmp_path):
     read = read_design_text(DESIGN.format(satellites=12, signal=SIGNAL, text=text))
     assert read.integrity == Integrity(1e-6, 1e-5, 1e-4, 0.4, 0.1)
     assert read_design_text(design_toml(read)).integrity == read.integrity
-    found = compass.map(read, step_deg=60, epochs=2, duration_h=2)
+    found = compass.map(read, step_deg=60, epochs=2, duration_h=2, budget_s=0.01)
     told = found.to_dict()
     assert 0 < told["detection_share"] <= 1
     assert told["protection_vertical_m"]["p50"] is None or told["protection_vertical_m"]["p50"] > 0
@@ -269,7 +269,7 @@ def test_after_a_loss_the_others_are_mapped_by_themselves():
         satellites=10, signal=SIGNAL, text="alert_horizontal_m = 5e3\nalert_vertical_m = 2e4"
     )
     read = read_design_text(text)
-    asked = {"step_deg": 30, "epochs": 3, "duration_h": 5}
+    asked = {"step_deg": 30, "epochs": 3, "duration_h": 5, "budget_s": 0.01}
     found = compass.map(read, each_loss=True, **asked)
     shares = found.dataset.loss_protection_share
     for lost in (0, 4):
