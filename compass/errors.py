@@ -1,6 +1,6 @@
 """What can go wrong because of what a user wrote, said in a way that helps to mend it."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
 from math import isfinite
@@ -32,6 +32,17 @@ class ArgumentError(CompassError, ValueError):
 
 class OutputError(CompassError):
     """A result that cannot be written where it was asked for."""
+
+
+@contextmanager
+def found_so_far(said: Callable[[], str]) -> Iterator[None]:
+    """Let an interruption of what is done here say what is known by then: the program prints it."""
+    try:
+        yield
+    except KeyboardInterrupt as stop:
+        if sentence := said():
+            stop.add_note(sentence)
+        raise
 
 
 #: How alike two names must be, of 1, for the one to be offered for the other: a letter or two off.

@@ -4,13 +4,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import degrees
 from pathlib import Path
+from typing import Any
 
 from compass.api.drift_result import DriftResult
 from compass.api.given import given_design, given_fold, given_mask
-from compass.api.progress import bar
+from compass.api.progress import bar, foretell
 from compass.api.radii import Asked, at_radii, forces_of, real_motion
 from compass.arguments import checked
 from compass.coverage.drift import drift_of
+from compass.coverage.lasting import prove_span
 from compass.coverage.promises import lead_of, promises_of, with_rooms
 from compass.coverage.region import GLOBE, read_region
 from compass.design import Design
@@ -100,19 +102,26 @@ def drift(
         wanted, lasting = lead.fold, replace(lead.lasting, region=where)
         sphere, highest, stretch = lead.claim.radius, lead.claim.highest, lead.claim.stretch
         mask, ground = lead.claim.mask, lead.claim.ground
+    place: dict[str, Any] = {
+        "sphere_radius": sphere,
+        "mask": highest,
+        "region": where,
+        "stretch": stretch,
+    }
+    if lasting is None:
+        shown: Any = {"progress": lambda x: bar(progress, "proof", x)}
+        lasting = prove_span(path, wanted, **place, start=start, stop=stop, **shown)
     found = drift_of(
         read.constellation,
         path,
         wanted,
         days=days,
         start_day=start_day,
-        sphere_radius=sphere,
-        mask=highest,
-        region=where,
-        stretch=stretch,
+        **place,
         step_days=step_days,
         lasting=lasting,
         progress=lambda x: bar(progress, "margins", x),
+        foretell=lambda seconds: foretell(progress, "margins", seconds),
     )
     radii = at_radii(
         read,

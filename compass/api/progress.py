@@ -16,11 +16,12 @@ def bar(wanted: bool, title: str, items: Any = None, **options: Any) -> tqdm:
     return tqdm(items, desc=title, disable=None if wanted else True, **options)
 
 
-def foretell(wanted: bool, title: str, seconds: float, size: float) -> None:
+def foretell(wanted: bool, title: str, seconds: float, size: float | None = None) -> None:
     """Say on stderr what something will take, if that is wanted and long enough to be told."""
     if wanted and seconds > LONG_S:
-        minutes = f"{seconds / 60:.2g} minutes" if seconds >= 120 else f"{seconds:.2g} s"
-        tqdm.write(f"{title}: about {minutes} and {size / 1e9:.2g} GB", file=sys.stderr)
+        minutes = f"{seconds / 60:.2g} minutes" if seconds >= 120 else f"{seconds:.0f} s"
+        room = "" if size is None else f" and {size / 1e9:.2g} GB"
+        tqdm.write(f"{title}: about {minutes}{room}", file=sys.stderr)
 
 
 @contextmanager

@@ -1,7 +1,6 @@
 """How long a pattern lasts untouched at other radii."""
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from math import degrees
 from typing import Any
@@ -9,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from compass.api.progress import bar
-from compass.cores import cores
+from compass.cores import shared
 from compass.coverage.lasting import margins_at, prove_span
 from compass.coverage.promises import lead_of, promises_of
 from compass.coverage.region import GLOBE, Region
 from compass.design import Design
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, found_so_far
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.forces import ForceModel
 from compass.orbits.motion import Motion
@@ -130,9 +129,20 @@ def at_radii(
         return _at_radius(design, radius, days * SECONDS_PER_DAY, asked)
 
     # kernels release the interpreter, so that two radii are followed at once on two cores
-    with ThreadPoolExecutor(min(cores(), max(len(radius_km), 1))) as pool:
-        found = bar(progress and len(radius_km) > 0, "radii", pool.map(look, radius_km))
-        return tuple(found)
+    found = list[RadiusLasts]()
+    with found_so_far(lambda: _sentences(found, days)):
+        shown = bar(progress and len(radius_km) > 0, "radii", radius_km)
+        for _, each in zip(shown, shared(look, radius_km), strict=True):
+            found.append(each)
+    return tuple(found)
+
+
+def _sentences(found: Sequence[RadiusLasts], days: float) -> str:
+    """What is known of radii before the others are."""
+    return "\n".join(
+        f"at {each.radius_km:g} km proven for {each.days_proven:.6g} of {days:g} days"
+        for each in found
+    )
 
 
 def _at_radius(design: Design, radius_km: float, stop: float, asked: Asked | None) -> RadiusLasts:

@@ -213,7 +213,10 @@ def _status() -> int:
     except OSError as error:
         _say(_of_the_system(error))
         return BAD_INPUT
-    except (KeyboardInterrupt, click.exceptions.Abort):
+    except (KeyboardInterrupt, click.exceptions.Abort) as stop:
+        # click's own error has the interruption as its cause
+        for note in getattr(stop.__cause__ or stop, "__notes__", ()):
+            _say(note)
         return INTERRUPTED
     except SystemExit:  # click's, when nobody reads its help
         _give_up(sys.stdout)

@@ -37,6 +37,9 @@ NOTHING, EVERYTHING = 2.0, -2.0
 #: Weight of a place outside the region, past any fold.
 OUTSIDE = 1_000_000
 
+#: No circle is thin: of `thin_circle`.
+WELL = 1_000_000
+
 
 @kernel
 def cap_cosine(radius, growth):
@@ -250,6 +253,64 @@ def extreme_fold(caps, cosines, region, floors, low, certain, stop):
             if cosines[j] <= -1.0:
                 fold += 1
     return fold, curve, azimuth_of(middle), width
+
+
+@kernel
+def thin_beside(i, caps, cosines, region, floors, k):
+    """Whether fewer than `k` caps may be beside circle i: 1, 0, or -1 where it is not there.
+
+    Parameters as of `extreme_fold`; i as its curve.
+    """
+    n, m = cosines.size, floors.size
+    if i < -m or i >= n or (i >= 0 and (cosines[i] >= 1.0 or cosines[i] <= -1.0)):
+        return -1
+    place = np.empty(2 * (n + m))
+    step = np.empty(2 * (n + m), dtype=np.int64)
+    if i >= 0:
+        centre, cosine = caps[i], cosines[i]
+    else:
+        centre, cosine = region[-1 - i], floors[-1 - i]
+    depth = _sweep(centre, cosine, i, caps, cosines, region, floors, True, True, place, step)[0]
+    if abs(depth) >= OUTSIDE // 2:
+        return -1
+    return 1 if depth < k else 0
+
+
+@kernel
+def thin_circle(caps, cosines, region, floors, k, first):
+    """Circle beside which fewer than `k` caps may be; `WELL` where k or more surely are everywhere.
+
+    What `extreme_fold` says of the least fold, certain, without how low it is. A region that has
+    no place is well covered.
+
+    Parameters
+    ----------
+    caps, cosines, region, floors
+        As in `extreme_fold`.
+    k
+        Fold.
+    first
+        Circle to look at before the others: the one that was thin a moment before, say.
+
+    Returns
+    -------
+    int
+        As the curve of `extreme_fold`, or `WELL`.
+    """
+    n, m = cosines.size, floors.size
+    if thin_beside(first, caps, cosines, region, floors, k) == 1:
+        return first
+    met = m > 0
+    for i in range(-m, n):
+        thin = thin_beside(i, caps, cosines, region, floors, k)
+        if thin == 1:
+            return i
+        met = met or thin == 0
+    full = 0
+    for j in range(n):
+        if cosines[j] <= -1.0:
+            full += 1
+    return WELL if met or full >= k else n
 
 
 @kernel

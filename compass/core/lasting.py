@@ -30,7 +30,7 @@ import math
 import numpy as np
 
 from compass.core.figure import stretched_cap
-from compass.core.fold import cap_cosine, cell_point, extreme_fold
+from compass.core.fold import WELL, cap_cosine, cell_point, extreme_fold, thin_beside, thin_circle
 from compass.core.jit import kernel
 from compass.core.path import path_state, piece_of, pull_bound
 
@@ -202,7 +202,7 @@ def first_loss(
     cosines, pulls = np.empty(n), np.empty(n)
     stack = np.empty((128, 2))
     unsettled, place = np.zeros((KEPT, 2)), np.zeros(3)
-    nodes, parts = 0, 0
+    nodes, parts, thin = 0, 0, WELL
     limit, lost, proven = stop, math.inf, start
     piece = piece_of(breaks, start)
     while piece < breaks.size - 1 and breaks[piece] < limit:
@@ -245,16 +245,19 @@ def first_loss(
                         moving = stray[s, 0] - stray[s, 1]
                         slowest = slowest and moving <= max(tolerance, stray[s, 1])
                         cosines[s] = cap_cosine(radius[s], -stray[s, 0])
-                    fold, curve, _, _ = extreme_fold(u, cosines, region, floors, True, True, k)
-                    # no circle and no rim has a point here: a band beside the region
-                    done = fold >= k or (curve == n and floors.size > 0)
+                    thin = thin_circle(u, cosines, region, floors, k, thin)
+                    done = thin == WELL
                     still = still or slowest
                     if not done:
                         for s in range(n):
                             cosines[s] = cap_cosine(radius[s], stray[s, 1])
-                        fold, curve, azimuth, width = extreme_fold(
-                            u, cosines, region, floors, True, True, -1
-                        )
+                        # where it is thin on the way it may be at the middle; only the last look
+                        # at an interval is at all circles
+                        fold = k
+                        if still or thin_beside(thin, u, cosines, region, floors, k) != 0:
+                            fold, curve, azimuth, width = extreme_fold(
+                                u, cosines, region, floors, True, True, -1
+                            )
                         if fold < k:
                             point, fold, found = cell_point(
                                 curve, azimuth, width, u, cosines, region, floors, True
@@ -291,13 +294,13 @@ def margin_at(u, radius, region, floors, k, low, high, tolerance):
     By halving; the result is on the safe side by less than `tolerance`. Negative where they must
     grow; all of it in a region that has no place.
     """
-    n, cosines = radius.size, np.empty(radius.size)
+    cosines, thin = np.empty(radius.size), WELL
     while high - low > tolerance:
         middle = 0.5 * (low + high)
         for s in range(radius.size):
             cosines[s] = cap_cosine(radius[s], -middle)
-        fold, curve, _, _ = extreme_fold(u, cosines, region, floors, True, True, k)
-        if fold >= k or (curve == n and floors.size > 0):
+        thin = thin_circle(u, cosines, region, floors, k, thin)
+        if thin == WELL:
             low = middle
         else:
             high = middle
@@ -376,7 +379,7 @@ def least_margin(
     u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty((n, 2))
     cosines, pulls = np.empty(n), np.empty(n)
     stack = np.empty((128, 2))
-    nodes, below, above, vague = 0, math.pi, math.pi, 0.0
+    nodes, below, above, vague, thin = 0, math.pi, math.pi, 0.0, WELL
     piece = piece_of(breaks, start)
     while piece < breaks.size - 1 and breaks[piece] < stop:
         for s in range(n):
@@ -405,31 +408,33 @@ def least_margin(
                 radius,
                 stray,
             )
-            furthest, slow = 0.0, ground[1] != 1.0
             if known:
-                fixed = 0.0
+                goal, furthest, fixed, slow = above - tolerance, 0.0, 0.0, ground[1] != 1.0
                 for s in range(n):
                     furthest = max(furthest, stray[s, 0])
                     fixed = max(fixed, stray[s, 1])
                     slow = slow and stray[s, 0] <= 2.0 * stray[s, 1]
-                    cosines[s] = cap_cosine(radius[s], -above)
-                fold, curve, _, _ = extreme_fold(u, cosines, region, floors, True, True, k)
-                if curve == n and floors.size > 0:
+                    cosines[s] = cap_cosine(radius[s], -goal - stray[s, 0])
+                thin = thin_circle(u, cosines, region, floors, k, thin)
+                if thin == WELL:
+                    below = min(below, goal)
                     continue
-                if fold < k:
+                last = slow or half < 1e-3 or nodes >= max_nodes
+                for s in range(n):
+                    cosines[s] = cap_cosine(radius[s], -above)
+                # the circle that is thin somewhen in the interval; all of them only if it is the
+                # last look, or the first
+                lower = thin_beside(thin, u, cosines, region, floors, k) == 1
+                if last or (above == math.pi and not lower):
+                    lower = thin_circle(u, cosines, region, floors, k, thin) != WELL
+                if lower:
                     above = margin_at(u, radius, region, floors, k, -math.pi, above, 1e-6) + 1e-6
                     vague = 0.0 if ground[1] == 1.0 else fixed
-                goal = above - tolerance
-                for s in range(n):
-                    cosines[s] = cap_cosine(radius[s], -goal - stray[s, 0])
-                if extreme_fold(u, cosines, region, floors, True, True, k)[0] >= k:
-                    below = min(below, goal)
+                if last:
+                    below = min(below, above - furthest)
                     continue
             elif half < 1e-3 or nodes >= max_nodes:
                 return -math.pi, -math.pi, nodes
-            if known and (slow or half < 1e-3 or nodes >= max_nodes):
-                below = min(below, above - furthest)
-                continue
             stack[depth, 0], stack[depth, 1] = middle, right
             stack[depth + 1, 0], stack[depth + 1, 1] = left, middle
             depth += 2

@@ -3,14 +3,17 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.cores import cores, shared
 from compass.coverage.lasting import Lasting, least_margins, margins_at, prove_span
 from compass.coverage.region import GLOBE, Region
 from compass.coverage.room import Room, SlotBox, covering_slots, room_in_slots
+from compass.errors import found_so_far
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits import Constellation
 from compass.orbits.trajectory import Trajectory
@@ -20,6 +23,10 @@ MOMENTS = 200
 
 #: How close bounds of the least margin come, radians, before the first loss and after it.
 KEPT, LOST = 1e-4, 5e-3
+
+
+#: Part of the first day by which the time for the others is foretold.
+PROBE = 0.1
 
 
 @dataclass(frozen=True)
@@ -66,6 +73,7 @@ def drift_of(
     step_days: float | None = None,
     lasting: Lasting | None = None,
     progress: Callable[[Sequence[Any]], Any] = iter,
+    foretell: Callable[[float], None] = lambda seconds: None,
 ) -> Drift:
     """Follow coverage along paths for `days` from `start_day` on.
 
@@ -85,6 +93,8 @@ def drift_of(
         How long it lasts, if that is known already.
     progress
         Wraps the list of stretches between moments, as tqdm does.
+    foretell
+        Is told beforehand about how many seconds the margins take, by what the first ones took.
 
     Raises
     ------
@@ -102,13 +112,29 @@ def drift_of(
     first = min(start + SECONDS_PER_DAY, stop)
     spans = [(start, first), *pairwise(times.tolist())]
     lost = stop if lasting.lost_at is None else lasting.lost_at
-    least = [
-        least_margins(path, fold, ends, **place, tolerance=KEPT if ends[0] <= lost else LOST)[0]
-        for ends in progress(spans)
-    ]
+
+    def least_of(ends: tuple[float, float]) -> NDArray[np.float64]:
+        near = KEPT if ends[0] <= lost else LOST
+        return np.asarray(least_margins(path, fold, ends, **place, tolerance=near)[0])
+
+    with found_so_far(lambda: _words(lasting)):
+        least_of((start, start + 1.0))  # no compilation counts
+        began = perf_counter()
+        least_of((start, start + PROBE * (first - start)))
+        each_day = (perf_counter() - began) / (PROBE * (first - start)) * SECONDS_PER_DAY
+        foretell(each_day * (days + 1.0) / cores())
+        # kernels release the interpreter, so that stretches are looked at on all cores at once
+        least = [each for _, each in zip(progress(spans), shared(least_of, spans), strict=True)]
     room, box = None, None
     if (slots := covering_slots(constellation, fold, region)) is not None:
         room = room_in_slots(slots, path, times, **ground)
         box = slots.box(**ground)
     margin = margins_at(path, fold, times, **place)
     return Drift(lasting, times, margin, np.array(least), room, box)
+
+
+def _words(lasting: Lasting) -> str:
+    """How long it lasts, for whoever does not wait for the margins."""
+    lost = lasting.first_loss_days
+    until = "" if lost is None else f"; lost on day {lost:.6g}"
+    return f"proven for {lasting.days_proven:.6g} days{until}"

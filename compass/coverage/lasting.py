@@ -27,7 +27,7 @@ from compass.coverage.certificate import Outcome
 from compass.coverage.region import GLOBE, Region
 from compass.coverage.stretches import between_breaks, check_pairs
 from compass.coverage.witness import Witness, witness_among
-from compass.errors import ArgumentError, whole_number
+from compass.errors import ArgumentError, found_so_far, whole_number
 from compass.frames import SECONDS_PER_DAY, mcmf_from_mci, prime_meridian_angle
 from compass.orbits.motion import check_span
 from compass.orbits.trajectory import Trajectory
@@ -156,15 +156,16 @@ def prove_span(
     open_: list[tuple[float, float]] = []
     days = between_breaks(path.breaks, begin, end, SECONDS_PER_DAY)
     check_pairs(path.size, len(days))
-    for left, right in progress(days):
-        looked, until, lost, place, parts = _bands(
-            path, figure, region, fold, left, right, max_intervals - nodes
-        )
-        proven = proven if open_ else until
-        open_ += parts
-        nodes += looked
-        if lost < np.inf:
-            break
+    with found_so_far(lambda: f"proven up to day {proven / SECONDS_PER_DAY:.6g}"):
+        for left, right in progress(days):
+            looked, until, lost, place, parts = _bands(
+                path, figure, region, fold, left, right, max_intervals - nodes
+            )
+            proven = proven if open_ else until
+            open_ += parts
+            nodes += looked
+            if lost < np.inf:
+                break
     kept = sorted(open_)[:KEPT]
     witness = None
     if lost < np.inf:

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, found_so_far
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.constellation import Constellation
 from compass.orbits.ellipse import elliptic
@@ -158,28 +158,37 @@ def keep_slots(
     state = _Slots(c.size, axis, half_width, smallest_burn)
     theta, tilt, time = np.zeros(c.size), np.zeros(c.size), 0.0
     spent, burns = np.zeros(c.size), np.zeros(c.size, dtype=np.int64)
-    for k in progress(list(range(count))):
-        path = integrate(
-            r, v, forces, time + period, start=time, epoch=c.epoch,
-            satellite_names=c.satellite_names, tolerance=COARSE,
-        )  # fmt: skip
-        gone, mean = _turn_and_mean(path)
-        mean, theta, time = theta + mean, theta + gone, time + period
-        r, v = (a[:, 0] for a in path.states([time]))
-        wrong = navigation_error / axis * random.standard_normal(c.size)
-        done = 1.0 + execution_error * random.standard_normal(c.size)
-        slots = _turned_as_one(_poles(r, v), poles)
-        tilts = _angles(_poles(r, v), slots)
-        tilt = np.maximum(tilt, tilts)
-        for s in np.flatnonzero(tilts > across):
-            r[s], v[s], burnt = _into_plane(path.only(int(s)), slots[s], float(done[s]), forces)
-            spent[s] += burnt
-            burns[s] += 1
-        speed = np.linalg.norm(v, axis=1)
-        if oval.any():
-            state.lever = np.where(oval, own.gm / (own.mean_motion * axis * speed), axis)
-        kicks = state.look((k + 0.5) * period, mean, mean + wrong, done)
-        v = v + kicks[:, None] * v / speed[:, None]
+
+    def so_far() -> str:
+        if not time:
+            return ""
+        years = time / (365.25 * SECONDS_PER_DAY)
+        mean = float((state.spent + spent).mean()) / years
+        return f"kept for {years:.3g} years so far, at {mean:.3g} m/s an Earth year a satellite"
+
+    with found_so_far(so_far):
+        for k in progress(list(range(count))):
+            path = integrate(
+                r, v, forces, time + period, start=time, epoch=c.epoch,
+                satellite_names=c.satellite_names, tolerance=COARSE,
+            )  # fmt: skip
+            gone, mean = _turn_and_mean(path)
+            mean, theta, time = theta + mean, theta + gone, time + period
+            r, v = (a[:, 0] for a in path.states([time]))
+            wrong = navigation_error / axis * random.standard_normal(c.size)
+            done = 1.0 + execution_error * random.standard_normal(c.size)
+            slots = _turned_as_one(_poles(r, v), poles)
+            tilts = _angles(_poles(r, v), slots)
+            tilt = np.maximum(tilt, tilts)
+            for s in np.flatnonzero(tilts > across):
+                r[s], v[s], burnt = _into_plane(path.only(int(s)), slots[s], float(done[s]), forces)
+                spent[s] += burnt
+                burns[s] += 1
+            speed = np.linalg.norm(v, axis=1)
+            if oval.any():
+                state.lever = np.where(oval, own.gm / (own.mean_motion * axis * speed), axis)
+            kicks = state.look((k + 0.5) * period, mean, mean + wrong, done)
+            v = v + kicks[:, None] * v / speed[:, None]
     return Keeping(
         duration=count * period,
         half_width=half_width,

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -396,3 +397,40 @@ def test_geometry_is_told_stretch_by_stretch(wanted):
     said = " ".join(text(found.document()).split())
     assert "geometry is settled in stretches of up to 7 days between proven bounds, always" in said
     assert "0 to 0 % in the days 0 to 0.02" in said
+
+
+def test_an_interruption_says_what_is_known_by_then(file, monkeypatch):
+    def interrupt(*_, **__):
+        raise KeyboardInterrupt
+
+    for place, known in (
+        ("compass.coverage.drift.least_margins", "proven for 0.1 days\n"),
+        ("compass.coverage.lasting._bands", "proven up to day 0\n"),
+    ):
+        with monkeypatch.context() as patched:
+            patched.setattr(place, interrupt)
+            with pytest.raises(KeyboardInterrupt) as stopped:
+                compass.drift(file, days=0.1)
+        assert "\n".join(stopped.value.__notes__) + "\n" == known
+
+
+def test_radii_known_before_an_interruption_are_said(file, monkeypatch):
+    from compass.api import radii
+
+    look = radii._at_radius
+
+    def interrupt(design, radius, *rest):
+        if radius == 18000.0:
+            raise KeyboardInterrupt
+        return look(design, radius, *rest)
+
+    monkeypatch.setattr(radii, "_at_radius", interrupt)
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        radii.at_radii(read_design(file), [19000.0, 18000.0], days=0.1)
+    assert stopped.value.__notes__ == ["at 19000 km proven for 0.1 of 0.1 days"]
+
+
+def test_what_takes_long_is_foretold(file, monkeypatch, capsys):
+    monkeypatch.setattr("compass.api.progress.LONG_S", 0.0)
+    compass.drift(file, days=0.1, progress=True)
+    assert re.search(r"margins: about \d+ s\n", capsys.readouterr().err)

@@ -10,11 +10,13 @@ from hypothesis import strategies as st
 from compass.core.fold import (
     EVERYTHING,
     NOTHING,
+    WELL,
     azimuth_of,
     cap_cosine,
     circle_frame,
     diamond,
     extreme_fold,
+    thin_circle,
 )
 from compass.coverage.fold import fold_extremes
 
@@ -164,6 +166,32 @@ def test_early_stop_is_below_the_threshold():
     least = fold_extremes(u, radius).least
     stopped = extreme_fold(u, np.cos(radius), *nothing, True, True, least + 2)[0]
     assert least <= stopped < least + 2
+
+
+@pytest.mark.parametrize("parts", [0, 1, 2])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_thin_circle_is_one_where_the_least_fold_is_too_low(seed, parts):
+    u, radius = random_caps(seed, 9, equal=False)
+    cosines = np.cos(radius)
+    region = np.array([[0.0, 0.0, 1.0], [0.0, 0.6, 0.8]])[:parts], np.full(2, 0.3)[:parts]
+    least = extreme_fold(u, cosines, *region, True, True, -1)[0]
+    for k in range(least - 1, least + 3):
+        for first in (WELL, -2, -1, 0, 8):
+            thin = thin_circle(u, cosines, *region, k, first)
+            assert (thin == WELL) == (least >= k)
+            if thin != WELL:
+                assert -parts <= thin < 9
+                assert thin_circle(u, cosines, *region, k, thin) == thin
+
+
+def test_caps_without_a_rim_cover_everything_or_nothing():
+    u, _ = random_caps(0, 2)
+    nothing, full = (np.empty((0, 3)), np.empty(0)), np.full(2, EVERYTHING)
+    assert thin_circle(u, full, *nothing, 2, WELL) == WELL
+    assert thin_circle(u, full, *nothing, 3, WELL) == 2  # no circle: everywhere
+    assert thin_circle(u, np.full(2, NOTHING), *nothing, 1, WELL) == 2
+    nowhere = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]), np.full(2, 0.5)
+    assert thin_circle(u, full, *nowhere, 3, WELL) == WELL
 
 
 def test_shrunk_and_grown_caps():
