@@ -26,6 +26,7 @@ from numba.core.caching import (
     _CacheLocator,
     _SourceFileBackedLocatorMixin,
 )
+from numba.core.runtime import rtsys
 from numba.np import linalg
 
 SOURCES = Path(__file__).parent
@@ -169,6 +170,16 @@ def _kept_in(place: Path) -> Callable[[Callable[..., Any]], Any]:
 
     class Kept(FunctionCache):
         _impl_class = Implementation
+
+        def load_overload(self, signature: Any, context: Any) -> Any:
+            """Load what is kept without first filling the context with all that Numba can compile.
+
+            That takes longer than to load our kernels, and only who compiles needs it: Numba's
+            compiler fills the context itself. A kernel has to find the counters of references.
+            """
+            rtsys.initialize(context)
+            with self._guard_against_spurious_io_errors():
+                return self._load_overload(signature, context)
 
     return Kept
 
