@@ -123,7 +123,8 @@ class TradeResult(Result):
             own = [] if self.study.signal is None else ["every candidate"]
             blocks.append(Sentence(self.study.entry.doubts.sentence(own)))
         if front:
-            blocks.append(_front_table(front, requirement_columns(self.study)))
+            goals = {objective.figure for objective in self.study.objectives}
+            blocks.append(_front_table(front, requirement_columns(self.study).keys() - goals))
             blocks += self._required_table()
             blocks += [Sentence(words) for words in self._evidence()]
             blocks += self._clock_table()
@@ -247,7 +248,9 @@ def _front_table(front: list[dict[str, Any]], apart: Collection[str]) -> Table:
 
     def written(row: dict[str, Any], name: str) -> Any:
         bracket = row.get(f"{name}_bracket")
-        return row[name] if bracket is None else Value(quantity(name), row[name], Bracket(*bracket))
+        if bracket is None:
+            return row[name]
+        return Value(MERITS[name].quantity, row[name], Bracket(*bracket))
 
     rows = tuple(tuple(written(row, name) for name in names) for row in front)
     return Table("Pareto front", tuple(names), rows, LISTED)

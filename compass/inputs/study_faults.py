@@ -11,7 +11,7 @@ from compass.inputs.motion import motion_faults
 from compass.inputs.requirements import requirement_faults, station_names, where_faults
 from compass.inputs.signal import signal_faults
 from compass.orbits.patterns import FARTHEST_KM
-from compass.quantities.merits import MERITS
+from compass.quantities.merits import MERITS, OF_ONE
 
 #: Values that one list of a study may come to.
 MOST_VALUES = 100_000
@@ -171,9 +171,19 @@ def _figure_faults(table: dict[str, Any], path: str, raw: dict[str, Any]) -> lis
     name = table.get("figure")
     if not isinstance(name, str):
         return []
+    if (one := OF_ONE.fullmatch(name)) is not None:
+        number = len(_tables(raw, "requirement"))
+        if int(one[1]) <= number:
+            return []
+        problem = f"there is no [[requirement]] of that number; there are {number}"
+        return [fault(f"{path}.figure", name, problem)]
     if name not in MERITS:
         guess = "".join(f"did you mean {other}? " for other in near(name, MERITS))
-        problem = f"no candidate has this figure; {guess}allowed: {', '.join(MERITS)}"
+        problem = (
+            f"no candidate has this figure; {guess}allowed: {', '.join(MERITS)}; and of one "
+            "requirement, K in the file, requirement_K_margin_deg, requirement_K_share and "
+            "requirement_K_share_most"
+        )
         return [fault(f"{path}.figure", name, problem)]
     key, remedy = _TABLES.get(MERITS[name].needs or MERITS[name].stage, ("", ""))
     if key and key not in raw:

@@ -32,7 +32,7 @@ from compass.pages.trade_pictures import (
     share_picture,
 )
 from compass.quantities.merits import MERITS, STAGES
-from compass.study.bounds import bounded_figures, ends
+from compass.study.bounds import bounded_figures, bracketed_figures, ends
 from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, finalists_of, notation, rows_in
 from compass.study.requirement_figures import required
@@ -232,7 +232,7 @@ def _candidate_table(title: str, study: Study, some: "xr.Dataset") -> Table:
 def _cell(study: Study, some: "xr.Dataset", name: str, k: int) -> object:
     """A figure of a candidate, between its bounds where it has any."""
     value = float(some[name].values[k])
-    if name in bounded_figures(study):
+    if name in bracketed_figures(study):
         low, high = (float(some[end].values[k]) for end in ends(name))
         if np.isfinite(high - low):
             return Value(MERITS[name].quantity, value, Bracket(low, high))

@@ -5,8 +5,9 @@ one of these, or worked out of several. Study files, stores, constraints, fronts
 names, units, directions and values from here.
 """
 
+import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -305,8 +306,24 @@ _ALL = (
     ),
 )
 
+#: Names of figures of one requirement by itself: its number in the file, and which figure.
+OF_ONE = re.compile(r"requirement_([1-9]\d*)_(margin_deg|share|share_most)")
+
+
+class _Merits(dict[str, Merit]):
+    """Figures by name; those of one requirement, as many as there may be, when asked for."""
+
+    def __missing__(self, name: str) -> Merit:
+        found = OF_ONE.fullmatch(name)
+        if found is None:
+            raise KeyError(name)
+        shared = _SHARED[f"requirement_{found[2]}"]
+        title = f"requirement {found[1]}: {shared.title}"
+        return Merit(replace(shared, name=name, title=title), "requirements")
+
+
 #: By name, in the order of the stages.
-MERITS: Mapping[str, Merit] = {merit.quantity.name: merit for merit in _ALL}
+MERITS: Mapping[str, Merit] = _Merits({merit.quantity.name: merit for merit in _ALL})
 
 
 def merits_of(stage: str) -> tuple[str, ...]:

@@ -43,7 +43,9 @@ LEVELS = {
 
 
 def ends(figure: str) -> tuple[str, str]:
-    """Names of the columns of a figure's bounds."""
+    """Names of the columns of a figure's bounds; a requirement's share is its lower one itself."""
+    if figure.startswith("requirement_") and figure.endswith("_share"):
+        return figure, f"{figure}_most"
     return f"{figure}_low", f"{figure}_high"
 
 
@@ -56,6 +58,12 @@ def bounded_figures(study: Study) -> list[str]:
     """Figures that the study sorts by or limits, and that have proven bounds."""
     asked = {o.figure for o in study.objectives} | {c.figure for c in study.constraints}
     return [figure for figure in BOUNDED if figure in asked]
+
+
+def bracketed_figures(study: Study) -> list[str]:
+    """Figures that the study sorts by or limits whose bounds candidates may have: shares too."""
+    shares = [name for name in study.named if ends(name)[0] == name]
+    return [*bounded_figures(study), *sorted(shares)]
 
 
 def limited_figures(study: Study) -> list[str]:

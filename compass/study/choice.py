@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from compass.inputs.study import Study
 from compass.orbits import Constellation
 from compass.quantities.merits import MERITS
-from compass.study.bounds import bounded_figures, ends
+from compass.study.bounds import bracketed_figures, ends
 from compass.study.candidates import PATTERNS, ROW, make_constellation
 from compass.study.sampling import map_errors
 
@@ -122,7 +122,8 @@ def finalists_of(study: Study, results: "xr.Dataset") -> list[Finalist]:
             old = found[key]
             found[key] = replace(old, role=f"{old.role}; {role}")
         else:
-            figures = {name: float(one[name].values[0]) for name in MERITS}
+            named = (*MERITS, *(o.figure for o in study.objectives))
+            figures = {name: float(one[name].values[0]) for name in named}
             row = rows_in(one)
             errors = {name: float(values[0]) for name, values in map_errors(study, row).items()}
             brackets = _brackets(study, one)
@@ -135,7 +136,7 @@ def _brackets(study: Study, one: "xr.Dataset") -> dict[str, tuple[float, float]]
     """Proven bounds of the figures of a candidate that have them."""
     pairs = {
         figure: tuple(float(one[end].values[0]) for end in ends(figure))
-        for figure in bounded_figures(study)
+        for figure in bracketed_figures(study)
         if ends(figure)[0] in one
     }
     return {name: (low, high) for name, (low, high) in pairs.items() if np.isfinite(high - low)}

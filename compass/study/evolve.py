@@ -14,6 +14,7 @@ from compass.errors import ArgumentError
 from compass.inputs.study import Study
 from compass.quantities.merits import MERITS
 from compass.study.candidates import blocks, identities, pick
+from compass.study.requirement_figures import requirement_columns
 from compass.study.stages import passing
 from compass.study.store import Store, read_lines
 
@@ -28,18 +29,19 @@ class Known:
 
     def __init__(self, store: Store, study: Study) -> None:
         self._path, self._study, self._end = store.path, study, 0
+        self._names = (*MERITS, *requirement_columns(study))
         self._values: dict[str, NDArray[np.float64]] = {}
 
     def figures(self, keys: list[str]) -> dict[str, NDArray[np.float64]]:
         """By name those of some candidates, nan where there is none; shape (n,) each."""
         self._read()
-        unknown = np.full(len(MERITS), np.nan)
+        unknown = np.full(len(self._names), np.nan)
         table = [self._values.get(key, unknown) for key in keys]
-        return dict(zip(MERITS, np.array(table).T, strict=True))
+        return dict(zip(self._names, np.array(table).T, strict=True))
 
     def _read(self) -> None:
         """Take in what was added since."""
-        names = list(MERITS)
+        names = list(self._names)
         for line in read_lines(self._path, self._study, self._end):
             self._end = line.end
             if line.batch is None:

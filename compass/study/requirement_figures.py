@@ -25,6 +25,9 @@ from compass.study.candidates import make_constellation
 #: How near bounds of shares of geometry come at first; most candidates are told apart by that.
 COARSE = 2e-3
 
+#: How near bounds of a share come that the study sorts by or limits.
+NEAR = 1e-3
+
 #: Parts of a verdict that are kept of each requirement, and the quantities that they are of.
 PARTS = {
     "met": "requirement_met",
@@ -110,8 +113,12 @@ def settled(study: Study, c: Constellation, mask: float) -> dict[str, float]:
     """Figures of a constellation: once a requirement is missed, those after it are not asked."""
     design = Design(c, figure=study.figure, mask=Mask.constant(mask), signal=study.signal)
     verdicts: list[Verdict] = []
-    for wanted in study.requirements:
-        verdicts.append(_decided(design, wanted))
+    for number, wanted in enumerate(study.requirements, start=1):
+        verdict = _decided(design, wanted)
+        sorted_by = {"requirement_share", f"requirement_{number}_share"}
+        if study.named & {*sorted_by, *(f"{name}_most" for name in sorted_by)}:
+            verdict = narrowed(design, verdict)
+        verdicts.append(verdict)
         if verdicts[-1].met is False:
             break
     outcomes = [verdict.met for verdict in verdicts]
@@ -138,6 +145,24 @@ def _parts(verdict: Verdict) -> dict[str, float]:
         "share": low,
         "share_most": high,
     }
+
+
+def narrowed(design: Design, verdict: Verdict) -> Verdict:
+    """The same verdict with the bounds of its share within `NEAR`, by halving what is between.
+
+    Each half is a verdict on as much as its middle; it ends where one, of so many boxes as a
+    verdict takes, brings them no nearer.
+    """
+    if verdict.share is None or verdict.requirement.share == 1.0:
+        return verdict
+    low, high = verdict.share
+    while high - low > NEAR:
+        middle = replace(verdict.requirement, share=0.5 * (low + high))
+        found = verdict_of(design, middle, effort=Effort(width=0.5 * NEAR)).share
+        if found is None or (found[0] <= low and found[1] >= high):
+            break
+        low, high = max(low, found[0]), min(high, found[1])
+    return replace(verdict, share=(low, high))
 
 
 def _decided(design: Design, wanted: Requirement) -> Verdict:

@@ -11,7 +11,7 @@ from compass.errors import ArgumentError
 from compass.inputs.study import Study
 from compass.quantities import quantity
 from compass.quantities.merits import MERITS, STAGES, merits_of
-from compass.study.bounds import BOUNDED, bound_columns, bounded_figures, ends
+from compass.study.bounds import BOUNDED, bound_columns, bounded_figures, bracketed_figures, ends
 from compass.study.candidates import PATTERNS, ROW, identities
 from compass.study.order import order_of
 from compass.study.record import Batch
@@ -152,7 +152,7 @@ def first_front(study: Study, results: "xr.Dataset") -> list[dict[str, Any]]:
     columns = {}
     for name in names:
         columns[name] = front[name].values[order].tolist()
-        if name in bounded_figures(study):
+        if name in bracketed_figures(study):
             low, high = (front[end].values[order].tolist() for end in ends(name))
             pairs = [None if np.isnan(a) else [a, b] for a, b in zip(low, high, strict=True)]
             if any(pairs):

@@ -11,6 +11,7 @@ from compass.errors import DesignError
 from compass.sites import Mask
 from compass.study import requirement_figures as module
 from compass.study.candidates import batches, candidates, make_constellation
+from compass.study.evolve import Known
 from compass.study.requirement_figures import required
 from compass.study.results import first_front, read_results
 from compass.study.store import Store
@@ -46,7 +47,10 @@ def test_requirements_are_a_stage_a_constraint_and_columns(tiny, tmp_path):
     assert study.stages == ("screen", "map", "requirements")
     with Store(tmp_path, study) as store:
         run_trade(study, store, OneProcess(study), lambda *_: _Silent())
-    results = read_results(study, tmp_path)
+        results = read_results(study, tmp_path)
+        seen = Known(store, study).figures(list(results.identity.values))
+    for name in ("requirements_met", "requirement_1_met", "requirement_share"):
+        np.testing.assert_array_equal(seen[name], results[name])  # what evolution selects by
     asked = results.isel(candidate=np.flatnonzero(results.stage.values == "requirements"))
     assert asked.sizes["candidate"]
     assert not (results.feasible & (results.requirements_met != 1)).any()
@@ -106,6 +110,72 @@ def test_figures_are_those_of_verdicts_under_closed_tracks(tiny):
         assert np.radians(found["requirement_margin_deg"][0]) == pytest.approx(verdicts[0].margin)
     asked = verdicts if verdicts[0].met else verdicts[:1]
     assert found["requirement_share"][0] == min(v.share[0] for v in asked if v.share)
+
+
+def test_one_requirement_is_a_goal_and_a_limit(tiny, tmp_path):
+    """Its share sorted by brackets that are near: who may be beaten within them is not decided."""
+    wanted = """
+[[objective]]
+figure = "requirement_2_share"
+[[objective]]
+figure = "requirement_1_margin_deg"
+[[constraint]]
+figure = "requirement_2_share_most"
+at_least = 0.4
+"""
+    study = tiny(REQUIRED + wanted)
+    study = replace(study, space=replace(study.space, satellites=(5,), inclination_deg=(40.0,)))
+    assert {(o.figure, o.goal) for o in study.objectives} >= {
+        ("requirement_2_share", "largest"), ("requirement_1_margin_deg", "largest"),
+    }  # fmt: skip
+    with Store(tmp_path, study) as store:
+        run_trade(study, store, OneProcess(study), lambda *_: _Silent())
+    results = read_results(study, tmp_path)
+    front = first_front(study, results)
+    assert front
+    for one in front:
+        low, high = one["requirement_2_share_bracket"]
+        assert high >= 0.4 and 0 <= high - low <= 1e-2
+        assert low == one["requirement_2_share"]
+    # by hand: within their bounds as good in all, and better in one
+    good = results.isel(candidate=np.flatnonzero(results.feasible.values))
+    for one in front:
+        better = good.requirement_2_share.values > one["requirement_2_share_bracket"][1]
+        better &= good.requirement_1_margin_deg.values >= one["requirement_1_margin_deg"]
+        names = [o.figure for o in study.objectives if not o.figure.startswith("requirement")]
+        signs = {o.figure: o.sign for o in study.objectives}
+        for name in names:
+            better &= signs[name] * good[name].values <= signs[name] * one[name]
+        assert not better.any()
+
+
+def test_a_share_is_narrowed_about_what_others_find(tiny):
+    """The bracket of a wide verdict against one asked for finely."""
+    study = tiny(REQUIRED)
+    rows = first(study)
+    design = Design(make_constellation(rows[0]), figure=study.figure, mask=Mask.constant(0.05))
+    asked = study.requirements[1]
+    wide = verdict_of(design, asked)
+    near = module.narrowed(design, wide)
+    low, high = near.share
+    assert wide.share[0] <= low <= high <= wide.share[1] and high - low <= module.NEAR
+    fine = verdict_of(design, replace(asked, share=0.5 * (low + high))).share
+    assert fine[0] <= high and low <= fine[1]
+    always = verdict_of(design, study.requirements[0])
+    assert module.narrowed(design, always) == always
+
+
+@pytest.mark.parametrize(
+    ("figure", "message"),
+    [
+        ("requirement_3_share", r"no \[\[requirement\]\] of that number; there are 2"),
+        ("requirement_0_share", "and of one requirement, K in the file, requirement_K_margin_deg"),
+        ("requirement_1_met", "and of one requirement, K in the file"),
+    ],
+)
+def test_a_figure_of_no_requirement_gets_a_message(tiny, figure, message):
+    with pytest.raises(DesignError, match=message):
+        tiny(f'{REQUIRED}\n[[objective]]\nfigure = "{figure}"\n')
 
 
 def test_what_is_missed_ends_the_asking(tiny):
