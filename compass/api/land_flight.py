@@ -14,7 +14,6 @@ from compass.entry.accuracy import Accuracy, Spread
 from compass.entry.assess import Assessment, assess
 from compass.entry.carried import CarriedFilter
 from compass.entry.dispersed import Dispersed, fly_dispersed
-from compass.entry.guidance import guided, with_bank
 from compass.entry.quantiles import share_bounds
 from compass.entry.state import longitude_degrees
 from compass.entry.trajectory import Trajectory, fly, loads
@@ -49,18 +48,12 @@ def assess_scenario(scenario: Scenario, runs: int | None = None) -> Assessment:
     """
     many = scenario.runs if runs is None else runs
     check_cost(scenario, many)
-    model, truth = scenario.model, scenario.truth
-    if scenario.guidance is not None:
-        bank = guided(
-            truth, model, scenario.state, scenario.guidance, scenario.deployment,
-            float(scenario.times[-1]),
-        )  # fmt: skip
-        model, truth = with_bank(model, bank), with_bank(truth, bank)
-    flight = fly(truth, scenario.state, scenario.times, triggers=scenario.triggers)
+    planned = scenario.planned()
+    flight = fly(planned.truth, scenario.state, scenario.times, triggers=scenario.triggers)
     if flight.times.size < 2:
         raise ArgumentError(f"{scenario.label}: {flight.ending}; nothing to navigate")
     return assess(
-        model,
+        planned.model,
         flight,
         scenario.beacons(flight.times),
         scenario.measurements,
@@ -344,6 +337,8 @@ def claim_sentence(found: Assessment, *, guided: bool = False) -> str:
     ellipse = at.delivery.ellipse
     how = delivered(guided=guided)
     half = (significant(axis / KM, 3) for axis in (ellipse.semi_major, ellipse.semi_minor))
+    if at.anywhere:
+        return f"{known} {anywhere(how)}"
     return (
         f"{known} {how} it comes down within {' by '.join(half)} km (95 % ellipse, half axes, "
         f"major axis {np.degrees(ellipse.azimuth):.0f} deg from north), half of the time within "
@@ -354,6 +349,14 @@ def claim_sentence(found: Assessment, *, guided: bool = False) -> str:
 def delivered(*, guided: bool) -> str:
     """How a lander comes to where linear covariance has it."""
     return "By the planned bank alone" if guided else "Unguided"
+
+
+def anywhere(how: str) -> str:
+    """What is said instead of an ellipse that is larger than Mars."""
+    return (
+        f"{how} it comes down nobody knows where: what is not known of its first state spreads "
+        "over more than a radian of the ground, of which linear covariance says nothing."
+    )
 
 
 def ground_words(found: Assessment) -> list[str]:
@@ -371,6 +374,8 @@ def accuracy_sentence(at: Accuracy) -> str:
         for spread in (at.knowledge, at.delivery)
     )
     when = "at the moment of the event" if at.projected else "at that time"
+    if at.anywhere:
+        return f"Linear covariance there, along, across and down: known to {known} m (1 sigma)."
     return (
         f"Linear covariance there, along, across and down: known to {known} m, delivered to "
         f"{comes} m (1 sigma, {when})."
@@ -569,13 +574,13 @@ def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
                 }
                 for share in found.budget
             ],
-            "delivery": _spread_facts(found.accuracy.delivery),
+            "delivery": None if found.accuracy.anywhere else _spread_facts(found.accuracy.delivery),
             "ground": None
             if found.ground is None
             else {
                 "time_s": found.ground.time,
                 "knowledge": _spread_facts(found.ground.knowledge),
-                "delivery": _spread_facts(found.ground.delivery),
+                "delivery": None if found.ground.anywhere else _spread_facts(found.ground.delivery),
             },
         },
         "consistency": {

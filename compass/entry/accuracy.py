@@ -148,6 +148,14 @@ class Accuracy:
     delivery: Spread
     surface: Array
 
+    @property
+    def anywhere(self) -> bool:
+        """Whether delivery spreads over more than a radian of the ground.
+
+        So far a plane through the nominal place, and a covariance about it, say nothing.
+        """
+        return bool(self.delivery.ellipse.semi_major > np.linalg.norm(self.path[:3]))
+
 
 def projection(rate: ArrayLike, gradient: ArrayLike) -> Array:
     """``M = I - f g^T / (g^T f)``, (6, 6): from errors at a time to errors on a surface.

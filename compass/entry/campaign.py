@@ -14,7 +14,7 @@ from compass.core.entry.many import fly_many
 from compass.entry.arrivals import Arrivals, draw_arrivals
 from compass.entry.covariance import LONGEST_STEP
 from compass.entry.ground import Ground
-from compass.entry.guidance import Dispersion
+from compass.entry.guidance import Dispersion, Guidance, guided_banks
 from compass.entry.model import EntryModel
 from compass.entry.radio import (
     WAKE,
@@ -27,7 +27,7 @@ from compass.entry.start import Trigger
 from compass.entry.trajectory import watched_level
 from compass.entry.views import along_cross_down, cartesian_of
 from compass.errors import ArgumentError
-from compass.frames import latitude_longitude
+from compass.frames import direction, latitude_longitude
 
 Array = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ class Campaign:
         The m entries that were flown.
     times
         Seconds after entry, shape (t,), evenly spaced from 0.
-    paths, gains, stops
+    paths, gains, stops, banks
         As in `compass.core.entry.many.fly_many`; `stops` are the epochs of deployment.
     spreads
         Square roots S of each entry's prior covariance of position, velocity, density and lift,
@@ -69,6 +69,7 @@ class Campaign:
     paths: Array
     gains: Array
     stops: NDArray[np.int64]
+    banks: Array
     spreads: Array
     worlds: Array
     arrival_probability: Array
@@ -103,6 +104,7 @@ class Campaign:
             paths=self.paths[part],
             gains=self.gains[part],
             stops=self.stops[part],
+            banks=self.banks[part],
             spreads=self.spreads[part],
             worlds=self.worlds[part],
             arrival_probability=self.arrival_probability[part],
@@ -130,8 +132,7 @@ class Campaign:
 
     def turns(self, state: ArrayLike) -> Array:
         """Rotations (m, 3, 3) that move an entry from state ``[r, lon, lat, ...]`` to each."""
-        own = along_cross_down(cartesian_of(np.asarray(state, dtype=float)[:6]))
-        return np.asarray(np.swapaxes(along_cross_down(self.paths[:, 0]), 1, 2) @ own)
+        return _turns(state, self.paths[:, 0])
 
     @property
     def deployment_place(self) -> tuple[Array, Array]:
@@ -151,6 +152,7 @@ def fly_campaign(
     density_sigma: float = 0.0,
     lift_sigma: float = 0.0,
     dispersion: Dispersion | None = None,
+    guidance: Guidance | None = None,
     seed: int = 0,
 ) -> Campaign:
     """Move an entry to every site and azimuth of `arrivals`, and fly it there.
@@ -183,6 +185,9 @@ def fly_campaign(
     dispersion, seed
         How far each entry is from the one that is moved, in the vehicle's axes, and the seed of
         what is drawn; all alike if left out.
+    guidance
+        Of the bank of every entry, to a target that is moved as the entry is; it knows the true
+        state. The bank of the vehicle if left out.
 
     Raises
     ------
@@ -195,10 +200,7 @@ def fly_campaign(
     if seconds.size < 2 or seconds[0] != 0 or not np.allclose(np.diff(seconds), seconds[1]):
         raise ArgumentError("times: must be evenly spaced from 0, at least two")
     size = arrivals.phase.size
-    starts = np.tile(given, (size, 1))
-    starts[:, 1], starts[:, 2] = arrivals.longitude, arrivals.latitude
-    starts[:, 5] = arrivals.azimuth
-    starts = cartesian_of(starts)
+    planned = starts = moved_starts(given, arrivals)
     parameters = np.diag([density_sigma, lift_sigma * model.vehicle.lift_to_drag])
     uncertain = parameters.any(axis=0)
     spreads = np.zeros((size, 8, 6 + int(uncertain.sum())))
@@ -214,6 +216,11 @@ def fly_campaign(
         turned = np.swapaxes(vehicle_axes(starts), -1, -2)
         starts, worlds = starts + (turned @ drawn[:, :6, None])[..., 0], drawn[:, 6:].copy()
     p = model.flight_parameters()
+    if guidance is None:
+        banks = np.repeat(model.vehicle.bank_schedule()[None], size, axis=0)
+    else:
+        targets, end = moved_targets(given, guidance, planned), float(seconds[-1])
+        banks = guided_banks(model, model, starts, worlds, guidance, targets, trigger, end)
     paths = np.zeros((size, seconds.size, 6))
     gains = np.zeros((*paths.shape, spreads.shape[2]))
     stops = np.empty(size, dtype=np.int64)
@@ -222,7 +229,7 @@ def fly_campaign(
         worlds,
         spreads,
         p,
-        model.vehicle.bank_schedule(),
+        banks,
         seconds,
         LONGEST_STEP,
         watch,
@@ -251,6 +258,7 @@ def fly_campaign(
         paths,
         gains[:, :flown],
         stops,
+        banks,
         spreads,
         worlds,
         probability,
@@ -266,9 +274,30 @@ def fly_campaign(
             density_sigma=density_sigma,
             lift_sigma=lift_sigma,
             dispersion=dispersion,
+            guidance=guidance,
             seed=seed,
         ),
     )
+
+
+def moved_starts(state: ArrayLike, arrivals: Arrivals) -> Array:
+    """State ``[r, lon, lat, V, gamma, psi]`` moved to arrivals: position and velocity, (m, 6)."""
+    starts = np.tile(np.asarray(state, dtype=float)[:6], (arrivals.phase.size, 1))
+    starts[:, 1], starts[:, 2] = arrivals.longitude, arrivals.latitude
+    starts[:, 5] = arrivals.azimuth
+    return cartesian_of(starts)
+
+
+def moved_targets(state: ArrayLike, guidance: Guidance, starts: Array) -> Array:
+    """Unit vectors (m, 3) to a target that lies about each start as it does about a state."""
+    target = direction(guidance.latitude, guidance.longitude)
+    return np.asarray(_turns(state, starts) @ target)
+
+
+def _turns(state: ArrayLike, starts: Array) -> Array:
+    """Rotations (m, 3, 3) that move an entry from state ``[r, lon, lat, ...]`` to each start."""
+    own = along_cross_down(cartesian_of(np.asarray(state, dtype=float)[:6]))
+    return np.asarray(np.swapaxes(along_cross_down(starts), 1, 2) @ own)
 
 
 def check_sigmas(density_sigma: float, lift_sigma: float) -> None:

@@ -1,16 +1,21 @@
 """Guidance to a target, the bank that it flies, and how far entries are from the planned one."""
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from compass.cores import cores
 from compass.entry.model import EntryModel
 from compass.entry.start import Trigger
 from compass.errors import ArgumentError
 from compass.frames import direction
 
 Array = NDArray[np.float64]
+
+#: Entries handed to a thread at once.
+BLOCK = 16
 
 
 @dataclass(frozen=True)
@@ -90,51 +95,70 @@ class Dispersion:
         return np.asarray(sigmas * np.random.default_rng(seed).standard_normal((self.entries, 8)))
 
 
-def guided(
+def guided_banks(
     truth: EntryModel,
     known: EntryModel,
-    state: ArrayLike,
+    starts: Array,
+    worlds: Array,
     guidance: Guidance,
+    targets: Array,
     trigger: Trigger | None,
     seconds: float,
-) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Times (s) and angles (rad) of the bank that guidance flies in the true world.
+    *,
+    threads: int | None = None,
+) -> Array:
+    """Banks that guidance flies in many entries, (m, k, 2): times (s) and angles (rad).
+
+    The last row holds from its time on; rows at infinite times fill what is left. Guidance knows
+    its state as it is, and of the world what it feels of drag.
 
     Parameters
     ----------
     truth, known
-        The world as it is, and as the guidance knows it.
-    state
-        ``[r, lon, lat, V, gamma, psi]`` at time 0.
+        The world as it is but for `worlds`, and as the guidance knows it.
+    starts, worlds
+        States at time 0, (m, 6), Mars-fixed, and what is added to the logarithm of the density and
+        to L/D of each, (m, 2).
+    guidance, targets
+        How they are guided, and unit vectors to where, (m, 3).
     trigger
         Deployment, which ends it; the ground if left out. Afterwards the last bank is held.
     seconds
         When it ends at the latest.
+    threads
+        Threads; one a processor if left out. The banks do not depend on them.
     """
-    from compass.core.entry.guide import Until, guided_flight
+    from compass.core.entry.guide import Until, guided_banks
     from compass.entry.carried import nothing_carried
     from compass.entry.covariance import LONGEST_STEP
     from compass.entry.trajectory import watched_level
-    from compass.entry.views import cartesian_of
 
     watch, level = watched_level(truth, trigger or GROUND)
-    p, banks = truth.flight_parameters(), np.empty((int(2 * seconds) + 4, 2))
+    count = len(starts)
+    banks = np.empty((count, int(2 * seconds) + 4, 2))
+    rows = np.empty(count, dtype=np.int64)
     until = Until(float(seconds), LONGEST_STEP, watch, level, truth.planet_radius)
-    carried, firsts, draws = nothing_carried(1)
-    _, rows = guided_flight(
-        cartesian_of(np.asarray(state, dtype=float)[:6]), 0.0, truth.vehicle.lift_to_drag, p,
-        known.flight_parameters(), guidance.numbers(), until, carried, firsts[0], draws[0], banks,
-        np.empty(6), np.empty(7),
+    common = (
+        truth.flight_parameters(), known.flight_parameters(), guidance.numbers(), until,
+        nothing_carried(0)[0],
     )  # fmt: skip
-    kept = banks[:rows]
-    changed = np.append(True, np.diff(kept[:, 1]) != 0)
-    return tuple(kept[changed, 0].tolist()), tuple(kept[changed, 1].tolist())
+
+    def work(first: int) -> None:
+        part = slice(first, first + BLOCK)
+        guided_banks(starts[part], worlds[part], targets[part], *common, banks[part], rows[part])
+
+    with ThreadPoolExecutor(cores(threads)) as pool:
+        list(pool.map(work, range(0, count, BLOCK)))
+    kept = banks[:, : rows.max()].copy()
+    kept[np.arange(kept.shape[1]) >= rows[:, None]] = [np.inf, 0.0]
+    return kept
 
 
-def with_bank(model: EntryModel, bank: tuple[tuple[float, ...], tuple[float, ...]]) -> EntryModel:
-    """Return the model whose vehicle flies a schedule of times and angles."""
-    times, angles = bank
-    return replace(model, vehicle=replace(model.vehicle, bank_times=times, bank_angles=angles))
+def with_bank(model: EntryModel, bank: Array) -> EntryModel:
+    """Return the model whose vehicle flies a bank, (k, 2): one of `guided_banks`."""
+    times, angles = bank[np.isfinite(bank[:, 0])].T.tolist()
+    vehicle = replace(model.vehicle, bank_times=tuple(times), bank_angles=tuple(angles))
+    return replace(model, vehicle=vehicle)
 
 
 #: Where a flight without deployment ends.

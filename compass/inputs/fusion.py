@@ -65,7 +65,7 @@ def fusion_plan(scenario: "Scenario") -> FusionPlan | None:
     if scenario.fusion is None:
         return None
     try:
-        return _plan(scenario, scenario.fusion)
+        return _plan(scenario.planned(), scenario.fusion)
     except DesignError:
         raise
     except CompassError as error:

@@ -84,7 +84,7 @@ def dispersion_of(table: DispersionTable | None) -> Dispersion | None:
 
 
 def guidance_faults(raw: dict[str, Any]) -> list[str]:
-    """Guidance beside a bank that is given, or where nothing is guided yet."""
+    """Guidance beside a bank that is given, or with limits that leave none."""
     table, vehicle, faults = raw.get("guidance"), raw.get("vehicle"), []
     if not isinstance(table, dict):
         return []
@@ -95,9 +95,4 @@ def guidance_faults(raw: dict[str, Any]) -> list[str]:
     if all(isinstance(x, int | float) for x in (least, most)) and least >= most:
         problem = f"must be above least_bank_deg = {least:g}"
         faults.append(fault("guidance.most_bank_deg", most, problem))
-    if "fusion" in raw:
-        faults.append(
-            "guidance: not beside [fusion], whose filters fly the bank of the vehicle; leave one "
-            "of them out"
-        )
     return faults

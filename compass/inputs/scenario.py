@@ -19,7 +19,7 @@ from compass.entry.atmosphere import Atmosphere, read_atmosphere_table
 from compass.entry.beacons import Beacons, orbiting_beacons, surface_beacons
 from compass.entry.covariance import axes_covariance
 from compass.entry.filters import Filter, Method
-from compass.entry.guidance import Dispersion, Guidance
+from compass.entry.guidance import Dispersion, Guidance, guided_banks, with_bank
 from compass.entry.layout import Part
 from compass.entry.mars_air import PROFILE, SPREAD, WINDS
 from compass.entry.model import EntryModel
@@ -29,7 +29,7 @@ from compass.entry.state import azimuth_from_heading, state_from_cartesian
 from compass.entry.vehicle import Vehicle
 from compass.entry.views import cartesian_of, spherical_jacobian
 from compass.errors import ArgumentError, CompassError, DesignError
-from compass.frames import SECONDS_PER_DAY, prime_meridian_angle
+from compass.frames import SECONDS_PER_DAY, direction, prime_meridian_angle
 from compass.inputs.design import read_design
 from compass.inputs.fusion_models import FusionTable
 from compass.inputs.guidance_models import dispersion_of, guidance_of
@@ -172,6 +172,21 @@ class Scenario:
             f"Scenario {self.name}: {self.times[-1]:g} s of flight, beacons: "
             f"{len(self.surface_names)} on the ground, {satellites} in orbit"
         )
+
+    def planned(self) -> "Scenario":
+        """The scenario whose vehicle flies the bank that guidance finds in the true world.
+
+        Itself without guidance.
+        """
+        if self.guidance is None:
+            return self
+        start, end = cartesian_of(self.state[None, :6]), float(self.times[-1])
+        target = direction(self.guidance.latitude, self.guidance.longitude)[None]
+        (bank,) = guided_banks(
+            self.truth, self.model, start, np.zeros((1, 2)), self.guidance, target,
+            self.deployment, end,
+        )  # fmt: skip
+        return replace(self, model=with_bank(self.model, bank), truth=with_bank(self.truth, bank))
 
     @property
     def deployment(self) -> Trigger | None:

@@ -46,11 +46,11 @@ def landing_sections(found: LandResult) -> tuple[Section, ...]:
     consistency, *words = findings(found.scenario, flown)
     how = delivered(guided=found.scenario.guidance is not None)
     rows = (*answers(flown, how), *dispersed_answers(found.dispersed))
+    drawn_to_scale = () if flown.accuracy.anywhere else (landing_ellipse(flown.accuracy, how),)
     answer = Section(
         "The answer",
-        (Sentence(found.claim), Answers("Known, and how sure", rows),
-         landing_ellipse(flown.accuracy, how)),
-    )  # fmt: skip
+        (Sentence(found.claim), Answers("Known, and how sure", rows), *drawn_to_scale),
+    )
     navigation = arranged(
         "Navigation", (consistency, *words), _those(drawn, "navigation"), (tables["Navigation"],)
     )
@@ -95,7 +95,9 @@ def answers(flown: Assessment, how: str = "Unguided") -> tuple[Answer, ...]:
         Answer("Along, across and down", f"{apart} m, 1 sigma", None, linear),
         Answer(
             f"Comes down within, {how[0].lower()}{how[1:]}",
-            f"{significant(ellipse.semi_major / KM, 3)} by "
+            "no answer, for its first state is hardly known"
+            if at.anywhere
+            else f"{significant(ellipse.semi_major / KM, 3)} by "
             f"{significant(ellipse.semi_minor / KM, 3)} km",
             None,
             f"95 % ellipse, half axes; {linear}",

@@ -61,15 +61,21 @@ def _map_picture(found: Assessment, dispersed: Dispersed | None) -> Picture:
         draw_landing(axes, found, dispersed)
         figure.legend(fontsize=8, frameon=False, loc="outside right upper")
     delivery = found.accuracy.delivery.ellipse
+    if found.accuracy.anywhere:
+        where = "Where it comes down cannot be said: no ellipse is drawn."
+    else:
+        where = (
+            "The ellipse that holds 95 % of landings has half axes of "
+            f"{significant(delivery.semi_major / KM, 3)} and "
+            f"{significant(delivery.semi_minor / KM, 3)} km, the longer one "
+            f"{np.degrees(delivery.azimuth):.0f} deg from north."
+        )
     return picture(
         figure,
         "entry-map",
         "Ground track, visible area and beacons",
         "Ground track, the rims of what sees the lander at the start and at the end (dashed), and "
-        "the area that sees it all the way (shaded, if there is one). The ellipse that holds 95 % "
-        f"of landings has half axes of {significant(delivery.semi_major / KM, 3)} and "
-        f"{significant(delivery.semi_minor / KM, 3)} km, the longer one "
-        f"{np.degrees(delivery.azimuth):.0f} deg from north.",
+        f"the area that sees it all the way (shaded, if there is one). {where}",
     )
 
 
@@ -79,11 +85,14 @@ def draw_landing(axes: Axes, found: Assessment, dispersed: Dispersed | None = No
     The ellipse of 95 % of linear covariance, and entries that were flown.
     """
     at, states = found.accuracy, found.flight.states
+    if at.anywhere and dispersed is None:
+        return
     lon0 = float(np.degrees(states[:, 1].mean()))
     rim = _degrees(around(at.path[:3], at.delivery.ellipse.outline()), lon0)
     corner = axes.inset_axes((0.03, 0.03, 0.36, 0.3))
     for part in (axes, corner):
-        part.plot(*rim, color=CYCLE[3], lw=1.4, label="comes down, 95 %")
+        if not at.anywhere:
+            part.plot(*rim, color=CYCLE[3], lw=1.4, label="comes down, 95 %")
         if dispersed is not None:
             spots = _degrees(dispersed.ends[dispersed.reached, :3], lon0)
             part.plot(*spots, ".", color=INK, ms=2.5, alpha=0.6, label="dispersed entries")

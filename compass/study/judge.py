@@ -13,13 +13,19 @@ from compass.core.entry.many import bounds, count_in_view, information, own_info
 from compass.coverage.region import read_regions
 from compass.digest import digest_of
 from compass.entry.arrivals import Arrivals, draw_arrivals
-from compass.entry.campaign import Campaign, check_sigmas, fly_campaign
+from compass.entry.campaign import (
+    Campaign,
+    check_sigmas,
+    fly_campaign,
+    moved_starts,
+    moved_targets,
+)
 from compass.entry.ground import Ground, aimed
 from compass.entry.guidance import Dispersion
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
 from compass.entry.unknowns import NOTHING, Unknowns
 from compass.errors import ArgumentError
-from compass.frames import Figure, prime_meridian_angle
+from compass.frames import Figure, latitude_longitude, prime_meridian_angle
 from compass.inputs.scenario import Scenario
 from compass.orbits import Constellation, repeat_period, states_mci
 from compass.sites import Mask, Site
@@ -84,11 +90,18 @@ def _fly(request: _Request) -> Campaign:
             density_sigma=request.density_sigma,
             lift_sigma=request.lift_sigma,
             dispersion=dispersion,
+            guidance=scenario.guidance,
             seed=request.seed,
         )
 
+    def place(tried: Arrivals) -> tuple[Array, Array]:
+        if scenario.guidance is None:
+            return fly(tried, None, None).deployment_place
+        starts = moved_starts(scenario.state, tried)
+        return latitude_longitude(moved_targets(scenario.state, scenario.guidance, starts))
+
     def to(goals: Arrivals) -> Campaign:
-        entries = aimed(lambda tried: fly(tried, None, None).deployment_place, goals)
+        entries = aimed(place, goals)
         flown = fly(entries, request.electrons, scenario.dispersion)
         return replace(flown, again=to, ground=ground, goals=goals)
 
@@ -113,7 +126,8 @@ def campaign_of(
 ) -> Campaign:
     """Entries of the scenario's lander spread over sites, azimuths and time; kept for reuse.
 
-    With a ground they are aimed so as to deploy there.
+    With a ground they are aimed so as to deploy there. Guided ones fly to a target that is moved
+    with them.
 
     The scenario's own site, its beacons and the bias of its truth play no role. Where its link
     counts plasma itself, signals are lost by that alone. Each differs by the scenario's dispersion.
@@ -333,18 +347,13 @@ def check_measurements(scenario: Scenario) -> None:
     Raises
     ------
     ArgumentError
-        Guidance to a target, measurements in turn, process noise, or further quantities that are
+        Measurements in turn, process noise, or further quantities that are
         not known.
     """
     if scenario.measurements.in_turn:
         raise ArgumentError(
             f"{scenario.label}: measurements.in_turn = true: judged is what all satellites in "
             "view tell at once; set it to false"
-        )
-    if scenario.guidance is not None:
-        raise ArgumentError(
-            f"{scenario.label}: guidance: judged are entries anywhere, which fly the bank of the "
-            "vehicle; leave the table out"
         )
     if np.any(scenario.settings.noise):
         raise ArgumentError(

@@ -13,6 +13,7 @@ from compass.cores import cores
 from compass.entry.beacons import Beacons, orbiting_beacons
 from compass.entry.consistency import FALSE_ALARM, nees_bounds
 from compass.entry.ground import Ground
+from compass.entry.guidance import with_bank
 from compass.entry.layout import Part
 from compass.entry.navigation import MonteCarlo, run_monte_carlo
 from compass.entry.quantiles import percentiles
@@ -200,6 +201,7 @@ def _run(
     world = scenario.truth.truth(density_bias=float(np.expm1(thicker)))
     craft = world.vehicle
     world = replace(world, vehicle=replace(craft, lift_to_drag=craft.lift_to_drag + float(lift)))
+    world, known = (with_bank(one, campaign.banks[entry]) for one in (world, scenario.model))
     truth = fly(world, spherical_of(campaign.paths[entry, 0]), beacons.times)
     if truth.times.size < count:
         raise ArgumentError(
@@ -213,7 +215,7 @@ def _run(
         taken = possible & (draw < campaign.arrival_probability[entry, :count, None])
         made.append(
             run_monte_carlo(
-                scenario.model,
+                known,
                 truth,
                 beacons,
                 taken,

@@ -14,7 +14,7 @@ from compass.entry.atmosphere import Atmosphere
 from compass.entry.carried import CarriedFilter
 from compass.entry.covariance import axes_covariance, linear_covariance
 from compass.entry.dispersed import Dispersed, fly_dispersed
-from compass.entry.guidance import Dispersion, Guidance, guided, with_bank
+from compass.entry.guidance import Dispersion, Guidance, with_bank
 from compass.entry.layout import Layout
 from compass.entry.schedule import Measurements
 from compass.entry.start import Trigger
@@ -23,7 +23,6 @@ from compass.entry.views import cartesian_of, spherical_of
 from compass.errors import ArgumentError, DesignError
 from compass.frames import direction
 from compass.inputs.scenario import read_scenario, read_scenario_text
-from compass.study.judge import check_measurements
 
 DESIGNS = Path(__file__).parents[2] / "designs"
 FAST = Trigger("fast", "speed", 3000.0)
@@ -114,9 +113,9 @@ def test_guidance_brings_all_to_the_target(guided_lander):
     worlds = lander.truth, lander.model, lander.state
     exact = fly_dispersed(*worlds, Dispersion(3), 300.0, **options)
     assert exact.within(100.0) < 500.0
-    bank = guided(*worlds, lander.guidance, trigger, 300.0)
+    bank = lander.planned().model.vehicle.bank_schedule()
     limit = np.degrees(lander.guidance.rate) * 1.0 + 1e-9
-    assert np.abs(np.diff(np.degrees(bank[1]))).max() <= limit
+    assert np.abs(np.diff(np.degrees(bank[:, 1]))).max() <= limit
     flight = fly(with_bank(lander.truth, bank), lander.state, [0.0, 300.0], triggers=[trigger])
     [event] = [one for one in flight.events if one.name == trigger.name]
     assert event.time == pytest.approx(exact.times[0], abs=1e-3)
@@ -199,18 +198,13 @@ def test_what_cannot_be_is_refused(guided_lander):
         Guidance(0.0, 0.0, np.radians(90), np.radians(30))
     with pytest.raises(ArgumentError, match="cycle = 0: must be above 0"):
         Guidance(0.0, 0.0, cycle=0.0)
-    with pytest.raises(ArgumentError, match="guidance: judged are entries anywhere"):
-        check_measurements(guided_lander)
     text = guided_lander.text.replace("lift_to_drag = 0.24", "lift_to_drag = 0.24\nbank_deg = 3")
     text = text.replace("[guidance]", "[guidance]\nmost_bank_deg = 10")
-    fusion = (DESIGNS / "lou2019-recommended.toml").read_text()
-    text += fusion[fusion.index("[fusion]") :]
     with pytest.raises(DesignError) as told:
         read_scenario_text(text, folder=DESIGNS)
     for words in (
         "vehicle.bank_deg = 3: not beside [guidance]",
         "guidance.most_bank_deg = 10: must be above least_bank_deg = 20",
-        "guidance: not beside [fusion]",
     ):
         assert words in str(told.value)
 

@@ -263,7 +263,8 @@ def guided_flight(
         The filter, its first estimate (s,), and normal draws of its noise, (t, n, c); `first` has
         no element if there is none.
     banks
-        Output, (k, 2): times and the bank that holds from each on, as far as there is room.
+        Output, (k, 2): times and the bank that holds from each on, a row where it changes, as far
+        as there is room.
     end
         Output, (6,): state at the event.
     told
@@ -272,7 +273,7 @@ def guided_flight(
     Returns
     -------
     time, rows
-        Of the event, nan if it does not come; how many rows of `banks` there are.
+        Of the event, nan if it does not come; how many rows of `banks` were written.
     """
     x, seen, time, rows, side = start.copy(), start.copy(), 0.0, 0, 1.0
     state, covariance, k = first.copy(), carried.covariance.copy(), 0
@@ -309,9 +310,9 @@ def guided_flight(
         after = turned(bank, wish, g[RATE] * (stop - time))
         angle = 0.5 * (bank + after)
         bank = after
-        if rows < banks.shape[0]:
+        if rows < banks.shape[0] and (rows == 0 or banks[rows - 1, 1] != angle):
             banks[rows, 0], banks[rows, 1] = time, angle
-        rows += 1
+            rows += 1
         rk4_step(x, thicker, lift, p, math.cos(angle), math.sin(angle), stop - time, end)
         if blind:
             if watched(end, until.watch, p) <= until.level:
@@ -332,6 +333,29 @@ def guided_flight(
         x[:] = end
         time = stop
     return np.nan, rows
+
+
+@kernel
+def guided_banks(starts, worlds, targets, p, known, g, until, carried, banks, rows):
+    """Write the bank that each of many entries flies to a target of its own.
+
+    Parameters
+    ----------
+    starts, worlds, p, known, g, until, carried
+        As in `dispersed_flights`; nothing is carried, guidance knows the true state.
+    targets
+        Unit vectors, (m, 3), in place of that of `g`.
+    banks, rows
+        Outputs: `banks` of `guided_flight`, (m, k, 2), and how many rows of each are written, (m,).
+    """
+    own, end, told = g.copy(), np.empty(6), np.empty(7)
+    nothing, unheard = np.empty(0), np.empty((0, 0, 0))
+    for m in range(starts.shape[0]):
+        own[TARGET : TARGET + 3] = targets[m]
+        _, rows[m] = guided_flight(
+            starts[m], worlds[m, 0], p[LIFT] + worlds[m, 1], p, known, own, until, carried, nothing,
+            unheard, banks[m], end, told,
+        )  # fmt: skip
 
 
 @kernel

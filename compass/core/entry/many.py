@@ -27,7 +27,7 @@ WAYS = 4
 
 @kernel
 def fly_many(
-    starts, worlds, spreads, p, bank, times, longest, watch, level, ground, paths, gains, stops
+    starts, worlds, spreads, p, banks, times, longest, watch, level, ground, paths, gains, stops
 ):  # fmt: skip
     """Fly every entry to its end, with the derivative of every flight.
 
@@ -39,8 +39,10 @@ def fly_many(
         What is added to the logarithm of the density and to L/D in each entry, (m, 2).
     spreads
         S at entry, shape (m, 8, d): of position, velocity, logarithm of the density and L/D.
-    p, bank, longest
+    p, longest
         As in `compass.core.entry.flow.advance`.
+    banks
+        Times and angles of each entry's bank as there, (m, k, 2).
     times
         Epochs, s, shape (t,).
     watch, level
@@ -65,8 +67,8 @@ def fly_many(
             here, gain = paths[m, t], gains[m, t]
             if t > 0:
                 advance_transition(
-                    paths[m, t - 1], worlds[m, 0], p[RATIO] + worlds[m, 1], p, bank, times[t - 1],
-                    times[t], longest, here, phi,
+                    paths[m, t - 1], worlds[m, 0], p[RATIO] + worlds[m, 1], p, banks[m],
+                    times[t - 1], times[t], longest, here, phi,
                 )  # fmt: skip
                 _product(phi, spread, gain)
                 spread[:6] = gain
