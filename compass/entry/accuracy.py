@@ -240,7 +240,7 @@ def _unmeasured(
         times,
         LONGEST_STEP,
         noise_roots(path, times, noise),
-        *layout.steps(path),
+        *layout.steps(path, times),
         np.empty((times.size, 0, 6)),
         np.empty((times.size, 0, 0)),
         np.empty(0, dtype=np.int64),

@@ -28,6 +28,7 @@ _SOURCES = {
     "clock": "receiver's clock",
     "imu": "accelerometers",
     "attitude": "axes of the instruments",
+    "gyro": "gyros",
 }
 FIRST, SHAKEN = "first state", "process noise"
 RADIO = ("noise of the ranges", "noise of the range rates")
@@ -153,7 +154,12 @@ def landing_budget(
             starts.setdefault(name, np.zeros_like(whole))
     names = list(starts)
     shares = np.empty((len(names), layout.size, layout.size))
-    walk, fade = layout.steps(path)
+    walk, fade = layout.steps(path, times)
+    walked = np.full(layout.size, -1)
+    for block, source in (("air", "air"), ("attitude", "gyro")):
+        if layout.place(source) >= 0:
+            first = layout.place(block)
+            walked[first : first + (3 if source == "gyro" else 1)] = names.index(_SOURCES[source])
     shares_run(
         np.ascontiguousarray(path),
         whole,
@@ -165,7 +171,7 @@ def landing_budget(
         noise,
         names.index(SHAKEN) if SHAKEN in names else -1,
         walk,
-        names.index(_SOURCES["air"]) if _SOURCES["air"] in names else -1,
+        walked,
         fade,
         sources,
         variances,

@@ -52,19 +52,17 @@ class CarriedFilter:
         sources, variances, kinds = self.measurements.heard(
             self.beacons, self.taken, path, self.planned.model
         )
-        # what is carried as a root is the covariance here
-        method = "plain" if self.settings.method == "square-root" else self.settings.method
         return Carried(
             np.array(self.beacons.times, dtype=float),
             layout.covariance(np.asarray(self.settings.covariance0, dtype=float)),
             noise_roots(path, self.beacons.times, self.settings.noise),
-            *layout.steps(path),
+            *layout.steps(path, np.asarray(self.beacons.times)),
             sources,
             variances,
             kinds,
             layout.numbers(),
             self.settings.iterations,
-            METHODS[method],
+            METHODS[self.settings.method],
         )
 
     def drawn(self, numbers: Carried, starts: Array, seed: int) -> tuple[Array, Array]:

@@ -18,7 +18,7 @@ LONGEST_STEP = 1.0
 
 #: Measurements better than this, by their unit, would tell: their filters take an eighth of the
 #: step, over which the flight is off by a micrometre.
-FINE = {"m": 1.0, "m/s": 0.05, "rad": 1e-6}
+FINE = {"m": 1.0, "m/s": 0.05, "rad": 1e-6, "m/s^2": 0.0}
 
 
 def longest_step(measurements: Measurements) -> float:
@@ -111,7 +111,7 @@ def linear_covariance(
         np.array(beacons.times, dtype=float),
         longest_step(measurements),
         noise_roots(flown, beacons.times, noise),
-        *blocks.steps(flown),
+        *blocks.steps(flown, np.asarray(beacons.times)),
         *measurements.heard(beacons, taken, flown, model),
         blocks.numbers(),
         ROOTED if square_root else PLAIN,

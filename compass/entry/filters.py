@@ -6,11 +6,11 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.kinds import PLAIN, RELINEARISED, ROOTED, UNSCENTED
+from compass.core.entry.kinds import INFORMATION, PLAIN, RELINEARISED, ROOTED, UNSCENTED
 from compass.entry.layout import Layout, Part
 from compass.errors import ArgumentError
 
-Method = Literal["plain", "unscented", "relinearised", "square-root"]
+Method = Literal["plain", "unscented", "relinearised", "square-root", "information"]
 
 #: Numbers by which the kernels know the methods.
 METHODS: dict[Method, int] = {
@@ -18,6 +18,7 @@ METHODS: dict[Method, int] = {
     "unscented": UNSCENTED,
     "relinearised": RELINEARISED,
     "square-root": ROOTED,
+    "information": INFORMATION,
 }
 
 
@@ -38,7 +39,8 @@ class Filter:
     method
         ``plain``: extended; ``unscented``: moved on through spread points; ``relinearised``: looks
         back when density or L/D is known twice as well; ``square-root``: extended, with a root of
-        its covariance in its stead; see `compass.core.entry.filter`.
+        its covariance in its stead; ``information``: extended, what an epoch tells is gathered as
+        information before it is inverted; see `compass.core.entry.filter`.
     """
 
     covariance0: NDArray[np.float64]
@@ -52,11 +54,16 @@ class Filter:
             allowed = ", ".join(get_args(Method))
             raise ArgumentError(f"method = {self.method!r}: allowed {allowed}")
         if self.method == "relinearised" and (
-            np.any(self.noise) or any(part.scales for part in self.parts)
+            np.any(self.noise) or any(part.scales or part.walk for part in self.parts)
         ):
             raise ArgumentError(
                 "filter: with process noise or a density that wanders there is no one flight to "
                 'look back along; take method = "unscented"'
+            )
+        if self.method == "information" and any(part.considered for part in self.parts):
+            raise ArgumentError(
+                "filter: information knows no block that is only considered; estimate it, or take "
+                'method = "plain"'
             )
         if self.iterations < 1:
             raise ArgumentError(f"iterations = {self.iterations}: must be at least 1")

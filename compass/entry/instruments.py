@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.kinds import BEARING, ECHO, ECHO_RATE, HEIGHT, VELOCITY
+from compass.core.entry.kinds import ACCELERATION, BEARING, ECHO, ECHO_RATE, HEIGHT, VELOCITY
 from compass.errors import ArgumentError
 from compass.frames import direction, latitude_longitude
 
@@ -30,6 +30,12 @@ KINDS = (
     Kind("altimeter", (HEIGHT,), "m", "height over the sphere"),
     Kind("velocimeter", tuple(range(VELOCITY, VELOCITY + 3)), "m/s", "velocity over the ground"),
     Kind("features", tuple(range(BEARING, BEARING + 3)), "rad", "directions to surface features"),
+    Kind(
+        "accelerometers",
+        tuple(range(ACCELERATION, ACCELERATION + 3)),
+        "m/s^2",
+        "accelerations by the air",
+    ),
 )
 
 

@@ -29,6 +29,7 @@ BLOCKS = (
     Block("bias", None, ("m",), "bias of the ranges of each beacon"),
     Block("imu", 3, ("m/s^2", "m/s^2", "m/s^2"), "biases of the accelerometers"),
     Block("attitude", 3, ("rad", "rad", "rad"), "small turn of the axes in which the lander looks"),
+    Block("gyro", 3, ("rad/s", "rad/s", "rad/s"), "drift of these axes, which gyros hold"),
 )
 
 #: In every state, at its head.
@@ -69,6 +70,8 @@ class Part:
         Of a density that wanders: distance from the centre (m, increasing) and sigma there, log-
         linear between, constant beyond; `sigma` is that where the flight begins. Empty for the
         same everywhere.
+    walk
+        Of gyros: what the axes that they hold wander beside their drift, rad/s^(1/2).
     """
 
     name: str
@@ -76,6 +79,7 @@ class Part:
     considered: bool = False
     scales: tuple[float, ...] = ()
     profile: tuple[tuple[float, float], ...] = ()
+    walk: float = 0.0
 
     def __post_init__(self) -> None:
         units = block(self.name).units
@@ -91,6 +95,8 @@ class Part:
             raise ArgumentError(
                 f"{self.name}: scales = {list(self.scales)} m: two of density alone, both positive"
             )
+        if not 0 <= self.walk < float("inf") or (self.walk and self.name != "gyro"):
+            raise ArgumentError(f"{self.name}: walk = {self.walk}: of gyros alone, 0 or more")
         heights = [radius for radius, _ in self.profile]
         spread = [sigma for _, sigma in self.profile]
         if self.profile and (
@@ -132,6 +138,8 @@ class Layout:
         for name in names:
             if names.count(name) > 1:
                 raise ArgumentError(f"block = {name!r}: given twice; leave one out")
+        if "gyro" in names and "attitude" not in names:
+            raise ArgumentError('block = "gyro": needs "attitude", the axes that gyros hold')
         for part in self.parts:
             if len(self._sigmas(part)) != self.count(part):
                 raise ArgumentError(
@@ -174,7 +182,7 @@ class Layout:
 
     def numbers(self) -> NDArray[np.int64]:
         """Places as the kernels take them, see `compass.core.entry.measure.PLACES`."""
-        names = ("air", "lift", "clock", "bias", "imu", "attitude")
+        names = ("air", "lift", "clock", "bias", "imu", "attitude", "gyro")
         return np.array([self.estimated, *(self.place(name) for name in names)], dtype=np.int64)
 
     def covariance(self, motion: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -185,7 +193,9 @@ class Layout:
         out[range(6, self.size), range(6, self.size)] = np.square(sigmas)
         return out
 
-    def steps(self, path: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def steps(
+        self, path: NDArray[np.float64], times: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """What blocks gather and what is left of the density from the epoch before to each.
 
         The density wanders by a Gauss-Markov chain: over a climb dh and a way ds along the
@@ -195,8 +205,8 @@ class Layout:
 
         Parameters
         ----------
-        path
-            The flight at the epochs, (t, 6).
+        path, times
+            The flight at the epochs, (t, 6), and these, s, (t,).
 
         Returns
         -------
@@ -213,4 +223,7 @@ class Layout:
                 kept[1:] = np.exp(-np.hypot(*ways))
                 fade[1:] = kept[1:] * sigma[1:] / sigma[:-1]
                 walk[:, self.place("air")] = sigma**2 * (1 - kept**2)
+            if part.walk:
+                axes = self.place("attitude")
+                walk[1:, axes : axes + 3] = part.walk**2 * np.diff(times)[:, None]
         return walk, fade

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.core.entry.filter import filter_run
 from compass.core.entry.kinds import RANGE, RATE
-from compass.core.entry.measure import ideal_values
+from compass.core.entry.measure import PLACES, ideal_values
 from compass.core.entry.runs import monte_carlo
 from compass.cores import cores
 from compass.entry.beacons import Beacons
@@ -28,7 +28,9 @@ def ideal_measurements(path: ArrayLike, beacons: Beacons) -> NDArray[np.float64]
     """Ranges (m) and range rates (m/s) without noise, (t, n, 2), from states (t, 6)."""
     out = np.empty((*beacons.r.shape[:2], 2))
     flown = np.ascontiguousarray(path, dtype=float)
-    ideal_values(flown, beacons.states, np.array([RANGE, RATE]), out)
+    world, bank = np.empty(0), np.zeros((1, 2))  # radio asks for neither
+    times, places = np.array(beacons.times, dtype=float), np.full(PLACES, -1)
+    ideal_values(flown, beacons.states, np.array([RANGE, RATE]), places, world, bank, times, out)
     return out
 
 
@@ -74,7 +76,7 @@ def run_filter(
         np.array(beacons.times, dtype=float),
         longest_step(measurements),
         noise_roots(expected, beacons.times, settings.noise),
-        *layout.steps(expected),
+        *layout.steps(expected, np.asarray(beacons.times)),
         sources,
         variances,
         np.array(z, dtype=float),
@@ -232,7 +234,7 @@ def run_monte_carlo(
         np.array(beacons.times, dtype=float),
         longest_step(measurements),
         noise_roots(path, beacons.times, settings.noise),
-        *layout.steps(path),
+        *layout.steps(path, np.asarray(beacons.times)),
         sources,
         variances,
         kinds,

@@ -91,6 +91,15 @@ class FeaturesTable(Table):
     interval_s: Positive = Field(1.0, description="time between pictures, s")
 
 
+class AccelerometersTable(Table):
+    """The lander's accelerometers, which feel drag and lift but no gravity."""
+
+    sigma_m_s2: Annotated[float, Field(gt=0, le=10)] = Field(
+        description="one sigma of a reading of each axis, m/s^2"
+    )
+    interval_s: Positive = Field(1.0, description="time between readings, s")
+
+
 class FeatureTable(Table):
     """A feature of the surface that the lander knows by sight."""
 
@@ -147,6 +156,7 @@ def instruments_of(
     altimeter: AltimeterTable | None,
     velocimeter: VelocimeterTable | None,
     features: FeaturesTable | None,
+    accelerometers: AccelerometersTable | None,
 ) -> tuple[Instrument, ...]:
     """Instruments, as given."""
     found = []
@@ -162,6 +172,8 @@ def instruments_of(
         if table is not None:
             below = inf if table.below_km is None else 1e3 * table.below_km
             found.append(Instrument(kind, *_sigmas(table), below, table.interval_s))
+    if (felt := accelerometers) is not None:
+        found.append(Instrument("accelerometers", felt.sigma_m_s2, interval=felt.interval_s))
     return tuple(found)
 
 
@@ -182,9 +194,14 @@ def instrument_faults(raw: dict[str, Any], interval_faults: Any) -> list[str]:
     two_way = measured.get("two_way")
     if isinstance(two_way, dict) and not two_way:
         faults.append("measurements.two_way: needs range_sigma_m, range_rate_sigma_m_s or both")
-    for name in ("altimeter", "velocimeter", "features"):
+    for name in ("altimeter", "velocimeter", "features", "accelerometers"):
         if isinstance(table := measured.get(name), dict):
             faults += interval_faults(table, f"measurements.{name}.interval_s")
+    if "accelerometers" in measured and "fusion" in raw:
+        faults.append(
+            "measurements.accelerometers: not beside [fusion], whose filters have their own; leave "
+            "it out and give fusion.acceleration_sigma_m_s2"
+        )
     if "features" in measured and not raw.get("feature"):
         faults.append("feature: missing; measurements.features needs at least one [[feature]]")
     if raw.get("feature") and "features" not in measured:

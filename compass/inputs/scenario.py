@@ -51,7 +51,7 @@ from compass.orbits.states import from_states
 from compass.orbits.touching import touching
 from compass.saving import readable
 
-KM = 1e3
+KM, HOUR = 1e3, 3600.0
 
 Winds = tuple[tuple[float, float, float], ...]
 
@@ -61,6 +61,7 @@ _METHODS: dict[str, Method] = {
     "relinearised-ekf": "relinearised",
     "unscented": "unscented",
     "square-root-ekf": "square-root",
+    "information-ekf": "information",
 }
 
 #: Cosine of a latitude below which sigmas of longitude and heading say nothing.
@@ -324,7 +325,9 @@ def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenar
             seen.start_s,
             np.inf if seen.stop_s is None else seen.stop_s,
             seen.in_turn,
-            instruments_of(seen.two_way, seen.altimeter, seen.velocimeter, seen.features),
+            instruments_of(
+                seen.two_way, seen.altimeter, seen.velocimeter, seen.features, seen.accelerometers
+            ),
             features_of(file.feature),
             link_of(seen.link),
         ),
@@ -474,6 +477,11 @@ def _parts(
         parts.append(Part("clock", (clock.sigma_m, clock.drift_sigma_m_s), clock.considered))
     if (axes := table.attitude) is not None:
         parts.append(Part("attitude", (float(np.radians(axes.sigma_deg)),) * 3, axes.considered))
+    if (gyros := table.gyros) is not None:
+        drift, walk = np.radians([gyros.drift_sigma_deg_h / HOUR, gyros.walk_deg_sqrt_h / 60.0])
+        parts.append(Part("gyro", (float(drift),) * 3, gyros.considered, walk=float(walk)))
+    if (felt := table.accelerometers) is not None:
+        parts.append(Part("imu", (felt.sigma_m_s2,) * 3, felt.considered))
     return tuple(parts)
 
 

@@ -53,10 +53,11 @@ def scenario_faults(raw: dict[str, Any]) -> list[str]:
     for k, orbiter in enumerate(_tables(raw, "orbiter"), start=1):
         faults += _either(orbiter, _CIRCLE, _CARTESIAN, f"orbiter[{k}]")
     faults += _name_faults(raw)
+    measured = raw.get("measurements")
     if isinstance(raw.get("filter"), dict):
         faults += _either(raw["filter"], _AXES, _STATES, "filter")
         faults += _filter_faults(raw["filter"])
-    measured = raw.get("measurements")
+        faults += _block_faults(raw["filter"], measured if isinstance(measured, dict) else {})
     if isinstance(measured, dict):
         keys = ("range_sigma_m", "range_rate_sigma_m_s")
         if not any(key in measured for key in (*keys, "two_way", "link")):
@@ -94,6 +95,30 @@ def _filter_faults(table: dict[str, Any]) -> list[str]:
         if "sigma_by_km" in density and not wanders:
             faults.append("filter.density.scale_km: missing; needed beside sigma_by_km")
         faults += _spread_faults(density.get("sigma_by_km"))
+    return faults
+
+
+def _block_faults(table: dict[str, Any], measured: dict[str, Any]) -> list[str]:
+    """Errors of instruments that are not there, and blocks that one kind of filter cannot have."""
+    faults = []
+    if "accelerometers" in table and "accelerometers" not in measured:
+        faults.append(
+            "measurements.accelerometers: missing; needed beside biases, filter.accelerometers"
+        )
+    if "gyros" in table and "attitude" not in table:
+        faults.append("filter.attitude: missing; needed beside filter.gyros, which hold these axes")
+    gyros = table.get("gyros")
+    walk = gyros.get("walk_deg_sqrt_h") if isinstance(gyros, dict) else None
+    if table.get("kind") == "relinearised-ekf" and walk:
+        problem = 'axes that wander cannot be looked back on; leave it out or take "unscented"'
+        faults.append(fault("filter.gyros.walk_deg_sqrt_h", walk, problem))
+    if table.get("kind") == "information-ekf":
+        faults += [
+            f"filter.{name}.considered = true: information knows only what is estimated; set it "
+            'to false, or take "ekf"'
+            for name, block in table.items()
+            if isinstance(block, dict) and block.get("considered") is True
+        ]
     return faults
 
 

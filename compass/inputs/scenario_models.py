@@ -7,6 +7,7 @@ from pydantic import Field
 from compass.inputs.fusion_models import FusionTable
 from compass.inputs.guidance_models import DispersionTable, GuidanceTable
 from compass.inputs.instrument_models import (
+    AccelerometersTable,
     AltimeterTable,
     FeaturesTable,
     FeatureTable,
@@ -220,6 +221,9 @@ class MeasurementsTable(Table):
     features: FeaturesTable | None = Field(
         None, description="directions to features of the surface, one [[feature]] each"
     )
+    accelerometers: AccelerometersTable | None = Field(
+        None, description="drag and lift, along and across the velocity through the air"
+    )
 
 
 class BlockTable(Table):
@@ -268,7 +272,30 @@ class AttitudeTable(Table):
     considered: Considered = False
 
 
-FilterKind = Literal["ekf", "iterated-ekf", "relinearised-ekf", "unscented", "square-root-ekf"]
+class BiasTable(Table):
+    """Biases of the accelerometers as quantities that are not known."""
+
+    sigma_m_s2: Annotated[float, Field(gt=0, le=10)] = Field(
+        description="one sigma of a constant bias of each axis, m/s^2"
+    )
+    considered: Considered = False
+
+
+class GyrosTable(Table):
+    """Gyros that hold the axes of [filter.attitude]: their drift, constant in these axes."""
+
+    drift_sigma_deg_h: Annotated[float, Field(gt=0, le=1e4)] = Field(
+        description="one sigma of a constant drift about each axis, degrees an hour"
+    )
+    walk_deg_sqrt_h: Annotated[float, Field(ge=0, le=100)] = Field(
+        0.0, description="what the axes wander beside it, degrees over the root of an hour"
+    )
+    considered: Considered = False
+
+
+FilterKind = Literal[
+    "ekf", "iterated-ekf", "relinearised-ekf", "unscented", "square-root-ekf", "information-ekf"
+]
 
 
 class FilterTable(Table):
@@ -278,7 +305,8 @@ class FilterTable(Table):
         "ekf",
         description="which filter: extended; iterated at each update; extended, that hears all "
         "again once density or L/D is known twice as well; through spread points; iterated, "
-        "with a root in place of its covariance, for ranges far better than the first state",
+        "with a root in place of its covariance, for ranges far better than the first state; "
+        "extended, that gathers all that an epoch tells before it inverts once",
     )
     iterations: int = Field(5, ge=2, le=100, description="most passes of the iterated filter")
     position_sigma_m: Positive | None = Field(None, description="one sigma a Cartesian axis, m")
@@ -307,6 +335,8 @@ class FilterTable(Table):
     attitude: AttitudeTable | None = Field(
         None, description="the axes in which features and velocities are seen"
     )
+    gyros: GyrosTable | None = Field(None, description="gyros that hold these axes")
+    accelerometers: BiasTable | None = Field(None, description="biases of the accelerometers")
 
 
 class MonteCarloTable(Table):

@@ -50,4 +50,9 @@ def scenario_notes(file: ScenarioFile) -> tuple[str, ...]:
             for name in EXPONENTIAL
             if getattr(air, name) is not None
         ]
+    if file.guidance and file.dispersion and file.filter.kind == "relinearised-ekf":
+        notes.append(
+            "filter.kind: relinearised-ekf: dispersed entries are guided by an extended filter "
+            "that does not look back"
+        )
     return tuple(notes)

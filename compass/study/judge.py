@@ -20,8 +20,10 @@ from compass.entry.campaign import (
     moved_starts,
     moved_targets,
 )
+from compass.entry.doubts import NO_DOUBTS, Doubts
 from compass.entry.ground import Ground, aimed
 from compass.entry.guidance import Dispersion
+from compass.entry.layout import block
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
 from compass.entry.unknowns import NOTHING, Unknowns
 from compass.errors import ArgumentError
@@ -143,10 +145,39 @@ def campaign_of(
     ground
         Where they deploy; anywhere if left out.
     """
+    density_sigma, lift_sigma, _ = not_known(scenario, density_sigma, lift_sigma)
     link = scenario.measurements.link
     if link is not None and link.electrons is not None:
         electrons = None
     return _flown(_Request(scenario, electrons, samples, seed, density_sigma, lift_sigma, ground))
+
+
+def not_known(
+    scenario: Scenario, density_sigma: float, lift_sigma: float, doubts: Doubts = NO_DOUBTS
+) -> tuple[float, float, Doubts]:
+    """What is not known of density, L/D, clock and ranges.
+
+    As the tables of the scenario's own filter say, where it has them, else as is asked for.
+    """
+    own = {part.name: part.sigma for part in scenario.settings.parts}
+    ratio = abs(scenario.model.vehicle.lift_to_drag)
+    if "lift" in own and ratio == 0:
+        raise ArgumentError(
+            f"{scenario.label}: filter.lift_to_drag: judged is a share of L/D, which is 0; leave "
+            "the table out"
+        )
+    if "clock" in own:
+        doubts = replace(doubts, clock_m=own["clock"][0], clock_drift_m_s=own["clock"][1])
+    if "bias" in own:
+        doubts = replace(doubts, range_bias_m=own["bias"][0])
+    density = own["air"][0] if "air" in own else density_sigma
+    return density, own["lift"][0] / ratio if "lift" in own else lift_sigma, doubts
+
+
+def instrument_errors(scenario: Scenario) -> Array:
+    """One sigma of biases of accelerometers, of axes and of the gyros that hold them, (9,)."""
+    own = {part.name: part.sigma for part in scenario.settings.parts}
+    return np.concatenate([own.get(name, (0.0,) * 3) for name in ("imu", "attitude", "gyro")])
 
 
 def ground_of(sites: Sequence[Site], regions: Sequence[str]) -> Ground | None:
@@ -285,9 +316,15 @@ def judge_entries(
                 campaign.paths[part],
                 campaign.gains[part],
                 campaign.stops[part],
+                campaign.spreads[part],
+                campaign.worlds[part],
+                campaign.model.flight_parameters(),
+                campaign.banks[part],
+                campaign.times,
                 sources[part],
                 readings[part],
                 kinds,
+                instrument_errors(scenario),
                 own[part],
             )
         bounds(shares[part], own[part], ends[part], sigma[part])
@@ -347,8 +384,8 @@ def check_measurements(scenario: Scenario) -> None:
     Raises
     ------
     ArgumentError
-        Measurements in turn, process noise, or further quantities that are
-        not known.
+        Measurements in turn, process noise, a density or axes that wander, or quantities that
+        the filter only considers.
     """
     if scenario.measurements.in_turn:
         raise ArgumentError(
@@ -360,12 +397,17 @@ def check_measurements(scenario: Scenario) -> None:
             f"{scenario.label}: filter.process_noise_si: judged is the bound without process "
             "noise; leave it out"
         )
-    if scenario.settings.parts:
-        named = ", ".join(part.name for part in scenario.settings.parts)
-        raise ArgumentError(
-            f"{scenario.label}: filter: {named}: judged is the bound of position and velocity, "
-            "with density and L/D unknown by the options of the judge; leave these tables out"
-        )
+    for part in scenario.settings.parts:
+        if part.scales or part.walk:
+            raise ArgumentError(
+                f"{scenario.label}: filter: {block(part.name).title}: wanders; judged is what is "
+                "constant through an entry, leave the scales (or the walk) out"
+            )
+        if part.considered and part.name != "bias":
+            raise ArgumentError(
+                f"{scenario.label}: filter: {block(part.name).title}: only considered; judged is "
+                "the bound, in which all is found out as far as it can be; set considered = false"
+            )
 
 
 def _check_height(constellation: Constellation, figure: Figure) -> None:

@@ -26,7 +26,7 @@ from compass.frames import Figure, prime_meridian_angle
 from compass.inputs.scenario import Scenario
 from compass.orbits import Constellation, states_mci
 from compass.sites import Mask
-from compass.study.judge import campaign_of, due, judge_entries
+from compass.study.judge import campaign_of, due, judge_entries, not_known
 from compass.study.judgement import Judgement
 
 #: Entries over which the runs are spread.
@@ -97,6 +97,7 @@ def judge_filter(
     if runs < 1:
         raise ArgumentError(f"runs = {runs}: must be at least 1")
     entries = min(ENTRIES, samples, runs)
+    density_sigma, lift_sigma, _ = not_known(scenario, density_sigma, lift_sigma)
     campaign = campaign_of(
         scenario,
         entries,
@@ -107,7 +108,8 @@ def judge_filter(
         ground=ground,
     )
     air = (("air", density_sigma), ("lift", lift_sigma * abs(scenario.model.vehicle.lift_to_drag)))
-    parts_of_air = tuple(Part(name, (sigma,)) for name, sigma in air if sigma)
+    own = tuple(p for p in scenario.settings.parts if p.name in ("imu", "attitude", "gyro"))
+    own_parts = (*(Part(name, (sigma,)) for name, sigma in air if sigma), *own)
     each = ceil(runs / campaign.size)
     found = judge_entries(
         constellation, campaign, scenario, figure=figure, mask=mask, unknowns=unknowns
@@ -115,7 +117,7 @@ def judge_filter(
     streams = np.random.SeedSequence(seed).spawn(campaign.size)
     with ThreadPoolExecutor(cores(threads)) as pool:
         work = pool.map(
-            lambda m: _run(found, scenario, m, each, streams[m], parts_of_air), range(campaign.size)
+            lambda m: _run(found, scenario, m, each, streams[m], own_parts), range(campaign.size)
         )
         parts = list(progress(work, total=campaign.size))
     errors = np.concatenate([part.errors[:, -1] for part in parts])
@@ -182,7 +184,7 @@ def _run(
     entry: int,
     runs: int,
     stream: np.random.SeedSequence,
-    parts_of_air: tuple[Part, ...],
+    own_parts: tuple[Part, ...],
 ) -> MonteCarlo:
     """Run the filter in one entry, each run with arrivals of its own."""
     campaign, beacons = found.campaign, entry_beacons(found, entry)
@@ -194,9 +196,7 @@ def _run(
     parts = found.unknowns.parts(beacons, path, campaign.model.omega, one_way=one_way)
     radius, turn = campaign.model.planet_radius, campaign.turns(scenario.state)[entry]
     measurements = replace(measurements, features=measurements.features.moved(radius, turn))
-    settings = replace(
-        scenario.settings, covariance0=spread @ spread.T, parts=(*parts_of_air, *parts)
-    )
+    settings = replace(scenario.settings, covariance0=spread @ spread.T, parts=(*own_parts, *parts))
     thicker, lift = campaign.worlds[entry]
     world = scenario.truth.truth(density_bias=float(np.expm1(thicker)))
     craft = world.vehicle

@@ -15,7 +15,14 @@ from compass.orbits.period import closing_days
 from compass.quantities.merits import merits_of, worked_out
 from compass.sites import Mask
 from compass.study.candidates import make_constellation, pattern_columns
-from compass.study.judge import campaign_of, check_measurements, due, ground_of, judge_entries
+from compass.study.judge import (
+    campaign_of,
+    check_measurements,
+    due,
+    ground_of,
+    judge_entries,
+    not_known,
+)
 
 
 def judged(study: Study, c: Constellation, mask_deg: float) -> dict[str, float]:
@@ -30,7 +37,7 @@ def judged(study: Study, c: Constellation, mask_deg: float) -> dict[str, float]:
     design = Design(c, figure=study.figure, mask=mask, signal=study.signal)
     found = judge_entries(
         c, campaign, entry.scenario, figure=study.figure, mask=mask,
-        unknowns=entry.doubts.of(design),
+        unknowns=not_known(entry.scenario, 0.0, 0.0, entry.doubts)[2].of(design),
     )  # fmt: skip
     figures = worked_out("entry", {**found.known, "goal_m": entry.goal})
     return {name: float(values[0]) for name, values in figures.items()}
@@ -49,7 +56,8 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
     """
     assert study.entry is not None
     plain = study.entry.scenario.measurements.plain
-    known = study.entry.doubts == NO_DOUBTS and study.signal is None
+    doubts = not_known(study.entry.scenario, 0.0, 0.0, study.entry.doubts)[2]
+    known = doubts == NO_DOUBTS and study.signal is None
     if not (known and plain):  # the kernel of many patterns carries nothing unknown
         each = [judged(study, make_constellation(row), float(row["mask_deg"])) for row in rows]
         return {name: np.array([one[name] for one in each]) for name in merits_of("entry")}

@@ -234,7 +234,7 @@ def exact_run(path, prior, p, bank, times, sources, variance):
                 covariance = move @ covariance @ move.T
             for source in sources[t]:
                 row = np.zeros(6)
-                measured(RANGE, path[t], source, 0, np.full(PLACES, -1), row)
+                measured(RANGE, path[t], source, 0, np.full(PLACES, -1), p, 0.0, row)
                 gain = covariance @ exact(row)
                 covariance = covariance - np.outer(gain, gain) / (exact(row) @ gain + variance)
     return covariance.astype(float)
@@ -429,7 +429,7 @@ def test_layouts_name_their_blocks():
     assert [layout.place(name) for name in ("position", "velocity", "clock", "bias", "air")] == [
         0, 3, 6, 8, -1,
     ]  # fmt: skip
-    assert layout.numbers().tolist() == [8, -1, -1, 6, 8, -1, -1]
+    assert layout.numbers().tolist() == [8, -1, -1, 6, 8, -1, -1, -1]
     np.testing.assert_allclose(np.diag(layout.covariance(PRIOR))[6:], [9, 0.01] + [25] * 4)
     with pytest.raises(ArgumentError, match="block = 'wind': allowed position, velocity, air"):
         block("wind")
@@ -464,9 +464,9 @@ def test_process_noise_is_turned_to_cartesian_axes(orbiter_flight):
 
 def test_air_wanders_as_gauss_and_markov_say(orbiter_flight):
     """From any epoch to any later one: the correlation that the way between them leaves."""
-    flight = orbiter_flight.path
+    flight, times = orbiter_flight.path, orbiter_flight.times
     layout = Layout((Part("air", (0.1,), scales=(8.2e3, 3e5)),))
-    walk, fade = layout.steps(flight)
+    walk, fade = layout.steps(flight, times)
     variance = 0.01
     for k in range(1, len(flight)):
         variance = fade[k] ** 2 * variance + walk[k, 6]
@@ -474,6 +474,14 @@ def test_air_wanders_as_gauss_and_markov_say(orbiter_flight):
     r = np.linalg.norm(flight[:, :3], axis=1)
     level = np.exp(-np.abs(np.diff(r)) / 8.2e3)
     assert np.all(fade[1:] < level) and np.all(fade[1:] > level * np.exp(-6.5e3 / 3e5))
-    falls = Layout((Part("air", (0.1,), scales=(8.2e3, np.inf)),)).steps(flight)[1]
+    falls = Layout((Part("air", (0.1,), scales=(8.2e3, np.inf)),)).steps(flight, times)[1]
     assert np.prod(falls[:80]) == pytest.approx(np.exp(-(r[0] - r[79]) / 8.2e3), rel=1e-9)
-    assert Layout((Part("air", (0.1,)),)).steps(flight)[1].tolist() == [1.0] * len(flight)
+    assert np.all(Layout((Part("air", (0.1,)),)).steps(flight, times)[1] == 1.0)
+    axes = (Part("attitude", (1e-3,) * 3), Part("gyro", (1e-6,) * 3, walk=1e-5))
+    walk = Layout(axes).steps(flight, times)[0]
+    assert walk[:, 6:9].sum(axis=0) == pytest.approx([1e-10 * times[-1]] * 3)
+    assert not walk[:, 9:].any()
+    with pytest.raises(ArgumentError, match='"gyro": needs "attitude"'):
+        Layout(axes[1:])
+    with pytest.raises(ArgumentError, match="walk = 1: of gyros alone"):
+        Part("lift", (0.1,), walk=1)

@@ -18,6 +18,7 @@ from compass.entry.fused import FusedFilter
 from compass.entry.fused_runs import BLOCK, monte_carlo
 from compass.entry.inertial import InertialCase
 from compass.entry.instruments import Features, Instrument
+from compass.entry.layout import Layout
 from compass.entry.navigation import run_filter
 from compass.entry.radio import ElectronTable
 from compass.entry.schedule import Measurements
@@ -121,7 +122,10 @@ def test_one_filter_without_accelerometers_is_the_plain_filter(case):
     both = replace(case, sigma=np.tile(sigma, (3, 1)), measurements=measured)
     sources, variances, numbers = both.heard(case.visible)
     z = np.empty(variances.shape)
-    ideal_values(case.flight.path, sources, numbers, z)
+    model, nothing = case.flight.model, Layout().numbers()
+    p, bank = model.flight_parameters(), model.vehicle.bank_schedule()
+    times = np.array(case.times)
+    ideal_values(case.flight.path, sources, numbers, nothing, p, bank, times, z)
     z += np.sqrt(np.nan_to_num(variances)) * rng.standard_normal(z.shape)
     first = case.flight.path[0] + np.repeat([300.0, 3.0], 3)
     states, covariances = run_filter(

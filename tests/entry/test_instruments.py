@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from compass.core.entry.kinds import BEARING, ECHO, HEIGHT, RANGE, VELOCITY
+from compass.core.entry.kinds import ACCELERATION, BEARING, ECHO, HEIGHT, RANGE
 from compass.core.entry.measure import BIAS, CLOCK, PLACES, ideal_values, measured
 from compass.design import Radio
 from compass.entry.beacons import Beacons
@@ -22,26 +22,41 @@ from compass.errors import ArgumentError
 from compass.ranging import Receiver
 
 PRIOR = axes_covariance(1000.0, 0.5)
-PARTS = (Part("clock", (30.0, 0.1)), Part("bias", (10.0,)), Part("attitude", (1e-3,) * 3))
+PARTS = (
+    Part("air", (0.1,)),
+    Part("lift", (0.01,)),
+    Part("clock", (30.0, 0.1)),
+    Part("bias", (10.0,)),
+    Part("imu", (1e-2,) * 3),
+    Part("attitude", (1e-3,) * 3),
+    Part("gyro", (1e-6,) * 3, walk=1e-5),
+)
 LAYOUT = Layout(PARTS, 2)
-NUMBERS = range(VELOCITY + 3)
+NUMBERS = range(ACCELERATION + 3)
+BANK = 0.7
 
 
 @pytest.mark.parametrize("kind", NUMBERS)
-def test_rows_are_the_derivatives_of_what_is_predicted(kind):
-    """Against central differences at a state with clocks, biases and turned axes."""
-    rng = np.random.default_rng(kind)
+def test_rows_are_the_derivatives_of_what_is_predicted(kind, world):
+    """Against central differences at a state with clocks, biases and turned axes, 30 km up."""
+    rng, p = np.random.default_rng(kind), world().flight_parameters()
+    up = rng.normal(size=3)
     x = np.concatenate(
-        [rng.normal(size=3) * 3.4e6, rng.normal(size=3) * 3e3, rng.normal(size=LAYOUT.size - 6)]
+        [
+            3.43e6 * up / np.linalg.norm(up),
+            rng.normal(size=3) * 3e3,
+            rng.normal(size=LAYOUT.size - 6),
+        ]
     )
-    x[-3:] *= 1e-3
+    x[6:8] *= 0.1
+    x[-6:] *= 1e-3
     source = np.concatenate([rng.normal(size=3) * 2e7, rng.normal(size=3) * 1e3])
     places, row = LAYOUT.numbers(), np.zeros(LAYOUT.size)
 
     def value(state):
-        return measured(kind, state, source, 1, places, np.zeros(state.size))
+        return measured(kind, state, source, 1, places, p, BANK, np.zeros(state.size))
 
-    assert measured(kind, x, source, 1, places, row) == value(x)
+    assert measured(kind, x, source, 1, places, p, BANK, row) == value(x)
     for j in range(x.size):
         step = [1.0, 0.01, 1e-3][0 if j < 3 else 1 if j < 6 else 2]
         up, down = x.copy(), x.copy()
@@ -53,12 +68,17 @@ def test_rows_are_the_derivatives_of_what_is_predicted(kind):
         assert found == pytest.approx(row[j], rel=1e-6, abs=1e-9 * abs(row).max() + rounding)
 
 
-def test_what_enters_a_kind_and_what_does_not():
+def test_what_enters_a_kind_and_what_does_not(world):
     """No clock both ways; biases of ranges alone; height over the centre."""
     places = LAYOUT.numbers()
     x, source = np.arange(1.0, LAYOUT.size + 1), np.zeros(6)
     rows = {kind: np.zeros(LAYOUT.size) for kind in NUMBERS}
-    values = {kind: measured(kind, x, source, 0, places, rows[kind]) for kind in NUMBERS}
+    p = world().flight_parameters()
+    values = {
+        kind: measured(kind, x, source, 0, places, p, BANK, rows[kind])
+        for kind in NUMBERS
+        if kind < ACCELERATION
+    }
     assert rows[RANGE][places[CLOCK]] == 1.0 and rows[ECHO][places[CLOCK]] == 0.0
     assert rows[RANGE][places[BIAS]] == rows[ECHO][places[BIAS]] == 1.0
     assert values[RANGE] - values[ECHO] == pytest.approx(x[places[CLOCK]])
@@ -84,6 +104,7 @@ def everything(features, **changes):
         Instrument("altimeter", 10.0, share=0.01, below=40e3),
         Instrument("velocimeter", 0.2, share=0.001, interval=48.0),
         Instrument("features", 1e-3),
+        Instrument("accelerometers", 0.1),
     )
     return Measurements(50.0, 0.1, instruments=kinds, features=features, **changes)
 
@@ -107,7 +128,7 @@ def test_all_kinds_turn_with_the_problem(case):
     both = np.kron(np.eye(2), rotation)
     start = spherical_of(both @ cartesian_of(flight.states[0, :6]))
     other = fly(model, start, beacons.times)
-    layout = Layout((Part("attitude", (1e-3,) * 3),), beacons.size)
+    layout = Layout(PARTS[4:], beacons.size)
     taken = np.ones((beacons.times.size, beacons.size), bool)
     sigmas = []
     for flown, heard, seen in ((flight, beacons, features), (other, turned, moved)):
@@ -154,7 +175,12 @@ def test_a_filter_that_hears_all_kinds_is_consistent(case):
     model, flight, beacons, features = case
     whole, taken = everything(features), np.ones((beacons.times.size, beacons.size), bool)
     clock = (Part("clock", (3e4, 0.3)),)
-    parts = (*clock, Part("bias", (10.0,), considered=True), Part("attitude", (1e-3,) * 3))
+    own = (
+        Part("imu", (0.05,) * 3),
+        Part("attitude", (1e-3,) * 3),
+        Part("gyro", (1e-5,) * 3, walk=1e-4),
+    )
+    parts = (*clock, Part("bias", (10.0,), considered=True), *own)
     settings = Filter(PRIOR, np.zeros(6), 3, parts)
     mc = run_monte_carlo(model, flight, beacons, taken, whole, settings, runs=40)
     assert consistency(mc.nees, flight.times, 6, mc.diverged).holds
@@ -168,10 +194,37 @@ def test_a_filter_fed_from_outside_hears_all_kinds(case):
     taken = np.ones((beacons.times.size, beacons.size), bool)
     sources, variances, kinds = measurements.heard(beacons, taken, flight.path, model)
     z = np.empty(variances.shape)
-    ideal_values(flight.path, sources, kinds, z)
+    p, bank = model.flight_parameters(), model.vehicle.bank_schedule()
+    nothing = Layout().numbers()
+    ideal_values(flight.path, sources, kinds, nothing, p, bank, np.array(beacons.times), z)
     settings = Filter(PRIOR, np.zeros(6))
     states, _ = run_filter(model, flight.path[0], beacons, taken, measurements, settings, z)
     assert np.abs(states - flight.path)[:, :3].max() < 0.02  # Runge-Kutta steps of a filter
+
+
+def test_gyros_that_do_not_drift_are_axes_that_stand_still(case):
+    """And a drift, or a walk, leaves the axes less well known at the end."""
+    model, flight, beacons, features = case
+    taken = np.ones((beacons.times.size, beacons.size), bool)
+    few = Measurements(
+        1e5, features=features,
+        instruments=(Instrument("features", 1e-3), Instrument("velocimeter", 1.0)),
+    )  # fmt: skip
+
+    def sigma(*parts):
+        layout = Layout(parts, beacons.size)
+        found = linear_covariance(model, flight.path, beacons, taken, few, PRIOR, layout=layout)
+        return found.covariance[-1], layout
+
+    axes = Part("attitude", (5e-3,) * 3)
+    still, _ = sigma(axes)
+    firm, _ = sigma(axes, Part("gyro", (1e-15,) * 3))
+    np.testing.assert_allclose(firm[:9, :9], still, rtol=1e-6)
+    loose, layout = sigma(axes, Part("gyro", (1e-4,) * 3))
+    at = layout.place("attitude")
+    assert np.all(np.diag(loose)[at : at + 3] > 1.2 * np.diag(still)[at : at + 3])
+    walking, _ = sigma(axes, Part("gyro", (1e-15,) * 3, walk=1e-3))
+    assert np.all(np.diag(walking)[at : at + 3] > 1.2 * np.diag(still)[at : at + 3])
 
 
 @pytest.mark.parametrize(
@@ -190,7 +243,7 @@ def test_impossible_instruments_are_refused(change, message):
 
 def test_records_name_the_kernels_numbers_once():
     numbers = [number for kind in KINDS for number in kind.numbers]
-    assert sorted(numbers) == list(range(2, VELOCITY + 3)) and BEARING in numbers
+    assert sorted(numbers) == list(range(2, ACCELERATION + 3)) and BEARING in numbers
 
 
 @pytest.fixture(scope="module")

@@ -17,19 +17,30 @@ import math
 
 import numpy as np
 
-from compass.core.entry.flow import advance_spread, advance_transition, retreat
-from compass.core.entry.kinds import RELINEARISED, ROOTED, UNSCENTED
-from compass.core.entry.measure import AIR, CLOCK, ESTIMATED, LIFT, measured
+from compass.core.entry.flow import advance_spread, advance_transition, bank_at, retreat
+from compass.core.entry.kinds import INFORMATION, RELINEARISED, ROOTED, UNSCENTED
+from compass.core.entry.measure import AIR, ATTITUDE, CLOCK, ESTIMATED, GYRO, LIFT, added, measured
 from compass.core.entry.rates import COLUMNS, OF_AIR, OF_LIFT
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.entry.root import absorb_root, root_of, square_of, triangle
-from compass.core.jit import fast_kernel, kernel
+from compass.core.jit import fast_kernel, inline_kernel, kernel
+from compass.core.smallmatrix import invert
+
+
+@inline_kernel
+def rate_of(i, places):
+    """State by which state i grows each second, -1 for none: drift of a clock, or of axes."""
+    if i == places[CLOCK]:
+        return i + 1
+    if places[GYRO] >= 0 and 0 <= i - places[ATTITUDE] < 3:
+        return places[GYRO] + i - places[ATTITUDE]
+    return -1
 
 
 @fast_kernel
 def moved_rows(phi, dt, fade, places, matrix, out):
     """``F A`` of a matrix A (s, k), F made as in `moved_covariance`."""
-    air, lift, clock = places[AIR], places[LIFT], places[CLOCK]
+    air, lift = places[AIR], places[LIFT]
     for i in range(6):
         for j in range(matrix.shape[1]):
             total = 0.0
@@ -41,10 +52,11 @@ def moved_rows(phi, dt, fade, places, matrix, out):
                 total += phi[i, OF_LIFT] * matrix[lift, j]
             out[i, j] = total
     for i in range(6, matrix.shape[0]):
+        rate = rate_of(i, places)
         for j in range(matrix.shape[1]):
             out[i, j] = fade * matrix[i, j] if i == air else matrix[i, j]
-            if i == clock:
-                out[i, j] += dt * matrix[clock + 1, j]
+            if rate >= 0:
+                out[i, j] += dt * matrix[rate, j]
 
 
 @kernel
@@ -82,7 +94,7 @@ def moved_covariance(phi, dt, noise, walk, fade, places, half, covariance):
         P, (s, s).
     """
     size = covariance.shape[0]
-    air, lift, clock = places[AIR], places[LIFT], places[CLOCK]
+    air, lift = places[AIR], places[LIFT]
     moved_rows(phi, dt, fade, places, covariance, half)
     for i in range(size):
         for j in range(min(i + 1, 6)):
@@ -100,8 +112,9 @@ def moved_covariance(phi, dt, noise, walk, fade, places, half, covariance):
             covariance[j, i] = total
         for j in range(6, i + 1):
             value = fade * half[i, j] if j == air else half[i, j]
-            if j == clock:
-                value += dt * half[i, clock + 1]
+            rate = rate_of(j, places)
+            if rate >= 0:
+                value += dt * half[i, rate]
             covariance[i, j] = value
             covariance[j, i] = value
         if i >= 6:
@@ -138,10 +151,24 @@ def absorb(row, residual, variance, estimated, gain, covariance, shift):
 
 
 @kernel
-def update(x, covariance, base, sources, variances, z, kinds, places, iterations, method):
+def informed(y, gathered, covariance, shift):
+    """``P = Y^-1`` and ``shift = P y``; not a number where Y is not positive definite."""
+    if not invert(y, covariance, np.empty(y.shape)):
+        covariance[:, :] = np.nan
+    for i in range(shift.size):
+        shift[i] = 0.0
+        for j in range(shift.size):
+            shift[i] += covariance[i, j] * gathered[j]
+
+
+@kernel
+def update(
+    x, covariance, base, sources, variances, z, kinds, places, p, angle, iterations, method
+):  # fmt: skip
     """Update with all measurements of an epoch, linearised at `base` and iterated from there.
 
-    `covariance` is its root for a filter that carries that.
+    `covariance` is its root for a filter that carries that. In the form of `INFORMATION` all
+    measurements of the epoch are gathered first, ``Y = P^-1 + sum h^T h / R``, and inverted once.
 
     Gauss-Newton on the posterior: each pass linearises at the latest estimate and starts again
     from the prior; one pass from ``base = x`` is the plain extended Kalman filter.
@@ -149,6 +176,9 @@ def update(x, covariance, base, sources, variances, z, kinds, places, iterations
     size = x.size
     prior, shift, before = covariance.copy(), np.empty(size), np.empty(size)
     rows, gain, point = np.zeros((kinds.size, size)), np.empty(size), np.empty(size)
+    first, y = np.empty((size, size)), np.empty((size, size))
+    if method == INFORMATION:
+        informed(prior, shift, first, before)
     for i in range(size):
         shift[i] = base[i] - x[i]
     for _ in range(iterations):
@@ -157,20 +187,32 @@ def update(x, covariance, base, sources, variances, z, kinds, places, iterations
             point[i] = x[i] + shift[i]
             shift[i] = 0.0
         covariance[:, :] = prior
+        if method == INFORMATION:
+            y[:, :] = first
+            gain[:] = 0.0
         for b in range(sources.shape[0]):
             for c in range(kinds.size):
                 if math.isnan(variances[b, c]):
                     continue
                 row = rows[c]
-                residual = z[b, c] - measured(kinds[c], point, sources[b], b, places, row)
+                residual = z[b, c] - measured(kinds[c], point, sources[b], b, places, p, angle, row)
                 for i in range(size):
                     residual += row[i] * before[i]
+                if method == INFORMATION:
+                    for i in range(size):
+                        share = row[i] / variances[b, c]
+                        gain[i] += share * residual
+                        for j in range(size):
+                            y[i, j] += share * row[j]
+                    continue
                 if method == ROOTED:
                     absorb_root(
                         row, residual, variances[b, c], places[ESTIMATED], gain, covariance, shift
                     )
                     continue
                 absorb(row, residual, variances[b, c], places[ESTIMATED], gain, covariance, shift)
+        if method == INFORMATION:
+            informed(y, gain, covariance, shift)
         change = 0.0
         for i in range(places[ESTIMATED]):
             square = prior[i, i]
@@ -181,12 +223,6 @@ def update(x, covariance, base, sources, variances, z, kinds, places, iterations
             break
     for i in range(size):
         x[i] += shift[i]
-
-
-@kernel
-def added(x, place):
-    """State at `place`, or 0 where the block is left out (-1)."""
-    return x[place] if place >= 0 else 0.0
 
 
 @kernel
@@ -241,8 +277,10 @@ def move(
             after[i] += phi[i, OF_LIFT] * (x[lift] - base[lift])
     for i in range(6):
         x[i] = after[i]
-    if places[CLOCK] >= 0:
-        x[places[CLOCK]] += (stop - start) * x[places[CLOCK] + 1]
+    for i in range(6, x.size):
+        rate = rate_of(i, places)
+        if rate >= 0:
+            x[i] += (stop - start) * x[rate]
     if air >= 0:
         x[air] *= fade
 
@@ -307,7 +345,11 @@ def filter_run(
                 x, covariance, x, p, bank, times[t - 1], times[t], longest, noise[t], walk[t],
                 fade[t], places, method, half,
             )  # fmt: skip
-        update(x, covariance, x, sources[t], variances[t], z[t], kinds, places, iterations, method)
+        angle = bank[bank_at(times[t], bank), 1]
+        update(
+            x, covariance, x, sources[t], variances[t], z[t], kinds, places, p, angle, iterations,
+            method,
+        )  # fmt: skip
         if method == RELINEARISED and halved(covariance, places, marks):
             path[t] = x
             for k in range(t, 0, -1):
@@ -324,9 +366,11 @@ def filter_run(
                         x, covariance, path[k - 1], p, bank, times[k - 1], times[k], longest,
                         noise[k], walk[k], fade[k], places, method, half,
                     )  # fmt: skip
+                angle = bank[bank_at(times[k], bank), 1]
                 update(
-                    x, covariance, path[k], sources[k], variances[k], z[k], kinds, places, 1, method
-                )
+                    x, covariance, path[k], sources[k], variances[k], z[k], kinds, places, p, angle,
+                    1, method,
+                )  # fmt: skip
         xs[t] = x
         if method == ROOTED:
             square_of(covariance, ps[t])
@@ -359,12 +403,13 @@ def covariance_run(
             )  # fmt: skip
         for i in range(6):
             x[i] = path[t, i]
+        angle = bank[bank_at(times[t], bank), 1]
         for b in range(sources.shape[1]):
             for c in range(kinds.size):
                 variance = variances[t, b, c]
                 if math.isnan(variance):
                     continue
-                measured(kinds[c], x, sources[t, b], b, places, rows[c])
+                measured(kinds[c], x, sources[t, b], b, places, p, angle, rows[c])
                 if method == ROOTED:
                     absorb_root(rows[c], 0.0, variance, places[ESTIMATED], gain, covariance, shift)
                 else:

@@ -10,10 +10,10 @@ other filter here.
 
 import math
 
-from compass.core.entry.filter import absorb, added, moved_covariance
+from compass.core.entry.filter import absorb, moved_covariance
 from compass.core.entry.flow import advance_transition, bank_at
 from compass.core.entry.groups import make_estimates, make_room
-from compass.core.entry.measure import AIR, AXES, CLOCK, LIFT, acceleration_rows, measured
+from compass.core.entry.measure import AIR, AXES, CLOCK, LIFT, acceleration_rows, added, measured
 from compass.core.entry.node import fuse, sound, weigh
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.entry.weights import make_scratch
@@ -72,8 +72,9 @@ def linearise(known, t, variances, x, thicker, lift, first, last, m, room):
         if hears(r, c, first, last, m) and not math.isnan(variances[r]):
             k = (r - AXES) // c
             room.h[r] = measured(
-                known.kinds[(r - AXES) % c], x, known.sources[t, k], k, known.places, room.rows[r]
-            )
+                known.kinds[(r - AXES) % c], x, known.sources[t, k], k, known.places, known.p,
+                angle, room.rows[r],
+            )  # fmt: skip
 
 
 @fast_kernel

@@ -6,11 +6,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.filter import added
 from compass.core.entry.flow import advance, bank_at
 from compass.core.entry.fuse import fuse_run
 from compass.core.entry.groups import Array
-from compass.core.entry.measure import AIR, AXES, LIFT, PLACES, acceleration_rows, ideal_values
+from compass.core.entry.measure import (
+    AIR,
+    AXES,
+    LIFT,
+    PLACES,
+    acceleration_rows,
+    added,
+    ideal_values,
+)
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.entry.runs import normalised_square
 from compass.core.jit import kernel
@@ -92,7 +99,9 @@ def measure(truth, known, path, further, normals, uniforms, lost_is_zero, z, var
     c = known.kinds.size
     ideal, rows = np.empty((epochs, known.sources.shape[1], c)), np.zeros((AXES, 6))
     places = np.full(PLACES, -1)  # the truth is no filter's state
-    ideal_values(path, known.sources, known.kinds, ideal)
+    ideal_values(
+        path, known.sources, known.kinds, places, truth.p, truth.bank, known.times, ideal
+    )  # fmt: skip
     for t in range(epochs):
         angle = truth.bank[bank_at(known.times[t], truth.bank), 1]
         acceleration_rows(

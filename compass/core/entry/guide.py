@@ -21,11 +21,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry.dop853 import WATCH_RADIUS, WATCH_SPEED, watched
-from compass.core.entry.filter import added, move, update
+from compass.core.entry.filter import move, update
 from compass.core.entry.flow import advance, rk4_step
-from compass.core.entry.measure import AIR, ideal_values
+from compass.core.entry.kinds import ROOTED
+from compass.core.entry.measure import AIR, added, ideal_values
 from compass.core.entry.measure import LIFT as OF_LIFT
+from compass.core.entry.measure import PLACES as BLOCKS
 from compass.core.entry.rates import DRAG, LIFT, log_density, through_air
+from compass.core.entry.root import root_of, square_of
 from compass.core.entry.runs import normalised_square
 from compass.core.jit import kernel
 
@@ -204,23 +207,32 @@ def crossing(x, thicker, lift, p, angle, step, until, out):
 
 
 @kernel
-def hear(x, carried, k, draws, state, covariance, told):
-    """Let the filter hear what is measured of the true state at epoch k.
+def hear(x, thicker, lift, p, known, angle, carried, k, draws, state, covariance, told):
+    """Let the filter hear what is measured of the true state at epoch k, with a bank held there.
 
     `told` (7,) gets the error of its position and velocity, and that error squared, normalised.
     """
     z = np.empty((1, carried.sources.shape[1], carried.kinds.size))
-    ideal_values(x.reshape((1, 6)), carried.sources[k : k + 1], carried.kinds, z)
+    true, blocks, bank = np.empty((1, 8)), np.full(BLOCKS, -1), np.zeros((1, 2))
+    true[0, :6], true[0, 6], true[0, 7] = x, thicker, lift - p[LIFT]
+    blocks[AIR], blocks[OF_LIFT], bank[0, 1] = 6, 7, angle
+    ideal_values(
+        true, carried.sources[k : k + 1], carried.kinds, blocks, p, bank, np.zeros(1), z
+    )  # fmt: skip
     for b in range(z.shape[1]):
         for c in range(z.shape[2]):
             z[0, b, c] += math.sqrt(carried.variances[k, b, c]) * draws[b, c]
     update(
         state, covariance, state, carried.sources[k], carried.variances[k], z[0], carried.kinds,
-        carried.places, carried.iterations, carried.method,
+        carried.places, known, angle, carried.iterations, carried.method,
     )  # fmt: skip
     for i in range(6):
         told[i] = state[i] - x[i]
-    told[6] = normalised_square(covariance[:6, :6], told[:6])
+    whole = covariance
+    if carried.method == ROOTED:
+        whole = np.empty(covariance.shape)
+        square_of(covariance, whole)
+    told[6] = normalised_square(whole[:6, :6], told[:6])
 
 
 @kernel
@@ -278,6 +290,8 @@ def guided_flight(
     x, seen, time, rows, side = start.copy(), start.copy(), 0.0, 0, 1.0
     state, covariance, k = first.copy(), carried.covariance.copy(), 0
     blind = carried.times.size == 0
+    if carried.method == ROOTED:
+        root_of(carried.covariance, covariance)
     bank, ratio, decision = g[BEFORE], 0.0, 0.0
     step = g[CYCLE] / max(1, math.ceil(g[CYCLE] / until.longest - 1e-9))
     told[:] = 0.0
@@ -288,7 +302,7 @@ def guided_flight(
     size, wish = g[BEFORE], bank
     while time < until.seconds - 1e-9:
         if k < carried.times.size and time >= carried.times[k]:
-            hear(x, carried, k, draws[k], state, covariance, told)
+            hear(x, thicker, lift, p, known, bank, carried, k, draws[k], state, covariance, told)
             seen[:] = state[:6]
             k += 1
         if time >= decision - 1e-9:

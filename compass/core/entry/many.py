@@ -12,9 +12,9 @@ import math
 import numpy as np
 
 from compass.core.entry.dop853 import WATCH_RADIUS, WATCH_SPEED, watched
-from compass.core.entry.flow import advance_transition
+from compass.core.entry.flow import advance_transition, bank_at
 from compass.core.entry.loop import carrier_to_noise, loop_variance
-from compass.core.entry.measure import PLACES, measured
+from compass.core.entry.measure import AIR, ATTITUDE, GYRO, IMU, LIFT, PLACES, measured
 from compass.core.entry.rates import COLUMNS
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.jit import fast_kernel, kernel
@@ -379,39 +379,73 @@ def _add_square(h, weight, out, m, i):
         k += a + 1
 
 
-@fast_kernel
-def own_information(paths, gains, stops, sources, variances, kinds, out):
+@kernel
+def own_information(
+    paths, gains, stops, spreads, worlds, p, banks, times, sources, variances, kinds, errors, out
+):  # fmt: skip
     """Information on u by what the lander reads of itself and of places that it knows by sight.
+
+    Constant errors of its instruments e are found out as far as they can be, as those of
+    satellites in `information`: ``F_uu - F_ue (I + F_ee)^-1 F_eu``.
 
     Parameters
     ----------
-    paths, gains, stops
+    paths, gains, stops, spreads, worlds, p, banks, times
         Of `fly_many`.
     sources
         Positions and velocities of the places, and of the centre of Mars, (m, k, 6).
     variances, kinds
         Of every kind's reading of every source, (m, t, k, c), nan where there is none, and the
         numbers of `compass.core.entry.measure`, (c,).
+    errors
+        One sigma of the biases of the accelerometers, of the axes and of the gyros that hold them,
+        (9,).
     out
         Output, packed, (m, 1, d (d + 1)/2); what is behind the components of `gains` is not told.
     """
-    places, row = np.full(PLACES, -1), np.empty(6)
-    motion = gains.shape[3]
-    h = np.empty(motion)
+    places = np.full(PLACES, -1)
+    places[AIR], places[LIFT], places[IMU], places[ATTITUDE], places[GYRO] = 6, 7, 8, 11, 14
+    size, own = COLUMNS + errors.size, errors.size
+    x, row, motion = np.zeros(size), np.empty(size), gains.shape[3]
+    h, s, low = np.empty(motion), np.empty(own), np.empty((own, own))
+    cross, square = np.empty((motion, own)), np.empty((own, own))
     out[:] = 0.0
     for m in range(paths.shape[0]):
+        cross[:] = 0.0
+        square[:] = np.eye(own)
+        x[6:COLUMNS] = worlds[m]
         for t in range(stops[m] + 1):
+            x[:6] = paths[m, t]
+            angle = banks[m, bank_at(times[t], banks[m]), 1]
             for b in range(sources.shape[1]):
                 for c in range(kinds.size):
                     if math.isnan(variances[m, t, b, c]):
                         continue
                     row[:] = 0.0
-                    measured(kinds[c], paths[m, t], sources[m, b], b, places, row)
+                    measured(kinds[c], x, sources[m, b], b, places, p, angle, row)
                     for j in range(motion):
-                        h[j] = 0.0
+                        h[j] = row[6] * spreads[m, 6, j] + row[7] * spreads[m, 7, j]
                         for i in range(6):
                             h[j] += row[i] * gains[m, t, i, j]
-                    _add_square(h, 1.0 / variances[m, t, b, c], out, m, 0)
+                    worth = 1.0 / variances[m, t, b, c]
+                    _add_square(h, worth, out, m, 0)
+                    for e in range(own):
+                        held = times[t] * row[COLUMNS + e - 3] if e >= 6 else row[COLUMNS + e]
+                        s[e] = held * errors[e]
+                    for e in range(own):
+                        for j in range(motion):
+                            cross[j, e] += worth * h[j] * s[e]
+                        for k in range(own):
+                            square[e, k] += worth * s[e] * s[k]
+        cholesky(square, low)  # at least the unit matrix
+        k = 0
+        for a in range(motion):
+            gain = cross[a].copy()
+            cholesky_solve(low, gain)
+            for b in range(a + 1):
+                for e in range(own):
+                    out[m, 0, k] -= gain[e] * cross[b, e]
+                k += 1
 
 
 @kernel

@@ -8,30 +8,42 @@ import math
 
 import numpy as np
 
-from compass.core.entry.kinds import BEARING, ECHO, HEIGHT, RANGE, RATE, VELOCITY
+from compass.core.entry.flow import bank_at
+from compass.core.entry.kinds import ACCELERATION, BEARING, ECHO, HEIGHT, RANGE, RATE, VELOCITY
 from compass.core.entry.rates import DRAG, WINDS, log_density, through_air, wind_gradient
-from compass.core.jit import fast_kernel
+from compass.core.entry.rates import LIFT as RATIO
+from compass.core.jit import fast_kernel, kernel
 
 #: Columns of `places`: how many states are estimated (the rest is considered), then the first
 #: state of each further block, -1 where it is left out.
-ESTIMATED, AIR, LIFT, CLOCK, BIAS, IMU, ATTITUDE, PLACES = range(8)
+ESTIMATED, AIR, LIFT, CLOCK, BIAS, IMU, ATTITUDE, GYRO, PLACES = range(9)
 
 #: Accelerometers: along the velocity through the air, to the side and across it.
 AXES = 3
 
 
-@fast_kernel
-def ideal_values(path, sources, kinds, out):
-    """Values without noise, (t, n, c), along states (t, 6), of sources (t, n, 6) and kinds (c,)."""
-    places, row = np.full(PLACES, -1), np.empty(6)
+@kernel
+def added(x, place):
+    """State at `place`, or 0 where the block is left out (-1)."""
+    return x[place] if place >= 0 else 0.0
+
+
+@kernel
+def ideal_values(path, sources, kinds, places, p, bank, times, out):
+    """Values without noise, (t, n, c), along states (t, s), of sources (t, n, 6) and kinds (c,).
+
+    In the world `p`, by the angles `bank` (k, 2), at `times` (t,).
+    """
+    row = np.empty(path.shape[1])
     for t in range(path.shape[0]):
+        angle = bank[bank_at(times[t], bank), 1]
         for b in range(sources.shape[1]):
             for c in range(kinds.size):
-                out[t, b, c] = measured(kinds[c], path[t], sources[t, b], b, places, row)
+                out[t, b, c] = measured(kinds[c], path[t], sources[t, b], b, places, p, angle, row)
 
 
 @fast_kernel
-def measured(kind, x, source, number, places, row):
+def measured(kind, x, source, number, places, p, angle, row):
     """Predict one measurement of a source, and write its row.
 
     ``R = |r - b| + c + o``, ``R' = n.(v - b') + c'``, with the receiver's clock c (m) and its
@@ -52,9 +64,17 @@ def measured(kind, x, source, number, places, row):
         Position and velocity, (6,), and which source it is.
     places
         See `PLACES`.
+    p, angle
+        World and bank angle, which accelerometers alone ask for; see `acceleration_row`.
     row
         Output, (s,); only the entries named here are written, the others must be zero.
     """
+    if kind >= ACCELERATION:
+        lift = p[RATIO] + added(x, places[LIFT])
+        return acceleration_row(
+            kind - ACCELERATION, x, added(x, places[AIR]), lift, p, math.cos(angle),
+            math.sin(angle), places, row,
+        )  # fmt: skip
     if kind >= BEARING:
         return _component(kind, x, source, places, row)
     if kind == HEIGHT:
@@ -119,8 +139,8 @@ def _component(kind, x, source, places, row):
 
 
 @fast_kernel
-def acceleration_rows(x, thicker, lift, p, cos_bank, sin_bank, places, rows, out):
-    """Predict what the accelerometers read, and write their rows.
+def acceleration_row(axis, x, thicker, lift, p, cos_bank, sin_bank, places, row):
+    """Predict what an accelerometer reads, and write its row.
 
     ``a = [-D, -L sin(bank), L cos(bank)] + b``, with ``D = rho B V^2 / 2``, V through the air,
     ``L = lift D`` and the biases b where they are states. At a switch the bank is the one that
@@ -128,38 +148,45 @@ def acceleration_rows(x, thicker, lift, p, cos_bank, sin_bank, places, rows, out
 
     Parameters
     ----------
+    axis
+        Along the velocity through the air, to the side or across it: 0, 1, 2.
     x, thicker, lift, p, cos_bank, sin_bank
         As in `compass.core.entry.rates.acceleration`; x of shape (s,).
     places
         See `PLACES`.
-    rows
-        Output, (>= 3, s); only the entries named here are written, the others must be zero.
-    out
-        Output, (>= 3,), m/s^2.
+    row
+        Output, (s,); only the entries named here are written, the others must be zero.
     """
     r = math.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
     w = through_air(x, p)
     square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2]
     height, slope = log_density(r, p)
     drag = 0.5 * math.exp(height + thicker) * p[DRAG] * square
-    for axis in range(AXES):
-        turned = 0.0 if axis == 0 else (-sin_bank if axis == 1 else cos_bank)
-        value = -drag if axis == 0 else turned * lift * drag
-        out[axis] = value
-        for i in range(3):
-            rows[axis, i] = value * slope * x[i] / r
-            rows[axis, 3 + i] = 2.0 * value * w[i] / square
-        if places[AIR] >= 0:
-            rows[axis, places[AIR]] = value
-        if places[LIFT] >= 0:
-            rows[axis, places[LIFT]] = turned * drag
-        if places[IMU] >= 0:
-            out[axis] += x[places[IMU] + axis]
-            rows[axis, places[IMU] + axis] = 1.0
+    turned = 0.0 if axis == 0 else (-sin_bank if axis == 1 else cos_bank)
+    value = -drag if axis == 0 else turned * lift * drag
+    for i in range(3):
+        row[i] = value * slope * x[i] / r
+        row[3 + i] = 2.0 * value * w[i] / square
+    if places[AIR] >= 0:
+        row[places[AIR]] = value
+    if places[LIFT] >= 0:
+        row[places[LIFT]] = turned * drag
     if p[WINDS] > 0.0:
         gradient = np.empty((3, 3))
         wind_gradient(x, p, gradient)
-        for axis in range(AXES):
-            for i in range(3):
-                for k in range(3):
-                    rows[axis, i] -= rows[axis, 3 + k] * gradient[k, i]
+        for i in range(3):
+            for k in range(3):
+                row[i] -= row[3 + k] * gradient[k, i]
+    if places[IMU] >= 0:
+        value += x[places[IMU] + axis]
+        row[places[IMU] + axis] = 1.0
+    return value
+
+
+@fast_kernel
+def acceleration_rows(x, thicker, lift, p, cos_bank, sin_bank, places, rows, out):
+    """`acceleration_row` of all three, into `rows` (>= 3, s) and `out` (>= 3,), m/s^2."""
+    for axis in range(AXES):
+        out[axis] = acceleration_row(
+            axis, x, thicker, lift, p, cos_bank, sin_bank, places, rows[axis]
+        )

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from compass.core.entry.filter import added, filter_run
+from compass.core.entry.filter import filter_run, rate_of
 from compass.core.entry.flow import advance
-from compass.core.entry.measure import AIR, ESTIMATED, LIFT, ideal_values
+from compass.core.entry.measure import AIR, ESTIMATED, LIFT, added, ideal_values
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.jit import kernel
 
@@ -47,8 +47,9 @@ def monte_carlo(
 
     Without process noise the truth is `path` itself, however far apart the epochs are; with it,
     the truth is moved from its own last state, by the same steps as the filter's, and shaken, and
-    so it is where the density wanders. All other blocks are zero in truth; the first estimate is
-    drawn about the truth with `root0`, and where the density wanders, the truth about the estimate.
+    so it is where the density wanders. All other blocks begin at zero in truth and gather what
+    `walk` says; the first estimate is drawn about the truth with `root0`, and where the density
+    wanders, the truth about the estimate.
 
     Parameters
     ----------
@@ -67,35 +68,42 @@ def monte_carlo(
         Output, (m, t, 2): roots of the traces of the covariance of position and of velocity.
     """
     runs, epochs, size = errors.shape[0], times.size, root0.shape[0]
-    truth, further = path.copy(), np.zeros((epochs, size))
+    truth = np.zeros((epochs, size))
+    truth[:, :6] = path
     xs, ps = np.empty((epochs, size)), np.empty((epochs, size, size))
     ideal, z = np.empty(variances.shape), np.empty(variances.shape)
     start, difference = np.empty(size), np.empty(size)
     estimated, shaken = places[ESTIMATED], noise.shape[1] > 0
-    air, wanders = places[AIR], fade.min() < 1.0
-    ideal_values(path, sources, kinds, ideal)
+    air, wanders, walks = places[AIR], fade.min() < 1.0, walk.max() > 0.0
+    ideal_values(truth, sources, kinds, places, p_true, bank, times, ideal)
     for m in range(runs):
         for i in range(size):
             start[i] = 0.0
             for j in range(i + 1):
                 start[i] += root0[i, j] * draws0[m, j]
         if wanders:
-            further[0, air] = -start[air]
+            truth[0, air] = -start[air]
             start[air] = 0.0
+        if walks:
             for t in range(1, epochs):
-                step = math.sqrt(walk[t, air]) * draws_noise[m, t, air]
-                further[t, air] = fade[t] * further[t - 1, air] + step
+                for i in range(6, size):
+                    kept, rate = fade[t] if i == air else 1.0, rate_of(i, places)
+                    truth[t, i] = kept * truth[t - 1, i]
+                    if rate >= 0:
+                        truth[t, i] += (times[t] - times[t - 1]) * truth[t - 1, rate]
+                    truth[t, i] += math.sqrt(walk[t, i]) * draws_noise[m, t, i]
         if shaken or wanders:
             for t in range(1, epochs):
                 advance(
-                    truth[t - 1], added(further[t - 1], air),
-                    p_true[RATIO] + added(further[t - 1], places[LIFT]), p_true, bank,
+                    truth[t - 1], added(truth[t - 1], air),
+                    p_true[RATIO] + added(truth[t - 1], places[LIFT]), p_true, bank,
                     times[t - 1], times[t], longest, truth[t],
                 )  # fmt: skip
                 for i in range(noise.shape[1]):
                     for j in range(6):
                         truth[t, i] += noise[t, i, j] * draws_noise[m, t, j]
-            ideal_values(truth, sources, kinds, ideal)
+        if shaken or walks:
+            ideal_values(truth, sources, kinds, places, p_true, bank, times, ideal)
         for i in range(6):
             start[i] += truth[0, i]
         for t in range(epochs):
@@ -109,7 +117,7 @@ def monte_carlo(
         )  # fmt: skip
         for t in range(epochs):
             for i in range(size):
-                difference[i] = xs[t, i] - (truth[t, i] if i < 6 else further[t, i])
+                difference[i] = xs[t, i] - truth[t, i]
             for i in range(6):
                 errors[m, t, i] = difference[i]
             squares[m, t, 0] = normalised_square(ps[t, :6, :6], difference[:6])

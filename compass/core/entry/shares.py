@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from compass.core.entry.filter import absorb, moved_covariance
-from compass.core.entry.flow import advance_transition
+from compass.core.entry.flow import advance_transition, bank_at
 from compass.core.entry.measure import ESTIMATED, measured
 from compass.core.entry.rates import COLUMNS
 from compass.core.entry.rates import LIFT as RATIO
@@ -65,7 +65,7 @@ def shares_run(
     noise, shaken
         Roots of the process noise (t, 6, j), and which source it is.
     walked
-        Which source the further states' variances `walk` are.
+        Which source the variances `walk` of each state are, (s,); -1 for none.
     of_kind
         Which source the noise of each kind is, (c,).
     shares
@@ -75,7 +75,7 @@ def shares_run(
     covariance, half = covariance0.copy(), np.empty((size, size))
     rows, gain, line = np.zeros((kinds.size, size)), np.empty(size), np.empty(size)
     x, shift, after = np.zeros(size), np.zeros(size), np.empty(6)
-    phi, still, calm = np.empty((6, COLUMNS)), np.zeros(size), np.empty((6, noise.shape[2]))
+    phi, walking, calm = np.empty((6, COLUMNS)), np.empty(size), np.empty((6, noise.shape[2]))
     calm[:, :] = 0.0
     shares[:, :, :] = starts
     for t in range(times.size):
@@ -87,17 +87,19 @@ def shares_run(
             moved_covariance(phi, dt, noise[t], walk[t], fade[t], places, half, covariance)
             for k in range(count):
                 shaking = noise[t] if k == shaken else calm
-                walking = walk[t] if k == walked else still
+                for i in range(size):
+                    walking[i] = walk[t, i] if k == walked[i] else 0.0
                 moved_covariance(phi, dt, shaking, walking, fade[t], places, half, shares[k])
         for i in range(6):
             x[i] = path[t, i]
+        angle = bank[bank_at(times[t], bank), 1]
         for b in range(sources.shape[1]):
             for c in range(kinds.size):
                 variance = variances[t, b, c]
                 if math.isnan(variance):
                     continue
                 row = rows[c]
-                measured(kinds[c], x, sources[t, b], b, places, row)
+                measured(kinds[c], x, sources[t, b], b, places, p, angle, row)
                 absorb(row, 0.0, variance, places[ESTIMATED], gain, covariance, shift)
                 total = variance
                 for i in range(size):
