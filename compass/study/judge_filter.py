@@ -15,6 +15,7 @@ from compass.entry.consistency import FALSE_ALARM, nees_bounds
 from compass.entry.ground import Ground
 from compass.entry.guidance import with_bank
 from compass.entry.layout import Part
+from compass.entry.model import EntryModel
 from compass.entry.navigation import MonteCarlo, run_monte_carlo
 from compass.entry.quantiles import percentiles
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
@@ -178,6 +179,13 @@ def entry_beacons(found: Judgement, entry: int) -> Beacons:
     )
 
 
+def _with_air(model: EntryModel, thicker: float, lift: float) -> EntryModel:
+    """Return a world with so much added to its logarithm of the density and to its L/D."""
+    world = model.truth(density_bias=float(np.expm1(thicker)))
+    craft = world.vehicle
+    return replace(world, vehicle=replace(craft, lift_to_drag=craft.lift_to_drag + float(lift)))
+
+
 def _run(
     found: Judgement,
     scenario: Scenario,
@@ -198,10 +206,15 @@ def _run(
     measurements = replace(measurements, features=measurements.features.moved(radius, turn))
     settings = replace(scenario.settings, covariance0=spread @ spread.T, parts=(*own_parts, *parts))
     thicker, lift = campaign.worlds[entry]
-    world = scenario.truth.truth(density_bias=float(np.expm1(thicker)))
-    craft = world.vehicle
-    world = replace(world, vehicle=replace(craft, lift_to_drag=craft.lift_to_drag + float(lift)))
-    world, known = (with_bank(one, campaign.banks[entry]) for one in (world, scenario.model))
+    # what the filter estimates is drawn about the truth, so it knows the truth but for that draw
+    estimated = np.isin(["air", "lift"], [part.name for part in own_parts])
+    world, known = (
+        with_bank(_with_air(one, *off), campaign.banks[entry])
+        for one, off in (
+            (scenario.truth, (thicker, lift)),
+            (scenario.model, np.where(estimated, (thicker, lift), 0.0)),
+        )
+    )
     truth = fly(world, spherical_of(campaign.paths[entry, 0]), beacons.times)
     if truth.times.size < count:
         raise ArgumentError(

@@ -7,16 +7,19 @@ from hypothesis import strategies as st
 from scipy.stats import chi2
 
 from compass.entry.arrivals import Arrivals
-from compass.entry.campaign import fly_campaign
+from compass.entry.campaign import fly_campaign, moved_starts, moved_targets
 from compass.entry.covariance import linear_covariance
 from compass.entry.doubts import NO_DOUBTS, Doubts
+from compass.entry.ground import Ground
+from compass.entry.guidance import with_bank
 from compass.entry.schedule import in_view
 from compass.entry.start import Trigger
 from compass.entry.trajectory import fly
 from compass.entry.unknowns import NOTHING, Unknowns
 from compass.entry.views import cartesian_of, spherical_of
 from compass.errors import ArgumentError
-from compass.frames import FIGURES, prime_meridian_angle
+from compass.frames import FIGURES, direction, prime_meridian_angle
+from compass.inputs.scenario import read_scenario_text
 from compass.orbits import keplerian, states_mci, walker_delta
 from compass.ranging import Signal
 from compass.sites import Mask
@@ -75,6 +78,7 @@ two_way = { range_sigma_m = 30, range_rate_sigma_m_s = 0.05 }
 altimeter = { sigma_m = 30, share = 0.01, interval_s = 4 }
 velocimeter = { sigma_m_s = 0.5, below_km = 110 }
 features = { sigma_deg = 0.05, interval_s = 10 }
+accelerometers = { sigma_m_s2 = 0.05, interval_s = 4 }
 [measurements.link]
 frequency_mhz = 401
 eirp_dbw = 10
@@ -96,9 +100,21 @@ height_km = 2
 """
 
 
+OWN_ERRORS = """velocity_sigma_m_s = 0.5
+density = { sigma = 0.1 }
+lift_to_drag = { sigma = 0.02 }
+attitude = { sigma_deg = 0.3 }
+gyros = { drift_sigma_deg_h = 5 }
+accelerometers = { sigma_m_s2 = 0.1 }
+"""
+
+
 @pytest.fixture(scope="module")
 def equipped(short):
-    return short(("range_sigma_m = 50", "range_sigma_m = 50" + EVERYTHING))
+    return short(
+        ("range_sigma_m = 50", "range_sigma_m = 50" + EVERYTHING),
+        ("velocity_sigma_m_s = 0.5", OWN_ERRORS),
+    )
 
 
 def test_all_that_is_measured_is_judged_as_the_filters_hear_it(equipped, five):
@@ -124,8 +140,12 @@ def test_all_that_is_measured_is_judged_as_the_filters_hear_it(equipped, five):
         reaching = own.reaching(seen, beacons, path, equipped.model)
         assert np.array_equal(reaching, found.seen[m])
         heard += (seen & ~reaching).sum()
-        spread = campaign.spreads[m, :6]
-        bound = linear_covariance(equipped.model, path, beacons, seen, own, spread @ spread.T)
+        spread = campaign.spreads[m, :6, :6]
+        assert campaign.spreads[m, 6:, 6:] == pytest.approx(np.diag([0.1, 0.02]))
+        bound = linear_covariance(
+            equipped.model, path, beacons, seen, own, spread @ spread.T,
+            layout=equipped.settings.layout(beacons.size),
+        )  # fmt: skip
         assert found.sigma[m, 0] == pytest.approx(
             [bound.position_sigma[-1], bound.velocity_sigma[-1]], rel=1e-8
         )
@@ -162,6 +182,35 @@ def test_dispersed_entries_are_judged(short, five):
     assert judge_filter(five, still, runs=8, **place)["believed"]
     assert "by 1000 m and 0.05 m/s on each axis, 5 % of density" in dispersed_words(wide.dispersion)
     assert dispersed_words(None) == ""
+
+
+@pytest.mark.slow
+def test_guided_entries_are_judged(five, designs):
+    """Each flies the bank that brings it to its own target, and its filter the same bank."""
+    text = (designs / "landing-guided.toml").read_text()
+    for old, new in (("position_m = 1000", "position_m = 1"), ("unscented", "relinearised-ekf")):
+        text = text.replace(old, new)
+    lander = read_scenario_text(text, folder=designs)
+    flown = campaign_of(lander, 4, 3)
+    ends = flown.paths[np.arange(4), flown.stops, :3]
+    targets = moved_targets(lander.state, lander.guidance, flown.paths[:, 0])
+    radius = np.linalg.norm(ends, axis=1)
+    miss = radius * np.arccos((ends * targets).sum(axis=1) / radius)
+    assert miss.max() < 10e3 and np.ptp(flown.banks[0, np.isfinite(flown.banks[0, :, 0]), 1]) > 1
+    for path, bank, (thicker, lift) in zip(flown.paths, flown.banks, flown.worlds, strict=True):
+        world = with_bank(lander.model.truth(density_bias=np.expm1(thicker)), bank)
+        craft = replace(world.vehicle, lift_to_drag=world.vehicle.lift_to_drag + lift)
+        stop = np.flatnonzero(path.any(axis=1))[-1]
+        times = flown.times[[0, stop]]
+        again = fly(replace(world, vehicle=craft), spherical_of(path[0]), times).path[-1]
+        assert np.linalg.norm((again - path[stop])[:3]) < 1.0
+    place = {"samples": 2, "figure": FIGURE, "mask": Mask(), "threads": 1}
+    assert judge_filter(five, lander, runs=8, **place)["believed"]
+    # aimed at a goal, the target itself lies there
+    gale = Ground(("gale",), ((-0.08, 2.398),), ((),))
+    aimed = campaign_of(lander, 2, ground=gale)
+    at = moved_targets(lander.state, lander.guidance, moved_starts(lander.state, aimed.arrivals))
+    np.testing.assert_allclose(at, np.tile(direction(-0.08, 2.398), (2, 1)), atol=1e-6)
 
 
 def test_there_and_back_no_clock_enters(short, five):
@@ -523,6 +572,14 @@ def test_mask_hides_satellites(scenario, five):
         (
             ('kind = "relinearised-ekf"', 'kind = "ekf"\nprocess_noise_si = [1, 0, 0, 0, 0, 0]'),
             "process_noise_si",
+        ),
+        (
+            ('kind = "relinearised-ekf"', "density = { sigma = 0.1, scale_km = 8 }"),
+            "logarithm of true over known density: wanders",
+        ),
+        (
+            ('kind = "relinearised-ekf"', "lift_to_drag = { sigma = 0.1, considered = true }"),
+            "true less known lift-to-drag ratio: only considered",
         ),
     ],
 )
