@@ -22,6 +22,7 @@ from compass.entry.trajectory import fly
 from compass.entry.views import cartesian_of, spherical_of
 from compass.errors import ArgumentError, DesignError
 from compass.frames import direction
+from compass.inputs.fusion import fusion_plan
 from compass.inputs.scenario import read_scenario, read_scenario_text
 
 DESIGNS = Path(__file__).parents[2] / "designs"
@@ -96,7 +97,10 @@ def test_guidance_flies_on_what_its_filter_knows(guided_lander):
     assert "and inconsistent: NEES" in dispersed_sentence(sure)
     # known to a millimetre, and nothing dispersed: as if the state were known as it is
     few = Dispersion(3)
-    near = flown(covariance0=axes_covariance(1e-3, 1e-6), parts=(), method="plain")
+    known = {"covariance0": axes_covariance(1e-3, 1e-6), "parts": ()}
+    near, root = (flown(**known, method=method) for method in ("plain", "square-root"))
+    np.testing.assert_allclose(root.ends[:, :3], near.ends[:, :3], rtol=0, atol=0.01)
+    assert root.nees == pytest.approx(near.nees, rel=1e-3)
     truth = fly_dispersed(
         lander.truth, lander.model, lander.state, few, 300.0, trigger=lander.deployment,
         guidance=lander.guidance,
@@ -207,6 +211,19 @@ def test_what_cannot_be_is_refused(guided_lander):
         "guidance.most_bank_deg = 10: must be above least_bank_deg = 20",
     ):
         assert words in str(told.value)
+
+
+@pytest.mark.slow
+def test_fused_filters_fly_the_bank_that_guidance_finds(guided_lander):
+    table = (DESIGNS / "lou2019-recommended.toml").read_text()
+    table = table[table.index("[fusion]") : table.index("[[fusion.fault]]")]
+    table = "\n".join(line for line in table.splitlines() if not line.startswith("range_sigma"))
+    lander = read_scenario_text(guided_lander.text + table, folder=DESIGNS)
+    lander = replace(lander, times=lander.times[lander.times <= 120.0])
+    plan, planned = fusion_plan(lander), lander.planned().model.vehicle
+    assert len(planned.bank_times) > 5
+    assert plan.case.flight.model.vehicle == planned
+    assert all(one.model.vehicle == planned for one in plan.filters)
 
 
 def test_a_guided_landing_says_where_entries_come_down(guided_lander):

@@ -1,5 +1,7 @@
 """Every kind of measurement: rows against differences, turned about, and what it is worth."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -171,20 +173,35 @@ def test_every_instrument_is_worth_something(case):
 
 
 @pytest.mark.slow
-def test_a_filter_that_hears_all_kinds_is_consistent(case):
+@pytest.mark.parametrize("seed", range(6))
+def test_linear_covariance_is_what_the_filter_reaches(case, seed):
+    """Over random choices of instruments, noise, blocks and ways of filtering: one run for many.
+
+    Of 40 runs NEES stays in its interval, and errors at the end are those of the covariance; air
+    and lift are known so well that 24 s of flight are linear in them.
+    """
     model, flight, beacons, features = case
-    whole, taken = everything(features), np.ones((beacons.times.size, beacons.size), bool)
-    clock = (Part("clock", (3e4, 0.3)),)
-    own = (
-        Part("imu", (0.05,) * 3),
-        Part("attitude", (1e-3,) * 3),
-        Part("gyro", (1e-5,) * 3, walk=1e-4),
-    )
-    parts = (*clock, Part("bias", (10.0,), considered=True), *own)
-    settings = Filter(PRIOR, np.zeros(6), 3, parts)
-    mc = run_monte_carlo(model, flight, beacons, taken, whole, settings, runs=40)
+    rng, whole = np.random.default_rng(seed), everything(features)
+    size = np.exp(rng.normal(0.0, 0.5))
+    kinds = [one for one in whole.instruments if rng.random() < 0.7]
+    own = tuple(replace(one, sigma=one.sigma * size) for one in kinds)
+    heard = Measurements(50.0 * size, 0.1 * size, instruments=own, features=features)
+    taken = rng.random((beacons.times.size, beacons.size)) < 0.8
+    choice = (
+        Part("air", (0.002,)), Part("lift", (5e-4,)), Part("clock", (3e4, 0.3)),
+        Part("bias", (10.0,)), Part("imu", (0.05,) * 3),
+    )  # fmt: skip
+    held = (Part("attitude", (1e-3,) * 3), Part("gyro", (1e-5,) * 3, walk=1e-4))
+    parts = (*(part for part in choice if rng.random() < 0.6), *held)
+    method = ("plain", "square-root", "information")[seed % 3]
+    settings = Filter(PRIOR, np.zeros(6), 3, parts, method)
+    mc = run_monte_carlo(model, flight, beacons, taken, heard, settings, runs=40, seed=seed)
     assert consistency(mc.nees, flight.times, 6, mc.diverged).holds
     assert consistency(mc.nees_all, flight.times, mc.estimated, mc.diverged).holds
+    layout = settings.layout(beacons.size)
+    bound = linear_covariance(model, flight.path, beacons, taken, heard, PRIOR, layout=layout)
+    # of 40 runs and at least one dominant axis: the variance is good to sqrt(2/40), four sigma
+    assert abs((mc.position_rms[-1] / bound.position_sigma[-1]) ** 2 - 1) < 4 * np.sqrt(2 / 40)
 
 
 def test_a_filter_fed_from_outside_hears_all_kinds(case):
@@ -200,6 +217,20 @@ def test_a_filter_fed_from_outside_hears_all_kinds(case):
     settings = Filter(PRIOR, np.zeros(6))
     states, _ = run_filter(model, flight.path[0], beacons, taken, measurements, settings, z)
     assert np.abs(states - flight.path)[:, :3].max() < 0.02  # Runge-Kutta steps of a filter
+    # the same by any algebra, of readings with noise and all that may be estimated
+    z += np.sqrt(np.nan_to_num(variances)) * np.random.default_rng(1).standard_normal(z.shape)
+    found = [
+        run_filter(
+            model, flight.path[0], beacons, taken, measurements,
+            Filter(PRIOR, np.zeros(6), 2, PARTS, method), z,
+        )
+        for method in ("plain", "information", "square-root")
+    ]  # fmt: skip
+    for k in range(2):
+        sigma = np.sqrt(np.einsum("tii->ti", found[0][1]))
+        scale = sigma if k == 0 else sigma[:, :, None] * sigma[:, None, :]
+        for other in found[1:]:
+            np.testing.assert_allclose(other[k] / scale, found[0][k] / scale, rtol=0, atol=1e-4)
 
 
 def test_gyros_that_do_not_drift_are_axes_that_stand_still(case):

@@ -88,10 +88,15 @@ def section_of(scenario, runs=None):
     ids=["one beacon", "a prior of a million kilometres"],
 )  # fmt: skip
 def test_inconsistent_filters_claim_nothing(change):
-    found, (first, second, *_) = section_of(read_scenario_text(changed(*change)))
+    scenario = read_scenario_text(changed(*change))
+    found, (first, second, *_) = section_of(scenario)
     assert not found.consistency.holds
     assert "no accuracy is claimed" in first
     assert second.startswith("The filter is inconsistent and makes no claim of accuracy: ")
+    lost = "1e9" in change[0][1]
+    assert ("comes down nobody knows where" in first) is found.accuracy.anywhere is lost
+    assert not lost or "km" not in first
+    assert (entry_facts(scenario, found)["landing"]["delivery"] is None) is lost
 
 
 def test_a_truth_with_more_air_is_told_and_four_satellites_are_believed():
