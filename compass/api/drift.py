@@ -89,7 +89,9 @@ def drift(
     start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY
     c, done = read.constellation, None
     if trimmed:
-        done = trim(c, forces_of(motion), stop, progress=lambda x: bar(progress, "trim", x))
+        done = trim(
+            c, forces_of(motion, "trimmed"), stop, progress=lambda x: bar(progress, "trim", x)
+        )
         c = done.constellation
     path = motion.trajectory(c, start, stop, progress=lambda x: bar(progress, "orbits", x))
     kept = promises_of(read, path, start, stop, lambda x: bar(progress, "requirements", x))

@@ -86,6 +86,7 @@ def keep(
         navigation_error_m=navigation_error_m,
     )
     c, motion = read.constellation, real_motion(read)
+    forces = forces_of(motion, "keep")
     wanted, mask = given_fold(fold, read), given_mask(mask_deg, read).highest
     own = fold is None and mask_deg is None
     slots = has_slots(c)
@@ -102,7 +103,7 @@ def keep(
     width = 0.5 * margin if box_deg is None else radians(box_deg)
     found = (keep_slots if slots else keep_kinds)(
         c,
-        forces_of(motion),
+        forces,
         upkeep.duration,
         width,
         across=0.5 * width,

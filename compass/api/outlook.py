@@ -322,7 +322,7 @@ def _other_radii(design: Design, horizon: float) -> tuple[RadiusLasts, ...]:
     own = float(c.semi_major_axis[0]) / 1e3
     lowest = design.figure.equatorial_radius / 1e3
     found: tuple[RadiusLasts, ...] = ()
-    beat = beat_of(c, forces_of(real_motion(design)).field).period
+    beat = beat_of(c, forces_of(real_motion(design), "radii").field).period
     tried = [(0.0,)] if beat < RESONANT * SECONDS_PER_DAY else []
     for steps in (*tried, *STEPS):
         radii = [own + step for step in steps if own + step > lowest]

@@ -83,8 +83,15 @@ def real_motion(design: Design) -> Motion:
     return Motion("numerical") if design.motion.model == "two-body" else design.motion
 
 
-def forces_of(motion: Motion) -> ForceModel:
+def forces_of(motion: Motion, wanted: str) -> ForceModel:
     """Return a motion's forces.
+
+    Parameters
+    ----------
+    motion
+        The motion.
+    wanted
+        The argument that needs them, or what does.
 
     Raises
     ------
@@ -92,8 +99,10 @@ def forces_of(motion: Motion) -> ForceModel:
         It has none.
     """
     if motion.forces is None:
+        where = "" if motion.table is None else "a design of elements, as export writes one, with "
         raise ArgumentError(
-            f'trim: {motion.title} has no forces to trim for; give [motion] model = "numerical"'
+            f"{wanted}: needs forces, which {motion.title} has not; give {where}[motion] "
+            'model = "numerical"'
         )
     return motion.forces
 
@@ -148,6 +157,7 @@ def _sentences(found: Sequence[RadiusLasts], days: float) -> str:
 def _at_radius(design: Design, radius_km: float, stop: float, asked: Asked | None) -> RadiusLasts:
     """How long the same pattern lasts on another radius."""
     c, motion = design.constellation, real_motion(design)
+    forces = forces_of(motion, "radius_km")
     axes = c.semi_major_axis
     if not c.size:
         raise ArgumentError("radius_km: a sweep needs satellites; the design has none")
@@ -158,7 +168,6 @@ def _at_radius(design: Design, radius_km: float, stop: float, asked: Asked | Non
             "satellites of each in a design of their own"
         )
     moved = with_axes(c, np.full(c.size, radius_km * 1e3))
-    forces = forces_of(motion)
     told = beat_of(moved, forces.field)
     trimmed, beat = can_trim(told), told.period / SECONDS_PER_DAY
     resonance = told.ratio if beat > RESONANT else ""

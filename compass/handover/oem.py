@@ -57,9 +57,10 @@ def oem(
     dates = iso(tdb(c.epoch, times))
     stamp = np.datetime64("now") if created is None else created
     moved = as_motion(motion)
+    gm = c.gm if moved.forces is None else moved.forces.field.gm
     remarks = [
         f"{design.name}: {counted(c.size, 'satellite')}",
-        f"Motion: {moved.model}: {moved.title}, GM = {c.gm!r} m^3/s^2",
+        f"Motion: {moved.title}, GM = {gm!r} m^3/s^2",
     ]
     if design.source:
         remarks.append(f"Source: {design.source}")

@@ -1,6 +1,7 @@
 """CCSDS Orbit Ephemeris Messages: other people's orbits, as trajectories."""
 
 import math
+import re
 import warnings
 from contextlib import suppress
 from dataclasses import dataclass
@@ -28,6 +29,9 @@ MOST_DEGREE = 15
 #: Distances that a satellite of Mars can have, km: from its poles to well beyond where its pull
 #: rules over the Sun's, 577,000 km. Other units fall outside.
 NEAREST_KM, FARTHEST_KM = 3300.0, 1e6
+
+#: A date of CCSDS, of a month or of a year's day.
+_DATE = re.compile(r"\d{4}-(\d{2}-\d{2}|\d{3})T\d{2}:\d{2}:\d{2}(\.\d*)?Z?", re.ASCII)
 
 #: Bytes that a file may have: ten years of one satellite each minute.
 MOST_BYTES = 600_000_000
@@ -137,7 +141,13 @@ def read_oem(path: Path) -> Message:
         _check_head(head, path)
     if len({head["OBJECT_NAME"] for head in heads}) > 1:
         raise DesignError(f"{path}: holds several objects; write one message an object")
-    times = _seconds([row[0] for row in rows], heads[0]["TIME_SYSTEM"], path)
+    for key in ("TIME_SYSTEM", "INTERPOLATION_DEGREE"):
+        told = {head.get(key, "").upper() for head in heads}
+        if len(told) > 1:
+            raise DesignError(
+                f"{path}: {key} = {', '.join(sorted(told))}: segments differ; allowed one for all"
+            )
+    times = _seconds([row[0] for row in rows], heads[0]["TIME_SYSTEM"].upper(), path)
     times, states = _joined(times, _numbers(rows, path), starts, path)
     degree = int(heads[0].get("INTERPOLATION_DEGREE", 7))
     points = degree // 2 + 1
@@ -220,6 +230,12 @@ def _check_head(head: dict[str, str], path: Path) -> None:
 
 def _seconds(dates: list[str], system: str, path: Path) -> NDArray[np.float64]:
     """TDB seconds past J2000 of dates; years 1900 to 2100."""
+    for k, date in enumerate(dates):
+        if not _DATE.fullmatch(date):
+            raise DesignError(
+                f"{path}: state {k + 1}, {date[:40]!r}: a date that cannot be read; write for "
+                "example 2030-01-31T12:00:00.000 or 2030-031T12:00:00.000, without a time zone"
+            )
     try:
         stamps = np.array(
             [

@@ -155,7 +155,9 @@ def test_a_span_of_less_than_a_second_has_two_moments(file):
 
 def test_a_trim_needs_forces_and_a_sweep_one_axis(file):
     design = read_design_text(FIVE.format(model="j2"))
-    with pytest.raises(ArgumentError, match="has no forces to trim for"):
+    with pytest.raises(
+        ArgumentError, match="trimmed: needs forces, which mean motion under J2 has not"
+    ):
         compass.drift(design, days=1.0, trimmed=True)
     oval = read_design_text(
         'name = "o"\n[constellation]\npattern = "elements"\n[[constellation.satellite]]\nname = "a"\n'

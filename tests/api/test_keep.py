@@ -307,3 +307,9 @@ def test_a_slot_that_has_left_an_unstable_point_is_kept_by_few_burns_again():
     assert np.diff(burnt)[0] < 20
     assert controller.reach[0] == 1.0
     assert np.diff(burnt)[-5:] == pytest.approx(4.0 * np.sqrt(width / bend), abs=1.0)
+
+
+def test_what_no_forces_are_known_of_is_not_kept():
+    oblate = read_design_text(STILL.format(anomaly=0) + '[motion]\nmodel = "j2"\n')
+    with pytest.raises(ArgumentError, match=r"^keep: needs forces, which mean motion under J2"):
+        compass.keep(oblate, box_deg=1.0)

@@ -141,7 +141,7 @@ def test_the_text_keeps_to_the_standard():
         assert said["INTERPOLATION_DEGREE"] == "3"  # two states and two velocities
         objects.append(said["OBJECT_NAME"])
         assert 'COMMENT 45\\xb0: "one": 6 satellites' in lines
-        assert any(line.startswith("COMMENT Motion: j2") for line in lines)
+        assert any(line.startswith("COMMENT Motion: mean motion under J2") for line in lines)
     assert objects == ["Ete", "tab here", "UNNAMED", "x" * 200, "a/b", "\\u706b\\u661f"]
 
 

@@ -219,9 +219,10 @@ def test_times_must_increase(tmp_path):
         by_files(tmp_path)
 
 
-def test_a_date_must_be_one(tmp_path):
+@pytest.mark.parametrize("date", ["2030-13-01T12:10:00", "2030-01-01T12:10:00+01:00", "noon"])
+def test_a_date_must_be_one(tmp_path, date):
     write_oem(tmp_path)
-    change(tmp_path, "2030-01-01T12:10", "2030-13-01T12:10")
+    change(tmp_path, "2030-01-01T12:10:00.000000", date)
     with pytest.raises(DesignError, match="a date that cannot be read"):
         by_files(tmp_path)
 
@@ -266,7 +267,10 @@ def test_two_segments_join_and_other_clocks_are_read(tmp_path):
         shifted.append(f"{when:%Y-%jT%H:%M:%S.%f} {rest}")
     two = [*meta.splitlines(), *shifted[:40], *meta.splitlines(), *shifted[39:]]
     text = head.split("META_START")[0] + "\n".join(two)
-    path.write_text(text.replace("TIME_SYSTEM = TDB", "TIME_SYSTEM = UTC"))
+    path.write_text(text.replace("TIME_SYSTEM = TDB", "TIME_SYSTEM = UTC", 1))
+    with pytest.raises(DesignError, match="TIME_SYSTEM = TDB, UTC: segments differ"):
+        read_oem(path)
+    path.write_text(text.replace("TIME_SYSTEM = TDB", "TIME_SYSTEM = utc"))
     other = read_oem(path)
     assert other.times.shape == plain.times.shape
     assert other.times == pytest.approx(plain.times, abs=0.003, rel=0)
