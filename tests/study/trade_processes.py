@@ -24,7 +24,7 @@ name = "To be killed"
 [study]
 patterns = ["walker-delta"]
 satellites = { least = 12, most = 16 }
-inclination_deg = { least = 30, most = 60, step = 1 }
+inclination_deg = { least = 30, most = 60, step = 2 }
 orbits = ["areosynchronous"]
 mask_deg = 5
 
@@ -46,7 +46,7 @@ figure = "gdop_p95"
 #: Seconds after which something hangs: kernels may have to be compiled first, beside other work.
 HANGS = 600.0
 
-CANDIDATES = (28 + 14 + 24 + 24 + 31) * 31  # sums of divisors of 12 ... 16, 31 inclinations
+CANDIDATES = (28 + 14 + 24 + 24 + 31) * 16  # sums of divisors of 12 ... 16, 16 inclinations
 
 
 class Trade:
