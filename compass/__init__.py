@@ -151,7 +151,13 @@ def __getattr__(name: str) -> object:
     if name in _HOMES:
         found = globals()[name] = getattr(import_module(_HOMES[name]), name)
         return found
-    raise AttributeError(f"module 'compass' has no attribute {name!r}")
+    guesses: list[str] = []
+    if not name.startswith("_"):  # as programs ask, not people
+        from difflib import get_close_matches
+
+        guesses = get_close_matches(name, _HOMES, n=1, cutoff=0.7)  # two letters of four swapped
+    meant = f"; did you mean compass.{guesses[0]}?" if guesses else ""
+    raise AttributeError(f"module 'compass' has no attribute {name!r}{meant}")
 
 
 def __dir__() -> list[str]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
-from typing import Any, Literal, get_args
+from typing import Any, Literal, NoReturn, get_args
 
 import numpy as np
 
@@ -449,6 +449,13 @@ class Design:
     def digest(self) -> str:
         """SHA-256 of the text in hexadecimal, for provenance."""
         return sha256(self.text.encode()).hexdigest()
+
+    def __add__(self, other: object) -> NoReturn:
+        raise ArgumentError(
+            f"{self.name} + {getattr(other, 'name', type(other).__name__)}: designs do not add, "
+            "for their masks, stations and figures may differ; join their constellations, as in "
+            "compass.Design(one.constellation + other.constellation, mask=one.mask)"
+        )
 
     def varied(
         self, *, mask_deg: float | None = None, fold: int | None = None, **changes: Any

@@ -216,3 +216,31 @@ def test_a_design_of_python_has_the_text_of_a_file():
     )
     heavier = compass.Design(replace(three(), gm=4e13))  # which no file can say
     assert compass.show(heavier).design.text == ""
+
+
+def test_only_constellations_join(designs):
+    design = compass.read_design(designs / "compass-15-5-1.toml")
+    with pytest.raises(ArgumentError, match=r"designs do not add, .*\(one\.constellation \+ other"):
+        design + design
+    with pytest.raises(ArgumentError, match=r"\+ Design: only constellations join by \+; .*\.cons"):
+        three() + design
+    with pytest.raises(ArgumentError, match=r"Three \+ int: only constellations join"):
+        three() + 3
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"satellite_names": ()}, "satellite_names: 0 names for 3 satellites"),
+        ({"satellite_names": ("a", "b", "c", "d")}, "satellite_names: 4 names for 3 satellites"),
+        ({"raan": [0.0, 1.0]}, r"raan: shape \(2,\) for 3 satellites"),
+        ({"inclination": 0.5}, r"inclination: shape \(\) for 3 satellites"),
+        ({"mean_anomaly": [0.0, 1.0, float("nan")]}, "mean_anomaly = nan"),
+        ({"eccentricity": [0.0, 0.0, 1.0]}, "eccentricity = 1.0: allowed 0 up to below 1"),
+        ({"semi_major_axis": [2e7, 2e7, -2e7]}, "semi_major_axis = -20000000.0 m"),
+    ],
+)
+def test_a_constellation_that_is_replaced_in_part_is_checked_like_any(changes, message):
+    with pytest.raises(ArgumentError, match=message):
+        replace(three(), **changes)
+    assert replace(three(), satellite_names=("a", "b", "c")) != three()

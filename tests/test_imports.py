@@ -141,6 +141,13 @@ def test_every_public_name_is_there_and_listed():
         compass.fly  # noqa: B018
 
 
+def test_a_misspelt_public_name_is_answered_with_the_one_meant():
+    with pytest.raises(AttributeError, match=r"'fodl'; did you mean compass\.fold\?$"):
+        getattr(compass, "fodl")  # noqa: B009, mypy knows that it is not there
+    with pytest.raises(AttributeError, match=r"no attribute 'xyzzy'$"):
+        getattr(compass, "xyzzy")  # noqa: B009
+
+
 def test_packages_list_what_they_offer():
     for file in sorted(Path(compass.__path__[0]).rglob("__init__.py")):
         tree = ast.parse(file.read_text())

@@ -1,6 +1,6 @@
 """A constellation: the orbits of its satellites."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
@@ -65,10 +65,16 @@ class Constellation:
     repeat: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
-        for name in ELEMENTS:
-            values = np.array(getattr(self, name), dtype=float)
+        elements = {name: np.array(getattr(self, name), dtype=float) for name in ELEMENTS}
+        check_elements(elements)
+        for name, values in elements.items():
             values.flags.writeable = False
             object.__setattr__(self, name, values)
+        if len(self.satellite_names) != self.size:
+            raise ArgumentError(
+                f"satellite_names: {counted(len(self.satellite_names), 'name')} for "
+                f"{counted(self.size, 'satellite')}"
+            )
         real_number("epoch", self.epoch)
         if not real_number("gm", self.gm) > 0:
             raise ArgumentError(f"gm = {self.gm:g}: must be above 0 m^3/s^2")
@@ -93,10 +99,13 @@ class Constellation:
         ------
         ArgumentError
             Different epochs or gravitational parameters, or both of one name and with satellites
-            of one name.
+            of one name; what is added is no constellation.
         """
         if not isinstance(other, Constellation):
-            return NotImplemented
+            raise ArgumentError(
+                f"{self.name} + {type(other).__name__}: only constellations join by +; of a "
+                "design, add its .constellation"
+            )
         if (self.epoch, self.gm) != (other.epoch, other.gm):
             raise ArgumentError(
                 f"{self.name} + {other.name}: different epochs or gravitational parameters; give "
@@ -197,6 +206,27 @@ ELEMENTS = (
 )
 
 
+def check_elements(elements: Mapping[str, NDArray[np.float64]]) -> None:
+    """Refuse elements that are no orbits: one row a satellite, finite, closed."""
+    size = elements["semi_major_axis"].size
+    for name, values in elements.items():
+        if values.shape != (size,):
+            raise ArgumentError(
+                f"{name}: shape {values.shape} for {counted(size, 'satellite')}; give one number "
+                "for each"
+            )
+        if not np.isfinite(values).all():
+            raise ArgumentError(
+                f"orbital elements: {name} = {values[~np.isfinite(values)][0]}; every element "
+                "must be a finite number"
+            )
+    a, e = elements["semi_major_axis"], elements["eccentricity"]
+    if np.any(a <= 0):
+        raise ArgumentError(f"semi_major_axis = {a.min()} m: must be positive")
+    if np.any((e < 0) | (e >= 1)):
+        raise ArgumentError(f"eccentricity = {e[(e < 0) | (e >= 1)][0]}: allowed 0 up to below 1")
+
+
 def keplerian(
     semi_major_axis: ArrayLike,
     eccentricity: ArrayLike,
@@ -237,22 +267,7 @@ def keplerian(
         mean_anomaly,
     )
     elements = np.broadcast_arrays(*(np.atleast_1d(np.asarray(x, dtype=float)) for x in given))
-    a, e = elements[0], elements[1]
-    for element, values in zip(ELEMENTS, elements, strict=True):
-        if not np.isfinite(values).all():
-            raise ArgumentError(
-                f"orbital elements: {element} = {values[~np.isfinite(values)][0]}; every element "
-                "must be a finite number"
-            )
-    if np.any(a <= 0):
-        raise ArgumentError(f"semi_major_axis = {a.min()} m: must be positive")
-    if np.any((e < 0) | (e >= 1)):
-        raise ArgumentError(f"eccentricity = {e[(e < 0) | (e >= 1)][0]}: allowed 0 up to below 1")
-    names = tuple(satellite_names) or tuple(f"S{k + 1:02d}" for k in range(a.size))
-    if len(names) != a.size:
-        raise ArgumentError(
-            f"satellite_names: {counted(len(names), 'name')} for {counted(a.size, 'satellite')}"
-        )
+    names = tuple(satellite_names) or tuple(f"S{k + 1:02d}" for k in range(elements[0].size))
     laid: dict[str, Any] = dict(zip(ELEMENTS, elements, strict=True))
     return Constellation(name, epoch=epoch, satellite_names=names, gm=gm, repeat=repeat, **laid)
 
