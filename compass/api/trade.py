@@ -19,7 +19,7 @@ from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.inputs.study import Study
 from compass.quantities import quantity
-from compass.quantities.merits import MERITS
+from compass.quantities.merits import MERITS, merits_of
 from compass.saving import check_writable
 from compass.study.bounds import bounded_figures
 from compass.study.candidates import check_space
@@ -104,7 +104,7 @@ class TradeResult(Result):
                 "front": self.front,
                 "by_clock": list(self.by_clock),
                 "sampled_over": self._sampled_over,
-                "evidence": dict.fromkeys(self._bracketed, "between proven bounds")
+                "evidence": dict.fromkeys(self._shares + self._bracketed, "between proven bounds")
                 | {name: str(Sampled(how=how)) for name, how in self._sampled_over.items()},
                 "rests_on_samples": rests_on_samples(self.study),
             }
@@ -149,6 +149,14 @@ class TradeResult(Result):
     def _bracketed(self) -> list[str]:
         """Figures of those that may be of the front that lie between proven bounds."""
         return bounded_figures(self.study) if self.summary.bounded else []
+
+    @property
+    def _shares(self) -> list[str]:
+        """Columns of shares of requirements, each an end of proven bounds."""
+        if not self.study.requirements:
+            return []
+        columns = (*merits_of("requirements"), *requirement_columns(self.study))
+        return [name for name in columns if name.endswith(("_share", "_share_most"))]
 
     def _evidence(self) -> tuple[str, ...]:
         """How well the front is known: which figures are bracketed, which sampled."""

@@ -98,8 +98,12 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
         for end, side in zip(ends(figure), ("lower", "upper"), strict=True):
             attrs = MERITS[figure].quantity.attributes()
             title = f"{attrs['long_name']}, proven {side} bound"
-            data[end] = ("candidate", figures[end], attrs | {"long_name": title})
+            known = {"long_name": title, "evidence": "proven bound"}
+            data[end] = ("candidate", figures[end], attrs | known)
     data |= {name: ("candidate", figures[name], attrs) for name, attrs in each.items()}
+    if study.requirements:
+        for name in (*merits_of("requirements"), *each):
+            data[name][2]["evidence"] = "proven, or of a share a proven bound"
     data |= {
         "stage": ("candidate", np.array(STAGES, dtype=object)[stage]),
         "error": ("candidate", error),

@@ -12,6 +12,7 @@ import compass
 from compass.cli.main import program
 from compass.document import html, text
 from compass.errors import ArgumentError
+from tests.evidence import unknown, unknown_variables
 
 # every command once, at full length: too slow where kernels are interpreted
 pytestmark = pytest.mark.slow
@@ -108,6 +109,14 @@ def test_text_html_and_json_come_from_one_result(results, name):
     json.dumps(found.to_dict(), allow_nan=False)
     with pytest.raises(FrozenInstanceError):
         setattr(found, fields(found)[0].name, None)
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_no_share_and_no_percentile_stands_alone(results, name):
+    if name != "schema":  # which says what files may hold, and has no values
+        assert unknown(results[name].to_dict()) == []
+    if name in GRIDDED:
+        assert unknown_variables(results[name].dataset) == []
 
 
 @pytest.mark.parametrize("name", sorted(set(MAKERS) - UNDRAWN))

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compass.api.trade import TradeResult
 from compass.coverage.requirement_verdict import verdict_of
 from compass.design import Design
 from compass.errors import DesignError
@@ -16,6 +17,7 @@ from compass.study.requirement_figures import required
 from compass.study.results import first_front, read_results
 from compass.study.store import Store
 from compass.study.trade import _Silent, run_trade
+from tests.evidence import unknown, unknown_variables
 from tests.one_process import OneProcess
 
 REQUIRED = """
@@ -129,8 +131,10 @@ at_least = 0.4
         ("requirement_2_share", "largest"), ("requirement_1_margin_deg", "largest"),
     }  # fmt: skip
     with Store(tmp_path, study) as store:
-        run_trade(study, store, OneProcess(study), lambda *_: _Silent())
+        summary = run_trade(study, store, OneProcess(study), lambda *_: _Silent())
     results = read_results(study, tmp_path)
+    assert unknown(TradeResult(study, tmp_path, summary, results).to_dict()) == []
+    assert unknown_variables(results) == []
     front = first_front(study, results)
     assert front
     for one in front:
