@@ -98,8 +98,8 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
         for end, side in zip(ends(figure), ("lower", "upper"), strict=True):
             attrs = MERITS[figure].quantity.attributes()
             title = f"{attrs['long_name']}, proven {side} bound"
-            known = {"long_name": title, "evidence": "proven bound"}
-            data[end] = ("candidate", figures[end], attrs | known)
+            attrs |= {"long_name": title, "evidence": "proven bound"}
+            data[end] = ("candidate", figures[end], attrs)
     data |= {name: ("candidate", figures[name], attrs) for name, attrs in each.items()}
     if study.requirements:
         for name in (*merits_of("requirements"), *each):
