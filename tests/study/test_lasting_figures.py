@@ -9,7 +9,6 @@ import compass
 from compass.bodies import MARS_ROTATION_RATE
 from compass.core.gravity import field_acceleration
 from compass.core.resonance import push_on_patterns
-from compass.design import Design
 from compass.errors import DesignError
 from compass.inputs.study import read_study, read_study_text
 from compass.orbits.forces import ForceModel
@@ -99,14 +98,6 @@ def test_near_a_resonance_keeping_costs_and_far_from_it_nothing():
     assert 1.0 < found[3] < 10.0  # two turns a day
     assert np.isnan(keeping_law(rows(SYNCHRONOUS), np.array([np.nan]))[0])
     assert np.isnan(keeping_law(rows(SYNCHRONOUS), np.array([-0.01]))[0])
-
-
-@pytest.mark.slow
-def test_the_law_agrees_with_the_simulation():
-    row = rows(SYNCHRONOUS)
-    law = keeping_law(row, np.radians([6.18]))[0]
-    design = Design(name="d", constellation=make_constellation(row[0]), fold=4)
-    assert compass.keep(design).to_dict()["delta_v_keeping_m_s_year"] == pytest.approx(law, rel=0.1)
 
 
 STUDY = """
