@@ -67,6 +67,18 @@ def test_rays_below_the_horizon_meet_the_terrain_and_rays_above_it_do_not(seed, 
     assert not hits(eye, terrain, drawn.azimuth, drawn.elevation + 1e-9).any()
 
 
+@pytest.mark.parametrize(("latitude", "longitude"), [(18.4, 77.5), (18.45, 77.5)])
+def test_who_stands_on_a_node_or_an_edge_sees_what_he_sees_a_millimetre_above(latitude, longitude):
+    """Rounding told an end of an edge below his feet from him, in any direction, steeply."""
+    terrain = rough(1)
+    on, above = (
+        horizon(site_on(terrain, latitude, longitude, height), terrain, 72)
+        for height in (0.0, 1e-3)
+    )
+    np.testing.assert_allclose(on.elevation, above.elevation, atol=1e-4)
+    np.testing.assert_allclose(on.within, above.within, atol=1e-4)
+
+
 def test_between_azimuths_nothing_stands_above_the_envelope():
     terrain = rough(5)
     eye = site_on(terrain)

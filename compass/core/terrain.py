@@ -8,11 +8,16 @@ edges, and no ray has to be marched. Along an edge the tangent of the elevation 
 and the edge: in a sector of azimuths it is highest at an end, or at the azimuth of g.
 
 Rounding moves a tangent by some 1e-15 of the distances' ratio, far less than any grid's error.
+But nodes and edges nearer than `NEAREST` to the eye count as the eye's own: rounding would tell
+anything of how high they are seen, and the triangles that the eye stands on have other edges.
 """
 
 import math
 
 from compass.core.jit import kernel
+
+#: Metres: places are known to some 1e-9 m, so that a tangent is known to 1e-5 from here on.
+NEAREST = 1e-4
 
 
 @kernel
@@ -33,7 +38,7 @@ def raise_horizon(east, north, up, exact, within):
     for i in range(rows):
         for j in range(columns):
             e, n, u = east[i, j], north[i, j], up[i, j]
-            if not (e * e + n * n > 0.0 and math.isfinite(u)):
+            if not (e * e + n * n > NEAREST * NEAREST and math.isfinite(u)):
                 continue  # unknown, or the eye itself
             azimuth = math.atan2(e, n)
             k = int(math.floor(azimuth / (2.0 * math.pi) * within.size)) % within.size
@@ -51,7 +56,8 @@ def _raise_by_edge(e, n, u, east, north, up, i, j, azimuth, exact, within):
     """Raise a horizon by the edge from (e, n, u), at that azimuth, to the node (i, j)."""
     e2, n2, u2 = east[i, j], north[i, j], up[i, j]
     across = e * n2 - n * e2
-    if not (across != 0.0 and math.isfinite(u2)):
+    length = math.hypot(e2 - e, n2 - n)
+    if not (abs(across) > NEAREST * length and math.isfinite(u2)):
         return  # unknown, or seen from its end, where the nodes say it all
     size, turn = exact.size, 2.0 * math.pi
     # up = ge east + gn north is the plane through the eye and the edge

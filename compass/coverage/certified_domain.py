@@ -24,6 +24,9 @@ from compass.orbits.period import secular_rates
 from compass.orbits.symmetry import one_circle, one_period
 from compass.orbits.trajectory import Trajectory
 
+#: Lowest height of users over the figure, metres: no floor on Mars is as deep.
+DEEPEST = -20_000.0
+
 
 @dataclass(frozen=True, eq=False)
 class Domain:
@@ -219,8 +222,8 @@ def _check(
     """Refuse what cannot be asked about."""
     if c.size == 0:
         raise ArgumentError("constellation: no satellite; nothing to certify")
-    if not 0 <= height < np.inf:
-        raise ArgumentError(f"height = {height:g} m: must be 0 or more")
+    if not DEEPEST <= height < np.inf:
+        raise ArgumentError(f"height = {height:g} m: must be {DEEPEST:g} or more")
     least, most = float(c.periapsis_radius.min()), float(c.apoapsis_radius.max())
     if least <= figure.equatorial_radius:
         raise ArgumentError(

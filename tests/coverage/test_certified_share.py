@@ -1,6 +1,7 @@
 """Certified shares against random points, published brackets, and themselves without symmetry."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -196,6 +197,21 @@ def test_a_crowd_of_random_designs_meets_random_points():
         off.append(beyond / error)
     # of 16 normal deviates 99.9 % stay within 4.1, and their squares together below 40
     assert max(off) < 4.1 and np.square(off).sum() < 40
+
+
+def test_users_below_the_figure_are_users_of_a_smaller_sphere():
+    """The floor of Hellas, 7 km deep: its own sphere has the same share."""
+    pattern = walker(15, 5, 1, 45.0, 20427.0)
+    sphere, deep = FIGURES["iau-sphere"], -7000.0
+    radius = sphere.equatorial_radius
+    smaller = replace(sphere, equatorial_radius=radius + deep, polar_radius=radius + deep)
+    asked = {"place": latitude_band(-0.8, -0.7), "mask": 0.1, "width": 1e-2}
+    one = certified_share(pattern, 6.0, figure=sphere, height=deep, **asked)
+    two = certified_share(pattern, 6.0, figure=smaller, **asked)
+    assert one.low <= two.high and two.low <= one.high
+    assert abs(one.value - two.value) < 1e-5  # the same boxes, but for rounding
+    with pytest.raises(ArgumentError, match=r"height = -30000 m: must be -20000 or more"):
+        certified_share(pattern, 6.0, height=-3e4)
 
 
 @pytest.mark.slow
