@@ -1,5 +1,6 @@
 """Reading a TOML file into a checked model, whatever the file turns out to be."""
 
+import re
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -55,6 +56,27 @@ def read_text(path: Path) -> str:
     return text.replace("\r\n", "\n")
 
 
+def key_given_twice(text: str, fault: str) -> str | None:
+    """Name the key behind the parser's "Cannot overwrite a value", which tells its line alone."""
+    found = re.match(r"Cannot overwrite a value \(at (?:line (\d+),|end of document)", fault)
+    if found is None:
+        return None
+    lines = text.split("\n")
+    end = int(found[1] or len(lines))
+    for first in range(end, 0, -1):  # a value may begin lines before it ends
+        try:
+            held: Any = tomllib.loads("\n".join(lines[first - 1 : end]))
+        except ValueError:
+            continue
+        parts = []
+        while isinstance(held, dict) and len(held) == 1:
+            [(part, held)] = held.items()
+            parts.append(part)
+        if parts:
+            return f"{'.'.join(parts)} is given twice, again in line {first}; leave one out"
+    return None
+
+
 def tables_of(text: str) -> dict[str, Any]:
     """Raw tables of a file's text, none nested so deeply that what reads them must give up.
 
@@ -65,7 +87,9 @@ def tables_of(text: str) -> dict[str, Any]:
     """
     try:
         raw = tomllib.loads(text)
-    except tomllib.TOMLDecodeError:
+    except tomllib.TOMLDecodeError as error:
+        if twice := key_given_twice(text, str(error)):
+            raise ValueError(twice) from error
         raise
     except RecursionError:
         raise ValueError("nested too deeply") from None

@@ -254,6 +254,13 @@ def test_all_faults_come_together():
         (b"\x00\x01\xff\xfe", "line 1 is not text in UTF-8.*saved as UTF-8"),
         ("name = 'a'\nsource = 'é'".encode("latin-1"), "line 2 is not text in UTF-8"),
         (b"a = = 3", "not valid TOML"),
+        (
+            b"a = 3\n'b c'.d = 1\na = [\n 4,\n]\n",
+            "not valid TOML: a is given twice, .* in line 3; l",
+        ),
+        (b"[t]\nx.y = 3\nx.y = 4", "not valid TOML: x.y is given twice, again in line 3; leave"),
+        (b"x.y = 3\nx = {y = 4}\n", "not valid TOML: .*twice, again in line 2"),
+        (b"[t]\n[t]\n", r"not valid TOML: Cannot declare \('t',\) twice"),
         (b"a = " + b"[" * 5000, "nested too deeply|not valid TOML"),
         (b"a = " + b"[" * 90 + b"]" * 90, "not valid TOML: nested too deeply, more than 30 times$"),
         (b"a = " + b"{b = " * 900 + b"1" + b"}" * 900, "nested too deeply$|more than 30 times$"),
