@@ -25,7 +25,7 @@ from click.core import ParameterSource
 import compass
 from compass.allowed import RANGES
 from compass.cli.shared import CLAIM_FAILS, JSON, QUIET, announce_compilation, print_result
-from compass.errors import ArgumentError, CompassError
+from compass.errors import ArgumentError, CompassError, near
 
 DONE, BAD_INPUT, BROKEN, INTERRUPTED = 0, 2, 3, 130
 
@@ -53,6 +53,16 @@ class Commands(click.Group):
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         """Import the file of a command."""
         return _loaded(name) if name in self.list_commands(ctx) else None
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command named; of one that there is not, name the one that is near."""
+        try:
+            return super().resolve_command(ctx, args)
+        except click.UsageError as error:
+            guess = "".join(f" Did you mean '{w}'?" for w in near(args[0], self.list_commands(ctx)))
+            ctx.fail(error.message + guess)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; a reader of its pipe that has seen enough (head, say) ends it well."""

@@ -6,7 +6,21 @@ from typing import Any
 
 import click
 
+from compass.errors import near
+
 Decorator = Callable[..., Any]
+
+
+class Word(click.Choice[str]):
+    """One of some words; the one that a mistyped word is near is offered."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Return the word; refuse one that is none of them."""
+        try:
+            return super().convert(value, param, ctx)
+        except click.BadParameter as error:
+            guess = "".join(f" Did you mean '{w}'?" for w in near(str(value), self.choices))
+            self.fail(error.message + guess, param, ctx)
 
 
 def _option(names: Sequence[str], kind: Any, help: str, default: Any, more: dict[str, Any]) -> Any:
@@ -34,14 +48,14 @@ def choice(
     *names: str, among: Sequence[str], help: str, default: str | None = None, **more: Any
 ) -> Decorator:
     """Take one of some words."""
-    return _option(names, click.Choice(among), help, default, more)
+    return _option(names, Word(among), help, default, more)
 
 
 _FILE = click.Path(path_type=Path)
 design_argument = click.argument("design", type=_FILE)
 designs_argument = click.argument("designs", nargs=-1, required=True, type=_FILE)
 scenario_argument = click.argument("scenario", type=_FILE)
-kind_argument = click.argument("kind", type=click.Choice(["design", "scenario", "study"]))
+kind_argument = click.argument("kind", type=Word(["design", "scenario", "study"]))
 
 figures_option = path("--figures", help="Folder to write the pictures (SVG, maps PNG) into.")
 fold_option = whole("--fold", help="Satellites in view at once; else the design's.")

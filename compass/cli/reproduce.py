@@ -5,13 +5,13 @@ from pathlib import Path
 import click
 
 import compass
-from compass.cli.options import path
+from compass.cli.options import Word, path
 from compass.cli.shared import check_outputs, put
 from compass.papers import PAPERS
 
 
 @click.command()
-@click.argument("paper", type=click.Choice(PAPERS))
+@click.argument("paper", type=Word(PAPERS))
 @path(
     "-o",
     "--output",

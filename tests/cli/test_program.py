@@ -56,6 +56,25 @@ def test_a_whole_number_that_no_kernel_takes_is_refused_by_its_option(
     assert f"Invalid value for '{option}': {value} is not in the range" in err
 
 
+@pytest.mark.parametrize(
+    ("arguments", "meant"),
+    [
+        (["new", "desing"], "design"),
+        (["schema", "sceanrio"], "scenario"),
+        (["reproduce", "kely2018"], "kelly2018"),
+        (["search", "--pattern", "walker-dleta"], "walker-delta"),
+        (["serach", "--fold", "4"], "search"),
+        (["new", "galaxy"], None),
+        (["galaxy"], None),
+    ],
+)
+def test_of_a_mistyped_word_the_one_that_is_near_is_offered(run, arguments, meant):
+    code, out, err = run(*arguments)
+    assert (code, out) == (2, "")
+    assert err.count("Did you mean") == (meant is not None)
+    assert meant is None or err.rstrip().endswith(f"Did you mean '{meant}'?")
+
+
 def test_no_help_recites_how_large_a_whole_number_may_be(run):
     for command in {command for command, _, _ in options(click.types.IntParamType)}:
         code, out, _ = run(command, "--help")
