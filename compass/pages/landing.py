@@ -5,15 +5,18 @@ from math import inf
 
 from compass.api.land import LandResult
 from compass.api.land_flight import delivered, entry_tables, findings
+from compass.api.outlook import glance
 from compass.document import Answer, Answers, Section, Sentence
 from compass.document.blocks import Picture, arranged
 from compass.document.numbers import significant
 from compass.entry.assess import Assessment
 from compass.entry.dispersed import Dispersed
 from compass.inputs.scenario import Scenario, provenance
+from compass.pages.answers import flown as what_flies
 from compass.pages.page import render
 from compass.pictures.ellipse import landing_ellipse
 from compass.pictures.entry import entry_pictures
+from compass.words import counted
 
 KM = 1e3
 
@@ -45,7 +48,8 @@ def landing_sections(found: LandResult) -> tuple[Section, ...]:
     tables = {table.title.split(" (")[0]: table for table in entry_tables(flown)}
     consistency, *words = findings(found.scenario, flown)
     how = delivered(guided=found.scenario.guidance is not None)
-    rows = (*answers(flown, how), *dispersed_answers(found.dispersed))
+    landed = (*answers(flown, how), *dispersed_answers(found.dispersed))
+    rows = (*landed, *beacon_answers(found.scenario))
     drawn_to_scale = () if flown.accuracy.anywhere else (landing_ellipse(flown.accuracy, how),)
     answer = Section(
         "The answer",
@@ -60,6 +64,26 @@ def landing_sections(found: LandResult) -> tuple[Section, ...]:
         "Who is in view", (), _those(drawn, "view", "observability"), (tables["Beacons"],)
     )
     return (answer, navigation, flight, view, *found.sections()[1:])
+
+
+def beacon_answers(scenario: Scenario) -> tuple[Answer, ...]:
+    """Who the beacons are and, of a design's satellites, how long they last left alone."""
+    own = sum(o.constellation.size for o in scenario.orbiters if o.design is None)
+    ground = len(scenario.surface_names)
+    rows = []
+    if ground:
+        rows.append(Answer("Its beacons", f"{counted(ground, 'beacon')} on the ground", None))
+    if own:
+        rows.append(Answer("Its beacons", f"{counted(own, 'orbiter')} of its own", None))
+    for design in (o.design for o in scenario.orbiters):
+        if design is not None:
+            seen = glance(design)
+            left = f"Left alone on real orbits {design.name} lasts"
+            rows += [
+                Answer("Its beacons", design.name, None, what_flies(design)),
+                Answer(left, seen.words, None, f"proven: {seen.command(design)}"),
+            ]
+    return tuple(rows)
 
 
 def dispersed_answers(found: Dispersed | None) -> tuple[Answer, ...]:

@@ -134,7 +134,7 @@ def track_picture(design: Design) -> Picture:
                 for k in group:
                     x, y = chart.project(lon[k, 0], lat[k, 0])
                     axes.annotate(c.satellite_names[k], (float(x), float(y)), (5, 5),
-                                  textcoords="offset points", fontsize=8, color=colour,
+                                  textcoords="offset points", fontsize=9, color=colour,
                                   weight="bold", zorder=8)  # fmt: skip
         axes.set_title(f"{design.name}: ground tracks over {duration / 3600:.2f} h")
     return picture(

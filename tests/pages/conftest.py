@@ -33,7 +33,7 @@ def browser(tmp_path):
 
 @pytest.fixture
 def opened(browser):
-    """Open a page: its pictures load, nothing is fetched or logged, nothing sticks out."""
+    """Open a page: its pictures load, nothing is fetched or logged, nothing sticks out or is cut."""
 
     def check(path, pictures):
         browser.get(path.as_uri())
@@ -48,6 +48,10 @@ def opened(browser):
         assert requests == []
         width = browser.execute_script("return document.documentElement.scrollWidth")
         assert width <= browser.execute_script("return window.innerWidth")
+        # what carries the answer is seen whole
+        cut = "[...document.querySelectorAll('section.answer .shown')]"
+        cut += ".filter(e => e.scrollWidth > e.clientWidth + 1).length"
+        assert browser.execute_script(f"return {cut}") == 0
         return browser
 
     return check

@@ -15,6 +15,7 @@ from compass.api.land_flight import (
     entry_section,
 )
 from compass.api.optimize import OptimizeResult, search_scenario
+from compass.api.outlook import Glance
 from compass.document import Table
 from compass.entry.consistency import consistency
 from compass.entry.dispersed import Dispersed
@@ -23,7 +24,7 @@ from compass.entry.trajectory import fly
 from compass.errors import ArgumentError, OutputError
 from compass.frames import direction
 from compass.inputs.scenario import read_scenario, read_scenario_text
-from compass.pages.landing import answers, dispersed_answers, landing_report
+from compass.pages.landing import answers, beacon_answers, dispersed_answers, landing_report
 from compass.pictures.entry import around, draw_landing
 from compass.pictures.files import check_folder, write_pictures
 
@@ -58,6 +59,20 @@ def test_entry_section_and_facts(coarse):
     np.testing.assert_allclose(
         [row[6] for row in table.rows], found.bound.position_sigma[[0, 1, 2, 4, 5, 6, 8, 9, 10]]
     )
+
+
+def test_the_page_names_its_beacons_and_how_long_their_orbits_last(coarse, monkeypatch):
+    (ground,) = beacon_answers(coarse)
+    assert ground.written == f"{len(coarse.surface_names)} beacons on the ground"
+    (own,) = beacon_answers(read_scenario(DESIGNS / "entry-orbiters.toml"))
+    assert own.written.endswith("orbiters of its own")
+    looked = Glance(31.7, 40.0, "")
+    monkeypatch.setattr("compass.pages.landing.glance", lambda design: looked)
+    who, lasts = beacon_answers(read_scenario(DESIGNS / "landing.toml"))
+    assert who.written == "COMPASS 15/5/1"
+    assert who.sure == "15 satellites in 5 planes: delta 45°: 15/5/1, 20427 km"
+    assert (lasts.written, lasts.holds) == ("31 days", None)
+    assert lasts.question == "Left alone on real orbits COMPASS 15/5/1 lasts"
 
 
 @pytest.mark.slow
