@@ -19,6 +19,7 @@ from compass.document import Answer, Answers, Section, Sentence
 from compass.document.blocks import Picture, arranged
 from compass.document.numbers import significant
 from compass.inputs.scenario import Scenario
+from compass.pages.answers import flown
 from compass.pages.landing import scenario_provenance
 from compass.pages.page import render
 from compass.pictures.judge import bound_distributions, bound_map
@@ -49,9 +50,9 @@ def answer_section(record: dict[str, Any], designs: Sequence[Design], carrying: 
     rows, goal = record["designs"], record["goal_m"]
     best = rows[0]
     lead = (
-        f"{best['design']} is the best of {len(rows)}: a lander knows its place at "
-        f"{record['deployment']} to {significant(best['crlb_position_m']['p95'], 3)} m in 95 % of "
-        f"{record['samples']:,} entries; {goal:g} m are wanted."
+        f"{best['design']} ({flown(designs[best['given'] - 1])}) is the best of {len(rows)}: a "
+        f"lander knows its place to {significant(best['crlb_position_m']['p95'], 3)} m in 95 % of "
+        f"{record['samples']:,} entries, at {record['deployment']}; {goal:g} m are wanted."
     )
     if len(rows) > 1:
         ratio = rows[1]["crlb_position_m"]["p95"] / best["crlb_position_m"]["p95"]

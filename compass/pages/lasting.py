@@ -69,7 +69,7 @@ def lasting_advice(found: Outlook) -> str:
     """What to do about orbits that do not last, in a sentence; empty for those that do."""
     if found.lasts or found.days_proven == 0.0:
         return ""
-    said = f"Left alone on real orbits it loses that after {floor(found.days_proven)} days: "
+    said = f"Left alone on real orbits it loses that after {counted(floor(found.days_proven), 'day')}: "
     ways = []
     if good := found.lasting_radii:
         ways.append(f"fly it {_shift(found, good[0])}, where it keeps itself once trimmed")
@@ -103,10 +103,11 @@ def _lasts(design: Design, found: Outlook) -> Verdict:
     command = commands(design, found)["lasts"]
     if found.lasts:
         years = found.horizon_days / DAYS_PER_YEAR
+        long = f" ({years:.1f} years)" if years >= 1.0 else ""
         return Verdict(
             f"Lasts {counted(found.horizon_days, 'day')} left alone",
-            f"{found.asked}, proven on real orbits for the {found.horizon_days:g} days looked at "
-            f"({years:.1f} years) ({command})",
+            f"{found.asked}, proven on real orbits for the {counted(found.horizon_days, 'day')} "
+            f"looked at{long} ({command})",
             True,
         )
     if found.first_loss_days is not None and found.days_proven * SECONDS_PER_DAY < 1.0:
@@ -117,7 +118,7 @@ def _lasts(design: Design, found: Outlook) -> Verdict:
     if found.first_loss_days is None:
         word, end = f"Lasts at least {proven} days left alone", "undecided after that"
     else:
-        word = f"Lasts {floor(found.days_proven)} days left alone"
+        word = f"Lasts {counted(floor(found.days_proven), 'day')} left alone"
         when = Value(quantity("first_loss_days"), found.first_loss_days)
         end = f"lost on day {when}: {found.loss}"
     return Verdict(
@@ -179,14 +180,15 @@ def _years(kept: dict) -> str:
 
 def _margin_picture(found: Outlook) -> Picture:
     assert found.drift is not None
-    days, margin = found.drift["days"], found.drift["margin_deg"]
+    days, margin, room = (found.drift[key] for key in ("days", "margin_deg", "room_deg"))
+    what = "Margin" if room is None else "Margin and room"
     with look():
         figure = new_figure(*HALF)
         axes = figure.add_subplot()
         axes.plot(days, margin, color=MARS, lw=1.8, label="margin of the caps, proven")
         lowest = min(0.0, *margin)
-        if found.drift["room_deg"] is not None:
-            axes.plot(days, found.drift["room_deg"], color=CYCLE[0], lw=1.4, label="room in slots")
+        if room is not None:
+            axes.plot(days, room, color=CYCLE[0], lw=1.4, label="room in slots")
         axes.axhline(0.0, color=INK, lw=0.8)
         if found.first_loss_days is not None:
             axes.axvline(found.first_loss_days, color=INK, lw=0.8, ls=":")
@@ -200,14 +202,19 @@ def _margin_picture(found: Outlook) -> Picture:
             )
         axes.set(xlabel="days after the epoch", ylabel="degrees", xlim=(0, days[-1]))
         axes.set_ylim(bottom=max(lowest - 1.0, -10.0))
-        axes.set_title("Margin and room, left alone")
+        axes.set_title(f"{what}, left alone")
         axes.legend(frameon=False, loc="lower left")
     return picture(
         figure,
         "lasting-margin",
-        "Margin and room over time",
-        "By how much all caps could shrink with what is wanted kept, and by how much every "
-        "satellite could still stray from its slot: enough, not needed.",
+        f"{what} over time",
+        "By how much all caps could shrink with what is wanted kept"
+        + (
+            "."
+            if room is None
+            else ", and by how much every satellite could still stray from its slot: enough, not "
+            "needed."
+        ),
     )
 
 

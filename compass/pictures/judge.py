@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from compass.document import Picture
 from compass.pictures.mars_map import MarsMap, colour_bar
-from compass.pictures.style import CYCLE, FAINT, MARS, SEQUENTIAL, look, new_figure, picture
+from compass.pictures.style import CYCLE, FAINT, INK, MARS, SEQUENTIAL, look, new_figure, picture
 from compass.study.judgement import Judgement
 
 if TYPE_CHECKING:
@@ -119,8 +119,8 @@ def draw_distributions(
             axes.step(after, share, color=colour, lw=1.0, ls="--")
     axes.axvline(goal, color=FAINT, lw=1)
     axes.annotate(
-        f"{goal:g} m", (goal, 101), xytext=(3, -2), textcoords="offset points", color=FAINT,
-        va="top",
+        f"{goal:g} m", (goal, 101), xytext=(0, 2), textcoords="offset points", color=INK,
+        ha="center", va="bottom",
     )  # fmt: skip
     axes.set(
         xscale="log",

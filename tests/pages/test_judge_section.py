@@ -136,6 +136,7 @@ def test_the_answer_says_which_is_best_and_whether_to_believe_it(monkeypatch):
     lasting = {"1.toml": Glance(31.69, 40.0, "3 in view"), "2.toml": Glance(40.0, 40.0, ""),
                "3.toml": Glance(0.0, 40.0, "0 in view"), "4.toml": Glance(1.2, 40.0, "gone")}  # fmt: skip
     monkeypatch.setattr(module, "glance", lambda design: lasting[design.label])
+    monkeypatch.setattr(module, "flown", lambda design: f"orbits of {design.label}")
     designs = designs_of(1, 2, 3, 4)
 
     def row(name, p95, **filtered):
@@ -160,7 +161,8 @@ def test_the_answer_says_which_is_best_and_whether_to_believe_it(monkeypatch):
     }
     section = module.answer_section(record, designs, picture)
     (lead,) = section.paragraphs
-    assert "A is the best of 4" in lead and "4 m in 95 % of 2,048 entries" in lead
+    assert "A (orbits of 1.toml) is the best of 4" in lead
+    assert "knows its place to 4 m in 95 % of 2,048 entries, at the end; 10 m are wanted." in lead
     assert "rival B has 2 times" in lead and "no accuracy is claimed" in lead
     (answers,) = (block for block in section.blocks if isinstance(block, Answers))
     assert [a.holds for a in answers.rows] == [False] * 4 + [None] * 4

@@ -199,6 +199,20 @@ def test_the_page_asks_and_advises():
     assert [row.written for row in lasting_answers(ring(), held)] == ["687 days and more"]
 
 
+def test_of_paths_known_for_days_no_years_and_no_slots_are_spoken_of():
+    drift = {**DRIFT, "room_deg": None, "in_track_deg": None, "cross_track_deg": None}
+    short = {"days_proven": 1.25, "horizon_days": 1.25, "radii": (), "keeping": None}
+    found = told(None, outcome="proven", drift=drift, **short)
+    (lasts,) = lasting_verdicts(ring(), found)
+    assert lasts.word == "Lasts 1.25 days left alone"
+    assert "for the 1.25 days looked at (compass drift" in lasts.claim
+    (margin,) = lasting_section(ring(), found).pictures
+    assert margin.title == "Margin over time" and "slot" not in margin.caption
+    lost = told(days_proven=1.7)
+    assert "it loses that after 1 day: " in lasting_advice(lost)
+    assert lasting_verdicts(ring(), lost)[0].word == "Lasts 1 day left alone"
+
+
 def test_what_is_open_or_nowhere_better_is_said():
     design = ring()
     lasts, _, radius = lasting_verdicts(design, told(None, ((-400.0, 20.0), (0.0, 55.0))))
