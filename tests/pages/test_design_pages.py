@@ -32,8 +32,10 @@ class Links(HTMLParser):
 
 @pytest.fixture(scope="module", autouse=True)
 def two_days():
-    """Look two days ahead: a Mars year is for the tests of how long designs last."""
+    """Look two days ahead, bracket coarsely, draw few pixels: each is tested well elsewhere."""
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("compass.coverage.certified_geometry.BUDGET_BOXES", 2000)
+        patch.setattr("compass.pictures.rendering.PNG_DPI", 70)
         patch.setattr("compass.api.outlook.HORIZON", 2.0)
         patch.setattr("compass.api.outlook.GLANCE", 1.0)
         yield
