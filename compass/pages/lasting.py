@@ -69,7 +69,8 @@ def lasting_advice(found: Outlook) -> str:
     """What to do about orbits that do not last, in a sentence; empty for those that do."""
     if found.lasts or found.days_proven == 0.0:
         return ""
-    said = f"Left alone on real orbits it loses that after {counted(floor(found.days_proven), 'day')}: "
+    days = counted(floor(found.days_proven), "day")
+    said = f"Left alone on real orbits it loses that after {days}: "
     ways = []
     if good := found.lasting_radii:
         ways.append(f"fly it {_shift(found, good[0])}, where it keeps itself once trimmed")
