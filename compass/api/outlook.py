@@ -56,7 +56,7 @@ class Outlook:
         Margin, room and places in the slots over the days, as `compass.drift` finds them; None
         where the fold does not hold at the epoch.
     radius_km
-        Of the design, if its orbits are circles of one radius.
+        Of the design, if its orbits have one semi-major axis.
     radii
         How long the pattern lasts at other radii.
     keeping
@@ -177,6 +177,7 @@ def commands(design: Design, found: Outlook) -> dict[str, str]:
 
 def _look(design: Design) -> dict[str, Any]:
     c = design.constellation
+    one_axis = bool(c.size) and np.ptp(c.semi_major_axis) <= 1e-9 * c.semi_major_axis[0]
     motion, notes = real_motion(design), []
     horizon = _horizon(design)
     if horizon < HORIZON:
@@ -189,23 +190,33 @@ def _look(design: Design) -> dict[str, Any]:
         end = min(horizon, max(1.25 * claim.days_proven, 1.0)) if lost else horizon
         over_time = _over_time(design, end)
     if lost and over_time is not None:
-        if not has_slots(c) or motion.forces is None or c.size > MOST_SATELLITES:
+        if motion.forces is None or c.size > MOST_SATELLITES:
             notes.append(
                 "other radii and station-keeping are looked at for up to "
-                f"{MOST_SATELLITES} satellites under forces on circles of one radius"
+                f"{MOST_SATELLITES} satellites under forces"
             )
         else:
-            radii = _other_radii(design, horizon)
-            try:
-                keeping = keep(design).to_dict()
-            except ArgumentError as error:
-                notes.append(f"keeping: {error}")
+            if one_axis:
+                radii = _other_radii(design, horizon)
+            else:
+                notes.append("other radii: the orbits have several, for which no one stands")
+            if not has_slots(c):
+                notes.append(
+                    "keeping: orbits that are oval, or of several radii or inclinations, form no "
+                    "slots, so that no box follows from a margin; what a box costs says compass "
+                    f"keep {shlex.quote(design.label)} --box-deg DEGREES"
+                )
+            else:
+                try:
+                    keeping = keep(design).to_dict()
+                except ArgumentError as error:
+                    notes.append(f"keeping: {error}")
     found = {
         "motion": motion.title,
         "horizon_days": horizon,
         **vars(claim),
         "drift": over_time,
-        "radius_km": float(c.semi_major_axis[0]) / 1e3 if has_slots(c) else None,
+        "radius_km": float(c.semi_major_axis[0]) / 1e3 if one_axis else None,
         "radii": [r.as_dict() for r in radii],
         "keeping": keeping,
         "notes": notes,
@@ -320,7 +331,8 @@ def _other_radii(design: Design, horizon: float) -> tuple[RadiusLasts, ...]:
     """How long the pattern lasts, trimmed, at its own radius if it can be trimmed, and others."""
     c = design.constellation
     own = float(c.semi_major_axis[0]) / 1e3
-    lowest = design.figure.equatorial_radius / 1e3
+    # an oval orbit's lowest point is nearer than its axis says
+    lowest = design.figure.equatorial_radius / 1e3 / (1.0 - float(c.eccentricity.max()))
     found: tuple[RadiusLasts, ...] = ()
     beat = beat_of(c, forces_of(real_motion(design), "radii").field).period
     tried = [(0.0,)] if beat < RESONANT * SECONDS_PER_DAY else []

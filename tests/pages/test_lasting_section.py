@@ -257,7 +257,7 @@ def test_orbits_without_slots_are_followed_all_the_same(near):
         'inclination_deg = 10\n[coverage]\nfold = 1\n[motion]\nmodel = "numerical"\n' + PLAIN
     )
     found = outlook(oval)
-    assert (found.radius_km, found.radii) == (None, ())
+    assert (found.radius_km, found.radii) == (20000.0, ())
     assert lasting_verdicts(oval, found)[0].holds is False
 
 
@@ -328,6 +328,22 @@ def test_what_a_design_requires_is_looked_at_and_listed(monkeypatch):
     assert "all that is required: 0 in view at" in said.claim
     tables = [b for b in lasting_section(design, found).blocks if isinstance(b, Table)]
     assert [(row[0], row[2]) for row in tables[0].rows] == [("near", ""), ("far", "pole")]
+
+
+def test_oval_orbits_have_other_radii_and_no_box_of_their_own(monkeypatch):
+    monkeypatch.setattr(module, "keep", pytest.fail)
+    asked = Asked(monkeypatch, 400)
+    c = ring().constellation
+    oval = replace(ring(), constellation=replace(c, eccentricity=np.full(5, 0.1)))
+    found = outlook(oval)
+    assert asked.radii == [-400, 400]
+    assert found.lasting_radii[0].radius_km == 20027.7
+    assert found.notes[-1].endswith("compass keep design --box-deg DEGREES")
+    several = np.array([2.0e7, 2.0e7, 2.1e7, 2.1e7, 2.1e7])
+    unlike = replace(ring(), constellation=replace(c, semi_major_axis=several))
+    found = outlook(unlike)
+    assert (found.radii, found.radius_km, len(found.notes)) == ((), None, 2)
+    assert asked.radii == [-400, 400]
 
 
 def test_many_satellites_are_followed_for_less_time(monkeypatch):
