@@ -85,3 +85,8 @@ inline_kernel = _compiler(fastmath={"contract"}, forceinline=True)
 #: Compile with sums reordered, divisions turned into products and the like; never where rounding
 #: is accounted for.
 fast_kernel = _compiler(fastmath=FASTMATH)
+
+#: Compile into whoever calls it, not by itself: for what one caller alone calls. Each library that
+#: a kernel is made of is optimised again at every floor above it, so a floor less is a part of the
+#: time of compilation less.
+flat_kernel = _compiler(inline="always")

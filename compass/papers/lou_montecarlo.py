@@ -16,7 +16,6 @@ from compass.core.papers.lou_montecarlo import (
     TRUTH_STATES,
     Tally,
     make_trace,
-    one_run,
     run_block,
 )
 from compass.cores import cores
@@ -115,7 +114,10 @@ def monte_carlo(
         normals, uniforms = _draws(seed, first, count, len(case.times) - 1, m)
         tally = _empty_tally(len(case.times), settings.states, m)
         ends, last = np.empty(count, np.int64), np.zeros((count, belief.x0.size))
-        run_block(algorithm, kernel_settings, world, belief, normals, uniforms, tally, ends, last)
+        trace = make_trace(settings.states, belief.x0.size, len(case.times), m)
+        run_block(
+            algorithm, kernel_settings, world, belief, normals, uniforms, trace, tally, ends, last
+        )
         return _Block(tally, ends, last, first)
 
     workers = cores(threads)
@@ -157,8 +159,12 @@ def single_run(
     normals, uniforms = _draws(seed, 0, 1, len(case.times) - 1, m)
     trace = make_trace(settings.states, belief.x0.size, len(case.times), m)
     world = case.world(faults, see_through)
-    end = one_run(algorithm, kernel_settings, world, belief, normals[0], uniforms[0], trace)
-    message = ""
+    tally = _empty_tally(len(case.times), settings.states, m)
+    ends, last = np.empty(1, np.int64), np.zeros((1, belief.x0.size))
+    run_block(
+        algorithm, kernel_settings, world, belief, normals, uniforms, trace, tally, ends, last
+    )
+    end, message = int(ends[0]), ""
     if end >= 0:
         message = divergence_message(settings, end * case.step, trace.x[max(end - 1, 0)])
         for lost in (trace.error, trace.cov, trace.weights, trace.nees):

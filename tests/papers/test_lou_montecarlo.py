@@ -40,8 +40,8 @@ def test_threads_do_not_change_the_numbers():
 
 def test_streaming_statistics_are_those_of_all_the_runs():
     """Each run alone, then NumPy over all of them."""
-    from compass.core.papers.lou_montecarlo import make_trace, one_run
-    from compass.papers.lou_montecarlo import _draws
+    from compass.core.papers.lou_montecarlo import make_trace, run_block
+    from compass.papers.lou_montecarlo import _draws, _empty_tally
 
     runs = BLOCK + 3
     data = monte_carlo(SHORT, EKF, runs, seed=9)
@@ -51,8 +51,12 @@ def test_streaming_statistics_are_those_of_all_the_runs():
     normals, uniforms = _draws(9, 0, runs, 6, 4)
     for k in range(runs):
         trace = make_trace(8, 8, 7, 4)
-        end = one_run(number, kernel_settings, world, belief, normals[k], uniforms[k], trace)
-        assert end == -1
+        one, end, last = slice(k, k + 1), np.empty(1, np.int64), np.zeros((1, 8))
+        run_block(
+            number, kernel_settings, world, belief, normals[one], uniforms[one], trace,
+            _empty_tally(7, 8, 4), end, last,
+        )  # fmt: skip
+        assert end[0] == -1
         errors.append(trace.error.copy())
         variances.append(np.diagonal(trace.cov, axis1=1, axis2=2))
         nees.append(trace.nees.copy())

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.jit import kernel
+from compass.core.jit import flat_kernel, kernel
 from compass.core.papers.lou_common import Array, Epoch, make_bank, make_work, start_bank
 from compass.core.papers.lou_measurement import ACCELERATIONS, predict_measurements
 from compass.core.papers.lou_steps import start, step
@@ -130,7 +130,7 @@ def scaled_nees(error, cov, factor, work):
     return total
 
 
-@kernel
+@flat_kernel
 def fly(dt, world, normals, uniforms, trace):
     """Fly the truth and measure it: write `truth`, `z` and `arrived` of the trace.
 
@@ -220,7 +220,7 @@ def track(algorithm, settings, belief, x0, bank_angles, beacons, alive, trace):
     return -1
 
 
-@kernel
+@flat_kernel
 def one_run(algorithm, settings, world, belief, normals, uniforms, trace):
     """Fly, measure, filter and compare; fill `trace`, return -1 or the epoch of divergence."""
     n = settings.states
@@ -247,7 +247,7 @@ def one_run(algorithm, settings, world, belief, normals, uniforms, trace):
     return end
 
 
-@kernel
+@flat_kernel
 def add_run(trace, tally):
     """Take a finished run into the statistics."""
     epochs, n = trace.error.shape
@@ -281,7 +281,7 @@ def add_run(trace, tally):
     _add_miss(trace, tally, share)
 
 
-@kernel
+@flat_kernel
 def _add_miss(trace, tally, share):
     """Take the east, north and up errors at the last epoch into the statistics."""
     r, lat = trace.truth[-1, 0], trace.truth[-1, 2]
@@ -300,14 +300,12 @@ def _add_miss(trace, tally, share):
 
 
 @kernel
-def run_block(algorithm, settings, world, belief, normals, uniforms, tally, ends, last_x):
+def run_block(algorithm, settings, world, belief, normals, uniforms, trace, tally, ends, last_x):
     """Do one run for each row of `normals` and `uniforms`, and add those that did not diverge.
 
     `ends` (runs,) takes -1 or the epoch of divergence, `last_x` (runs, 8 or 11) the estimate at
-    the last epoch before it.
+    the last epoch before it; `trace` holds the last run.
     """
-    epochs, m = world.alive.shape
-    trace = make_trace(settings.states, belief.x0.size, epochs, m)
     for run in range(normals.shape[0]):
         end = one_run(algorithm, settings, world, belief, normals[run], uniforms[run], trace)
         ends[run] = end

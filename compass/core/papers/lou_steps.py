@@ -4,7 +4,7 @@ All stand on `compass.core.papers.lou_common`; the distributed ones on `lou_loca
 """
 
 from compass.core.entry.weights import equal_weights
-from compass.core.jit import kernel
+from compass.core.jit import flat_kernel, kernel
 from compass.core.papers.lou_common import (
     add_noise,
     choose_rows,
@@ -198,7 +198,7 @@ def federated_step(settings, epoch, bank, work):
     return fuse(settings, bank, coefficients, work)
 
 
-@kernel
+@flat_kernel
 def start(algorithm, settings, bank, work):
     """Make ready what a filter carries besides the start; False if it cannot be made."""
     if algorithm == INFORMATION:
@@ -206,7 +206,7 @@ def start(algorithm, settings, bank, work):
     return True
 
 
-@kernel
+@flat_kernel
 def step(algorithm, settings, epoch, bank, work):
     """Move a bank of estimates over one epoch; False if the filter diverged."""
     bank.gated[:] = False
