@@ -9,7 +9,7 @@ from compass.core.papers.spherical import entry_rates, rk4_step
 from compass.core.papers.spherical_geometry import cartesian, cartesian_jacobian
 from compass.entry.atmosphere import Atmosphere
 from compass.entry.beacons import surface_beacons
-from compass.entry.covariance import axes_covariance
+from compass.entry.covariance import axes_covariance, linear_covariance
 from compass.entry.filters import Filter
 from compass.entry.model import EntryModel
 from compass.entry.navigation import run_monte_carlo
@@ -157,6 +157,48 @@ def test_monte_carlo_of_500_runs_and_240_steps(benchmark, case):
     twin = 500 * once(plain_run)
     benchmark.extra_info |= {"seconds": seconds, "ratio_to_numpy": twin / seconds}
     assert twin / seconds > 50
+
+
+@pytest.fixture(scope="module")
+def six(case):
+    """Six beacons about the track, all heard at every epoch."""
+    model, flight, _ = case
+    lat = np.radians([-25.8, -28.6, -25.6, -27.0, -24.5, -29.5])
+    lon = np.radians([-82.7, -82.2, -73.4, -78.0, -77.0, -76.0])
+    beacons = surface_beacons(lat, lon, flight.times, planet_radius=RADIUS)
+    return model, flight, beacons, np.ones((241, 6), bool), Measurements(50.0)
+
+
+def test_a_filter_step_with_six_beacons(benchmark, six):
+    """The two filters before this one took 2.5 to 4.4 microseconds; 1.5 times that is allowed."""
+    settings = Filter(axes_covariance(1000.0, 0.5), np.zeros(6))
+
+    def runs():
+        return run_monte_carlo(*six, settings, runs=100, threads=1)
+
+    assert not benchmark(runs).diverged.any()
+    seconds = min(cpu(runs) for _ in range(5)) / (100 * 241)
+    benchmark.extra_info |= {"microseconds": 1e6 * seconds}
+    print(f"\n{1e6 * seconds:.2f} microseconds a step")
+    assert seconds < 1.5 * 4.4e-6
+
+
+def test_linear_covariance_of_an_entry(benchmark, six):
+    model, flight, *heard = six
+    given = (model, flight.path, *heard, axes_covariance(1000.0, 0.5))
+    found = benchmark(linear_covariance, *given)
+    assert found.covariance.shape == (241, 6, 6)
+    seconds = min(cpu(lambda: linear_covariance(*given)) for _ in range(9))
+    benchmark.extra_info |= {"milliseconds": 1e3 * seconds}
+    print(f"\n{1e3 * seconds:.2f} ms an entry")
+    assert seconds < 5e-3
+
+
+def cpu(function):
+    """Seconds of the processor, which other programs do not lengthen as they do a clock's."""
+    start = time.process_time()
+    function()
+    return time.process_time() - start
 
 
 def test_adaptive_flight(benchmark, case):
