@@ -67,7 +67,7 @@ class Atmosphere:
         if any(not 0 < density < float("inf") for density in self.table_density):
             raise ArgumentError("atmosphere table: every density must be positive")
         if self.table_radius:
-            here = float(np.exp(self._log_density(self.reference_radius)))
+            here = float(np.exp(self.log_density(self.reference_radius)))
             object.__setattr__(self, "reference_density", here)
 
     @property
@@ -82,10 +82,14 @@ class Atmosphere:
 
     def density(self, radius: ArrayLike) -> NDArray[np.float64]:
         """Density at distances from Mars's centre (m, any shape), kg/m^3."""
-        return np.exp(self._log_density(np.asarray(radius, dtype=float)))
+        return np.exp(self.log_density(np.asarray(radius, dtype=float)))
 
-    def _log_density(self, radius: ArrayLike) -> NDArray[np.float64]:
-        """``ln rho``; linear between the rows of a table, its end layers going on for ever."""
+    def log_density(self, radius: ArrayLike) -> NDArray[np.float64]:
+        """``ln rho`` (rho in kg/m^3) at distances from Mars's centre (m, any shape).
+
+        Linear between the rows of a table, its end layers going on for ever; finite where the
+        density itself is too small for a number.
+        """
         r = np.asarray(radius, dtype=float)
         if not self.table_radius:
             return self.log_reference_density + (self.reference_radius - r) / self.scale_height

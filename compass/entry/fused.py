@@ -217,9 +217,10 @@ class FusedFilter:
         true, radius = case.flight.model, case.flight.states[:, 0]
         out = np.zeros((case.times.size, self.states))
         if self.further.size:
-            ratio = true.atmosphere.density(radius) / self.model.atmosphere.density(radius)
-            ratio *= true.vehicle.drag_area_per_mass / self.model.vehicle.drag_area_per_mass
-            out[:, 6] = np.log(ratio)
+            # logarithms, for far out both densities are too small for a number
+            air = true.atmosphere.log_density(radius) - self.model.atmosphere.log_density(radius)
+            drag = true.vehicle.drag_area_per_mass / self.model.vehicle.drag_area_per_mass
+            out[:, 6] = air + np.log(drag)
             out[:, 7] = true.vehicle.lift_to_drag - self.model.vehicle.lift_to_drag
         if self.further.size > 2:
             out[:, 8:11] = case.imu_bias

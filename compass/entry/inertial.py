@@ -71,7 +71,8 @@ class InertialCase:
         if self.flight.times.size < self.beacons.times.size:
             raise ArgumentError(
                 f"{self.flight.ending}, before the last epoch at {self.beacons.times[-1]:g} s; "
-                "shorten entry.duration_s"
+                "shorten entry.duration_s, or if the flight is not the one meant look at "
+                "entry.radius_km, speed_m_s and flight_path_deg, and at planet.radius_km"
             )
         check_distinct(self.beacons)
         if self.arrival is not None:

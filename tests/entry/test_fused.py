@@ -1,6 +1,7 @@
 """Fused filters: against each other, against the plain filter and the papers' own, turned."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import get_args
 
 import numpy as np
@@ -298,6 +299,10 @@ def test_six_states_take_density_and_lift_as_known(world, low):
         ),
     )
     np.testing.assert_allclose(wrong.offset(case)[:, 6], -np.log(1.2))
+    far = case.flight.states + 9e9 * np.eye(1, 8)  # where both densities are 0
+    flight = SimpleNamespace(model=case.flight.model, states=far)
+    out = wrong.offset(SimpleNamespace(flight=flight, times=case.times, imu_bias=case.imu_bias))
+    np.testing.assert_allclose(out[:, 6], -np.log(1.2), rtol=1e-6)
 
 
 def test_bad_cases_and_settings_are_refused(case, world, table2):
