@@ -84,6 +84,11 @@ class Tracking:
         ``blind``, ignored by the gain, but present.
     process_noise
         Density of the acceleration that no model has, m^2/s^3, each axis.
+    radiation
+        What is known before of each satellite's scale of sunlight's push, one sigma, relative; it
+        is estimated. 0: known.
+    gravity
+        Errors of the field of gravity in formal sigmas of the built-in one, considered. 0: known.
     """
 
     earth: Tracker | None = None
@@ -96,6 +101,8 @@ class Tracking:
     prior_speed: float = 0.1
     prior_clock: float = 1000.0
     process_noise: float = 3.6e-15
+    radiation: float = 0.1
+    gravity: float = 10.0
     considered: Considered = "schmidt"
 
     def __post_init__(self) -> None:
@@ -118,6 +125,9 @@ class Tracking:
             raise ArgumentError(f"considered = {self.considered!r}: allowed schmidt, blind")
         if not 0.0 <= self.process_noise < 1.0:
             raise ArgumentError(f"process_noise = {self.process_noise:g}: must be 0 or more")
+        for name in ("radiation", "gravity"):
+            if not 0.0 <= getattr(self, name) < 1e9:
+                raise ArgumentError(f"{name} = {getattr(self, name):g}: must be 0 or more")
 
     def only(self, *names: str) -> "Tracking | None":
         """Return the tracking by some kinds alone; None if none of them is there."""

@@ -28,6 +28,7 @@ from compass.signal.determination import (
     determine_orbits,
     implied_signal,
 )
+from compass.signal.unknown_forces import DEGREE, forces_of
 from compass.tracking import Tracking
 from compass.words import counted, listed
 
@@ -61,6 +62,8 @@ class DetermineResult(Result):
         The same with one kind of tracking left out, and with one kind alone.
     signal
         What users' ranges are worth for it.
+    radiation
+        Reflectivity times area over mass on which sunlight pushes, m^2/kg.
     """
 
     design: Design = field(repr=False)
@@ -68,6 +71,7 @@ class DetermineResult(Result):
     found: Determination = field(repr=False)
     by_tracking: dict[str, Determination] = field(repr=False)
     signal: Signal = field(repr=False)
+    radiation: float = 0.0
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
@@ -176,11 +180,13 @@ class DetermineResult(Result):
             f"measurements; before it {t.prior:g} m and {t.prior_speed * 1e3:g} mm/s in each "
             f"coordinate; process noise {t.process_noise:g} m^2/s^3; trackers' constant errors are "
             f"{sense}",
-            f"{self.motion}; errors grow by the gradient of a point, J2 and C22, taken as known",
+            f"{self.motion}; errors grow by the gradient of a point, J2 and C22",
             f"common to all satellites at the end: a turn of {turn} mas about x, y, z; the "
             "covariances hold it",
-            "left out: errors of the gravity field and of Mars's orientation, the media, "
-            "manoeuvres, Earth stations' places; radiation pressure only as process noise",
+            _forces(t, self.radiation),
+            "left out: errors of Mars's orientation and of the planets' places, the media, "
+            f"manoeuvres, the field beyond degree {DEGREE}"
+            + ("" if t.earth is None or t.earth.position else ", places of stations on the Earth"),
         ]
         if not self.clock_known:
             notes.append("nothing measures the clocks: add time_m, or one_way stations")
@@ -247,6 +253,38 @@ class DetermineResult(Result):
         save_axes(self.plot(), path)
 
 
+def _if_known(tracking: Tracking) -> dict[str, Tracking]:
+    """The same tracking with one source of error gone, for each that is there."""
+    found = {}
+    if tracking.gravity:
+        found["were gravity known"] = replace(tracking, gravity=0.0)
+    if tracking.radiation:
+        found["were sunlight's push known"] = replace(tracking, radiation=0.0)
+    exact = {
+        name: replace(getattr(tracking, name), bias=0.0, time_bias=0.0, position=0.0)
+        for name in tracking.kinds
+    }
+    if any(each != getattr(tracking, name) for name, each in exact.items()):
+        found["were trackers without bias"] = replace(tracking, **exact)
+    return found
+
+
+def _forces(tracking: Tracking, radiation: float) -> str:
+    """How well the forces are known, in words."""
+    push = f"sunlight's push on {radiation:g} m^2/kg"
+    told = (
+        f"{push} is estimated a satellite, known before to {100 * tracking.radiation:.3g} %"
+        if tracking.radiation
+        else f"{push} counts as known"
+    )
+    return told + (
+        f"; GM and the field to degree {DEGREE} are considered, off by {tracking.gravity:g} of "
+        "their formal sigmas (DE440, GMM-3)"
+        if tracking.gravity
+        else "; gravity counts as known"
+    )
+
+
 def _days(seconds: float) -> str:
     """A time in days, in words."""
     return counted(seconds / SECONDS_PER_DAY, "day")
@@ -304,5 +342,8 @@ def determine(
             others[f"without {name}"] = determine_orbits(read, left, motion=moved)
             if len(kinds) > 2:
                 others[f"{name} alone"] = determine_orbits(read, alone, motion=moved)
+    for name, exact in _if_known(found.tracking).items():
+        others[name] = determine_orbits(read, exact, motion=moved)
     signal = implied_signal(found, read, update_h * HOUR)
-    return DetermineResult(read, moved.title, found, others, signal)
+    radiation = forces_of(moved).radiation
+    return DetermineResult(read, moved.title, found, others, signal, radiation)

@@ -1,24 +1,30 @@
 """Covariance of many orbits and clocks, updated range by range; some errors only considered.
 
-Each satellite has eight numbers: position, velocity, clock, clock rate. Behind them stand the
-considered ones, constants that no measurement is allowed to improve: their rows of the gain are
-zero. The gain may know their sigmas (Schmidt 1966, Application of state-space methods to navigation
-problems) or be blind to them (the classical consider batch). The covariance is updated for whatever
-gain: ``P - k h - h'k' + s k k'`` with ``h = H P``, ``s = H P H' + sigma^2``.
+Each satellite has nine numbers: position, velocity, clock, clock rate, scale of sunlight's push.
+Behind them stand the considered ones, constants that no measurement is allowed to improve: their
+rows of the gain are zero. The last of them, the field of gravity, move the satellites. The gain may
+know their sigmas (Schmidt 1966, Application of state-space methods to navigation problems) or be
+blind to them (the classical consider batch). The covariance is updated for whatever gain:
+``P - k h - h'k' + s k k'`` with ``h = H P``, ``s = H P H' + sigma^2``.
 """
 
 import numpy as np
 
 from compass.core.jit import kernel
 
-#: Numbers of a satellite.
-STATES = 8
+#: Numbers of a satellite, and those of them that forces move: position and velocity.
+STATES = 9
+MOVED = 6
 
 
 @kernel
-def _predict(p, transition, noise, scratch):
-    """Move the covariance over a step: ``F P F' + Q``, F and Q made of a block each satellite."""
-    n, size = transition.shape[0], p.shape[0]
+def _predict(p, transition, drive, noise, scratch):
+    """Move the covariance over a step: ``F P F' + Q``, F and Q made of a block each satellite.
+
+    F holds besides what the last considered numbers do to every satellite.
+    """
+    n, size, driven = transition.shape[0], p.shape[0], drive.shape[2]
+    field = size - driven
     for s in range(n):
         first = STATES * s
         for i in range(STATES):
@@ -26,6 +32,9 @@ def _predict(p, transition, noise, scratch):
                 total = 0.0
                 for k in range(STATES):
                     total += transition[s, i, k] * p[first + k, j]
+                if i < MOVED:
+                    for g in range(driven):
+                        total += drive[s, i, g] * p[field + g, j]
                 scratch[i, j] = total
         p[first : first + STATES] = scratch
     for i in range(size):
@@ -35,6 +44,9 @@ def _predict(p, transition, noise, scratch):
                 total = 0.0
                 for k in range(STATES):
                     total += p[i, first + k] * transition[s, j, k]
+                if j < MOVED:
+                    for g in range(driven):
+                        total += p[i, field + g] * drive[s, j, g]
                 scratch[j, 0] = total
             for j in range(STATES):
                 p[i, first + j] = scratch[j, 0]
@@ -50,7 +62,7 @@ def _along(p, columns, values, h):
     size = p.shape[0]
     h[:] = 0.0
     for k in range(columns.size):
-        if columns[k] >= 0:
+        if columns[k] >= 0 and values[k] != 0.0:
             for j in range(size):
                 h[j] += values[k] * p[columns[k], j]
     s = 0.0
@@ -71,7 +83,9 @@ def _update(p, s, h, gain):
 
 
 @kernel
-def follow(p, believed, transitions, noise, first, columns, values, variances, estimated, out):
+def follow(
+    p, believed, transitions, drives, noise, first, columns, values, variances, estimated, out
+):
     """Covariance along an arc: at every epoch the measurements, then the step to the next.
 
     Parameters
@@ -82,9 +96,12 @@ def follow(p, believed, transitions, noise, first, columns, values, variances, e
         The covariance that gains are made of where they are blind to what is considered: the same
         with nothing in its place; shape (size, size), or (0, 0) where they are not.
     transitions
-        Of every satellite from an epoch to the next, shape (epoch - 1, satellite, 8, 8).
+        Of every satellite from an epoch to the next, shape (epoch - 1, satellite, 9, 9).
+    drives
+        What the last g considered numbers do to position and velocity meanwhile, shape (epoch - 1,
+        satellite, 6, g).
     noise
-        Covariance that a step adds to a satellite, shape (8, 8).
+        Covariance that a step adds to a satellite, shape (9, 9).
     first
         Number of each epoch's first measurement and, in the end, of all, shape (epoch + 1,).
     columns, values
@@ -102,9 +119,9 @@ def follow(p, believed, transitions, noise, first, columns, values, variances, e
     told = np.array([0, 1, 2, 6])
     for t in range(epochs):
         if t > 0:
-            _predict(p, transitions[t - 1], noise, scratch)
+            _predict(p, transitions[t - 1], drives[t - 1], noise, scratch)
             if blind:
-                _predict(believed, transitions[t - 1], noise, scratch)
+                _predict(believed, transitions[t - 1], drives[t - 1], noise, scratch)
         for m in range(first[t], first[t + 1]):
             s2 = variances[m] + _along(p, columns[m], values[m], h)
             if blind:

@@ -20,6 +20,9 @@ def tracking_lines(tracking: Tracking) -> list[str]:
         f"prior_clock_m = {number(t.prior_clock)}",
         f"process_noise_m2_s3 = {number(t.process_noise)}",
     ]
+    for key, name in (("radiation_sigma", "radiation"), ("gravity_sigmas", "gravity")):
+        if getattr(t, name) != getattr(_PLAIN, name):
+            lines.append(f"{key} = {number(getattr(t, name))}")
     if t.considered != _PLAIN.considered:
         lines.append(f"considered = {toml_text(t.considered)}")
     for name in t.kinds:

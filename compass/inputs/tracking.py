@@ -42,6 +42,12 @@ class TrackingTable(Table):
     process_noise_m2_s3: float = Field(
         3.6e-15, ge=0, lt=1, description="density of unmodelled acceleration, m^2/s^3"
     )
+    radiation_sigma: Sigma = Field(
+        0.1, description="knowledge before of each satellite's push by sunlight, relative, 1 sigma"
+    )
+    gravity_sigmas: Sigma = Field(
+        10.0, description="errors of the gravity field, in its formal sigmas, considered"
+    )
     considered: Literal["schmidt", "blind"] = Field(
         "schmidt", description="whether gains know the sigmas of what is considered, or ignore it"
     )
@@ -64,6 +70,8 @@ def tracking_of_table(table: TrackingTable) -> Tracking:
         prior_speed=table.prior_mm_s / 1e3,
         prior_clock=table.prior_clock_m,
         process_noise=table.process_noise_m2_s3,
+        radiation=table.radiation_sigma,
+        gravity=table.gravity_sigmas,
         considered=table.considered,
     )
 

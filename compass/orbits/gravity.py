@@ -130,6 +130,28 @@ class GravityField:
 
 
 @cache
+def built_in_sigmas(degree: int) -> tuple[tuple[str, int, int, float], ...]:
+    """Formal sigmas of the built-in field from degree 2 on: C or S, degree, order, one sigma."""
+    text = files("compass.data").joinpath("mars-gravity-gmm3.csv").read_text(encoding="utf-8")
+    found = []
+    for line in text.splitlines():
+        if line[:1].isdigit():
+            n, m, *_, of_c, of_s = line.split(",")
+            if int(n) <= degree:
+                found.append(("C", int(n), int(m), float(of_c)))
+                if int(m):
+                    found.append(("S", int(n), int(m), float(of_s)))
+    return tuple(found)
+
+
+def unit_terms(kind: str, n: int, m: int, degree: int) -> NDArray[np.float64]:
+    """Return `GravityField.terms` of a field of one coefficient C or S (n, m) at 1."""
+    c, s = np.zeros((degree + 1, degree + 1)), np.zeros((degree + 1, degree + 1))
+    (c if kind == "C" else s)[n, m] = 1.0
+    return GravityField("one coefficient", 1.0, 1.0, c, s).terms()
+
+
+@cache
 def built_in_field() -> GravityField:
     """GMM-3 of NASA's Goddard Space Flight Center to degree and order 20.
 

@@ -1,4 +1,4 @@
-"""State transition matrices along given paths: how small errors of orbits grow."""
+"""State transition matrices along given paths: how small errors of orbits and forces grow."""
 
 from typing import Any
 
@@ -70,3 +70,33 @@ def transitions(gradients: Array, step: float) -> Array:
     k3 = middle @ (one + 0.5 * step * k2)
     k4 = end @ (one + step * k3)
     return np.asarray(one + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4))
+
+
+def driven(gradients: Array, push: Array, step: float) -> Array:
+    """What constants that push do over every step to position and velocity, shape (n, k, 6, m).
+
+    The Runge-Kutta step of ``X' = [[0, I], [G, 0]] X + [0; B]`` from nothing, as `transitions`.
+
+    Parameters
+    ----------
+    gradients
+        At the ends and middles of all steps, shape (n, 2 k + 1, 3, 3), 1/s^2.
+    push
+        B there: acceleration a unit of each constant, shape (n, 2 k + 1, 3, m).
+    step
+        Seconds.
+    """
+
+    def rate(g: Array, b: Array, x: Array) -> Array:
+        return np.concatenate([x[..., 3:, :], g @ x[..., :3, :] + b], axis=-2)
+
+    start, middle, end = (
+        (gradients[:, part], push[:, part])
+        for part in (slice(0, -1, 2), slice(1, None, 2), slice(2, None, 2))
+    )
+    none = np.zeros((*start[1].shape[:2], 6, push.shape[-1]))
+    k1 = rate(*start, none)
+    k2 = rate(*middle, 0.5 * step * k1)
+    k3 = rate(*middle, 0.5 * step * k2)
+    k4 = rate(*end, step * k3)
+    return np.asarray(step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4))

@@ -9,22 +9,26 @@ from numpy.typing import NDArray
 
 from compass.bodies import SPEED_OF_LIGHT
 from compass.clocks import SECONDS_PER_DAY, Clock
-from compass.core.determine import STATES, follow
+from compass.core.determine import MOVED, STATES, follow
 from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import HOUR
 from compass.orbits.gravity import built_in_field
 from compass.orbits.motion import Motion
-from compass.orbits.transition import gradient, transitions, turned_quadrupole
+from compass.orbits.transition import driven, gradient, transitions, turned_quadrupole
 from compass.ranging import Receiver, Signal
 from compass.signal.links import measurement_rows
 from compass.signal.ranges import radial_along_cross
+from compass.signal.unknown_forces import field_variances, pushes_along
 from compass.tracking import Tracking
 
 Array = NDArray[Any]
 
 #: Relative error of a clock's frequency before the arc, where none is given.
 UNKNOWN_FREQUENCY = 1e-10
+
+#: Where a satellite's scale of sunlight's push stands among its numbers.
+SCALE = 8
 
 #: Bytes that one machine's memory may give to transitions and rows together.
 LARGEST = 4e9
@@ -100,8 +104,10 @@ def determine_orbits(
 ) -> Determination:
     """Covariance of all satellites' orbits and clocks, tracked over an arc from the epoch.
 
-    Errors grow by the gradient of a point, J2 and C22 along the design's motion, and by process
-    noise; trackers' biases are considered (Schmidt): no measurement improves them.
+    Errors grow by the gradient of a point, J2 and C22 along the design's motion, by what is not
+    known of sunlight's push and of the field, and by process noise. The scale of sunlight's push
+    is estimated for each satellite; the field's errors, trackers' biases and places are considered:
+    no measurement improves them.
 
     Parameters
     ----------
@@ -132,25 +138,34 @@ def determine_orbits(
     times = step * np.arange(steps + 1)
     halves = 0.5 * step * np.arange(2 * steps + 1)
     moved = motion or design.motion
-    r, v = moved.states(c, halves)
-    field = built_in_field()
-    gradients = gradient(r, turned_quadrupole(field, c.epoch, halves), c.gm)
-    r, v = np.ascontiguousarray(r[:, ::2]), np.ascontiguousarray(v[:, ::2])
+    r_halves, v_halves = moved.states(c, halves)
+    gradients = gradient(r_halves, turned_quadrupole(built_in_field(), c.epoch, halves), c.gm)
+    r, v = np.ascontiguousarray(r_halves[:, ::2]), np.ascontiguousarray(v_halves[:, ::2])
     moves = np.zeros((steps, c.size, STATES, STATES))
     moves[:, :, :6, :6] = np.moveaxis(transitions(gradients, step), 1, 0)
     moves[:, :, 6, 6] = moves[:, :, 7, 7] = 1.0
     moves[:, :, 6, 7] = step
+    moves[:, :, SCALE, SCALE] = 1.0
+    drives = np.zeros((steps, c.size, MOVED, 0))
+    field_variance = np.zeros(0)
+    if chosen.radiation or chosen.gravity:
+        unit = pushes_along(design, moved, halves, r_halves)
+        done = np.moveaxis(driven(gradients, unit, step), 1, 0)
+        moves[:, :, :MOVED, SCALE] = done[..., 0]
+        if chosen.gravity:
+            drives = np.ascontiguousarray(done[..., 1:])
+            field_variance = field_variances(chosen.gravity)
     rows = measurement_rows(
         design, chosen, times[: tracked + 1], r[:, : tracked + 1], v[:, : tracked + 1]
     )
     clock = None if design.signal is None else design.signal.clock
-    p = _prior(c.size, chosen, clock, rows.considered)
+    p = _prior(c.size, chosen, clock, np.concatenate([rows.considered, field_variance]))
     noise = np.zeros((STATES, STATES))
     h = step
     push = chosen.process_noise * np.array([[h**3 / 3.0, h**2 / 2.0], [h**2 / 2.0, h]])
     for axis in range(3):
         noise[np.ix_([axis, axis + 3], [axis, axis + 3])] = push
-    noise[6:, 6:] = clock_noise(clock, step)
+    noise[MOVED:SCALE, MOVED:SCALE] = clock_noise(clock, step)
     believed = np.zeros((0, 0))
     if chosen.considered == "blind":
         believed = p.copy()
@@ -158,15 +173,15 @@ def determine_orbits(
     out = np.zeros((steps + 1, c.size, 4, 4))
     estimated = STATES * c.size
     follow(
-        p, believed, moves[:tracked], noise, rows.first, rows.columns, rows.values, rows.variances,
-        estimated, out[: tracked + 1],
+        p, believed, moves[:tracked], drives[:tracked], noise, rows.first, rows.columns,
+        rows.values, rows.variances, estimated, out[: tracked + 1],
     )  # fmt: skip
     orientation, common_time = _common(p, r[:, tracked])
     if steps > tracked:
         none = np.zeros(steps - tracked + 2, np.int64)
         follow(
-            p, believed, moves[tracked:], noise, none, rows.columns[:0], rows.values[:0],
-            rows.variances[:0], estimated, out[tracked:],
+            p, believed, moves[tracked:], drives[tracked:], noise, none, rows.columns[:0],
+            rows.values[:0], rows.variances[:0], estimated, out[tracked:],
         )  # fmt: skip
     axes = np.zeros((steps + 1, c.size, 4, 4))
     axes[..., :3, :3] = np.moveaxis(radial_along_cross(r, v), 0, 1)
@@ -187,7 +202,7 @@ def _prior(satellites: int, tracking: Tracking, clock: Clock | None, considered:
     known = clock.frequency_sigma if clock else None
     rate = SPEED_OF_LIGHT.value * (known or UNKNOWN_FREQUENCY)
     one = [tracking.prior**2] * 3 + [tracking.prior_speed**2] * 3
-    one += [tracking.prior_clock**2, rate**2]
+    one += [tracking.prior_clock**2, rate**2, tracking.radiation**2]
     return np.diag(np.concatenate([np.tile(one, satellites), considered]))
 
 
@@ -212,7 +227,7 @@ def _common(p: Array, r: Array) -> tuple[Array, float]:
 def _check_memory(satellites: int, steps: int, tracking: Tracking) -> None:
     """Refuse an arc whose transitions and rows do not fit."""
     pairs = satellites * (satellites - 1) / 2 if tracking.crosslinks else 0
-    needed = 8.0 * steps * (satellites * 900 + pairs * 130)
+    needed = 8.0 * steps * (satellites * 1500 + pairs * 150)
     if needed > LARGEST:
         raise ArgumentError(
             f"tracking: {satellites} satellites over {steps} steps would take "

@@ -11,7 +11,7 @@ from compass.bodies import MARS_ROTATION_RATE
 from compass.core.determine import STATES, in_turn
 from compass.core.motion import states
 from compass.design import Design
-from compass.frames import Figure, prime_meridian_angle
+from compass.frames import Figure, mci_from_icrf, prime_meridian_angle
 from compass.moons import moon_row
 from compass.planets import sun_earth_mci
 from compass.tracking import Tracker, Tracking
@@ -22,6 +22,9 @@ Array = NDArray[Any]
 WIDTH = 2 * STATES + 5
 MINUTE, SHIFT, COMPLEXES = 60.0, 8 * 3600.0, 3
 CLOCK = 6
+
+#: Rotation of the Earth, rad/s (IERS Conventions 2010, table 1.2).
+EARTH_SPIN = 7.292115e-5
 
 
 @dataclass(frozen=True)
@@ -51,7 +54,8 @@ class _Sight:
     """One tracker's satellites: which are in view, directions and distances, who it is.
 
     Shapes (satellite, epoch), with a last axis of 3 for vectors; `axes` are the tracker's own
-    coordinates in the inertial frame, (epoch, 3, 3).
+    coordinates in the inertial frame, (epoch, 3, 3), and `spin` how fast they turn there, rad/s,
+    (epoch, 3).
     """
 
     kind: str
@@ -60,7 +64,8 @@ class _Sight:
     away: Array
     speed: Array
     on_duty: NDArray[np.bool_]
-    axes: Array | None = None
+    axes: Array
+    spin: Array
 
 
 def measurement_rows(design: Design, tracking: Tracking, times: Array, r: Array, v: Array) -> Rows:
@@ -118,6 +123,9 @@ def _sights(
         earth = sun_earth_mci(epoch, times)[1]
         away, speed = r - earth[:, :3], v - earth[:, 3:]
         seen = clear_of(design.figure, np.broadcast_to(earth[:, :3], r.shape), r)
+        tilt = mci_from_icrf(epoch)
+        axes = tilt @ _turn(EARTH_SPIN * times)
+        spin = np.broadcast_to(EARTH_SPIN * tilt[:, 2], (len(times), 3))
         for complex_ in range(COMPLEXES):
             duty = (times // SHIFT).astype(int) % COMPLEXES == complex_
             yield _Sight(
@@ -127,12 +135,14 @@ def _sights(
                 away=away,
                 speed=speed,
                 on_duty=duty,
+                axes=axes,
+                spin=spin,
             )
     if tracking.stations is not None:
         for site in design.stations:
             turn = _turn(prime_meridian_angle(epoch, times))
             place = turn @ site.r_mcmf
-            spin = np.cross([0.0, 0.0, MARS_ROTATION_RATE.value], place)
+            turning = np.array([0.0, 0.0, MARS_ROTATION_RATE.value])
             away = r - place
             fixed = np.einsum("tji,ntj->nti", turn, away) @ site.enu_mcmf.T
             elevation = np.arcsin(fixed[..., 2] / np.linalg.norm(fixed, axis=-1))
@@ -143,9 +153,10 @@ def _sights(
                 tracker=tracking.stations,
                 seen=seen,
                 away=away,
-                speed=v - spin,
+                speed=v - np.cross(turning, place),
                 on_duty=always,
                 axes=turn,
+                spin=np.broadcast_to(turning, (len(times), 3)),
             )
     if tracking.moons is not None:
         for name in ("phobos", "deimos"):
@@ -162,6 +173,8 @@ def _sights(
                 speed=v - moon[:, 3:],
                 on_duty=always,
                 axes=axes,
+                spin=np.cross(moon[:, :3], moon[:, 3:])
+                / (moon[:, :3] ** 2).sum(axis=1, keepdims=True),
             )
 
 
@@ -208,18 +221,21 @@ def _rows(
     columns = np.full((len(epoch), WIDTH), -1)
     columns[:, :STATES] = STATES * satellite[:, None] + np.arange(STATES)
     columns[:, 2 * STATES :] = at + np.arange(5)
-    empty = np.zeros((len(epoch), WIDTH))
+    empty, axes = np.zeros((len(epoch), WIDTH)), sight.axes[epoch]
     if tracker.range is not None:
         values = empty.copy()
         values[:, :3], values[:, CLOCK] = u, float(tracker.one_way)
         values[:, 2 * STATES] = 1.0
-        if sight.axes is not None:
-            values[:, 2 * STATES + 2 :] = -np.einsum("mi,mij->mj", u, sight.axes[epoch])
+        values[:, 2 * STATES + 2 :] = -np.einsum("mi,mij->mj", u, axes)
         yield epoch, columns, values, np.full(len(epoch), tracker.range**2)
     if tracker.doppler is not None:
         values = empty.copy()
         values[:, 3:6] = u
-        values[:, :3] = (rate - (rate * u).sum(axis=1, keepdims=True) * u) / distance
+        across = (rate - (rate * u).sum(axis=1, keepdims=True) * u) / distance
+        values[:, :3] = across
+        # an error of the place turns with its axes, and the line of sight turns against it
+        turned = across + np.cross(u, sight.spin[epoch])
+        values[:, 2 * STATES + 2 :] = -np.einsum("mi,mij->mj", turned, axes)
         counted = tracker.doppler**2 * MINUTE / step
         yield epoch, columns, values, np.full(len(epoch), counted)
     if tracker.time is not None:
