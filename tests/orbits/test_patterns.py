@@ -180,7 +180,7 @@ def test_constellations_join():
     assert twice.satellite_names[3] == "again P1S1" and twice.size == 6
     with pytest.raises(ArgumentError, match="different epochs or gravitational"):
         one + dataclasses.replace(other, epoch=5.0)
-    with pytest.raises(TypeError):
+    with pytest.raises(ArgumentError, match="int: only constellations join by"):
         one + 3
 
 
