@@ -244,6 +244,7 @@ def test_the_share_of_a_polygon_for_ever_against_samples():
     assert polygon_share(c, users, 7).high == 0.0
 
 
+@pytest.mark.slow
 def test_the_worst_latitude_has_the_least_share():
     c = walker_delta(6, 3, 1, inclination_deg=50, radius_km=20427)
     belt = region_users(read_region("lat:-30:60"), SPHERE, Mask())

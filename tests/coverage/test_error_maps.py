@@ -275,6 +275,7 @@ def test_the_map_of_a_design_with_a_signal_has_errors(written, tmp_path):
         assert read.attrs["error_weights"] == "variance"
 
 
+@pytest.mark.slow
 def test_changing_the_clock_changes_the_map(written):
     """A clock of 30 m in place of 3: at 45 degrees a range errs 30.1 m where it erred 3.9.
 

@@ -263,6 +263,7 @@ def test_four_satellites_are_too_few_for_a_map():
         protection_map(seen, make_grid("equal-angle", 90), range_errors(d, [0.0]), Integrity())
 
 
+@pytest.mark.slow
 def test_after_a_loss_the_others_are_mapped_by_themselves():
     """By hand: a design without that satellite."""
     text = DESIGN.format(

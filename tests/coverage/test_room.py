@@ -150,6 +150,7 @@ def test_all_users_in_the_inner_cap_of_an_ellipsoid_see_the_satellite(far, latit
     assert lowest(np.full(2000, cap + 1e-3)) < 0.0
 
 
+@pytest.mark.slow
 def test_room_and_box_on_an_ellipsoid():
     ground = {"sphere_radius": SPHERE, "stretch": OBLATE}
     path = Motion().trajectory(PATTERN, 0.0, 2e5)

@@ -242,6 +242,7 @@ def test_what_is_not_known_of_forces_moves_satellites_as_integrated():
             np.testing.assert_allclose(total[:, part, k], expected[:, part], atol=3e-3 * scale)
 
 
+@pytest.mark.slow
 def test_estimates_from_drawn_data_scatter_as_the_covariance_says():
     """Least squares on integrated motion, whose field, sunlight and trackers are other than held.
 
