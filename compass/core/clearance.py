@@ -27,8 +27,10 @@ and phases of thousands of revolutions.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.belt import area_below
 from compass.core.jit import kernel
@@ -48,11 +50,10 @@ DEEPEST = 400
 COARSE = 0.5
 
 
-@kernel
-def bounds(orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, who, ranges, near):
-    """Lowest, central and highest clearance of the k-th best satellite in a box.
+class Question(NamedTuple):
+    """Who moves how, and who looks from where: what no box changes.
 
-    Parameters
+    Attributes
     ----------
     orbits
         Rows: towards periapsis and across, times the axes (m, 3 each); e, mean anomaly, pace,
@@ -67,6 +68,29 @@ def bounds(orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, wh
         Of the user with the phase, rad per rad.
     azimuths, elevations
         Profile of the horizon: increasing azimuths in [0, 2 pi) and elevations, shape (m,), rad.
+    normals, floors
+        The region, as in `side_of`.
+    """
+
+    orbits: NDArray[np.float64]
+    breaks: NDArray[np.float64]
+    paths: NDArray[np.float64]
+    figure: NDArray[np.float64]
+    turn: float
+    azimuths: NDArray[np.float64]
+    elevations: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    floors: NDArray[np.float64]
+
+
+@kernel
+def bounds(asked, k, box, who, ranges, near):
+    """Lowest, central and highest clearance of the k-th best satellite in a box.
+
+    Parameters
+    ----------
+    asked
+        See `Question`.
     k
         Which satellite counts.
     box
@@ -86,6 +110,7 @@ def bounds(orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, wh
     seen
         Satellites above the horizon at the centre.
     """
+    orbits, breaks, paths, figure, turn, azimuths, elevations, _, _ = asked
     if k <= 0:
         return math.inf, math.inf, math.inf, 0
     near[:, :k] = -math.inf
@@ -187,6 +212,22 @@ def _open(who, ranges, below, above):
 
 
 @kernel
+def _wait(half, axis, left, rank, depth, stack, who, ranks):
+    """Let both halves of a box wait, cut across an axis; return how many boxes then wait.
+
+    `half` has their size and the box's centre; of the box's `who` the first `left` are looked at,
+    for the `rank`-th best of them.
+    """
+    who[depth + 1, :left] = who[depth, :left]
+    for sign in (-1.0, 1.0):
+        stack[depth] = half
+        stack[depth, axis] += sign * half[3 + axis]
+        ranks[depth, 0], ranks[depth, 1] = left, rank
+        depth += 1
+    return depth
+
+
+@kernel
 def side_of(box, figure, normals, floors):
     """Whether a box lies inside (1) or outside (-1) a region for sure, or may do either (0).
 
@@ -219,31 +260,13 @@ def side_of(box, figure, normals, floors):
 
 
 @kernel
-def least_clearance(
-    orbits,
-    breaks,
-    paths,
-    figure,
-    turn,
-    azimuths,
-    elevations,
-    normals,
-    floors,
-    k,
-    domain,
-    enough,
-    give_up,
-    tolerance,
-    most,
-):
+def least_clearance(asked, k, domain, enough, give_up, tolerance, most):
     """Least clearance of the k-th best satellite over a domain, between bounds.
 
     Parameters
     ----------
-    orbits, breaks, paths, figure, turn, azimuths, elevations, k
+    asked, k
         As in `bounds`.
-    normals, floors
-        As in `side_of`.
     domain
         Least and greatest latitude, longitude and phase, shape (3, 2), rad.
     enough
@@ -266,8 +289,9 @@ def least_clearance(
     boxes
         Boxes looked at.
     """
+    figure, normals, floors = asked.figure, asked.normals, asked.floors
     near, cells = np.empty((3, max(k, 1))), _cells(domain)
-    pace, n = _pace(orbits), orbits.shape[0]
+    pace, n = _pace(asked.orbits), asked.orbits.shape[0]
     all_, ranges = np.arange(n), np.empty((n, 2))
     box, stack = np.zeros(BOX), np.empty((DEEPEST, BOX))
     who, ranks = np.empty((DEEPEST, n), dtype=np.int64), np.empty((DEEPEST, 2), dtype=np.int64)
@@ -277,9 +301,7 @@ def least_clearance(
         _cell(domain, cells, cell, box)
         if side_of(np.array([box[0], box[1], box[2], 0.0, 0.0, 0.0]), figure, normals, floors) < 0:
             continue
-        _, central, _, _ = bounds(
-            orbits, breaks, paths, figure, turn, azimuths, elevations, k, box, all_, ranges, near
-        )
+        _, central, _, _ = bounds(asked, k, box, all_, ranges, near)
         if central < high:
             high = central
             worst[:] = box[:3]
@@ -295,20 +317,7 @@ def least_clearance(
                 spot[axis] = min(max(moved, domain[axis, 0]), domain[axis, 1])
                 if side_of(spot, figure, normals, floors) < 0:
                     continue
-                _, central, _, _ = bounds(
-                    orbits,
-                    breaks,
-                    paths,
-                    figure,
-                    turn,
-                    azimuths,
-                    elevations,
-                    k,
-                    spot,
-                    all_,
-                    ranges,
-                    near,
-                )
+                _, central, _, _ = bounds(asked, k, spot, all_, ranges, near)
                 if central < high:
                     high, better = central, True
                     worst[:] = spot[:3]
@@ -328,20 +337,7 @@ def least_clearance(
             if side < 0:
                 continue
             few, rank = who[depth, : ranks[depth, 0]], ranks[depth, 1]
-            bottom, central, top, _ = bounds(
-                orbits,
-                breaks,
-                paths,
-                figure,
-                turn,
-                azimuths,
-                elevations,
-                rank,
-                box,
-                few,
-                ranges,
-                near,
-            )
+            bottom, central, top, _ = bounds(asked, rank, box, few, ranges, near)
             # who is nowhere below what was seen already may count as above
             left, sure = _open(few, ranges, bottom, min(np.nextafter(top, math.inf), high))
             if central < high:
@@ -357,17 +353,10 @@ def least_clearance(
                 low = min(low, bottom)
                 continue
             box[3 + longest] *= 0.5
-            who[depth + 1, :left] = who[depth, :left]
-            for sign in (-1.0, 1.0):
-                stack[depth] = box
-                stack[depth, longest] += sign * box[3 + longest]
-                ranks[depth, 0], ranks[depth, 1] = left, rank - sure
-                depth += 1
+            depth = _wait(box, longest, left, rank - sure, depth, stack, who, ranks)
     if high < math.inf:
         spot[:3] = worst
-        _, _, _, seen = bounds(
-            orbits, breaks, paths, figure, turn, azimuths, elevations, k, spot, all_, ranges, near
-        )
+        _, _, _, seen = bounds(asked, k, spot, all_, ranges, near)
     return min(low, high), high, worst, seen, boxes
 
 
@@ -414,27 +403,12 @@ def _longest(box, pace):
 
 
 @kernel
-def clear_share(
-    orbits,
-    breaks,
-    paths,
-    figure,
-    turn,
-    azimuths,
-    elevations,
-    normals,
-    floors,
-    k,
-    domain,
-    whole,
-    finest,
-    most,
-):
+def clear_share(asked, k, domain, whole, finest, most):
     """Measure of a domain in which the k-th best satellite is clear for sure, is not, and open.
 
     Parameters
     ----------
-    orbits, breaks, paths, figure, turn, azimuths, elevations, normals, floors, k, domain
+    asked, k, domain
         As in `least_clearance`.
     whole
         1 if all latitudes of the domain must be clear at once: shares are then of longitude and
@@ -450,9 +424,10 @@ def clear_share(
     clear, hidden, undecided, boxes
         Measures, and boxes looked at.
     """
+    figure, normals, floors = asked.figure, asked.normals, asked.floors
     near, cells = np.empty((3, max(k, 1))), _cells(domain)
     cells[:whole] = 1
-    pace, n = _pace(orbits), orbits.shape[0]
+    pace, n = _pace(asked.orbits), asked.orbits.shape[0]
     ranges, who = np.empty((n, 2)), np.empty((DEEPEST, n), dtype=np.int64)
     ranks = np.empty((DEEPEST, 2), dtype=np.int64)
     box, stack, kept = np.zeros(BOX), np.empty((DEEPEST, BOX)), np.empty(3)
@@ -470,20 +445,7 @@ def clear_share(
                 continue
             part = _measure(box, figure, whole, domain)
             few, rank = who[depth, : ranks[depth, 0]], ranks[depth, 1]
-            bottom, _, top, _ = bounds(
-                orbits,
-                breaks,
-                paths,
-                figure,
-                turn,
-                azimuths,
-                elevations,
-                rank,
-                box,
-                few,
-                ranges,
-                near,
-            )
+            bottom, _, top, _ = bounds(asked, rank, box, few, ranges, near)
             if bottom >= 0.0 and side > 0:
                 clear += part
                 continue
@@ -501,12 +463,7 @@ def clear_share(
             left, sure = 0, 0
             if 0 < rank <= few.size:
                 left, sure = _open(few, ranges, 0.0, 0.0)
-            who[depth + 1, :left] = who[depth, :left]
-            for sign in (-1.0, 1.0):
-                stack[depth] = box
-                stack[depth, longest] += sign * box[3 + longest]
-                ranks[depth, 0], ranks[depth, 1] = left, rank - sure
-                depth += 1
+            depth = _wait(box, longest, left, rank - sure, depth, stack, who, ranks)
     return clear, hidden, undecided, boxes
 
 

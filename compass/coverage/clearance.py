@@ -266,7 +266,7 @@ def _share(laid: Laid, fold: int, whole: int, finest: float, most: int) -> Share
     longitudes too; the upper bound is then none of that.
     """
     clear, hidden, undecided, boxes = kernels.clear_share(
-        *laid.arrays(), fold, laid.domain, whole, finest, most
+        laid.question, fold, laid.domain, whole, finest, most
     )
     if not clear + hidden + undecided > 0.0:
         raise ArgumentError("region: has no area")
@@ -336,5 +336,5 @@ def _least(
     laid: Laid, fold: int, enough: float, tolerance: float, most: int, give_up: float = -inf
 ) -> tuple:
     return kernels.least_clearance(
-        *laid.arrays(), fold, laid.domain, enough, give_up, tolerance, most
+        laid.question, fold, laid.domain, enough, give_up, tolerance, most
     )

@@ -1,14 +1,13 @@
 """Questions about clearances as kernels take them: motion, frame, and the domain that decides."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from compass.bodies import MARS_ROTATION_RATE
-from compass.core.clearance import COARSE
+from compass.core.clearance import COARSE, Question
 from compass.coverage.motion import MERIDIAN_CURVATURE
 from compass.coverage.region import Region
 from compass.coverage.symmetry import deciding_part
@@ -64,9 +63,10 @@ class Laid:
     breaks: NDArray[np.float64] = field(default_factory=lambda: np.zeros(1))
     paths: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0, 3, 0)))
 
-    def arrays(self) -> tuple[Any, ...]:
-        """In the kernels' order."""
-        return (
+    @property
+    def question(self) -> Question:
+        """As kernels take it."""
+        return Question(
             self.orbits,
             self.breaks,
             self.paths,
