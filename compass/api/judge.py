@@ -34,7 +34,7 @@ from compass.orbits.patterns import FARTHEST_KM
 from compass.orbits.touching import touching
 from compass.saving import check_writable, replacing
 from compass.sites import Site
-from compass.study.judge import campaign_of, ground_of, not_known
+from compass.study.judge import campaign_of, doubts_of, ground_of
 from compass.study.ranking import Ranking, ground_words, rank_designs
 from compass.study.rival import best_rival, rival_toml
 
@@ -268,7 +268,7 @@ def judge(
             lander,
             campaign,
             radius=radius,
-            unknowns=not_known(lander, 0.0, 0.0, doubts)[2].of(candidates[0]),
+            unknowns=doubts_of(lander, doubts).of(candidates[0]),
             threads=threads,
             progress=bars,
         )

@@ -25,7 +25,7 @@ from compass.study.bounds import bounded_figures
 from compass.study.candidates import check_space
 from compass.study.clocks import errors_by_clock
 from compass.study.cluster import Cluster, Tls
-from compass.study.judge import check_lander, not_known
+from compass.study.judge import check_lander, doubts_of
 from compass.study.requirement_figures import required, requirement_columns
 from compass.study.results import first_front, read_results, write_results
 from compass.study.sampling import front_known, rests_on_samples, sampled_over, sampling_of
@@ -121,7 +121,7 @@ class TradeResult(Result):
         blocks += [Sentence(words) for words in self.notes()]
         if self.study.entry is not None:
             own = [] if self.study.signal is None else ["every candidate"]
-            doubts = not_known(self.study.entry.scenario, 0.0, 0.0, self.study.entry.doubts)[2]
+            doubts = doubts_of(self.study.entry.scenario, self.study.entry.doubts)
             blocks.append(Sentence(doubts.sentence(own)))
         if front:
             goals = {objective.figure for objective in self.study.objectives}

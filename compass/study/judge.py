@@ -20,7 +20,7 @@ from compass.entry.campaign import (
     moved_starts,
     moved_targets,
 )
-from compass.entry.doubts import NO_DOUBTS, Doubts
+from compass.entry.doubts import Doubts
 from compass.entry.ground import Ground, aimed
 from compass.entry.guidance import Dispersion
 from compass.entry.layout import block
@@ -145,20 +145,17 @@ def campaign_of(
     ground
         Where they deploy; anywhere if left out.
     """
-    density_sigma, lift_sigma, _ = not_known(scenario, density_sigma, lift_sigma)
+    density_sigma, lift_sigma = air_not_known(scenario, density_sigma, lift_sigma)
     link = scenario.measurements.link
     if link is not None and link.electrons is not None:
         electrons = None
     return _flown(_Request(scenario, electrons, samples, seed, density_sigma, lift_sigma, ground))
 
 
-def not_known(
-    scenario: Scenario, density_sigma: float, lift_sigma: float, doubts: Doubts = NO_DOUBTS
-) -> tuple[float, float, Doubts]:
-    """What is not known of density, L/D, clock and ranges.
-
-    As the tables of the scenario's own filter say, where it has them, else as is asked for.
-    """
+def air_not_known(
+    scenario: Scenario, density_sigma: float, lift_sigma: float
+) -> tuple[float, float]:
+    """Relative sigmas of density and L/D: of the scenario's own filter, else as asked for."""
     own = {part.name: part.sigma for part in scenario.settings.parts}
     ratio = abs(scenario.model.vehicle.lift_to_drag)
     if "lift" in own and ratio == 0:
@@ -166,12 +163,18 @@ def not_known(
             f"{scenario.label}: filter.lift_to_drag: judged is a share of L/D, which is 0; leave "
             "the table out"
         )
+    density = own["air"][0] if "air" in own else density_sigma
+    return density, own["lift"][0] / ratio if "lift" in own else lift_sigma
+
+
+def doubts_of(scenario: Scenario, doubts: Doubts) -> Doubts:
+    """What is not known of clock and ranges: of the scenario's own filter, else as asked for."""
+    own = {part.name: part.sigma for part in scenario.settings.parts}
     if "clock" in own:
         doubts = replace(doubts, clock_m=own["clock"][0], clock_drift_m_s=own["clock"][1])
     if "bias" in own:
         doubts = replace(doubts, range_bias_m=own["bias"][0])
-    density = own["air"][0] if "air" in own else density_sigma
-    return density, own["lift"][0] / ratio if "lift" in own else lift_sigma, doubts
+    return doubts
 
 
 def instrument_errors(scenario: Scenario) -> Array:

@@ -27,7 +27,7 @@ from compass.frames import Figure, prime_meridian_angle
 from compass.inputs.scenario import Scenario
 from compass.orbits import Constellation, states_mci
 from compass.sites import Mask
-from compass.study.judge import campaign_of, due, judge_entries, not_known
+from compass.study.judge import air_not_known, campaign_of, due, judge_entries
 from compass.study.judgement import Judgement
 
 #: Entries over which the runs are spread.
@@ -98,7 +98,7 @@ def judge_filter(
     if runs < 1:
         raise ArgumentError(f"runs = {runs}: must be at least 1")
     entries = min(ENTRIES, samples, runs)
-    density_sigma, lift_sigma, _ = not_known(scenario, density_sigma, lift_sigma)
+    density_sigma, lift_sigma = air_not_known(scenario, density_sigma, lift_sigma)
     campaign = campaign_of(
         scenario,
         entries,

@@ -18,10 +18,10 @@ from compass.study.candidates import make_constellation, pattern_columns
 from compass.study.judge import (
     campaign_of,
     check_measurements,
+    doubts_of,
     due,
     ground_of,
     judge_entries,
-    not_known,
 )
 
 
@@ -37,7 +37,7 @@ def judged(study: Study, c: Constellation, mask_deg: float) -> dict[str, float]:
     design = Design(c, figure=study.figure, mask=mask, signal=study.signal)
     found = judge_entries(
         c, campaign, entry.scenario, figure=study.figure, mask=mask,
-        unknowns=not_known(entry.scenario, 0.0, 0.0, entry.doubts)[2].of(design),
+        unknowns=doubts_of(entry.scenario, entry.doubts).of(design),
     )  # fmt: skip
     figures = worked_out("entry", {**found.known, "goal_m": entry.goal})
     return {name: float(values[0]) for name, values in figures.items()}
@@ -56,7 +56,7 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
     """
     assert study.entry is not None
     plain = study.entry.scenario.measurements.plain
-    doubts = not_known(study.entry.scenario, 0.0, 0.0, study.entry.doubts)[2]
+    doubts = doubts_of(study.entry.scenario, study.entry.doubts)
     known = doubts == NO_DOUBTS and study.signal is None
     if not (known and plain):  # the kernel of many patterns carries nothing unknown
         each = [judged(study, make_constellation(row), float(row["mask_deg"])) for row in rows]

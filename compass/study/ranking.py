@@ -15,7 +15,14 @@ from compass.errors import ArgumentError, said_of
 from compass.inputs.scenario import Scenario
 from compass.sites import Site
 from compass.study.certified import certified_areas
-from compass.study.judge import campaign_of, check_lander, ground_of, judge_entries, not_known
+from compass.study.judge import (
+    air_not_known,
+    campaign_of,
+    check_lander,
+    doubts_of,
+    ground_of,
+    judge_entries,
+)
 from compass.study.judge_filter import NOT_RUN, judge_filter
 from compass.study.judge_surface import judge_surface
 from compass.study.judge_worst import worst_entry
@@ -98,7 +105,8 @@ def rank_designs(
     check_all_allowed(goal_m=goal, finalists=finalists, runs=runs)
     check_lander(scenario, samples, seed)
     ground = ground_of(sites, regions)
-    density_sigma, lift_sigma, doubts = not_known(scenario, density_sigma, lift_sigma, doubts)
+    density_sigma, lift_sigma = air_not_known(scenario, density_sigma, lift_sigma)
+    doubts = doubts_of(scenario, doubts)
     air: dict[str, Any] = {"density_sigma": density_sigma, "lift_sigma": lift_sigma}
     campaign = campaign_of(scenario, samples, seed, ground=ground, **air)
     effort = Effort(workers=threads)
