@@ -29,7 +29,7 @@ from compass.entry.state import azimuth_from_heading, state_from_cartesian
 from compass.entry.vehicle import Vehicle
 from compass.entry.views import cartesian_of, spherical_jacobian
 from compass.errors import ArgumentError, CompassError, DesignError
-from compass.frames import SECONDS_PER_DAY, direction, prime_meridian_angle
+from compass.frames import HOUR, SECONDS_PER_DAY, direction, prime_meridian_angle
 from compass.inputs.design import read_design
 from compass.inputs.fusion_models import FusionTable
 from compass.inputs.guidance_models import dispersion_of, guidance_of
@@ -51,7 +51,7 @@ from compass.orbits.states import from_states
 from compass.orbits.touching import touching
 from compass.saving import readable
 
-KM, HOUR = 1e3, 3600.0
+KM = 1e3
 
 Winds = tuple[tuple[float, float, float], ...]
 

@@ -104,6 +104,12 @@ class ForceModel:
         if self.shadow not in SHADOWS:
             raise ArgumentError(f"shadow = {self.shadow!r}: allowed {', '.join(SHADOWS)}")
 
+    @property
+    def sunlight(self) -> float:
+        """Acceleration by sunlight times the distance from the Sun squared, m^3/s^2."""
+        pressure = SUN_IRRADIANCE.value / SPEED_OF_LIGHT.value * ASTRONOMICAL_UNIT.value**2
+        return self.radiation * pressure
+
     def describe(self) -> str:
         """Return the forces as a reader wants them named."""
         parts = [f"{self.field.name} to degree {self.field.degree}"]
@@ -139,8 +145,7 @@ class ForceModel:
         constants[places.GM], constants[places.RADIUS] = self.field.gm, self.field.radius
         constants[places.HIGHEST] = self.field.degree + 1
         constants[places.SUN_GM] = sky.sun_gm if self.sun else 0.0
-        pressure = SUN_IRRADIANCE.value / SPEED_OF_LIGHT.value * ASTRONOMICAL_UNIT.value**2
-        constants[places.SUNLIGHT] = self.radiation * pressure
+        constants[places.SUNLIGHT] = self.sunlight
         constants[places.SHADOW] = SHADOWS.index(self.shadow)
         constants[places.MARS_RADIUS] = MARS_EQUATORIAL_RADIUS.value
         constants[places.SUN_RADIUS] = SUN_RADIUS.value

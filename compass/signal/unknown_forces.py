@@ -5,14 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.bodies import (
-    ASTRONOMICAL_UNIT,
-    MARS_EQUATORIAL_RADIUS,
-    MARS_GM,
-    SPEED_OF_LIGHT,
-    SUN_IRRADIANCE,
-    SUN_RADIUS,
-)
+from compass.bodies import MARS_EQUATORIAL_RADIUS, MARS_GM, SUN_RADIUS
 from compass.core.pushes import pushes
 from compass.design import Design
 from compass.frames import prime_meridian_angle
@@ -67,13 +60,12 @@ def pushes_along(design: Design, motion: Motion, times: Array, r: Array) -> Arra
     forces, field, epoch = forces_of(motion), built_in_field(), design.constellation.epoch
     names = built_in_sigmas(DEGREE)
     terms = np.stack([unit_terms(kind, n, m, DEGREE) for kind, n, m, _ in names])
-    pressure = SUN_IRRADIANCE.value / SPEED_OF_LIGHT.value * ASTRONOMICAL_UNIT.value**2
     out = np.empty((*r.shape, 2 + len(names)))
     pushes(
         np.ascontiguousarray(r),
         np.ascontiguousarray(sun_earth_mci(epoch, times)[0][:, :3]),
         prime_meridian_angle(epoch, times) + field.meridian,
-        forces.radiation * pressure,
+        forces.sunlight,
         SHADOWS.index(forces.shadow),
         np.array([MARS_EQUATORIAL_RADIUS.value, SUN_RADIUS.value]),
         terms,
