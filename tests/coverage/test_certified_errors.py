@@ -112,9 +112,9 @@ def test_shares_are_those_of_a_map_at_random_moments(signal, name):
     share = float(mapped.global_error_share.sel(error=name))
     doubt = 4 * float(mapped.global_error_share_sampling.sel(error=name)) + 3e-3
     options = asked(d, name)
-    least = certified_share(d.constellation, limit, width=1e-2, **options)
+    least = certified_share(d.constellation, limit, width=3e-3, **options)
     most = certified_share(
-        d.constellation, limit, width=1e-2, **options | {"ranges": ranges_of(d, "set")}
+        d.constellation, limit, width=3e-3, **options | {"ranges": ranges_of(d, "set")}
     )
     assert "half turns" in least.scope and 0.3 < share < 0.99
     assert least.low - doubt <= share <= most.high + doubt

@@ -218,8 +218,8 @@ def test_users_below_the_figure_are_users_of_a_smaller_sphere():
 def test_fine_brackets_lie_in_those_without_symmetry_and_coarser_ones():
     pattern = walker(12, 3, 1, 63.0, 15000.0)
     mask, place = math.radians(10), latitude_band(-0.4, 0.4)
-    fine = certified_share(pattern, 5.0, mask=mask, place=place, width=4e-5)
-    assert fine.width <= 4e-5
+    fine = certified_share(pattern, 5.0, mask=mask, place=place, width=1e-5)
+    assert fine.width <= 1e-5
     plain = certified_share(pattern, 5.0, mask=mask, place=place, width=2e-2, symmetric=False)
     assert plain.low <= fine.low and fine.high <= plain.high
     near = shares_at_random(pattern, 5.0, "pdop", mask, 0.4, 50_000, np.random.default_rng(3))
@@ -245,7 +245,7 @@ def test_other_motions_meet_random_points(seed):
         orbits,
         7.0,
         figure=ELLIPSOID,
-        width=0.06,
+        width=0.03,
         duration=None if hours is None else hours * 3600,
         motion="j2" if drifting else "two-body",
     )

@@ -100,11 +100,12 @@ def test_optimal_inclination_against_a_scan():
 
 @pytest.mark.slow
 def test_fewer_than_15_satellites_have_fourfold_coverage():
-    found = search(4, 0.0, radius=RADIUS, figure=SPHERE, largest=14, beyond=1, finalists=1)
+    found = search(4, 0.0, radius=RADIUS, figure=SPHERE, largest=14, beyond=1, finalists=3)
     sizes = [c.constellation.size for c in found]
     assert sizes == sorted(sizes)
     assert sizes[0] == 13
-    assert found[0].proven and found[1].geometry is None
+    assert [c.proven for c in found[:3]] == [True] * 3
+    assert found[3].geometry is None
     margins = [c.mask_margin for c in found if c.constellation.size == 13]
     assert margins == sorted(margins, reverse=True)
     # the certificate is another algorithm: it agrees on both sides of the margin
