@@ -153,9 +153,9 @@ def __getattr__(name: str) -> object:
         return found
     guesses: list[str] = []
     if not name.startswith("_"):  # as programs ask, not people
-        from difflib import get_close_matches
+        from compass.errors import SHORT, near
 
-        guesses = get_close_matches(name, _HOMES, n=1, cutoff=0.7)  # two letters of four swapped
+        guesses = near(name, _HOMES, likeness=SHORT)
     meant = f"; did you mean compass.{guesses[0]}?" if guesses else ""
     raise AttributeError(f"module 'compass' has no attribute {name!r}{meant}")
 

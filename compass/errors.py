@@ -48,10 +48,15 @@ def found_so_far(said: Callable[[], str]) -> Iterator[None]:
 #: How alike two names must be, of 1, for the one to be offered for the other: a letter or two off.
 LIKENESS = 0.8
 
+#: The same for words as short as commands are: two letters of four swapped leave so much alike.
+SHORT = 0.7
 
-def near(name: str, known: Iterable[str], most: int = 1) -> list[str]:
+
+def near(
+    name: str, known: Iterable[str], most: int = 1, *, likeness: float = LIKENESS
+) -> list[str]:
     """Names that someone who wrote `name` may have meant, nearest first; often none."""
-    return get_close_matches(name, list(known), n=most, cutoff=LIKENESS)
+    return get_close_matches(name, list(known), n=most, cutoff=likeness)
 
 
 def whole_number(

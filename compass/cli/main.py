@@ -24,8 +24,9 @@ from click.core import ParameterSource
 
 import compass
 from compass.allowed import RANGES
+from compass.cli.options import meant
 from compass.cli.shared import CLAIM_FAILS, JSON, QUIET, announce_compilation, print_result
-from compass.errors import ArgumentError, CompassError, near
+from compass.errors import ArgumentError, CompassError
 
 DONE, BAD_INPUT, BROKEN, INTERRUPTED = 0, 2, 3, 130
 
@@ -61,8 +62,7 @@ class Commands(click.Group):
         try:
             return super().resolve_command(ctx, args)
         except click.UsageError as error:
-            guess = "".join(f" Did you mean '{w}'?" for w in near(args[0], self.list_commands(ctx)))
-            ctx.fail(error.message + guess)
+            ctx.fail(error.message + meant(args[0], self.list_commands(ctx)))
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; a reader of its pipe that has seen enough (head, say) ends it well."""

@@ -1,12 +1,12 @@
 """Arguments and options as commands declare them; what several share is written once."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
-from compass.errors import near
+from compass.errors import SHORT, near
 
 Decorator = Callable[..., Any]
 
@@ -19,8 +19,12 @@ class Word(click.Choice[str]):
         try:
             return super().convert(value, param, ctx)
         except click.BadParameter as error:
-            guess = "".join(f" Did you mean '{w}'?" for w in near(str(value), self.choices))
-            self.fail(error.message + guess, param, ctx)
+            self.fail(error.message + meant(str(value), self.choices), param, ctx)
+
+
+def meant(word: str, known: Iterable[str]) -> str:
+    """The question whether a near word was meant, if there is one."""
+    return "".join(f" Did you mean '{w}'?" for w in near(word, known, likeness=SHORT))
 
 
 def _option(names: Sequence[str], kind: Any, help: str, default: Any, more: dict[str, Any]) -> Any:

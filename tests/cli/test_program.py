@@ -64,6 +64,7 @@ def test_a_whole_number_that_no_kernel_takes_is_refused_by_its_option(
         (["reproduce", "kely2018"], "kelly2018"),
         (["search", "--pattern", "walker-dleta"], "walker-delta"),
         (["serach", "--fold", "4"], "search"),
+        (["shwo", "mine.toml"], "show"),
         (["new", "galaxy"], None),
         (["galaxy"], None),
     ],
