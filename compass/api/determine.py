@@ -14,6 +14,7 @@ from compass.design import Design
 from compass.digest import digest_of
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
+from compass.errors import ArgumentError
 from compass.frames import HOUR, SECONDS_PER_DAY
 from compass.handover.signal_toml import text_with_signal
 from compass.handover.toml import design_toml
@@ -38,6 +39,8 @@ if TYPE_CHECKING:
 
 COMPONENTS = ("radial", "along", "cross", "clock")
 
+#: What `DetermineResult.plot` draws.
+PICTURES = ("tracking", "components", "schedule")
 
 #: How well the sigmas are known.
 EVIDENCE = (
@@ -83,6 +86,9 @@ class DetermineResult(Result):
                 "days": found.arc / 86400.0,
                 "tracking": list(found.tracking.kinds),
                 "measurements": found.counts,
+                "tracked_share": {
+                    kind: tracked.mean(axis=1).tolist() for kind, tracked in found.tracked.items()
+                },
                 "considered": found.tracking.considered,
                 "evidence": EVIDENCE,
                 **self._numbers(found.rms[last]),
@@ -158,9 +164,23 @@ class DetermineResult(Result):
                     bought + (ahead if hours else ()),
                 ),
                 Table("Satellite by satellite, at the arc's end", header, each),
+                self._schedule_table(),
                 *(Sentence(note) for note in self.notes()),
             ),
         )
+
+    def _schedule_table(self) -> Table:
+        """Who measures for how much of the arc."""
+        share = quantity("tracked_share")
+        rows = []
+        for kind, tracked in self.found.tracked.items():
+            each = tracked.mean(axis=1)
+            values = (float(each.min()), float(each.mean()), float(each.max()))
+            rows.append(
+                (kind, str(self.found.counts[kind]), *(Value(share, value) for value in values))
+            )
+        header = ("", "measurements", *(f"{share.heading}, {w}" for w in ("least", "mean", "most")))
+        return Table("Who measures when: a satellite's share of the arc", header, tuple(rows))
 
     def _cells(self, sigma: Any, tracking: Tracking | None = None) -> tuple[Value, ...]:
         numbers = self._numbers(sigma, tracking)
@@ -215,10 +235,32 @@ class DetermineResult(Result):
         with replacing(Path(path)) as temporary:
             temporary.write_text(text, encoding="utf-8")
 
-    def plot(self, *, axes: "Axes | None" = None) -> "Axes":
-        """Draw the position's sigma over time, with all tracking and without each kind."""
-        from compass.pictures.determine import draw_sigmas
+    def plot(self, *, name: str = "tracking", axes: "Axes | None" = None) -> "Axes":
+        """Draw sigmas over time, or who tracks whom when.
 
+        Parameters
+        ----------
+        name
+            ``tracking``: the position's sigma with all tracking and without each kind;
+            ``components``: radial, along, cross and clock, the mean and span over satellites;
+            ``schedule``: whom each kind of tracker measures when.
+        axes
+            Where to; new ones without.
+
+        Raises
+        ------
+        ArgumentError
+            Another name.
+        """
+        from compass.pictures.determine import draw_components, draw_schedule, draw_sigmas
+
+        if name == "components":
+            return draw_components(axes, self.design.name, self.found, self.clock_known)
+        if name == "schedule":
+            c = self.design.constellation
+            return draw_schedule(axes, self.design.name, self.found, c.satellite_names)
+        if name != "tracking":
+            raise ArgumentError(f"name = {name!r}: allowed {', '.join(PICTURES)}")
         return draw_sigmas(axes, self.design.name, self.found, self.by_tracking)
 
     @property
@@ -228,8 +270,19 @@ class DetermineResult(Result):
 
         dims, sigma = ("satellite", "time"), np.moveaxis(self.found.sigma, 0, -1)
         known = COMPONENTS if self.clock_known else COMPONENTS[:3]
+        kinds, epochs = self.found.tracked, self.found.times.size
+        on = np.zeros((len(kinds), len(sigma), epochs), np.int8)
+        for k, tracked in enumerate(kinds.values()):
+            on[k, :, : tracked.shape[1]] = tracked
         made = xr.Dataset(
             {
+                "tracked": (
+                    ("tracker", *dims),
+                    on,
+                    {"units": "1", "long_name": "whether the tracker measures the satellite"},
+                )
+            }
+            | {
                 (name := f"{component}_sigma_m"): (
                     dims,
                     sigma[:, k],
@@ -238,6 +291,7 @@ class DetermineResult(Result):
                 for k, component in enumerate(known)
             },
             {
+                "tracker": list(kinds),
                 "satellite": list(self.design.constellation.satellite_names),
                 "time": ("time", self.found.times, {"units": "s", "long_name": "time"}),
             },
@@ -246,11 +300,11 @@ class DetermineResult(Result):
         )
         return dated(made)
 
-    def save_plot(self, path: str | Path) -> None:
+    def save_plot(self, path: str | Path, name: str = "tracking") -> None:
         """Write `plot` as a PNG file; a killed run leaves no partial one."""
         from compass.pictures.files import save_axes
 
-        save_axes(self.plot(), path)
+        save_axes(self.plot(name=name), path)
 
 
 def _if_known(tracking: Tracking) -> dict[str, Tracking]:

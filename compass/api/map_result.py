@@ -193,6 +193,36 @@ class MapResult(Result):
                 f"the shape of the error ellipse), with {basis(self.design)}; it weighs ranges by "
                 f"{known}; ± is a standard error of sampling"
             ),
+            *self._budget_blocks(found.get("fix_budget")),
+        )
+
+    def _budget_blocks(self, budget: dict[str, Any] | None) -> tuple[Table | Sentence, ...]:
+        """What ranges and fixes are made of: parts of their variance, and geometry's factor."""
+        if budget is None:
+            return ()
+        made_of = (budget["range_parts"], *(budget[name]["parts"] for name in ERRORS))
+        parts = [part for part in budget["range_parts"] if any(one[part] for one in made_of)]
+        share, factor = quantity("part_share"), quantity("geometry_factor")
+        percentiles = list(budget["error_time_m"]["geometry"])
+        header = ("", *(f"{part}, %" for part in parts), *(f"geometry, {p}" for p in percentiles))
+        of_range = (Value(share, budget["range_parts"][part]) for part in parts)
+        rows: list[tuple[Any, ...]] = [
+            ("a range", *of_range, *(Value(factor, 1.0) for _ in percentiles))
+        ]
+        for name in ERRORS:
+            one = budget[name]
+            each = (Value(share, one["parts"][part]) for part in parts)
+            times = (Value(factor, one["geometry"][p]) for p in percentiles)
+            rows.append((quantity(name).title, *each, *times))
+        sigma = Value(quantity("range_error_m"), budget["range_error_m"])
+        return (
+            Table("What a fix is made of: parts of its variance, geometry", header, tuple(rows)),
+            Sentence(
+                f"ranges in fixes have an error of {sigma} m (one sigma, root mean square), and "
+                "geometry makes the errors of fixes so many times that, at each percentile; parts "
+                "are means over area and time; where orbit and clock are correlated they share "
+                "what they make together as their own variances stand"
+            ),
         )
 
     def protection_blocks(self) -> tuple[Table | Sentence, ...]:

@@ -68,7 +68,26 @@ def error_statistics(dataset: "xr.Dataset") -> dict[str, Any]:
         found[name]["share_sampling"] = float(of.global_error_share_sampling)
     for name, most in ROVER.items():
         found[most] = FACTOR_95 * found[name]["p95"]
-    return found | {"error_limit_m": dataset.attrs["error_limit_m"]}
+    return found | _budget(dataset) | {"error_limit_m": dataset.attrs["error_limit_m"]}
+
+
+def _budget(dataset: "xr.Dataset") -> dict[str, Any]:
+    """What a fix is made of: the range's error, its parts, and by how much geometry enlarges it."""
+    parts = dataset.part.values.tolist()
+    if not np.isfinite(sigma := float(dataset.range_error_rms)):
+        return {}
+    by_error = {}
+    for name in dataset.error.values.tolist():
+        of = dataset.sel(error=name)
+        by_error[name] = {
+            "parts": dict(zip(parts, of.fix_part.values.tolist(), strict=True)),
+            "geometry": {
+                f"p{int(q)}": float(of.global_error.sel(global_percentile=q)) / sigma
+                for q in dataset.global_percentile.values
+            },
+        }
+    of_range = dict(zip(parts, dataset.range_part.values.tolist(), strict=True))
+    return {"fix_budget": {"range_error_m": sigma, "range_parts": of_range, **by_error}}
 
 
 def protection_statistics(dataset: "xr.Dataset") -> dict[str, Any]:

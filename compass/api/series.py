@@ -178,9 +178,9 @@ class SeriesResult(Result):
             "counts"
         )
         blocks = (Verdict("" if not lacking else "gaps", claim, not lacking), self._table())
-        return Page(self.design.name, (*blocks, Sentence(how), *self._error_blocks()))
+        return Page(self.design.name, (*blocks, Sentence(how), *self.error_blocks()))
 
-    def _error_blocks(self) -> tuple[Table | Sentence, ...]:
+    def error_blocks(self) -> tuple[Table | Sentence, ...]:
         """Errors of fixes in metres over time, of a design with a signal."""
         rows = self.error_rows()
         if not rows:

@@ -18,6 +18,7 @@ from compass.api.map_areas import area_blocks
 from compass.api.map_result import MapResult
 from compass.api.outlook import outlook
 from compass.api.reproduce import comparison_table
+from compass.api.series import SeriesResult, series
 from compass.api.show import show
 from compass.bodies import SOLAR_DAY
 from compass.core.ranking import nearest_rank
@@ -33,6 +34,7 @@ from compass.document.blocks import (
     columns,
     values,
 )
+from compass.frames import SECONDS_PER_DAY
 from compass.orbits.symmetry import one_circle
 from compass.pages.access import access_section
 from compass.pages.answers import answer_section, subtitle
@@ -127,7 +129,22 @@ def look_at(
     lasts = outlook(design)
     progress("requirements")
     checked = check(design) if design.requirements else None
-    return Found(design, show(design), mapped, proven, links, lasts, checked)
+    progress("errors over time")
+    followed = _followed(design, mapped)
+    return Found(design, show(design), mapped, proven, links, lasts, checked, followed)
+
+
+#: Days over which errors at sites are followed at most, and moments of them.
+FOLLOWED_DAYS, MOMENTS = 3.0, 433
+
+
+def _followed(design: Design, mapped: MapResult) -> SeriesResult | None:
+    """What stations know of their place over the time that is mapped, where ranges have errors."""
+    if design.signal is None or not design.stations:
+        return None
+    period = float(mapped.dataset.attrs["period_s"]) / SECONDS_PER_DAY
+    start = float(mapped.dataset.attrs["start_day"])
+    return series(design, days=min(period, FOLLOWED_DAYS), start_day=start, epochs=MOMENTS)
 
 
 def _known_sols(design: Design) -> float | None:
@@ -307,7 +324,7 @@ SECTIONS: tuple[tuple[str, Callable[[Found, list[Neighbour]], Section | None]], 
     ("sites and regions", _areas),
     ("coverage", _coverage),
     ("geometry and accuracy", _accuracy),
-    ("errors in metres", lambda found, _: metres_section(found.mapped)),
+    ("errors in metres", lambda found, _: metres_section(found.mapped, found.followed)),
     ("who tracks them", lambda found, _: tracking_section(found.design)),
     ("stations and links", _links),
     ("orbits", _orbits),
@@ -319,4 +336,4 @@ SECTIONS: tuple[tuple[str, Callable[[Found, list[Neighbour]], Section | None]], 
 )
 
 #: How many parts `design_report` tells of: what it looks at and draws first, then the sections.
-PARTS = 7 + len(SECTIONS)
+PARTS = 8 + len(SECTIONS)

@@ -7,6 +7,7 @@ from compass.api.check import CheckResult
 from compass.api.fold_result import FoldResult
 from compass.api.map_result import MapResult
 from compass.api.outlook import Outlook
+from compass.api.series import SeriesResult
 from compass.api.show import ShowResult
 from compass.design import Design
 
@@ -27,6 +28,8 @@ class Found:
         Of `compass.check`; None where the design has no requirements of its own.
     outlook
         How long it lasts on real orbits; None where nobody asked.
+    followed
+        Of `compass.series` at the stations; None without any, or without a signal.
     """
 
     design: Design
@@ -36,3 +39,4 @@ class Found:
     access: AccessResult | None
     outlook: Outlook | None = None
     checked: CheckResult | None = None
+    followed: SeriesResult | None = None

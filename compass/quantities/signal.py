@@ -59,6 +59,19 @@ SIGNAL = (
         "clock_sigma_m", "m", "clock", 3, "less",
         meaning="Of a satellite's clock as length, one sigma; none where nothing measures it.",
     ),
+    Quantity(
+        "tracked_share", "1", "tracked", 3, "more", "share", (0.0, 1.0),
+        meaning="Share of the arc's epochs at which a kind of tracker measures a satellite.",
+    ),
+    Quantity(
+        "part_share", "1", "share of the variance", 3, "", "share", (0.0, 1.0),
+        meaning="Of ranges or of fixes, from one source of error.",
+    ),
+    Quantity(
+        "geometry_factor", "1", "geometry", 3, "less",
+        meaning="By how much where the satellites stand makes an error of a fix larger than that "
+        "of its ranges.",
+    ),
     _error("error_horizontal_m", "horizontal error", "Root of the east and north variances"),
     _error("error_vertical_m", "vertical error", "Of the height"),
     _error("error_position_m", "position error", "Root of the three variances"),

@@ -54,6 +54,8 @@ class Determination:
         Measurements of each kind of tracker.
     tracking
         By whom.
+    tracked
+        By kind of tracker: which satellites it measures at which epoch of the arc, shape (n, t).
     """
 
     times: Array
@@ -63,6 +65,7 @@ class Determination:
     common_time: float
     counts: dict[str, int]
     tracking: Tracking
+    tracked: dict[str, NDArray[np.bool_]]
 
     @property
     def sigma(self) -> Array:
@@ -194,6 +197,7 @@ def determine_orbits(
         common_time=common_time,
         counts=rows.counts,
         tracking=chosen,
+        tracked=rows.tracked,
     )
 
 

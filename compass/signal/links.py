@@ -39,6 +39,8 @@ class Rows:
         Variance of each considered number, behind the satellites' states.
     counts
         How many measurements each kind of tracker made.
+    tracked
+        By kind of tracker: which satellites are measured when, shape (satellite, epoch).
     """
 
     first: NDArray[np.int64]
@@ -47,6 +49,7 @@ class Rows:
     variances: Array
     considered: Array
     counts: dict[str, int]
+    tracked: dict[str, NDArray[np.bool_]]
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,11 @@ class _Sight:
     axes: Array
     spin: Array
 
+    @property
+    def busy(self) -> NDArray[np.bool_]:
+        """Which may be measured: in view of a tracker on duty."""
+        return self.seen & self.on_duty
+
 
 def measurement_rows(design: Design, tracking: Tracking, times: Array, r: Array, v: Array) -> Rows:
     """Rows of every measurement of an arc.
@@ -86,15 +94,24 @@ def measurement_rows(design: Design, tracking: Tracking, times: Array, r: Array,
     parts: list[tuple[Array, NDArray[np.int64], Array, Array]] = []
     considered: list[float] = []
     counts = dict.fromkeys(tracking.kinds, 0)
+    tracked = {kind: np.zeros((n, len(times)), bool) for kind in tracking.kinds}
     for sight in _sights(design, tracking, times, r, v):
         at = STATES * n + len(considered)
         tracker = sight.tracker
         considered += [tracker.bias**2, tracker.time_bias**2] + [tracker.position**2] * 3
-        for part in _rows(sight, at, times, tracking.step):
+        busy = in_turn(sight.busy) if tracker.schedule == "in-turn" else sight.busy
+        tracked[sight.kind] |= busy
+        for part in _rows(sight, busy, at, tracking.step):
             parts.append(part)
             counts[sight.kind] += len(part[0])
     if tracking.crosslinks is not None:
-        for part in _crosslinks(design.figure, tracking, r, v):
+        one, two = np.triu_indices(n, 1)
+        busy = clear_of(design.figure, r[one], r[two])
+        if tracking.crosslinks.schedule == "in-turn":
+            busy = in_turn(busy)
+        np.logical_or.at(tracked["crosslinks"], one, busy)
+        np.logical_or.at(tracked["crosslinks"], two, busy)
+        for part in _crosslinks(busy, one, two, tracking, r, v):
             parts.append(part)
             counts["crosslinks"] += len(part[0])
     epoch = np.concatenate([np.zeros(0), *(p[0] for p in parts)]).astype(np.int64)
@@ -110,6 +127,7 @@ def measurement_rows(design: Design, tracking: Tracking, times: Array, r: Array,
         variances=variances[order],
         considered=np.array(considered),
         counts=counts,
+        tracked=tracked,
     )
 
 
@@ -207,13 +225,10 @@ def clear_of(figure: Figure, one: Array, two: Array) -> NDArray[np.bool_]:
 
 
 def _rows(
-    sight: _Sight, at: int, times: Array, step: float
+    sight: _Sight, busy: NDArray[np.bool_], at: int, step: float
 ) -> Iterator[tuple[Array, NDArray[np.int64], Array, Array]]:
     """Epochs, columns, values and variances of one tracker's measurements, kind by kind."""
     tracker = sight.tracker
-    busy = sight.seen & sight.on_duty
-    if tracker.schedule == "in-turn":
-        busy = in_turn(busy)
     satellite, epoch = np.nonzero(busy)
     distance = np.linalg.norm(sight.away, axis=-1)[satellite, epoch][:, None]
     u = sight.away[satellite, epoch] / distance
@@ -245,16 +260,12 @@ def _rows(
 
 
 def _crosslinks(
-    figure: Figure, tracking: Tracking, r: Array, v: Array
+    busy: NDArray[np.bool_], one: Array, two: Array, tracking: Tracking, r: Array, v: Array
 ) -> Iterator[tuple[Array, NDArray[np.int64], Array, Array]]:
-    """As `_rows`, of all pairs of satellites that see each other."""
+    """As `_rows`, of pairs of satellites."""
     tracker = tracking.crosslinks
     assert tracker is not None
-    one, two = np.triu_indices(len(r), 1)
     away, speed = r[two] - r[one], v[two] - v[one]
-    busy = clear_of(figure, r[one], r[two])
-    if tracker.schedule == "in-turn":
-        busy = in_turn(busy)
     pair, epoch = np.nonzero(busy)
     distance = np.linalg.norm(away, axis=-1)[pair, epoch][:, None]
     u, rate = away[pair, epoch] / distance, speed[pair, epoch]

@@ -38,17 +38,38 @@ def test_errors_budget_and_promise_stand_on_the_page():
     stems = [p.stem for p in section.pictures]
     assert stems == [
         "error-horizontal-p95", "error-vertical-p95", "error-time-p95",
-        "protection-horizontal-p95", "protection-vertical-p95", "range-budget",
+        "protection-horizontal-p95", "protection-vertical-p95", "fix-budget", "range-budget",
     ]  # fmt: skip
     assert all(p.drawn.startswith((b"\x89PNG", b"<svg")) and p.alt for p in section.pictures)
     titles = [t.title for t in section.tables]
     assert any(t.startswith("Errors of a fix") for t in titles)
     assert any(t.startswith("Budget of a range") for t in titles)
     assert any("a rover anywhere: " in text for text in section.paragraphs)
+    assert any(t.startswith("What a fix is made of") for t in titles)
+
+
+def test_errors_at_the_sites_stand_on_the_page_over_time():
+    made = mapped(
+        DESIGN + SIGNAL + "[[station]]\nname = 'A'\nlatitude_deg = 3\nlongitude_deg = 5\n"
+    )
+    followed = compass.series(made.design, days=0.1, epochs=7)
+    section = metres_section(made, followed)
+    stems = [p.stem for p in section.pictures]
+    assert [s for s in stems if s.endswith("sites")] == [
+        "error-horizontal-sites", "error-vertical-sites"]  # fmt: skip
+    assert any(t.title == "Errors of fixes over time" for t in section.tables)
+
+
+def test_a_design_that_never_has_a_fix_gets_no_bars():
+    few = DESIGN.replace("satellites = 9", "satellites = 3")
+    stems = [p.stem for p in metres_section(mapped(few + SIGNAL)).pictures]
+    assert "fix-budget" not in stems and "range-budget" in stems
 
 
 def test_the_tracking_stands_on_the_page():
     section = tracking_section(read_design_text(DESIGN + SIGNAL + TRACKED))
-    assert [p.stem for p in section.pictures] == ["tracking-sigma"]
+    stems = ["tracking-sigma", "tracking-components", "tracking-schedule"]
+    assert [p.stem for p in section.pictures] == stems
+    assert any(t.title.startswith("Who measures when") for t in section.tables)
     assert any(" of tracking by earth" in text for text in section.paragraphs)
     assert len(list(walk(section.blocks))) > 3

@@ -352,7 +352,8 @@ def test_trackers_see_what_the_windows_say():
     )  # fmt: skip
     times = 600.0 * np.arange(145)
     r, v = elliptic(d.constellation, times)
-    counts = measurement_rows(d, tracking, times, r, v).counts
+    rows = measurement_rows(d, tracking, times, r, v)
+    counts = rows.counts
     span = times[-1]
     satellites = satellite_nodes(d.constellation)
     others = {
@@ -365,6 +366,11 @@ def test_trackers_see_what_the_windows_say():
         expected = sum(int(((times >= a) & (times <= b)).sum()) for w in found for a, b in w.spans)
         # an epoch within a second of a rise or set may count either way
         assert abs(counts[kind] - expected) <= 2, kind
+        for k, satellite in enumerate(satellites):
+            own = [w for w in found if w.second == satellite.name]
+            spans = [span for w in own for span in w.spans]
+            seen = np.any([(times >= a) & (times <= b) for a, b in spans], axis=0)
+            assert (rows.tracked[kind][k] != seen).sum() <= 2
     pairs = [(satellites[i], satellites[j]) for i in range(3) for j in range(i + 1, 3)]
     found = windows(pairs, span, figure=d.figure)
     expected = sum(int(((times >= a) & (times <= b)).sum()) for w in found for a, b in w.spans)
@@ -540,8 +546,13 @@ def test_the_command_tells_sigmas_and_writes_the_signal(tmp_path):
     assert again.access.earth and "# kept" in (tmp_path / "o.toml").read_text()
     assert "[signal]" in replace(found, design=replace(found.design, text="")).design_text()
     assert found.plot().get_legend() is not None
-    found.save_plot(tmp_path / "o.png")
+    found.save_plot(tmp_path / "o.png", "schedule")
     assert (tmp_path / "o.png").stat().st_size > 1000
+    labels = [line.get_text() for line in found.plot(name="components").get_legend().get_texts()]
+    assert labels == ["radial", "along", "cross", "clock"]
+    with pytest.raises(ArgumentError, match="allowed tracking, components, schedule"):
+        found.plot(name="sigma")
+    assert found.dataset.tracked.sel(tracker="earth").sum() == told["measurements"]["earth"] / 2
 
 
 def test_without_clocks_no_signal_follows(tmp_path):
