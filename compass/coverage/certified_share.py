@@ -20,6 +20,10 @@ from compass.orbits import Constellation
 #: Boxes that one piece of work starts from: fixed, so that sums do not depend on who works.
 PIECE = 2048
 
+#: Satellites up to which pieces are whole: a box takes as much longer as there are more of them,
+#: and the clock is looked at between pieces.
+WHOLE = 64
+
 #: Part of the whole that a box may keep open in the first round of splitting; four times less in
 #: each that follows, but no less in the last than the width asked for needs.
 FIRST = 1e-3
@@ -141,6 +145,11 @@ def certified_share(
     return found
 
 
+def fewer(boxes: int, satellites: int) -> int:
+    """Boxes of a piece of work that takes as long with many satellites as `boxes` with `WHOLE`."""
+    return max(1, boxes * WHOLE // max(satellites, WHOLE))
+
+
 class Ends(TypedDict):
     """What ends a search of a weighed share."""
 
@@ -232,7 +241,8 @@ class Search:
         if most <= 0:
             return leaves, np.zeros(4), "boxes"
         arrays = self.question.arrays(limit)
-        pieces = [leaves[k : k + PIECE] for k in range(0, max(len(leaves), 1), PIECE)]
+        size = fewer(PIECE, self.question.satellites)
+        pieces = [leaves[k : k + size] for k in range(0, max(len(leaves), 1), size)]
         kept: list[NDArray[np.float64]] = []
         sums, stopped = np.zeros(4), ""
 

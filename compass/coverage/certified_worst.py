@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from compass.core.certified.worst import LEAF, pursue
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_question import DOPS, Asked, Question
+from compass.coverage.certified_share import fewer
 from compass.coverage.certified_witness import WorstWitness, dilution_at
 from compass.errors import ArgumentError
 from compass.frames import planetocentric_latitude
@@ -27,7 +28,7 @@ UNBOUNDED = 1e4
 RATIOS = (4.0, 2.0, 1.25, 1.05)
 
 #: Boxes that one piece of work starts from, and may look at: at first and at most, twice as many
-#: in each turn. Fixed, so that nothing depends on who works.
+#: in each turn where no clock is to be looked at. Fixed, so that nothing depends on who works.
 PIECE, FEW, MANY = 1024, 8192, 262_144
 
 
@@ -207,7 +208,11 @@ class _Pursuit:
         start: CertifiedWorst | None = None,
     ) -> None:
         self.question, self.workers, self.budget = question, workers, budget_boxes
-        self.stopped, self.boxes, self.few = "", 0, FEW
+        self.stopped, self.boxes = "", 0
+        self.size, self.few, self.many = (
+            fewer(boxes, question.satellites)
+            for boxes in (PIECE, FEW, MANY if budget_s == np.inf else FEW)
+        )
         self.arrays = question.arrays()
         if start is not None and start.leaves is not None:
             self.leaves, self.best, self.boxes = start.leaves, np.array(start.best), start.boxes
@@ -224,7 +229,7 @@ class _Pursuit:
         self.stopped, halt = "", beyond * beyond
         pending, done = self.leaves, []
         while len(pending) and not self.stopped and self.best[0] <= halt:
-            pieces = [pending[k : k + PIECE] for k in range(0, len(pending), PIECE)]
+            pieces = [pending[k : k + self.size] for k in range(0, len(pending), self.size)]
             left: list[NDArray[np.float64]] = []
             with ThreadPoolExecutor(self.workers) as pool:
                 results = pool.map(lambda piece: self._work(piece, ratio, enough, beyond), pieces)
@@ -249,7 +254,7 @@ class _Pursuit:
                     pool.shutdown(cancel_futures=True)
                     left += pieces[len(left) :]
                     self.stopped = "interrupted"
-            self.best, self.few = best, min(2 * self.few, MANY)
+            self.best, self.few = best, min(2 * self.few, self.many)
             leaves = np.concatenate(left)
             leaves = leaves[leaves[:, 6] > max(best[0], enough * enough)]
             near = leaves[:, 6] <= best[0] * ratio * ratio

@@ -20,7 +20,7 @@ from compass.papers.lou_observability import (
     singular_values,
 )
 from compass.papers.spherical import spherical_parameters
-from compass.papers.verdict import Erratum, Row, claim, computed
+from compass.papers.verdict import Erratum, Row, claim, computed, extremes
 
 TITLE = (
     "Lou, Chen, Wang, He and Liu 2019, Reliable Distributed Integrated Navigation Based on CI "
@@ -178,16 +178,12 @@ def observability_rows() -> list[Row]:
     where = "Figure 2"
     elsewhere = "from lon = lat = 0: from the printed start no beacon is in sight"
     return [
-        claim(
-            "What is printed as the maximum and as the minimum of the observability degree",
+        extremes(
             "section 2.4",
             "maximum and minimum observability degrees",
-            (float(PRINTED_MAXIMUM), float(PRINTED_MINIMUM)),
+            (PRINTED_MAXIMUM, PRINTED_MINIMUM),
+            (degrees.min(), degrees.max()),
             "SI",
-            "the first is larger",
-            lambda maximum, minimum: maximum > minimum,
-            shown="{:.0e}, {:.0e}",
-            erratum=Erratum("exchanged", shown=lambda maximum, minimum: maximum < minimum),
         ),
         claim(
             "observability degree of all measurements, smallest",

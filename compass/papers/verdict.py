@@ -251,6 +251,34 @@ def claim(
     )  # fmt: skip
 
 
+def extremes(where: str, published: str, printed: tuple[str, str], ends: Found, unit: str) -> Row:
+    """Row of what is printed as the maximum and the minimum, in this order, of a degree.
+
+    An erratum where they are exchanged: the second is larger, and of the least and greatest degree
+    found (`ends`) each is nearer, as a ratio, to what is printed as the other.
+    """
+
+    def exchanged(maximum: float, minimum: float, least: float, greatest: float) -> bool:
+        if not 0 < min(maximum, minimum, least, greatest) < np.inf:
+            return False
+        beside = abs(np.log(least / minimum)) + abs(np.log(greatest / maximum))
+        across = abs(np.log(least / maximum)) + abs(np.log(greatest / minimum))
+        return bool(maximum < minimum and across < beside)
+
+    return claim(
+        "What is printed as the maximum and as the minimum of the observability degree; least and "
+        "greatest found",
+        where,
+        published,
+        (*map(float, printed), *_floats(ends)),
+        unit,
+        "the first is larger",
+        lambda maximum, minimum, least, greatest: maximum > minimum and greatest >= least > 0,
+        shown="{:.4g}, {:.4g}; {:.3g}, {:.3g}",
+        erratum=Erratum("exchanged: what is found lies by the other", shown=exchanged),
+    )
+
+
 def computed(
     item: str,
     where: str,

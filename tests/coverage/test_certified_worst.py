@@ -1,13 +1,16 @@
 """The largest dilution of precision: brackets, witnesses evaluated by themselves, claims settled."""
 
+import itertools
 import math
 
 import numpy as np
 import pytest
 
+from compass.coverage import certified_share as share_module
+from compass.coverage import certified_worst as worst_module
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_places import Circle, Spot, Tile
-from compass.coverage.certified_question import DOPS
+from compass.coverage.certified_question import DOPS, Question
 from compass.coverage.certified_witness import dilution_at
 from compass.coverage.certified_worst import certified_always, certified_worst
 from compass.coverage.region import convex_polygon, latitude_band
@@ -132,6 +135,35 @@ def test_without_time_nothing_is_known():
     assert "stopped early (time)" in found.sentence
     claim = certified_always(walker(6, 3, 1), 5.0, place=Circle(0.3), budget_s=0.0)
     assert claim.outcome == Outcome.UNDECIDED
+
+
+def ticking(monkeypatch, module):
+    """A clock that is a second further each time someone looks."""
+    clock = itertools.count()
+    monkeypatch.setattr(module, "monotonic", lambda: float(next(clock)))
+
+
+@pytest.mark.parametrize("satellites", [60, 3000])
+def test_the_clock_is_looked_at_as_often_with_many_satellites(monkeypatch, satellites):
+    """One piece of work in a budget of one look: satellites times boxes are the same."""
+    ticking(monkeypatch, worst_module)
+    many = walker(satellites, 10, 1)
+    found = certified_worst(many, place=Circle(0.3), budget_s=1.5)
+    assert found.stopped == "time"
+    assert 1 <= found.boxes <= worst_module.FEW * 64 / satellites + 2
+    search, leaves = share_module.Search(Question(many, place=Circle(0.3)), 1), np.ones((3000, 10))
+    monkeypatch.setattr(share_module, "refine", lambda piece, *_: (np.ones(4), piece))
+    ticking(monkeypatch, share_module)
+    open_, sums, stopped = search._round(leaves, 1e-3, 6.0, 0.5, math.inf)
+    assert (len(open_), stopped) == (3000, "time")
+    assert sums[0] == 1  # one look in time, at a piece
+    sizes = []
+    monkeypatch.setattr(
+        share_module, "refine", lambda piece, *_: (np.ones(4), sizes.append(len(piece)) or piece)
+    )
+    search._round(leaves, 1e-3, 6.0, math.inf, math.inf)
+    assert sum(sizes) == 3000
+    assert max(sizes) == max(1, min(share_module.PIECE, share_module.PIECE * 64 // satellites))
 
 
 def test_an_interrupted_search_keeps_what_it_has(monkeypatch):

@@ -8,6 +8,7 @@ from compass.papers.verdict import (
     claim,
     compare,
     computed,
+    extremes,
     printed_tolerance,
 )
 
@@ -70,6 +71,20 @@ def test_what_the_paper_does_not_say_is_computed():
     assert (row.verdict, row.computed, row.difference) == (Verdict.COMPUTED, 3.0, None)
     assert row.holds
     assert row.as_dict()["verdict"] == "computed"
+
+
+def test_exchanged_extremes_need_what_is_found_beside_them():
+    """1e-8 printed as the maximum and 1e-7 as the minimum, of degrees found from 2e-8 to 9e-8."""
+
+    def verdict(printed, *ends):
+        return extremes("T", "extremes", printed, ends, "1").verdict
+
+    exchanged = ("1e-8", "1e-7")
+    assert verdict(exchanged, 2e-8, 9e-8) is Verdict.ERRATUM
+    assert verdict(exchanged, 9e-8, 2e-8) is Verdict.DIFFERS
+    assert verdict(exchanged[::-1], 2e-8, 9e-8) is Verdict.REPRODUCED
+    for nothing in ((0.0, 9e-8), (-1.0, 9e-8), (float("nan"), 9e-8), (2e-8, float("inf"))):
+        assert verdict(exchanged, *nothing) is Verdict.DIFFERS
 
 
 def test_a_row_that_holds_of_everything_is_found_out(every_row_can_fail):
