@@ -1,6 +1,9 @@
 """What does not fit into this machine's memory is refused before it is begun."""
 
 import os
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
 
 from compass.errors import ArgumentError
 
@@ -8,8 +11,29 @@ from compass.errors import ArgumentError
 MOST = 0.9
 
 
+#: Files in which a container's limit stands, or a word where it has none.
+CONTAINER = (
+    Path("/sys/fs/cgroup/memory.max"),
+    Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
+)
+
+
+def limits() -> Iterator[float]:
+    """What this process may have at most, bytes: of the machine, a container, and the user."""
+    yield os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    for file in CONTAINER:
+        with suppress(OSError, ValueError):
+            yield int(file.read_text())
+    with suppress(ImportError):  # not on Windows
+        import resource
+
+        for kind in (resource.RLIMIT_AS, resource.RLIMIT_DATA):
+            if (most := resource.getrlimit(kind)[0]) != resource.RLIM_INFINITY:
+                yield most
+
+
 def check_fits(needed: float, asked: str, advice: str) -> None:
-    """Refuse what takes more bytes than this machine can give.
+    """Refuse what takes more bytes than there can be.
 
     Parameters
     ----------
@@ -25,9 +49,9 @@ def check_fits(needed: float, asked: str, advice: str) -> None:
     ArgumentError
         With how much it would take and how much there is.
     """
-    there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    there = min(limits())
     if needed > MOST * there:
         raise ArgumentError(
-            f"{asked} would take {needed / 1e9:.3g} GB, this machine has {there / 1e9:.3g}; "
+            f"{asked} would take {needed / 1e9:.3g} GB of memory, there are {there / 1e9:.3g}; "
             f"{advice}"
         )

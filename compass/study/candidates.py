@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from compass.errors import DesignError
 from compass.inputs.study import Free, Study
+from compass.memory import check_fits
 from compass.orbits import Constellation, Pattern
 from compass.orbits.constellation import from_pattern
 from compass.orbits.kinds import KIND_NAMES, ROSETTE, WALKER_STAR, kind_of
@@ -37,6 +38,9 @@ ROW = np.dtype(
 
 #: Candidates of a grid that a run can come to the end of.
 MOST_CANDIDATES = 10**9
+
+#: Bytes of memory that a candidate takes at the end, in the sets and tables of a run.
+KEPT = 1700
 
 #: Digits behind the point of what is drawn from a range, and by how much that may be beyond it.
 DIGITS = 6
@@ -358,13 +362,19 @@ def check_space(study: Study) -> None:
 
     Raises
     ------
+    ArgumentError
+        What is found out about all of them does not fit into memory.
     DesignError
         As `blocks` and `Grid`.
     """
-    if study.sampling.method == "grid":
-        Grid(study)
-    else:
+    if study.sampling.method != "grid":
         blocks(study)
+        return
+    check_fits(
+        KEPT * (count := len(Grid(study))),
+        f"{study.label}: study: what is found out about {count} candidates",
+        "take larger steps, or draw from the grid: sampling.method (latin-hypercube, sobol, nsga2)",
+    )
 
 
 def batches(found: Grid | Listed, size: int) -> Iterator[NDArray]:

@@ -1,5 +1,6 @@
 """All that a store holds, as one dataset over the candidates; and the best of them."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -175,7 +176,13 @@ def write_results(dataset: "xr.Dataset", path: Path) -> None:
     yes_no = ("feasible", "straddling", "decided")
     made = dataset.assign({name: dataset[name].astype("i1") for name in yes_no})
     save_netcdf(path, made.assign_attrs(history=f"compass trade, version {compass.__version__}"))
-    columns = [made[name].values.tolist() for name in made.data_vars]
-    rows = ([None if x != x else x for x in row] for row in zip(*columns, strict=True))
     with replacing(path.with_suffix(".csv")) as temporary:
-        write_csv(temporary, [str(name) for name in made.data_vars], rows)
+        write_csv(temporary, [str(name) for name in made.data_vars], _lines(made))
+
+
+def _lines(made: "xr.Dataset", piece: int = 4096) -> Iterator[list[Any]]:
+    """A candidate a line, none where a number is not known; few at once, for lists take memory."""
+    columns = [made[name].values for name in made.data_vars]
+    for k in range(0, made.sizes["candidate"], piece):
+        for row in zip(*(column[k : k + piece].tolist() for column in columns), strict=True):
+            yield [None if x != x else x for x in row]

@@ -149,7 +149,8 @@ class Store:
         self.done: dict[str, set[str]] = {}
         self.damaged: list[str] = []
         self.study = study
-        self._end = 0
+        self._end = self._first = 0
+        self._missing = [place for place in (folder, *folder.parents) if not place.exists()]
         try:
             folder.mkdir(parents=True, exist_ok=True)
             # appending: whatever is there, nothing of it is overwritten
@@ -188,6 +189,7 @@ class Store:
         if len(beginning) < len(first) and first.startswith(beginning):
             self._truncate()  # new, or killed while its first line was written
             self._append(header(study))
+            self._first = self._end
             return
         for line in read_lines(self.path, study):
             if line.damage:
@@ -251,9 +253,16 @@ class Store:
                 yield line.batch
 
     def close(self) -> None:
-        """Give the store free."""
-        if self._file >= 0:
-            os.close(self._file)
+        """Give the store free; a new one in which nothing is finished is not left behind."""
+        if self._file < 0:
+            return
+        if 0 < self._first == self._end:
+            with suppress(OSError, OutputError):  # somebody else's, or something else is in the folder
+                self._check_place()
+                self.path.unlink()
+                for folder in self._missing:
+                    folder.rmdir()
+        os.close(self._file)
         self._file = -1
 
     def __enter__(self) -> "Store":

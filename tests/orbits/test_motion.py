@@ -115,7 +115,7 @@ def test_stretches_do_not_shrink_where_only_rounding_is_left(e, halved):
 
 @pytest.mark.parametrize("model", ["two-body", "numerical"])
 def test_paths_that_do_not_fit_are_refused_before_anything_is_followed(model):
-    asked = r"days = 4e\+09: the paths of 1 satellite would take .* GB, this machine has "
+    asked = r"days = 4e\+09: the paths of 1 satellite would take .* GB of memory, there are "
     with pytest.raises(ArgumentError, match=asked):
         Motion(model).trajectory(one(), 0.0, 4e9 * DAY)
 

@@ -12,6 +12,7 @@ import compass
 from compass.errors import ArgumentError, OutputError
 from compass.study import store as module
 from compass.study.candidates import candidates, identities
+from compass.study.record import as_line, header
 from compass.study.results import read_results, write_results
 from compass.study.stages import Found, evaluate
 from compass.study.store import FILE, Store
@@ -60,13 +61,32 @@ def test_every_torn_end_is_dropped(batch, tmp_path):
         assert (tmp_path / FILE).read_bytes() == whole
 
 
+def begun(folder, study):
+    """A store of which only the first line was written before its run was killed."""
+    (folder / FILE).write_bytes(as_line(header(study)))
+
+
 def test_a_first_line_torn_begins_anew(tiny, tmp_path):
-    Store(tmp_path, tiny()).close()
-    whole = (tmp_path / FILE).read_bytes()
+    whole = as_line(header(tiny()))
     for end in range(0, len(whole), 7):
         (tmp_path / FILE).write_bytes(whole[:end])
-        Store(tmp_path, tiny()).close()
-        assert (tmp_path / FILE).read_bytes() == whole
+        with Store(tmp_path, tiny()):
+            assert (tmp_path / FILE).read_bytes() == whole
+
+
+def test_a_run_that_finishes_nothing_leaves_no_store(batch, tmp_path):
+    study, rows, found = batch
+    with pytest.raises(OutputError, match="no cluster"), Store(tmp_path / "trades" / "a", study):
+        raise OutputError("no cluster")
+    assert not list(tmp_path.iterdir())
+    (tmp_path / "trades").mkdir()
+    with Store(tmp_path / "trades" / "a", study):
+        (tmp_path / "trades" / "a" / "notes").write_text("mine")
+    assert [file.name for file in (tmp_path / "trades" / "a").iterdir()] == ["notes"]
+    with Store(tmp_path / "b", study) as store:
+        store.add("screen", rows, found)
+    Store(tmp_path / "b", study).close()
+    assert (tmp_path / "b" / FILE).exists()
 
 
 def test_a_spoilt_line_in_the_middle_is_left_out(batch, tmp_path):
@@ -90,7 +110,7 @@ def test_two_runs_at_once_are_refused(tiny, tmp_path):
 
 
 def test_another_study_and_another_version_are_refused(tiny, tmp_path, monkeypatch):
-    Store(tmp_path, tiny()).close()
+    begun(tmp_path, tiny())
     with pytest.raises(ArgumentError, match=r"the store of another study \('tiny'"):
         Store(tmp_path, tiny(fold=2))
     with pytest.raises(ArgumentError, match="the store of another study"):
@@ -230,7 +250,6 @@ def test_no_store_to_read(tiny, tmp_path):
 
 
 def test_a_store_without_a_finished_candidate(tiny, tmp_path):
-    with Store(tmp_path, tiny()):
-        pass
+    begun(tmp_path, tiny())
     with pytest.raises(ArgumentError, match="no candidate is finished yet"):
         read_results(tiny(), tmp_path)
