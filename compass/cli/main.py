@@ -25,7 +25,14 @@ from click.core import ParameterSource
 import compass
 from compass.allowed import RANGES
 from compass.cli.options import meant
-from compass.cli.shared import CLAIM_FAILS, JSON, QUIET, announce_compilation, print_result
+from compass.cli.shared import (
+    CLAIM_FAILS,
+    JSON,
+    QUIET,
+    announce_compilation,
+    print_result,
+    say_boxes,
+)
 from compass.errors import ArgumentError, CompassError
 
 DONE, BAD_INPUT, BROKEN, INTERRUPTED = 0, 2, 3, 130
@@ -121,6 +128,7 @@ def _printed(callback: Callable[..., Any]) -> Callable[..., None]:
         except ArgumentError as error:
             said = in_words_of_the_user(str(error), click.get_current_context())
             raise ArgumentError(said) from error
+        say_boxes()
         if result is not None:
             print_result(result)
 

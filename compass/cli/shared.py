@@ -106,6 +106,14 @@ def put(write: Callable[[Path], object], output: Path | None) -> None:
         say(f"wrote {readable(output)}")
 
 
+def say_boxes() -> None:
+    """Say once which letters no font here has, of the pictures drawn so far."""
+    style = sys.modules.get("compass.pictures.style")
+    if style and (found := style.boxes()):
+        shown = " ".join(found[:20]) + (" ..." if len(found) > 20 else "")
+        say(f"no font here has {shown}: drawn as boxes; install a font that has them, such as Noto")
+
+
 def put_pictures(draw: "Callable[[], tuple[Picture, ...]]", folder: Path | None) -> None:
     """Draw pictures and write them into a folder that is wanted, and say so."""
     if folder is not None:

@@ -58,8 +58,8 @@ class PlainFigure(Figure):
     """A figure that draws every text as it is written, whenever and for whomever it is drawn.
 
     Ticks are made when a figure is drawn, and take what holds then. A letter that no font has is
-    a box, and no matter for a warning. `fields` are the maps in it and `rows` the rows of spans,
-    whose values can be read.
+    a box, and no matter for a warning of its own: `boxes` tells them. `fields` are the maps in it
+    and `rows` the rows of spans, whose values can be read.
     """
 
     def __init__(self, *given: Any, **options: Any) -> None:
@@ -94,9 +94,26 @@ class PlainFigure(Figure):
                         put(Powers(now))
         for text in self.findobj(Text):
             text.set_parse_math(False)
-        with look(), warnings.catch_warnings():
-            warnings.filterwarnings("ignore", message="Glyph .* missing from", category=UserWarning)
+        with look(), warnings.catch_warnings(record=True) as told:
+            warnings.filterwarnings("always", message=_MISSING.pattern, category=UserWarning)
             yield
+        for one in told:
+            if letter := _MISSING.match(str(one.message)):
+                _boxes[chr(int(letter[1]))] = None
+            else:
+                warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
+
+
+#: What matplotlib says of a letter that no font has; and those of which it did, in order.
+_MISSING = re.compile(r"Glyph (\d+) .* missing from")
+_boxes: dict[str, None] = {}
+
+
+def boxes() -> str:
+    """Letters drawn as boxes since last asked, because no font here has them."""
+    found = "".join(_boxes)
+    _boxes.clear()
+    return found
 
 
 class Powers(LogFormatterMathtext):

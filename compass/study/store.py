@@ -257,7 +257,7 @@ class Store:
         if self._file < 0:
             return
         if 0 < self._first == self._end:
-            with suppress(OSError, OutputError):  # somebody else's, or something else is in the folder
+            with suppress(OSError, OutputError):  # somebody else's, or not empty
                 self._check_place()
                 self.path.unlink()
                 for folder in self._missing:

@@ -1,6 +1,7 @@
 """What the program does whatever the command: exit codes, streams, interruption, its words."""
 
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -11,6 +12,7 @@ import pytest
 
 from compass.cli import main as program
 from compass.errors import ArgumentError
+from compass.pictures.style import new_figure
 
 COMMANDS = program.program.list_commands(click.Context(program.program))
 PROGRAM = [sys.executable, "-m", "compass"]
@@ -208,6 +210,31 @@ def test_what_the_system_refuses_is_one_line(meets, error, said):
 
     code, out, err = meets(refuse)
     assert (code, out) == (2, "") and err.startswith(said) and err.count("\n") == 1
+
+
+def test_no_room_for_the_libraries_is_one_line():
+    """OpenBLAS would end the program with 1, which means "refuted", LLVM's threads with 127."""
+
+    def small():
+        resource.setrlimit(resource.RLIMIT_AS, (100_000_000, 100_000_000))
+
+    done = subprocess.run([*PROGRAM, "show", "no.toml"], preexec_fn=small, capture_output=True)
+    assert (done.returncode, done.stdout) == (2, b"")
+    assert done.stderr.startswith(b"not enough memory: a limit of 0.1 GB (ulimit -v)")
+    assert done.stderr.count(b"\n") == 1
+
+
+def test_letters_that_are_boxes_are_told_once(meets):
+    def draw():
+        figure = new_figure(2, 1)
+        for x in (0.1, 0.5):
+            figure.text(x, 0.5, "a\U000f0000")
+        figure.draw_without_rendering()
+
+    said = "no font here has \U000f0000: drawn as boxes; install a font that has them"
+    _, _, err = meets(draw)
+    assert err.startswith(said) and err.count("\n") == 1
+    assert meets(lambda: None)[2] == ""
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["fold", "--help"], ["show", "{}"]])

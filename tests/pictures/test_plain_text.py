@@ -13,7 +13,7 @@ from matplotlib.text import Text
 import compass
 from compass.coverage.grid import equal_angle_grid
 from compass.pictures.maps import map_figure
-from compass.pictures.style import axes_or_new, look, new_figure, picture, without_markup
+from compass.pictures.style import axes_or_new, boxes, look, new_figure, picture, without_markup
 
 SIGNS = st.text(st.characters(categories=["L", "N", "P", "S", "Zs"]) | st.just("$"), max_size=20)
 
@@ -57,6 +57,17 @@ def picture_width(text):
     label = figure.text(0.5, 0.5, text)
     figure.draw_without_rendering()
     return label.get_window_extent().width
+
+
+def test_letters_that_no_font_has_are_told_once_and_other_warnings_are_kept():
+    boxes()
+    drawn("a\U000f0000b\U000f0001").draw_without_rendering()
+    assert boxes() == "\U000f0000\U000f0001"
+    drawn("plain").draw_without_rendering()
+    assert boxes() == ""
+    figure = drawn("plain")
+    with pytest.warns(UserWarning, match="another"), figure._plain():
+        warnings.warn("another", UserWarning, stacklevel=1)
 
 
 def test_ticks_of_a_logarithmic_axis_are_text_too():
