@@ -5,7 +5,7 @@ import io
 import os
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -46,6 +46,21 @@ def check_writable(path: Path, inputs: Sequence[Path] = ()) -> None:
         raise OutputError(f"{path}: not writable; choose another place or change its permissions")
 
 
+def check_ending(path: Path, among: Sequence[str]) -> None:
+    """Refuse a path whose ending does not say in which form to write.
+
+    Raises
+    ------
+    OutputError
+        It says none of those.
+    """
+    if path.suffix not in among:
+        raise OutputError(
+            f"{path}: unknown kind {path.suffix or 'of file'!r}; "
+            f"the name must end in {', '.join(among)}"
+        )
+
+
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
     """Yield a temporary path beside `path`; on success rename it over `path`, else remove it.
@@ -53,17 +68,24 @@ def replacing(path: Path) -> Iterator[Path]:
     A link stays: what it points to is replaced.
     """
     check_writable(path)
+    with _beside(path, Path.touch) as temporary:
+        yield temporary
+
+
+@contextmanager
+def _beside(path: Path, make: Callable[[Path], None]) -> Iterator[Path]:
+    """Make a file or folder beside `path` that becomes it on success and is removed otherwise."""
     try:
         place = Path(os.path.realpath(path))
-        # an own folder, so that the file is made as any is and its name may be as long as any
-        folder = Path(tempfile.mkdtemp(prefix=".compass-", dir=place.parent))
-        temporary = folder / place.name
+        # in a folder of its own, so that it is made as any is and its name may be as long as any
+        outer = Path(tempfile.mkdtemp(prefix=".compass-", dir=place.parent))
+        temporary = outer / place.name
         try:
-            temporary.touch()
+            make(temporary)
             yield temporary
             temporary.replace(place)
         finally:
-            shutil.rmtree(folder, ignore_errors=True)
+            shutil.rmtree(outer, ignore_errors=True)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
 
@@ -218,15 +240,5 @@ def check_new_folder(path: Path) -> None:
 def making_folder(path: Path) -> Iterator[Path]:
     """Yield a temporary folder beside `path`; on success rename it to `path`, else remove it."""
     check_new_folder(path)
-    try:
-        place = Path(os.path.realpath(path))
-        outer = Path(tempfile.mkdtemp(prefix=".compass-", dir=place.parent))
-        temporary = outer / place.name
-        try:
-            temporary.mkdir()  # inside another, so that it is made as any folder is
-            yield temporary
-            temporary.replace(place)
-        finally:
-            shutil.rmtree(outer, ignore_errors=True)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+    with _beside(path, Path.mkdir) as temporary:
+        yield temporary

@@ -14,10 +14,10 @@ from compass.conventions import dated, epoch_text
 from compass.design import Design
 from compass.document import Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
-from compass.errors import ArgumentError, OutputError
+from compass.errors import ArgumentError
 from compass.orbits.motion import Motion
 from compass.quantities import quantity
-from compass.saving import replacing, save_netcdf, write_csv
+from compass.saving import check_ending, replacing, save_netcdf, write_csv
 from compass.words import counted
 
 if TYPE_CHECKING:
@@ -165,7 +165,7 @@ class AccessResult(Result):
             The name has another ending, or the file cannot be written.
         """
         chosen = Path(path)
-        check_suffix(chosen)
+        check_ending(chosen, SUFFIXES)
         if chosen.suffix == ".nc":
             save_netcdf(chosen, self.dataset.assign_attrs(history=command))
             return
@@ -203,21 +203,6 @@ class AccessResult(Result):
         drawn = axes_or_new(axes, 8.0, height_of(self.found, chosen))
         draw_timeline(drawn, self.found, chosen)
         return drawn
-
-
-def check_suffix(path: Path | None, among: Sequence[str] = SUFFIXES) -> None:
-    """Refuse a path whose ending does not say in which form to write; None writes nothing.
-
-    Raises
-    ------
-    OutputError
-        It says none of those.
-    """
-    if path is not None and path.suffix not in among:
-        raise OutputError(
-            f"{path}: unknown kind {path.suffix or 'of file'!r}; "
-            f"the name must end in {', '.join(among)}"
-        )
 
 
 #: What is the name of a row rather than a quantity, and its heading; shares by hops are words.

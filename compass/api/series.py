@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import compass
-from compass.api.access_result import WINDOWS_GOOD_TO, check_suffix
+from compass.api.access_result import WINDOWS_GOOD_TO
 from compass.api.given import given_fold, given_places, given_site, in_metres, joined_designs
 from compass.api.results import Result
 from compass.arguments import checked
@@ -28,7 +28,7 @@ from compass.frames import SECONDS_PER_DAY
 from compass.orbits.constellation import Constellation, keplerian
 from compass.orbits.motion import Motion, MotionModel
 from compass.quantities import quantity
-from compass.saving import replacing, save_netcdf, write_csv
+from compass.saving import check_ending, replacing, save_netcdf, write_csv
 from compass.signal.budget import basis
 from compass.sites import Mask, Site
 from compass.words import counted
@@ -230,7 +230,7 @@ class SeriesResult(Result):
             The name has another ending, or the file cannot be written.
         """
         chosen = Path(path)
-        check_suffix(chosen, SUFFIXES)
+        check_ending(chosen, SUFFIXES)
         if chosen.suffix == ".nc":
             every = self.dataset if self.errors is None else self.dataset.merge(self.errors)
             save_netcdf(chosen, every.assign_attrs(self.dataset.attrs, history=command))

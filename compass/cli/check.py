@@ -3,25 +3,12 @@
 from pathlib import Path
 from typing import Any
 
-import click
-
 import compass
-from compass.cli.options import (
-    certified_options,
-    designs_argument,
-    motion_option,
-    real,
-    start_day_option,
-)
+from compass.cli.options import BOUNDS, takes
 from compass.cli.shared import watched
 
 
-@click.command()
-@designs_argument
-@real("--days", help="Days to settle it for, at the places; else for ever.")
-@start_day_option
-@motion_option
-@certified_options
+@takes(f"designs days start_day motion {BOUNDS}")
 def command(designs: tuple[Path, ...], **options: Any) -> object:
     """Settle every [[requirement]] of DESIGNS: met or missed, proven or with a bracket.
 

@@ -2,17 +2,11 @@
 
 from typing import Any
 
-import click
-
 import compass
-from compass.cli.options import design_argument, real, whole
+from compass.cli.options import takes
 
 
-@click.command()
-@design_argument
-@real("--launch-altitude-km", help="Orbit launched into; else the design's.")
-@real("--longest-wait-days", help="For the last plane; else the design's.")
-@whole("--satellites-a-launch", help="At most; else the design's, or all.")
+@takes("design launch_altitude_km longest_wait_days satellites_a_launch")
 def command(**options: Any) -> object:
     """Weigh waiting for planes, whose nodes Mars's flattening turns apart, against delta-v.
 

@@ -3,38 +3,12 @@
 from pathlib import Path
 from typing import Any
 
-import click
-
 import compass
-from compass.cli.options import choice, design_argument, path, real, start_day_option
+from compass.cli.options import takes
 from compass.cli.shared import check_outputs, say, wants_json
 
 
-@click.command()
-@design_argument
-@choice(
-    "--format",
-    among=["oem", "czml", "geojson", "toml"],
-    required=True,
-    help="CCSDS OEM 2.0, CZML, GeoJSON on the Mars sphere, or a design file.",
-)
-@path(
-    "-o",
-    "--output",
-    required=True,
-    help="File to write; for OEM, which takes one satellite a message, a new folder of files.",
-)
-@real("--duration-h", help="Time span, hours; by default until the ground tracks repeat.")
-@real(
-    "--step-s",
-    help="Seconds between states; by default close enough for interpolation to a millimetre.",
-)
-@choice(
-    "--motion",
-    among=["two-body", "j2", "numerical"],
-    help="How they move; else as the design says.",
-)
-@start_day_option
+@takes("design format output duration_h step_s motion start_day")
 def command(design: Path, output: Path, **options: Any) -> object:
     """Write a DESIGN down for other programs.
 

@@ -3,29 +3,14 @@
 from pathlib import Path
 from typing import Any
 
-import click
-
 import compass
-from compass.cli.options import choice, design_argument, path, real, whole
-from compass.cli.shared import check_outputs, put, watched
+from compass.cli.options import takes
+from compass.cli.shared import put, watched
 
 
-@click.command()
-@design_argument
-@path("--terrain", required=True, help="GeoTIFF or netCDF grid of heights.")
-@click.option("--variable", help="Name of the heights in a netCDF file that has several.")
-@choice(
-    "--latitude-kind",
-    among=["planetocentric", "planetographic"],
-    default="planetocentric",
-    help="Kind of latitude of a netCDF grid.",
-)
-@real("--above-m", default=0.0, help="Height of stations over the ground, m.")
-@whole("--azimuths", default=360, help="Steps all around.")
-@path("-o", "--output", help="Write the design with the horizons.")
+@takes("design terrain variable latitude_kind above_m azimuths output")
 def command(output: Path | None, **options: Any) -> object:
     """Draw the horizon of every station from terrain, and write it into a design file."""
-    check_outputs(output)
     found = compass.horizon(progress=watched(), **options)
     put(found.write, output)
     return found

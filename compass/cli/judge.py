@@ -3,46 +3,15 @@
 from pathlib import Path
 from typing import Any
 
-import click
-
 import compass
-from compass.cli.options import (
-    area_options,
-    designs_argument,
-    path,
-    real,
-    start_day_option,
-    whole,
-)
+from compass.cli.options import AREAS, takes
 from compass.cli.shared import command_line, say, watched
 
 
-@click.command()
-@designs_argument
-@area_options
-@path("-s", "--scenario", required=True, help="Scenario file of the lander.")
-@whole("--samples", default=1024, help="Entries to judge on.")
-@whole("--seed", default=0, help="Of sites, times and noise.")
-@real("--goal-m", default=10.0, help="Position wanted, m.")
-@real("--density-sigma", default=0.0, help="Unknown density, relative; known if left out.")
-@real("--lift-sigma", default=0.0, help="Unknown L/D, relative; known if left out.")
-@real("--clock-m", default=3e4, help="Lander's clock at first, m.")
-@real("--clock-drift-m-s", default=0.3, help="Its drift, m/s.")
-@real(
-    "--orbit-m", nargs=3, default=(2.0, 8.0, 5.0), help="Broadcast orbits: radial, along, cross, m."
-)
-@real("--satellite-clock-m", default=3.0, help="Their clocks, m.")
-@real("--range-bias-m", default=1.0, help="Of each range, m.")
-@whole("--finalists", default=3, help="Run the filter on them.")
-@whole("--runs", default=512, help="Filter runs of each.")
-@path("--rival", help="Find the best Walker delta of the first design's size, and write it there.")
-@real("--rival-radius-km", help="Its orbits' radius; the first design's if left out.")
-@start_day_option
-@path(
-    "-o",
-    "--report",
-    "folder",
-    help="Folder for an HTML page with maps and distributions; none is made if left out.",
+@takes(
+    f"designs {AREAS} scenario samples seed goal_m density_sigma lift_sigma clock_m "
+    "clock_drift_m_s orbit_m satellite_clock_m range_bias_m finalists runs rival "
+    "rival_radius_km start_day folder"
 )
 def command(designs: tuple[Path, ...], folder: Path | None, **options: Any) -> object:
     """Judge constellations as beacons of a lander: anywhere, along any azimuth, at any time.

@@ -24,7 +24,7 @@ from click.core import ParameterSource
 
 import compass
 from compass.allowed import RANGES
-from compass.cli.options import meant
+from compass.cli.parameters import meant
 from compass.cli.shared import (
     CLAIM_FAILS,
     JSON,
@@ -56,7 +56,9 @@ class Commands(click.Group):
         """Names of the command files, without this one and what they share."""
         package = import_module("compass.cli")
         names = (module.name for module in iter_modules(package.__path__))
-        return sorted(name for name in names if name not in ("main", "options", "shared"))
+        return sorted(
+            name for name in names if name not in ("main", "options", "parameters", "shared")
+        )
 
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         """Import the file of a command."""

@@ -2,22 +2,12 @@
 
 from pathlib import Path
 
-import click
-
 import compass
-from compass.cli.options import kind_argument, path
+from compass.cli.options import takes
 from compass.cli.shared import say, wants_json
 
 
-@click.command()
-@kind_argument
-@click.option(
-    "--from",
-    "like",
-    metavar="NAME",
-    help="A design, scenario or study that comes with compass, by name, or any file.",
-)
-@path("-o", "--output", help="File to write, else stdout.")
+@takes("kind like output")
 def command(kind: str, like: str | None, output: Path | None) -> object:
     """Write a commented file to start from: every key, its unit, range and default.
 

@@ -1,14 +1,11 @@
 """``compass schema``: what a file may say, for editors."""
 
-import click
-
 import compass
-from compass.cli.options import kind_argument
+from compass.cli.options import takes
 from compass.cli.shared import emit_json
 
 
-@click.command()
-@kind_argument
+@takes("kind")
 def command(kind: str) -> None:
     """Print the JSON Schema of a design, scenario or study file.
 

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-from click.core import ParameterSource
 
 from compass.errors import ArgumentError
 from compass.saving import check_writable, readable
@@ -81,22 +80,6 @@ def check_outputs(
             from compass.pictures.files import check_folder
 
             check_folder(folder)
-
-
-def check_drawn(picture: Path | None, parameter: str) -> None:
-    """Refuse a choice of what a picture shows where no picture is asked for.
-
-    Raises
-    ------
-    ArgumentError
-        The user gave ``--of`` without ``--figure``.
-    """
-    context = click.get_current_context()
-    given = context.get_parameter_source(parameter) is ParameterSource.COMMANDLINE
-    if given and picture is None:
-        raise ArgumentError(
-            f"--of {context.params[parameter]}: needs a picture; add --figure FILE.png"
-        )
 
 
 def put(write: Callable[[Path], object], output: Path | None) -> None:

@@ -2,14 +2,11 @@
 
 from pathlib import Path
 
-import click
-
 import compass
-from compass.cli.options import design_argument
+from compass.cli.options import takes
 
 
-@click.command()
-@design_argument
+@takes("design")
 def command(design: Path) -> object:
     """Analytic geometry of a DESIGN: caps, gaps, totals; published against exact."""
     return compass.show(design)

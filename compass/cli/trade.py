@@ -3,18 +3,12 @@
 from pathlib import Path
 from typing import Any
 
-import click
-
 import compass
-from compass.cli.options import cluster_options, path, whole
+from compass.cli.options import CLUSTER, takes
 from compass.cli.shared import say, silence_the_cluster, wants_json, watched
 
 
-@click.command()
-@click.argument("study", type=click.Path(path_type=Path))
-@path("-o", "--output", help="Folder of the store; by default trades/NAME-OF-THE-FILE.")
-@whole("--workers", help="Processes on this machine; by default one a core.")
-@cluster_options
+@takes(f"study output workers {CLUSTER}")
 def command(study: Path, **options: Any) -> object:
     """Judge every candidate of a STUDY: an exact screen first, then maps, then entries.
 

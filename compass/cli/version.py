@@ -1,11 +1,10 @@
 """``compass version``: which version this is, and on what it runs."""
 
-import click
-
 import compass
+from compass.cli.options import takes
 
 
-@click.command()
+@takes()
 def command() -> object:
     """Print the versions of compass and of what it runs on."""
     return compass.version()

@@ -6,19 +6,11 @@ from pathlib import Path
 import click
 
 import compass
-from compass.cli.options import design_argument, path
+from compass.cli.options import takes
 from compass.cli.shared import check_outputs, command_line, emit_json, say, wants_json
 
 
-@click.command()
-@design_argument
-@path("-o", "--output", help="Page to write; by default views/NAME-OF-THE-FILE.html.")
-@click.option(
-    "--open/--no-open",
-    "opened",
-    default=None,
-    help="Open it in a browser; by default where a person sits at the terminal.",
-)
+@takes("design output opened")
 def command(design: Path, output: Path | None, opened: bool | None) -> None:
     """Show a DESIGN on a globe: one page, without a network, opened in a browser.
 

@@ -1,14 +1,11 @@
 """``compass warm``: compile kernels now, so that later runs do not wait for it."""
 
-import click
-
 import compass
-from compass.cli.options import whole
+from compass.cli.options import takes
 from compass.cli.shared import watched
 
 
-@click.command()
-@whole("--workers", help="Commands run at a time; else one a core.")
+@takes("workers")
 def command(workers: int | None) -> object:
     """Compile the commands' kernels now, by small jobs of them.
 

@@ -1,0 +1,58 @@
+"""Options against the functions that they give arguments to: the same names, defaults and words."""
+
+import inspect
+from typing import Literal, get_args, get_origin
+
+import click
+import pytest
+
+import compass
+from compass.cli import main as program
+from compass.cli.options import OPTIONS
+
+COMMANDS = program.program.list_commands(click.Context(program.program))
+
+
+def plain(default):
+    """A default as both write it; none is None, nothing, no, or a mark of the library's own."""
+    return default if default and isinstance(default, float | int | str | tuple) else None
+
+
+def words_of(hint):
+    """The words that a hint allows, of its own or among others."""
+    kinds = [hint, *get_args(hint)]
+    return {word for kind in kinds if get_origin(kind) is Literal for word in get_args(kind)}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_an_option_is_by_default_what_the_functions_argument_is(name):
+    command = program.program.get_command(None, name)
+    context = click.Context(command)
+    arguments = inspect.signature(getattr(compass, name)).parameters
+    own = inspect.signature(command.callback).parameters
+    for option in command.params:
+        if not isinstance(option, click.Option) or not option.expose_value:
+            continue
+        if option.name not in arguments:
+            assert option.name in own, f"{name}: nobody takes {option.opts}"
+            continue
+        argument = arguments[option.name]
+        assert plain(option.get_default(context)) == plain(argument.default), option.name
+        assert not option.required or plain(argument.default) is None, option.name
+        if isinstance(option.type, click.Choice) and words_of(argument.annotation):
+            assert set(option.type.choices) <= words_of(argument.annotation), option.name
+
+
+def test_every_option_told_of_is_taken():
+    taken = set()
+    for name in COMMANDS:
+        given = {parameter.name for parameter in program.program.get_command(None, name).params}
+        own = {f"{name}.{each}" for each in given}
+        taken |= own & OPTIONS.keys() | {each for each in given if f"{name}.{each}" not in OPTIONS}
+    assert OPTIONS.keys() <= taken
+
+
+def test_a_range_shown_is_the_commands_own(run):
+    """What a command means by a name is another range than others have."""
+    code, out, _ = run("series", "--help")
+    assert code == 0 and "[2 to 1000000]" in " ".join(out.split())
