@@ -71,12 +71,6 @@ def sun_earth_mars_angle(seconds: ArrayLike) -> NDArray[np.float64]:
     return _angle(to_sun, to_mars)
 
 
-def sun_mars_earth_angle(seconds: ArrayLike) -> NDArray[np.float64]:
-    """Angle Sun-Mars-Earth: how far the Earth stands from the Sun in Mars's sky, radians, (t,)."""
-    sun, earth = sun_earth_states(seconds)
-    return _angle(sun[:, :3], earth[:, :3])
-
-
 def _angle(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), (a * b).sum(axis=-1))
 

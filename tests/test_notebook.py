@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas
 import pytest
+from matplotlib.figure import Figure
 
 import compass
 
@@ -26,16 +27,35 @@ def test_a_design_made_in_a_notebook():
     assert compass.show(design).geometry.cap.fraction == pytest.approx(0.41687, abs=1e-5)
 
 
-def test_a_students_sweep_over_inclination():
-    """Which inclination leaves the highest mask? Second way: the search finds the same."""
-    pattern = compass.walker_delta(5, 5, 1, inclination_deg=45, orbit="areosynchronous")
-    design, margins = compass.Design(pattern, fold=1), {}
-    for inclination in (40.0, 43.66, 47.0):
-        margins[inclination] = compass.fold(
-            design.varied(inclination_deg=inclination)
-        ).mask_margin_deg
-    assert max(margins, key=margins.get) == 43.66
-    assert margins[43.66] == pytest.approx(11.5, abs=0.05)
+def test_a_students_sweep_over_inclination_and_altitude():
+    """Mask and geometry over a grid of designs, in a table and in a picture.
+
+    Second way: what must be seen of the sky does not depend on altitude. So a mask margin says how
+    wide the caps must be, ``acos(R cos(e) / r) - e``, the same from every altitude; and the search
+    finds the same inclination.
+    """
+    pattern = compass.walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
+    design = compass.Design(pattern, fold=4, figure="kelly2018-sphere")
+    rows = []
+    for inclination in (40.0, 45.0, 50.0):
+        for altitude in (14000.0, 17030.8, 20000.0):
+            one = design.varied(inclination_deg=inclination, altitude_km=altitude)
+            margin = compass.fold(one).mask_margin_deg
+            gdop = compass.map(one, step_deg=30, epochs=3, budget_s=0.01).dataset.gdop
+            best = float(gdop.sel(percentile=50).min())
+            rows.append((inclination, altitude, margin, best))
+    table = pandas.DataFrame(rows, columns=["inclination", "altitude", "margin", "gdop"])
+    grid = table.pivot(index="inclination", columns="altitude", values="margin")
+    assert f"{grid.loc[45.0, 17030.8]:.2f}" == "6.24"
+    mask, radius = np.radians(grid), 3396.2 + grid.columns.to_numpy()
+    caps = np.arccos(3396.2 / radius * np.cos(mask)) - mask
+    np.testing.assert_allclose(caps.sub(caps[17030.8], axis=0), 0.0, atol=1e-8)
+    assert grid.idxmax(axis=0).nunique() == 1, "the best inclination is the same at any altitude"
+    assert table.gdop.between(1.5, 4.0).all() and table.gdop.nunique() == len(table)
+    axes = Figure().subplots()
+    drawn = axes.contourf(grid.columns, grid.index, grid)
+    axes.scatter(table.altitude, table.inclination, 20 * table.gdop)
+    assert drawn.zmax >= grid.to_numpy().max()
 
 
 @pytest.mark.slow

@@ -15,7 +15,6 @@ from compass.planets import (
     sun_earth_mars_angle,
     sun_earth_mci,
     sun_earth_states,
-    sun_mars_earth_angle,
 )
 
 # E. M. Standish, Keplerian elements for approximate positions of the major planets, JPL, Table 1
@@ -136,7 +135,8 @@ def test_angles_of_the_triangle():
     seconds = np.linspace(0, 1e9, 40)
     sun, earth = sun_earth_states(seconds)
     at_sun = separation(-sun[:, :3], (earth - sun)[:, :3])
-    total = sun_earth_mars_angle(seconds) + sun_mars_earth_angle(seconds) + at_sun
+    at_mars = separation(sun[:, :3], earth[:, :3])
+    total = sun_earth_mars_angle(seconds) + at_mars + at_sun
     np.testing.assert_allclose(total, np.pi, atol=1e-9)
 
 

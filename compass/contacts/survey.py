@@ -15,7 +15,6 @@ from compass.contacts.nodes import (
     satellite_nodes,
     station_node,
 )
-from compass.contacts.spans import Spans, any_of
 from compass.contacts.windows import Windows, windows
 from compass.design import Wanted
 from compass.errors import ArgumentError
@@ -70,10 +69,6 @@ class Survey:
             for w in self.windows
             if (w.first == name and w.second in others) or (w.second == name and w.first in others)
         ]
-
-    def any_satellite(self, name: str) -> Spans:
-        """When a node sees any satellite."""
-        return any_of([w.spans for w in self.of(name)])
 
     def without(self, kind: str) -> list[Windows]:
         """Windows of all pairs but those with nodes of a kind."""

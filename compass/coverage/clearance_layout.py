@@ -26,11 +26,6 @@ MOST_REVOLUTIONS = 5000.0
 Moving = Constellation | Trajectory
 
 
-def has_one_period(moving: Moving) -> bool:
-    """Whether all repeats after one revolution, but for Mars's turn: of no paths."""
-    return isinstance(moving, Constellation) and one_period(moving)
-
-
 def check_users(c: Moving, users: Users, fold: int) -> None:
     """Refuse a fold below 1, satellites that come down to Mars, and users who look through it."""
     whole_number("fold", fold, 1)

@@ -34,11 +34,6 @@ class FoldExtremes:
     greatest_reached: int
     greatest_place: NDArray[np.float64]
 
-    @property
-    def is_exact(self) -> bool:
-        """Whether both extremes are known exactly."""
-        return self.least == self.least_reached and self.greatest == self.greatest_reached
-
 
 def fold_extremes(directions: ArrayLike, radius: ArrayLike, region: Region = GLOBE) -> FoldExtremes:
     """Exact least and greatest number of caps over the points of the sphere or a region.

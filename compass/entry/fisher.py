@@ -53,37 +53,10 @@ def rate_information(
     sigma
         One sigma noise, m/s, scalar or (n,).
     """
-    return range_information(_rate_gradients(directions, distances, velocities), sigma)
-
-
-def _rate_gradients(
-    directions: ArrayLike, distances: ArrayLike, velocities: ArrayLike
-) -> NDArray[np.float64]:
     n = np.asarray(directions, dtype=float).reshape(-1, 3)
     w = np.broadcast_to(np.asarray(velocities, dtype=float), n.shape)
     across = w - (w * n).sum(axis=1, keepdims=True) * n
-    return across / np.asarray(distances, dtype=float).reshape(-1, 1)
-
-
-def full_information(
-    directions: ArrayLike,
-    distances: ArrayLike,
-    velocities: ArrayLike,
-    range_sigma: ArrayLike | None,
-    rate_sigma: ArrayLike | None,
-) -> NDArray[np.float64]:
-    """Information on position and velocity together, shape (6, 6), of ranges, rates or both.
-
-    Parameters as in `range_information` and `rate_information`; None for what is not measured.
-    """
-    n = np.asarray(directions, dtype=float).reshape(-1, 3)
-    total = np.zeros((6, 6))
-    if range_sigma is not None:
-        total[:3, :3] += range_information(n, range_sigma)
-    if rate_sigma is not None:
-        rows = np.concatenate([_rate_gradients(n, distances, velocities), n], axis=1)
-        total += (rows * _weights(rate_sigma, len(n))[:, None]).T @ rows
-    return total
+    return range_information(across / np.asarray(distances, dtype=float).reshape(-1, 1), sigma)
 
 
 def best_eigenvalues(sigma: ArrayLike) -> NDArray[np.float64]:
@@ -138,11 +111,6 @@ def position_variance_bound(sigma: ArrayLike) -> float:
     return float(9.0 / w.sum()) if w.size >= 3 else float("inf")
 
 
-def published_position_variance_bound(sigma: ArrayLike) -> float:
-    """Bound as Yu et al. 2018 print it (eqs. 28, 32, 35, 41): ``3 / tr F``; true but weak."""
-    return float(3.0 / _weights(sigma).sum())
-
-
 def two_beacon_eigenvalues(sigma_1: float, sigma_2: float, angle: float) -> NDArray[np.float64]:
     """Nonzero eigenvalues, descending, of two beacons whose directions are `angle` (rad) apart.
 
@@ -161,12 +129,3 @@ def best_rate_determinant(count: int, sigma: float, speed: float, distance: floa
     """
     weight = _weights(sigma)[0]
     return float(weight**3 * 4 * count**3 / 729 * (speed / distance) ** 6) if count >= 3 else 0.0
-
-
-def rate_variance_bound(sigma: ArrayLike, speed: float, distances: ArrayLike) -> float:
-    """Lower bound of the trace of the position covariance from range rates, m^2 (eq. 47 mended).
-
-    ``9 / sum(sigma^-2 v^2 / R^2)``.
-    """
-    r = np.atleast_1d(np.asarray(distances, dtype=float))
-    return float(9.0 / (_weights(sigma, r.size) * speed**2 / r**2).sum())

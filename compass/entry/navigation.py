@@ -106,8 +106,8 @@ def _expected(
 
 
 @dataclass(frozen=True)
-class MonteCarlo:
-    """Many runs of one filter.
+class FilterRuns:
+    """Errors of many runs of one filter.
 
     Attributes
     ----------
@@ -121,18 +121,12 @@ class MonteCarlo:
         (runs, t, 2).
     diverged
         Runs that did not stay finite; left out of the averages below.
-    nees_all
-        Normalised error squared of all states that are estimated, (runs, t).
-    estimated
-        How many these are.
     """
 
     errors: NDArray[np.float64]
     nees: NDArray[np.float64]
     sigmas: NDArray[np.float64]
     diverged: NDArray[np.bool_]
-    nees_all: NDArray[np.float64]
-    estimated: int = 6
 
     @property
     def position_rms(self) -> NDArray[np.float64]:
@@ -164,6 +158,22 @@ class MonteCarlo:
     def broken(self) -> NDArray[np.bool_]:
         """Runs that stay finite, but with a covariance that is no longer positive definite."""
         return np.asarray(~self.diverged & np.isnan(self.nees).any(axis=1), dtype=np.bool_)
+
+
+@dataclass(frozen=True)
+class MonteCarlo(FilterRuns):
+    """Many runs of one filter of any states.
+
+    Attributes
+    ----------
+    nees_all
+        Normalised error squared of all states that are estimated, (runs, t).
+    estimated
+        How many these are.
+    """
+
+    nees_all: NDArray[np.float64]
+    estimated: int = 6
 
 
 def _rms(errors: NDArray[np.float64]) -> NDArray[np.float64]:

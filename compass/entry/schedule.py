@@ -53,16 +53,6 @@ def in_view(beacons: Beacons, states: ArrayLike, planet_radius: float) -> NDArra
     return np.asarray(seen & (high | ~masked))
 
 
-def above_horizon(beacons: Beacons, states: ArrayLike) -> NDArray[np.bool_]:
-    """Eq. 52 of Yu et al. 2018: the lander stands above each beacon's horizontal, shape (t, n).
-
-    ``arccos(n_B . n_C) < pi/2`` with n_C from beacon to lander, as eq. 51 prints it (the words
-    around it say the reverse).
-    """
-    line = cartesian_of(states)[:, None, :3] - beacons.r
-    return (line * beacons.r).sum(axis=2) > 0.0
-
-
 @dataclass(frozen=True)
 class Measurements:
     """What is measured, how well and when.

@@ -49,11 +49,6 @@ class Vehicle:
         if np.any(np.diff(self.bank_times) <= 0):
             raise ArgumentError(f"bank: times {list(self.bank_times)} s must increase strictly")
 
-    @property
-    def ballistic_coefficient(self) -> float:
-        """``m / (C_D S)``, kg/m^2."""
-        return 1.0 / self.drag_area_per_mass if self.drag_area_per_mass else float("inf")
-
     def bank_schedule(self) -> NDArray[np.float64]:
         """Times and angles as the flight's kernels take them, shape (k, 2)."""
         return np.column_stack([self.bank_times, self.bank_angles])

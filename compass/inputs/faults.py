@@ -27,11 +27,21 @@ def fault(field: str, value: object, problem: str) -> str:
     return f"{field} = {shown if len(shown) <= 60 else shown[:57] + '...'}: {problem}"
 
 
+def table_in(raw: dict[str, Any], key: str) -> dict[str, Any]:
+    """Return a table, empty where there is none (the model reports what is none)."""
+    given = raw.get(key)
+    return given if isinstance(given, dict) else {}
+
+
+def tables_in(raw: dict[str, Any], key: str) -> list[dict[str, Any]]:
+    """Return the tables of an array that are tables (the model reports the others)."""
+    given = raw.get(key)
+    return [t for t in given if isinstance(t, dict)] if isinstance(given, list) else []
+
+
 def satellites_given(raw: dict[str, Any]) -> int | None:
     """How many satellites the raw tables of a design give; None where they do not say."""
-    constellation = raw.get("constellation")
-    if not isinstance(constellation, dict):
-        return None
+    constellation = table_in(raw, "constellation")
     listed = constellation.get("satellite")
     count = len(listed) if isinstance(listed, list) else constellation.get("satellites")
     return count if isinstance(count, int) else None

@@ -8,7 +8,7 @@ from pydantic import Field
 from compass.coverage.region import read_regions
 from compass.design import ERRORS, LIMITS, ErrorAs, Requirement
 from compass.errors import ArgumentError
-from compass.inputs.faults import fault
+from compass.inputs.faults import fault, tables_in
 from compass.inputs.table import Table
 from compass.sites import Site
 
@@ -114,9 +114,7 @@ def region_texts(region: str | list[str] | None) -> tuple[str, ...]:
 
 def station_names(raw: dict[str, Any]) -> list[str]:
     """Names of the raw ``[[station]]`` tables that have one."""
-    stations = raw.get("station")
-    places = [s for s in stations if isinstance(s, dict)] if isinstance(stations, list) else []
-    return [s["name"] for s in places if isinstance(s.get("name"), str)]
+    return [s["name"] for s in tables_in(raw, "station") if isinstance(s.get("name"), str)]
 
 
 def requirement_faults(raw: dict[str, Any]) -> list[str]:

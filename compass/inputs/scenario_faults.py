@@ -6,7 +6,7 @@ from functools import partial
 from itertools import pairwise
 from typing import Any
 
-from compass.inputs.faults import fault
+from compass.inputs.faults import fault, tables_in
 from compass.inputs.guidance_models import guidance_faults
 from compass.inputs.instrument_models import instrument_faults
 
@@ -48,9 +48,9 @@ def scenario_faults(raw: dict[str, Any]) -> list[str]:
     faults += _wind_faults(raw)
     if isinstance(entry, dict):
         faults += _entry_faults(entry)
-    for k, trigger in enumerate(_tables(raw, "trigger"), start=1):
+    for k, trigger in enumerate(tables_in(raw, "trigger"), start=1):
         faults += _exactly_one(trigger, ("altitude_km", "speed_m_s", "mach"), f"trigger[{k}]")
-    for k, orbiter in enumerate(_tables(raw, "orbiter"), start=1):
+    for k, orbiter in enumerate(tables_in(raw, "orbiter"), start=1):
         faults += _either(orbiter, _CIRCLE, _CARTESIAN, f"orbiter[{k}]")
     faults += _name_faults(raw)
     measured = raw.get("measurements")
@@ -183,12 +183,6 @@ def _rises(rows: object) -> bool:
     return not any(later <= earlier for earlier, later in pairwise(numbers))
 
 
-def _tables(raw: dict[str, Any], key: str) -> list[dict[str, Any]]:
-    """Return the tables of an array that are tables (the model reports the others)."""
-    found = raw.get(key)
-    return [t for t in found if isinstance(t, dict)] if isinstance(found, list) else []
-
-
 def _exactly_one(table: dict[str, Any], keys: tuple[str, ...], field: str) -> list[str]:
     given = [key for key in keys if key in table]
     if len(given) == 1:
@@ -268,7 +262,7 @@ def _name_faults(raw: dict[str, Any]) -> list[str]:
     faults, names = [], set()
     for kind in ("beacon", "orbiter", "feature"):
         what = "feature" if kind == "feature" else "beacon"
-        for k, table in enumerate(_tables(raw, kind), start=1):
+        for k, table in enumerate(tables_in(raw, kind), start=1):
             name = table.get("name")
             if not isinstance(name, str):
                 continue

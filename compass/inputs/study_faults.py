@@ -6,7 +6,7 @@ from typing import Any
 from compass.errors import near
 from compass.frames import FIGURES
 from compass.inputs.design import place_faults
-from compass.inputs.faults import fault
+from compass.inputs.faults import fault, table_in, tables_in
 from compass.inputs.motion import motion_faults
 from compass.inputs.requirements import requirement_faults, station_names, where_faults
 from compass.inputs.signal import signal_faults
@@ -23,7 +23,7 @@ def study_faults(raw: dict[str, Any]) -> list[str]:
     """Faults that concern several fields at once."""
     faults = motion_faults(raw)
     space = raw.get("study")
-    method = _table(raw, "sampling").get("method", "grid")
+    method = table_in(raw, "sampling").get("method", "grid")
     if isinstance(space, dict):
         figure = FIGURES.get(str(raw.get("figure", "iau-sphere")), FIGURES["iau-sphere"])
         faults += _range_faults(space, "satellites", 1, 10_000, kind=int)
@@ -46,8 +46,8 @@ def study_faults(raw: dict[str, Any]) -> list[str]:
                 and "values" not in space[key]
                 and "step" not in space[key]
             ]
-    faults += _sampling_faults(_table(raw, "sampling"), method)
-    for k, table in enumerate(_tables(raw, "constraint"), start=1):
+    faults += _sampling_faults(table_in(raw, "sampling"), method)
+    for k, table in enumerate(tables_in(raw, "constraint"), start=1):
         faults += _figure_faults(table, f"constraint[{k}]", raw)
         given = [key for key in _BOUNDS if key in table]
         if len(given) != 1:
@@ -56,26 +56,15 @@ def study_faults(raw: dict[str, Any]) -> list[str]:
                 f"constraint[{k}]: needs exactly one of {', '.join(_BOUNDS)}; found {found}"
             )
     seen: set[str] = set()
-    for k, table in enumerate(_tables(raw, "objective"), start=1):
+    for k, table in enumerate(tables_in(raw, "objective"), start=1):
         faults += _figure_faults(table, f"objective[{k}]", raw)
         name = table.get("figure")
         if isinstance(name, str):
             if name in seen:
                 faults.append(fault(f"objective[{k}].figure", name, "is an objective already"))
             seen.add(name)
-    faults += where_faults(_table(raw, "entry"), "entry", station_names(raw))
+    faults += where_faults(table_in(raw, "entry"), "entry", station_names(raw))
     return faults + place_faults(raw) + requirement_faults(raw) + signal_faults(raw)
-
-
-def _table(raw: dict[str, Any], key: str) -> dict[str, Any]:
-    found = raw.get(key)
-    return found if isinstance(found, dict) else {}
-
-
-def _tables(raw: dict[str, Any], key: str) -> list[dict[str, Any]]:
-    """Return the tables of an array that are tables (the model reports the others)."""
-    found = raw.get(key)
-    return [t for t in found if isinstance(t, dict)] if isinstance(found, list) else []
 
 
 def _number(value: object, kind: Any = int | float) -> bool:
@@ -172,7 +161,7 @@ def _figure_faults(table: dict[str, Any], path: str, raw: dict[str, Any]) -> lis
     if not isinstance(name, str):
         return []
     if (one := OF_ONE.fullmatch(name)) is not None:
-        number = len(_tables(raw, "requirement"))
+        number = len(tables_in(raw, "requirement"))
         if int(one[1]) <= number:
             return []
         problem = f"there is no [[requirement]] of that number; there are {number}"

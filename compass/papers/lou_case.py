@@ -158,19 +158,6 @@ class NavigationCase:
         """Return the case with ranges that arrive as the plasma of a model lets them."""
         return replace(self, arrival=arrival_probability(self.electrons(model))[:, None])
 
-    def visibility_report(self) -> tuple[str, ...]:
-        """Return what is to be said about beacons that are hidden for part or all of the entry."""
-        seen = self.visible.sum(axis=0)
-        total = self.times.size
-        lines = [
-            f"beacon {name}: in line of sight at {count} of {total} epochs"
-            for name, count in zip(self.beacons.names, seen, strict=True)
-            if count < total
-        ]
-        if total and not seen.any():
-            lines.append("no beacon is ever in line of sight: only the accelerometers measure")
-        return tuple(lines)
-
     def world(self, faults: Sequence[Fault] = (), see_through: bool = False) -> World:
         """Return the truth as the kernels take it.
 

@@ -135,55 +135,6 @@ def monte_carlo(
     return _dataset(case, settings, total, runs, seed, diverged, messages)
 
 
-def single_run(
-    case: NavigationCase,
-    settings: FilterSettings,
-    seed: int = 0,
-    *,
-    faults: Sequence[Fault] = (),
-    see_through: bool = False,
-) -> "xr.Dataset":
-    """Return run 0 of `monte_carlo` of the same seed in full.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over (time, state): `error` and `sigma`; (time, beacon): `weight`; (time, sensor):
-        `arrived` and `refused`; over time: `nees`. Values are nan from a divergence on, told in
-        the attribute `divergence`.
-    """
-    import xarray as xr
-
-    m = case.beacons.size
-    algorithm, kernel_settings, belief = settings.kernel_arguments(case.step)
-    normals, uniforms = _draws(seed, 0, 1, len(case.times) - 1, m)
-    trace = make_trace(settings.states, belief.x0.size, len(case.times), m)
-    world = case.world(faults, see_through)
-    tally = _empty_tally(len(case.times), settings.states, m)
-    ends, last = np.empty(1, np.int64), np.zeros((1, belief.x0.size))
-    run_block(
-        algorithm, kernel_settings, world, belief, normals, uniforms, trace, tally, ends, last
-    )
-    end, message = int(ends[0]), ""
-    if end >= 0:
-        message = divergence_message(settings, end * case.step, trace.x[max(end - 1, 0)])
-        for lost in (trace.error, trace.cov, trace.weights, trace.nees):
-            lost[end:] = np.nan
-    sigma = np.sqrt(np.diagonal(trace.cov, axis1=1, axis2=2))
-    return xr.Dataset(
-        {
-            "error": (("time", "state"), trace.error),
-            "sigma": (("time", "state"), sigma),
-            "weight": (("time", "beacon"), trace.weights),
-            "arrived": (("time", "sensor"), trace.arrived),
-            "refused": (("time", "sensor"), trace.gated),
-            "nees": ("time", trace.nees),
-        },
-        coords=_coordinates(case, settings),
-        attrs={"algorithm": settings.algorithm, "divergence": message},
-    )
-
-
 def _in_order(pool: ThreadPoolExecutor, work: object, items: range, ahead: int) -> Iterator[_Block]:
     """Yield results in the order of the items, with at most `ahead` of them under way."""
     waiting: deque[Future[_Block]] = deque()

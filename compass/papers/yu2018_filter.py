@@ -21,6 +21,7 @@ from compass.core.papers.yu2018_filter import (
 from compass.cores import cores
 from compass.entry.beacons import Beacons
 from compass.entry.model import EntryModel
+from compass.entry.navigation import FilterRuns
 from compass.entry.schedule import Measurements
 from compass.errors import ArgumentError
 from compass.papers.spherical import spherical_parameters
@@ -112,57 +113,6 @@ def run_published_filter(
     return states, covariances
 
 
-@dataclass(frozen=True)
-class MonteCarlo:
-    """Many runs of one filter.
-
-    Attributes
-    ----------
-    errors
-        Estimate minus truth in Mars-fixed position (m) and relative velocity (m/s), (runs, t, 6).
-    nees
-        Normalised estimation error squared of the six states, (runs, t); 6 on average if the
-        filter is consistent, nan where its covariance is not positive definite.
-    sigmas
-        What the filter claims: roots of the traces of its position and velocity covariance,
-        (runs, t, 2).
-    diverged
-        Runs that did not stay finite; left out of the averages below.
-    """
-
-    errors: NDArray[np.float64]
-    nees: NDArray[np.float64]
-    sigmas: NDArray[np.float64]
-    diverged: NDArray[np.bool_]
-
-    @property
-    def position_rms(self) -> NDArray[np.float64]:
-        """Root mean square position error over the runs, m, shape (t,)."""
-        return _rms(self.errors[~self.diverged, :, :3])
-
-    @property
-    def velocity_rms(self) -> NDArray[np.float64]:
-        """Root mean square velocity error over the runs, m/s, shape (t,)."""
-        return _rms(self.errors[~self.diverged, :, 3:])
-
-    @property
-    def mean_nees(self) -> NDArray[np.float64]:
-        """Mean of the normalised error squared over the runs, shape (t,); nan if one is."""
-        kept = self.nees[~self.diverged]
-        return kept.mean(axis=0) if len(kept) else np.full(kept.shape[1], np.nan)
-
-    @property
-    def broken(self) -> NDArray[np.bool_]:
-        """Runs that stay finite, but with a covariance that is no longer positive definite."""
-        return np.asarray(~self.diverged & np.isnan(self.nees).any(axis=1), dtype=np.bool_)
-
-
-def _rms(errors: NDArray[np.float64]) -> NDArray[np.float64]:
-    if not len(errors):
-        return np.full(errors.shape[1], np.nan)
-    return np.sqrt((errors**2).sum(axis=2).mean(axis=0))
-
-
 def run_monte_carlo(
     model: EntryModel,
     state: ArrayLike,
@@ -175,7 +125,7 @@ def run_monte_carlo(
     seed: int = 0,
     truth: EntryModel | None = None,
     threads: int | None = None,
-) -> MonteCarlo:
+) -> FilterRuns:
     """Fly the truth and filter it `runs` times with independent errors and noise.
 
     The first estimate is drawn about the true first state with the filter's own covariance.
@@ -241,7 +191,7 @@ def run_monte_carlo(
     with ThreadPoolExecutor(cores(threads)) as pool:
         list(pool.map(work, range(0, runs, BLOCK)))
     finite: NDArray[np.bool_] = np.asarray(np.isfinite(errors).all(axis=(1, 2)))
-    return MonteCarlo(errors, nees, sigmas, ~finite)
+    return FilterRuns(errors, nees, sigmas, ~finite)
 
 
 @dataclass(frozen=True)

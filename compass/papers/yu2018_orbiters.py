@@ -7,13 +7,14 @@ from scipy.integrate import simpson
 from compass.entry.beacons import Beacons
 from compass.entry.best_ground import best_ground_beacons
 from compass.entry.best_orbiters import best_orbiters
+from compass.entry.navigation import FilterRuns
 from compass.entry.observability import observability
 from compass.entry.schedule import Measurements, in_view
 from compass.entry.trajectory import Trajectory, fly
 from compass.entry.views import cartesian_of
 from compass.papers import yu2018_case as paper
 from compass.papers.verdict import Erratum, Row, claim, compare
-from compass.papers.yu2018_filter import Filter, MonteCarlo, initial_covariance, run_monte_carlo
+from compass.papers.yu2018_filter import Filter, initial_covariance, run_monte_carlo
 
 
 def orbiter_rows() -> list[Row]:
@@ -169,7 +170,7 @@ def comparison_rows() -> list[Row]:
     ]
 
 
-def _figure_12(flight: Trajectory, beacons: Beacons) -> MonteCarlo:
+def _figure_12(flight: Trajectory, beacons: Beacons) -> FilterRuns:
     measurements = Measurements(50.0)
     taken = measurements.taken(in_view(beacons, flight.states, paper.RADIUS), paper.TIMES)
     settings = Filter(initial_covariance(flight.states[0], 1000.0, 0.5), np.zeros(6))

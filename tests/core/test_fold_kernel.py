@@ -68,7 +68,7 @@ def samples(n=4000, seed=0):
 def test_equals_the_vertices(seed, equal):
     u, radius = random_caps(seed, 7, equal)
     found = fold_extremes(u, radius)
-    assert found.is_exact
+    assert (found.least, found.greatest) == (found.least_reached, found.greatest_reached)
     assert (found.least, found.greatest) == vertex_extremes(u, radius)
 
 
@@ -107,7 +107,7 @@ def test_invariant_under_rotation_and_relabelling(seed, n):
 
 def test_no_satellites():
     found = fold_extremes(np.empty((0, 3)), 1.0)
-    assert (found.least, found.greatest, found.is_exact) == (0, 0, True)
+    assert (found.least, found.least_reached, found.greatest, found.greatest_reached) == (0,) * 4
 
 
 @pytest.mark.parametrize(
@@ -127,7 +127,7 @@ def test_no_satellites():
 def test_known_answers(vectors, radius, least, greatest):
     found = fold_extremes(np.array(vectors, dtype=float), np.array(radius))
     assert (found.least, found.greatest) == (least, greatest)
-    assert found.is_exact
+    assert (found.least, found.greatest) == (found.least_reached, found.greatest_reached)
 
 
 def test_coincident_circles():

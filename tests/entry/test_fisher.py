@@ -12,12 +12,9 @@ from compass.entry.fisher import (
     best_directions,
     best_eigenvalues,
     best_rate_determinant,
-    full_information,
     position_variance_bound,
-    published_position_variance_bound,
     range_information,
     rate_information,
-    rate_variance_bound,
     two_beacon_eigenvalues,
 )
 from compass.errors import ArgumentError
@@ -55,7 +52,8 @@ def test_no_directions_beat_the_closed_form(sigmas, seed):
         trace = np.trace(np.linalg.inv(information))
         assert trace >= (1 / best).sum() * (1 - 1e-6)
         assert trace >= position_variance_bound(sigmas) * (1 - 1e-6)
-        assert position_variance_bound(sigmas) > published_position_variance_bound(sigmas)
+        # as printed (eqs. 28, 32, 35, 41 of Yu et al. 2018): true, but a third of it
+        assert position_variance_bound(sigmas) > 3 / np.sum(np.array(sigmas) ** -2.0)
 
 
 def test_too_few_beacons_have_no_bound():
@@ -99,10 +97,6 @@ def test_rate_information_is_the_gradient_of_the_range_rate():
     gradient = np.array([(rates(r + h * e) - rates(r - h * e)) / (2 * h) for e in np.eye(3)]).T
     found = rate_information(n, distance, w, 0.1)
     np.testing.assert_allclose(found, gradient.T @ gradient / 0.01, rtol=1e-6)
-    full = full_information(n, distance, w, 50.0, 0.1)
-    np.testing.assert_allclose(full[:3, :3], found + range_information(n, 50.0), rtol=1e-12)
-    np.testing.assert_allclose(full[3:, 3:], range_information(n, 0.1), rtol=1e-12)
-    assert np.all(np.linalg.eigvalsh(full_information(n, distance, w, None, 0.1)) > -1e-6)
 
 
 @pytest.mark.parametrize("count", [3, 5, 8])
@@ -118,5 +112,5 @@ def test_best_range_rate_geometry(count):
         other /= np.linalg.norm(other, axis=1, keepdims=True)
         information = rate_information(other, np.full(count, distance), [0, 0, v], sigma)
         assert np.linalg.det(information) <= reached
-        bound = rate_variance_bound(sigma, v, np.full(count, distance))
-        assert np.trace(np.linalg.inv(information)) >= bound
+        # eq. 47 mended: the trace of the information is at most the sum of (v / R sigma)^2
+        assert np.trace(np.linalg.inv(information)) >= 9 * (sigma * distance / v) ** 2 / count

@@ -16,8 +16,6 @@ def test_bank_holds_until_the_next_command():
     np.testing.assert_array_equal(
         vehicle.bank([0.0, 10.0, 19.9, 20.0, 99.0]), [0.1, 0.1, 0.1, 0.2, 0.2]
     )
-    assert vehicle.ballistic_coefficient == pytest.approx(62.5)
-    assert Vehicle(0.0, 0.0).ballistic_coefficient == float("inf")
 
 
 @pytest.mark.parametrize(

@@ -277,19 +277,6 @@ def test_a_wrong_density_is_told_by_the_nees(coarse_case, world):
     assert mc.mean_nees[-1] > 60
 
 
-def test_diverged_runs_are_set_apart():
-    from compass.papers.yu2018_filter import MonteCarlo
-
-    errors = np.zeros((2, 1, 6))
-    errors[1] = np.nan
-    mc = MonteCarlo(errors, np.ones((2, 1)), np.ones((2, 1, 2)), np.array([False, True]))
-    assert mc.position_rms == 0
-    assert mc.mean_nees == 1
-    lost = MonteCarlo(errors, np.ones((2, 1)), np.ones((2, 1, 2)), np.array([True, True]))
-    assert np.isnan(lost.position_rms).all()
-    assert np.isnan(lost.mean_nees).all()
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [
