@@ -31,6 +31,7 @@ def in_conventions(dataset: "xr.Dataset") -> "xr.Dataset":
     * Every variable has a long name; one without is called by its own.
     * Names hold no points: ``in_view.min`` becomes ``in_view_min``; units are as UDUNITS knows
       them, ``degree`` for deg.
+    * What is known of no source has no text for it: texts of the file that are empty are left out.
     """
     last = [name for name in ("time", "lat", "lon") if name in dataset.dims]
     made = dataset.transpose(..., *last)
@@ -58,8 +59,13 @@ def in_conventions(dataset: "xr.Dataset") -> "xr.Dataset":
             attrs["units"] = _DEGREES.sub("degree", attrs["units"])
         if not {"long_name", "standard_name", "grid_mapping_name"} & set(attrs):
             attrs["long_name"] = name.replace("_", " ")
+    made.attrs = {key: value for key, value in made.attrs.items() if not _is_empty(value)}
     made.attrs.setdefault("Conventions", CONVENTIONS)
     return made
+
+
+def _is_empty(value: object) -> bool:
+    return isinstance(value, str) and not value.strip()
 
 
 def dated(dataset: "xr.Dataset", *names: str) -> "xr.Dataset":
