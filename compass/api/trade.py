@@ -1,10 +1,11 @@
 """A study over many candidates, resumable, on a cluster if asked."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from tqdm import tqdm
 
 from compass.api.cluster import check_cluster
@@ -18,7 +19,6 @@ from compass.document.blocks import Block
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.inputs.study import Study
-from compass.quantities import quantity
 from compass.quantities.merits import MERITS, merits_of
 from compass.saving import check_writable
 from compass.study.bounds import bounded_figures
@@ -128,7 +128,7 @@ class TradeResult(Result):
             blocks.append(_front_table(front, requirement_columns(self.study).keys() - goals))
             blocks += self._required_table()
             blocks += [Sentence(words) for words in self._evidence()]
-            blocks += self._clock_table()
+            blocks += clock_blocks(self.study, self.by_clock)
         stages = tuple(
             (n, s.reached[n], s.computed[n], s.failed[n], round(s.seconds.get(n, 0.0), 2))
             for n in s.reached
@@ -182,22 +182,6 @@ class TradeResult(Result):
         rows = tuple((one["identity"], *row) for one, row in zip(front, cells, strict=True))
         return [Table("Requirements on the front", header, rows, LISTED)]
 
-    def _clock_table(self) -> list[Block]:
-        """What a better clock buys against another candidate; nothing without errors in metres."""
-        if not self.by_clock:
-            return []
-        known = quantity(self.by_clock[0]["figure"])
-        header = ("identity", "satellites", *self.by_clock[0]["m"])
-        rows = tuple(
-            (
-                one["identity"],
-                one["satellites"],
-                *(Value(known, error) for error in one["m"].values()),
-            )
-            for one in self.by_clock
-        )
-        return [Table(f"With each clock: {known.heading}", header, rows, LISTED)]
-
     def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw the front in the first two objectives; of one objective against the satellites.
 
@@ -249,6 +233,49 @@ class TradeResult(Result):
                 f"{' or of '.join(lacking) or 'every objective'}; choose another objective"
             )
         return tuple(notes)
+
+
+def clock_blocks(study: Study, by_clock: Sequence[dict[str, Any]]) -> list[Block]:
+    """What a better clock buys against more satellites, a table a figure and what it says.
+
+    Nothing without errors in metres (`compass.study.clocks.errors_by_clock`).
+    """
+    blocks: list[Block] = []
+    for figure in dict.fromkeys(one["figure"] for one in by_clock):
+        rows = [one for one in by_clock if one["figure"] == figure]
+        known = MERITS[figure].quantity
+        cells = tuple(
+            (
+                one["identity"],
+                one["satellites"],
+                *(Value(known, error) for error in (one["own"], *one["m"].values())),
+            )
+            for one in rows
+        )
+        header = ("identity", "satellites", "the study's own", *rows[0]["m"])
+        blocks.append(Table(f"With each clock: {known.heading}", header, cells, LISTED))
+        blocks += [Sentence(words) for words in _clock_against_satellites(study, rows)]
+    return blocks
+
+
+def _clock_against_satellites(study: Study, rows: Sequence[dict[str, Any]]) -> tuple[str, ...]:
+    """What the smallest of them gains by the best clock, and by the next more satellites."""
+    assert study.signal is not None
+    assert study.signal.clock is not None
+    finite = [one for one in rows if np.isfinite(one["own"])]
+    sizes = sorted({one["satellites"] for one in finite})
+    if len(sizes) < 2:
+        return ()
+    few, more = (next(one for one in finite if one["satellites"] == n) for n in sizes[:2])
+    known, clock = MERITS[few["figure"]].quantity, study.signal.clock.name
+    best = min(few["m"], key=few["m"].__getitem__)
+    written = [Value(known, x) for x in (few["own"], few["m"][best], more["own"])]
+    buys = "more" if few["m"][best] < more["own"] else "less"
+    return (
+        f"{known.title}: {sizes[0]} satellites with {clock} have {written[0]} m; the best clock, "
+        f"{best}, makes that {written[1]} m, {sizes[1] - sizes[0]} more with {clock} make it "
+        f"{written[2]} m: here a better clock buys {buys}",
+    )
 
 
 def _front_table(front: list[dict[str, Any]], apart: Collection[str]) -> Table:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import compass
+from compass.api.trade import clock_blocks
 from compass.document import Bracket, Value
 from compass.document.blocks import Picture, Section, Sentence, Table, arranged
 from compass.inputs.study import Constraint, Free, Study
@@ -35,6 +36,7 @@ from compass.quantities.merits import MERITS, STAGES
 from compass.study.bounds import bounded_figures, bracketed_figures, ends
 from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, finalists_of, notation, rows_in
+from compass.study.clocks import errors_by_clock
 from compass.study.requirement_figures import required
 from compass.study.results import known_figures, read_results
 from compass.study.sampling import front_known, sampled_over
@@ -116,6 +118,9 @@ def trade_report(
         sections.append(_sensitivity(study, results))
         progress("maps")
         sections.append(_maps(study, finalists, measure))
+        progress("clocks")
+        if clocks := clock_blocks(study, errors_by_clock(study, results)):
+            sections.append(Section("What a better clock buys", tuple(clocks)))
         if ranked is not None:
             sections += landing_sections(study, *ranked, progress)
         sections.append(handover_section(chosen))

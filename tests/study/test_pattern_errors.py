@@ -5,18 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compass.api.trade import clock_blocks
 from compass.bodies import MARS_GM
 from compass.clocks import clock_named
 from compass.core.screen import deciding_phases
 from compass.coverage.grid import make_grid
 from compass.errors import DesignError
 from compass.frames import prime_meridian_angle
-from compass.inputs.study import read_study_text
+from compass.inputs.study import Objective, read_study_text
 from compass.ranging import Receiver, Signal
-from compass.study.candidates import batches, candidates
+from compass.study.candidates import batches, candidates, make_constellation
 from compass.study.clocks import errors_by_clock
 from compass.study.pattern_errors import NAMES, pattern_errors
-from compass.study.pattern_judging import judged
+from compass.study.pattern_judging import entry_figures, judged
 from compass.study.results import known_figures
 
 TEXT = """
@@ -106,21 +107,42 @@ def test_errors_of_patterns_are_those_of_matrices(study, rows):
     assert np.isfinite(expected).all()
 
 
-def test_a_better_clock_is_put_beside_more_satellites(study, rows):
+def front_of(rows, figures):
+    """Results of a study whose only candidate on the front is the first."""
     import xarray as xr
 
     columns = {name: ("candidate", rows[name]) for name in rows.dtype.names if name != "pattern"}
     columns["pattern"] = ("candidate", ["walker-delta"] * len(rows))
-    columns |= {name: ("candidate", v) for name, v in pattern_errors(study, rows).items()}
+    columns |= {name: ("candidate", v) for name, v in figures.items()}
     columns |= {"front": ("candidate", [0, 1]), "identity": ("candidate", ["a", "b"])}
-    (one,) = errors_by_clock(study, xr.Dataset(columns))
+    return xr.Dataset(columns)
+
+
+def test_a_better_clock_is_put_beside_more_satellites(study, rows):
+    found = pattern_errors(study, rows)
+    (one,) = errors_by_clock(study, front_of(rows, found))
     assert (one["identity"], one["satellites"]) == ("a", 15)
     better = replace(study, signal=replace(study.signal, clock=clock_named("dsac")))
     by_hand = pattern_errors(better, rows[:1])["error_horizontal_m.p95"][0]
     assert one["m"]["dsac"] == by_hand < one["m"]["csac"]
-    assert one["m"]["csac"] == pattern_errors(study, rows[:1])["error_horizontal_m.p95"][0]
+    assert one["m"]["csac"] == one["own"] == found["error_horizontal_m.p95"][0]
     still = replace(study, signal=replace(study.signal, clock=None, clock_sigma=3.0))
-    assert errors_by_clock(still, xr.Dataset(columns)) == []
+    assert errors_by_clock(still, front_of(rows, found)) == []
+
+
+def test_it_is_said_what_a_clock_buys_against_satellites(study):
+    def row(n, own, dsac):
+        m = {"csac": own, "dsac": dsac}
+        return {"identity": "x", "satellites": n, "figure": "error_time_m.p95", "own": own, "m": m}
+
+    rows = [row(16, 9.0, 5.0), row(15, 20.0, 6.0), row(18, 3.0, 2.0)]
+    table, words = clock_blocks(study, rows)
+    assert table.rows[1][:2] == ("x", 15) and "time error" in table.title
+    assert "15 satellites with csac have 20" in words.text and "1 more with csac" in words.text
+    assert words.text.endswith("a better clock buys more")
+    rows[1]["m"]["dsac"] = 12.0
+    assert clock_blocks(study, rows)[1].text.endswith("a better clock buys less")
+    assert len(clock_blocks(study, rows[:1])) == 1 and clock_blocks(study, []) == []
 
 
 def test_without_errors_of_ranges_there_are_none(study, rows):
@@ -145,3 +167,17 @@ def test_entries_of_a_study_count_its_signal(tiny):
     found = judged(replace(bare, signal=signal), c, 5.0)
     assert found == told
     assert found["crlb_position_m.p50"] < judged(bare, c, 5.0)["crlb_position_m.p50"]
+
+
+@pytest.mark.slow
+def test_a_lander_gains_by_a_better_clock(tiny, study, rows):
+    """The column of a clock is what is judged with it; satellites' clocks of a chip lose metres."""
+    name = "crlb_position_m.p50"
+    entry = replace(tiny(entry=True).entry, samples=8)
+    asked = replace(study, entry=entry, objectives=(Objective(name, 1),))
+    own = entry_figures(asked, rows)
+    (one,) = errors_by_clock(asked, front_of(rows, own))
+    better = replace(asked, signal=replace(asked.signal, clock=clock_named("rafs")))
+    by_hand = judged(better, make_constellation(rows[0]), 0.0)[name]
+    assert one["figure"] == name and one["own"] == one["m"]["csac"] == own[name][0]
+    assert one["m"]["rafs"] == by_hand < 0.9 * one["m"]["csac"]
