@@ -170,27 +170,34 @@ def map(
         areas = certified_areas(read, options, *places, effort)
     found = MapResult(read, made, certified, areas)
     if each_loss:
-        _add_losses(made, read, options, workers, progress)
+        add_losses(made, read, options, workers, progress=progress)
     made.dataset.attrs |= _attributes(certified) | {"sampled": found.sampled}
     return found
 
 
-def _add_losses(
-    made: DesignMap, design: Design, options: MapOptions, workers: int | None, progress: bool
+def add_losses(
+    made: DesignMap,
+    design: Design,
+    options: MapOptions,
+    workers: int | None = None,
+    *,
+    progress: bool = False,
 ) -> None:
-    """Add to a map which shares are protected without each satellite."""
+    """Add to a map which shares are protected without each satellite, looked at by `options`."""
     assert design.integrity is not None
     rows = MapRows(design, options)
-    names = design.constellation.satellite_names
-    with bar(progress, "losses", unit="row", total=len(names) * made.grid.latitude.size) as done:
+    names, count = design.constellation.satellite_names, rows.grid.latitude.size
+    with bar(progress, "losses", unit="row", total=len(names) * count) as done:
         shares = protection_after_losses(
-            made.view, made.grid, rows.ranges, design.integrity, workers=workers,
+            rows.view, rows.grid, rows.ranges, design.integrity, workers=workers,
             progress=done.update,
         )  # fmt: skip
+    looked = f"{options.epochs} epochs on {rows.grid.kind}, {count} by {rows.grid.columns} cells"
     made.dataset["loss_protection_share"] = (
         ("lost", "protected"),
         shares,
-        {"units": "1", "long_name": "share of area and time after the loss of one satellite"},
+        {"units": "1", "long_name": "share of area and time after the loss of one satellite"}
+        | {"sampled": looked},
     )
     made.dataset.coords["lost"] = list(names)
 

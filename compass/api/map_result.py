@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -185,15 +186,67 @@ class MapResult(Result):
         found = error_statistics(made)
         horizontal, vertical = (Value(quantity(q), found[q]) for q in ROVER.values())
         known = "their variances" if attrs["error_weights"] == "variance" else "nothing: all alike"
+        rover = (
+            "a rover anywhere: no error holds for 95 % of area and time, for in more than 5 % of it "
+            "there is no fix"
+        )
+        if np.isfinite(found["rover_horizontal_m"]):
+            rover = (
+                f"a rover anywhere: {horizontal} m horizontal, {vertical} m vertical, 95 % of its "
+                "fixes for 95 % of area and time (1.96 times one sigma, at least 95 % whatever the "
+                f"shape of the error ellipse), with {basis(self.design)}; it weighs ranges by "
+                f"{known}; ± is a standard error of sampling"
+            )
         return (
             Table(title, header, tuple(rows)),
-            Sentence(
-                f"a rover anywhere: {horizontal} m horizontal, {vertical} m vertical, 95 % of its "
-                "fixes for 95 % of area and time (1.96 times one sigma, at least 95 % whatever "
-                f"the shape of the error ellipse), with {basis(self.design)}; it weighs ranges by "
-                f"{known}; ± is a standard error of sampling"
-            ),
+            Sentence(rover),
+            *(Sentence(words) for words in self.why_no_fix()),
             *self._budget_blocks(found.get("fix_budget")),
+        )
+
+    def why_no_fix(self) -> tuple[str, ...]:
+        """Where errors are infinite: in how much of area and time, and why; nothing where never."""
+        found = error_statistics(self.dataset)
+        none = 1.0 - found["fix_share"]
+        if none < 5e-7:
+            return ()
+        few, masked, singular = (
+            Value(quantity("part_share"), found[name])
+            for name in ("fewer_than_four_share", "masked_share", "singular_share")
+        )
+        lowest = float(np.min(self.dataset.attrs["elevation_mask_deg"]))
+        mask = (
+            f" ({masked} % would have four, were nothing hidden above the plain horizon: the mask "
+            f"begins at {lowest:g} deg)"
+            if found["masked_share"] > 0.0
+            else ""
+        )
+        lines = (
+            f"; in {singular} % four or more, whose lines of sight tell no fix"
+            if found["singular_share"] > 5e-7
+            else ""
+        )
+        return (
+            f"errors are infinite in {Value(quantity('part_share'), none)} % of area and time: in "
+            f"{few} % fewer than four satellites are in view{mask}{lines}",
+        )
+
+    def why_no_level(self) -> tuple[str, ...]:
+        """As `why_no_fix`, of protection levels."""
+        found = protection_statistics(self.dataset)
+        none = 1.0 - found["level_share"]
+        if none < 5e-7:
+            return ()
+        share, reasons = quantity("part_share"), []
+        for name, words in (
+            ("fewer_than_five_share", "fewer than five satellites are in view"),
+            ("unchecked_share", "a range is there that the others cannot check"),
+            ("two_faults_share", "so many are in view that two faults use up the risk allowed"),
+        ):
+            if found[name] > 5e-7:
+                reasons.append(f"in {Value(share, found[name])} % {words}")
+        return (
+            f"levels are infinite in {Value(share, none)} % of area and time: {'; '.join(reasons)}",
         )
 
     def _budget_blocks(self, budget: dict[str, Any] | None) -> tuple[Table | Sentence, ...]:
@@ -245,6 +298,7 @@ class MapResult(Result):
         ]
         return (
             Table("Protection levels, m: percentiles over area and time", header, rows),
+            *(Sentence(words) for words in self.why_no_level()),
             facts("One faulty satellite", shares),
             *self._loss_blocks(found),
             Sentence(
@@ -272,7 +326,8 @@ class MapResult(Result):
                 if few
                 else "every satellite was left out in turn; the loss that harms least leaves "
                 f"{100 * loss['detection_share_most']:.2f} % detectable and "
-                f"{100 * loss['protection_share_most']:.2f} % within the limits"
+                f"{100 * loss['protection_share_most']:.2f} % within the limits; sampled at "
+                f"{self.dataset.loss_protection_share.attrs['sampled']}"
             ),
         ]
 
@@ -390,6 +445,7 @@ class MapResult(Result):
         from compass.pictures.style import axes_or_new
 
         values, title = self._layer(name, percentile)
+        title += self._why_nowhere(name, values)
         known = QUANTITIES.get(name)
         drawn = axes_or_new(axes, *LARGE)
         draw_map(
@@ -403,6 +459,13 @@ class MapResult(Result):
             wanted=self.design.fold,
         )
         return drawn
+
+    def _why_nowhere(self, name: str, values: "xr.DataArray") -> str:
+        """Why a map of errors or levels is infinite everywhere, for its title; else nothing."""
+        if name not in (*ERRORS, *LEVELS) or np.isfinite(values.values).any():
+            return ""
+        why = self.why_no_fix() if name in ERRORS else self.why_no_level()
+        return "".join("\n" + fill(words, 90) for words in why)
 
     def save_plot(self, path: str | Path, name: str = "gdop", *, percentile: int = 95) -> None:
         """Write `plot` as a PNG file; a killed run leaves no partial one."""

@@ -68,7 +68,12 @@ def error_statistics(dataset: "xr.Dataset") -> dict[str, Any]:
         found[name]["share_sampling"] = float(of.global_error_share_sampling)
     for name, most in ROVER.items():
         found[most] = FACTOR_95 * found[name]["p95"]
-    return found | _budget(dataset) | {"error_limit_m": dataset.attrs["error_limit_m"]}
+    return (
+        found
+        | no_fix(dataset)
+        | _budget(dataset)
+        | {"error_limit_m": dataset.attrs["error_limit_m"]}
+    )
 
 
 def _budget(dataset: "xr.Dataset") -> dict[str, Any]:
@@ -107,7 +112,38 @@ def protection_statistics(dataset: "xr.Dataset") -> dict[str, Any]:
         "protection_share": float(shares.sel(protected="both")),
         "protection_horizontal_share": float(shares.sel(protected="horizontal")),
         "protection_vertical_share": float(shares.sel(protected="vertical")),
+        **no_level(dataset),
         **_after_loss(dataset),
+    }
+
+
+def in_view_share(dataset: "xr.Dataset", count: int) -> float:
+    """Share of area and time with so many satellites in view or more."""
+    shares = dataset.global_fold_share.values
+    return float(shares[count]) if count < shares.size else 0.0
+
+
+def no_fix(dataset: "xr.Dataset") -> dict[str, float]:
+    """Share of area and time with a fix, and why there is none in the rest."""
+    fixed, four = float(dataset.global_fix_share), in_view_share(dataset, 4)
+    masked, plain = dataset.four_in_view.values.tolist()
+    return {
+        "fix_share": fixed,
+        "fewer_than_four_share": 1.0 - four,
+        "masked_share": plain - masked,
+        "singular_share": max(four - fixed, 0.0),
+    }
+
+
+def no_level(dataset: "xr.Dataset") -> dict[str, float]:
+    """Share of area and time with protection levels, and why there are none in the rest."""
+    level, five = float(dataset.global_level_share), in_view_share(dataset, 5)
+    able = float(dataset.global_protection_share.sel(protected="detectable"))
+    return {
+        "level_share": level,
+        "fewer_than_five_share": 1.0 - five,
+        "unchecked_share": max(five - able, 0.0),
+        "two_faults_share": max(able - level, 0.0),
     }
 
 

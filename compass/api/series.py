@@ -135,7 +135,8 @@ class SeriesResult(Result):
         for name in self.errors.user.values.tolist():
             seen = self.errors.sel(user=name)
             fixed = np.isfinite(seen["error_position_m"].values)
-            row = {"user": name, "fix_share": float(fixed.mean())}
+            few = seen["in_view"].values < 4
+            row = {"user": name, "fix_share": float(fixed.mean()), "few_share": float(few.mean())}
             for each in ERRORS:
                 values = seen[each].values
                 row[each] = {f"p{q}": _percentile(values, q) for q in (50, 95)}
@@ -187,16 +188,18 @@ class SeriesResult(Result):
             return ()
         known = {name: quantity(name) for name in ERRORS}
         header = [f"{q.heading}, {p} % below" for q in known.values() for p in (50, 95)]
+        few = "fewer than four in view, %"
         lines = tuple(
             (
                 row["user"],
                 f"{100 * row['fix_share']:.2f}",
+                f"{100 * row['few_share']:.2f}",
                 *(Value(known[name], row[name][p]) for name in ERRORS for p in ("p50", "p95")),
             )
             for row in rows
         )
         return (
-            Table("Errors of fixes over time", ("user", "time with a fix, %", *header), lines),
+            Table("Errors of fixes over time", ("user", "time with a fix, %", few, *header), lines),
             Sentence(
                 f"{self.evidence()['errors'].capitalize()}; infinite where four satellites are not "
                 "in view or their lines tell no fix, and that counts. An orbiter is hidden from "

@@ -62,8 +62,9 @@ def error_map(
         Over (percentile, lat, lon): ``error_horizontal_m``, ``error_vertical_m``,
         ``error_position_m``, ``error_time_m``; over (error, lat, lon): ``error_share``; global:
         ``global_error`` and its ``global_error_sampling`` over (error, global_percentile),
-        ``global_error_share`` and its ``global_error_share_sampling`` over error. The sampling
-        errors are standard errors from four interleaved quarters of the epochs of every row.
+        ``global_error_share`` and its ``global_error_share_sampling`` over error,
+        ``global_fix_share``. The sampling errors are standard errors from four interleaved
+        quarters of the epochs of every row.
 
     Raises
     ------
@@ -149,6 +150,11 @@ def _dataset(
             errors,
             _attrs("standard error of the percentile from sampling cells and epochs", "m"),
         ),
+        "global_fix_share": (
+            (),
+            finite_share(total[:, 0].sum(axis=0)),
+            _attrs("share of area and time with a fix"),
+        ),
         "global_error_share": ("error", over_all, _attrs(f"share of area and time {within}")),
         "global_error_share_sampling": (
             "error",
@@ -186,7 +192,8 @@ def _standard_error(each: NDArray[np.float64]) -> NDArray[np.float64]:
     """Standard error of the mean of independent samples, the first axis; infinite if one is."""
     finite = np.all(np.isfinite(each), axis=0)
     spread = np.std(np.where(finite, each, 0.0), axis=0, ddof=1) / np.sqrt(SAMPLES)
-    return np.where(finite, spread, np.inf)
+    # what rounding leaves of equal shares is no spread
+    return np.where(finite, np.where(spread < 1e-12, 0.0, spread), np.inf)
 
 
 def _share_sampling(histograms: NDArray[np.float64], limit: float) -> NDArray[np.float64]:
@@ -195,6 +202,11 @@ def _share_sampling(histograms: NDArray[np.float64], limit: float) -> NDArray[np
 
     each = np.array([[histogram_share(h, limit) for h in part] for part in histograms])
     return _standard_error(each)
+
+
+def finite_share(histogram: NDArray[np.float64]) -> float:
+    """Share of what was added to a histogram that is not infinite."""
+    return float(1.0 - histogram[-1] / histogram.sum())
 
 
 def _attrs(long_name: str, units: str = "1") -> dict[str, str]:

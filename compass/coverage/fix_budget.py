@@ -35,11 +35,15 @@ class FixBudget:
         Of the mean variance of those ranges, of `PARTS`, shape (5,).
     shares
         Mean share of the variance of fixes, shape (error, 5), in the order of `ERRORS`.
+    four, four_unmasked
+        Share of area and time with four satellites in view, and with four above the plain horizon.
     """
 
     range_error: float
     range_shares: Array
     shares: Array
+    four: float
+    four_unmasked: float
 
 
 def fix_budget(design: Design, seen: View, ranges: RangeErrors) -> FixBudget:
@@ -65,16 +69,18 @@ def fix_budget(design: Design, seen: View, ranges: RangeErrors) -> FixBudget:
     places, ups = _users(design)
     skip = max(1, int(np.ceil(len(places) * seen.r[..., 0].size / MOST_RANGES)))
     epochs = slice(None, None, skip)
-    found, fixed, heard, kept = variances_by_part(
+    found, fixed, heard, kept, risen = variances_by_part(
         seen.r[epochs], seen, RangeErrors(ranges.forms[epochs], ranges.sun[epochs], ranges.lit,
                                           ranges.numbers), places, ups,
     )  # fmt: skip
+    fours = float((kept.sum(axis=2) >= 4).mean()), float((risen.sum(axis=2) >= 4).mean())
     if not fixed.any():
-        return FixBudget(np.nan, np.full(len(PARTS), np.nan), np.full((4, len(PARTS)), np.nan))
+        none = np.full((1 + len(ERRORS), len(PARTS)), np.nan)
+        return FixBudget(np.nan, none[0], none[1:], *fours)
     shares = found[fixed] / found[fixed].sum(axis=2, keepdims=True)
     of_ranges = heard[kept & fixed[..., None]].mean(axis=0)
     total = of_ranges.sum()
-    return FixBudget(float(np.sqrt(total)), of_ranges / total, shares.mean(axis=0))
+    return FixBudget(float(np.sqrt(total)), of_ranges / total, shares.mean(axis=0), *fours)
 
 
 def _users(design: Design) -> tuple[Array, Array]:
@@ -90,8 +96,10 @@ def _users(design: Design) -> tuple[Array, Array]:
 
 def variances_by_part(
     r: Array, seen: View, ranges: RangeErrors, places: Array, ups: Array
-) -> tuple[Array, NDArray[np.bool_], Array, NDArray[np.bool_]]:
+) -> tuple[Array, NDArray[np.bool_], Array, NDArray[np.bool_], NDArray[np.bool_]]:
     """Variances of fixes by error and part, m^2; which are fixes; those of ranges; who is in view.
+
+    And who has risen above the plain horizon, whatever the mask.
 
     Parameters
     ----------
@@ -106,8 +114,8 @@ def variances_by_part(
 
     Returns
     -------
-    variances, fixed, heard, in_view
-        Shapes (t, u, 4, 5), (t, u), (t, u, n, 5), (t, u, n).
+    variances, fixed, heard, in_view, risen
+        Shapes (t, u, 4, 5), (t, u), (t, u, n, 5), (t, u, n), (t, u, n).
     """
     numbers = ranges.numbers
     line = r[:, None] - places[None, :, None]
@@ -146,8 +154,7 @@ def variances_by_part(
     variances[..., 4] = np.array(
         [2.0 * numbers[error.SHARED], 0.0, 2.0 * numbers[error.SHARED], numbers[error.SHARED_TIME]]
     )
-    assert variances.shape[2] == len(ERRORS)
-    return variances, fixed, heard, in_view
+    return variances, fixed, heard, in_view, sine >= 0.0
 
 
 def _mask(seen: View, u: Array, ups: Array) -> Array:

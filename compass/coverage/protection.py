@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from compass.core.error import Ranges
 from compass.core.integrity import FACTOR, RISK, Promise, empty_level_histograms, protection_row
 from compass.core.ranking import histogram_quantile
-from compass.coverage.errors import PERCENTILES
+from compass.coverage.errors import PERCENTILES, finite_share
 from compass.coverage.grid import Grid
 from compass.coverage.maps import CELL_PERCENTILES, nearest_ranks
 from compass.coverage.rows import Part, Rows, by_threads, gathered
@@ -78,7 +78,8 @@ def protection_map(
     xarray.Dataset
         Over (percentile, lat, lon): ``protection_horizontal_m``, ``protection_vertical_m``; over
         (lat, lon): ``detection_share``, ``protection_share``; global: ``global_protection`` over
-        (level, global_percentile), ``global_protection_share`` over protected.
+        (level, global_percentile), ``global_protection_share`` over protected,
+        ``global_level_share``.
 
     Raises
     ------
@@ -128,6 +129,11 @@ def protection_map(
             ("level", "global_percentile"),
             np.array([[histogram_quantile(h, q / 100) for q in PERCENTILES] for h in histograms]),
             {"units": "m", "long_name": "percentile over area and time"},
+        ),
+        "global_level_share": (
+            (),
+            finite_share(histograms[0]),
+            {"units": "1", "long_name": "share of area and time with protection levels"},
         ),
         "global_protection_share": (
             "protected",

@@ -172,7 +172,14 @@ def accurate(found: Found) -> str:
     if found.design.constellation.size < ENOUGH:
         return f"A fix from ranges of one moment takes four satellites in view: see {LOCATE}."
     numbers = found.mapped.numbers()
-    if errors := _errors(found, numbers):
+    errors = _errors(found, numbers)
+    if errors and not np.isfinite(numbers["rover_horizontal_m"]):
+        none, few = 1.0 - numbers["fix_share"], numbers["fewer_than_four_share"]
+        return (
+            f"A rover has no fix in {significant(100.0 * none, 3)} % of area and time: in "
+            f"{significant(100.0 * few, 3)} % it sees fewer than four satellites."
+        )
+    if errors:
         return (
             f"A rover anywhere knows its place to {errors[0].written} horizontally: 95 % of its "
             f"fixes, in 95 % of area and time, with {basis(found.design)}."
@@ -198,7 +205,8 @@ def _errors(found: Found, numbers: dict[str, Any]) -> list[Answer]:
         value = Value(quantity(most), numbers[most], Sampled(doubt, "over area and time"))
         said = f"A rover anywhere: {name.split('_')[1]}, 95 % of fixes, 95 % of area and time"
         evidence = f"{value.evidence}; with {basis(found.design)}"
-        rows.append(Answer(said, value, evidence=evidence))
+        fixed = np.isfinite(numbers[most])
+        rows.append(Answer(said, value if fixed else "no fix in so much of it", evidence=evidence))
     return rows
 
 

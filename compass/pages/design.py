@@ -5,6 +5,7 @@ may be None where there is nothing to say.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from importlib import import_module
 from typing import Any
 
@@ -14,6 +15,7 @@ from compass.api.access import access
 from compass.api.check import check
 from compass.api.fold import fold
 from compass.api.fold_result import FoldResult
+from compass.api.map import add_losses
 from compass.api.map_areas import area_blocks
 from compass.api.map_result import MapResult
 from compass.api.outlook import outlook
@@ -116,7 +118,10 @@ def look_at(
     progress("coverage map")
     certified = certified_figures(design, options)
     areas = certified_areas(design, options, *places)
-    mapped = MapResult(design, make_map(design, options, command), certified, areas)
+    made = make_map(design, options, command)
+    if design.signal is not None and design.integrity is not None:
+        add_losses(made, design, replace(options, step_deg=LOSS_STEP_DEG, epochs=LOSS_EPOCHS))
+    mapped = MapResult(design, made, certified, areas)
     progress("continuous fold")
     lost = 1 if design.constellation.size > 1 else 0
     proven = fold(design, motion="two-body", losses=lost)
@@ -133,6 +138,9 @@ def look_at(
     followed = _followed(design, mapped)
     return Found(design, show(design), mapped, proven, links, lasts, checked, followed)
 
+
+#: How coarsely protection without each satellite is looked at: as often as there are satellites.
+LOSS_STEP_DEG, LOSS_EPOCHS = 10.0, 31
 
 #: Days over which errors at sites are followed at most, and moments of them.
 FOLLOWED_DAYS, MOMENTS = 3.0, 433

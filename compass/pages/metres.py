@@ -8,7 +8,7 @@ from compass.api.map_statistics import error_statistics
 from compass.api.series import SeriesResult
 from compass.api.show_signal import signal_blocks, signal_facts
 from compass.design import Design
-from compass.document.blocks import Block, Picture, Section, Sentence, Verdict
+from compass.document.blocks import Block, Picture, Section, Sentence, Table, Verdict
 from compass.pages.coverage import percentile_map
 from compass.pictures.determine import SIZE, schedule_height
 from compass.pictures.series import draw_errors
@@ -41,11 +41,18 @@ def metres_section(mapped: MapResult, followed: SeriesResult | None = None) -> S
     if design.signal is None:
         return None
     names = (*MAPS, *(LEVELS if design.integrity is not None else ()))
-    table, rover, *made_of = mapped.error_blocks()
+    table, *said = mapped.error_blocks()
+    rover = [block for block in said if isinstance(block, Sentence)]
+    tables = [k for k, block in enumerate(said) if isinstance(block, Table)]
+    made_of = said[tables[0] :] if tables else []
     told: list[Block] = [
-        rover,
+        *(block for block in rover if block not in made_of),
         table,
-        *(error_picture(mapped, name, wide=name == MAPS[0]) for name in names),
+        *(
+            error_picture(mapped, name, wide=name == MAPS[0])
+            for name in names
+            if drawable(mapped, name)
+        ),
         *mapped.protection_blocks(),
         *over_time(followed),
         *fix_budget_picture(mapped),
@@ -54,6 +61,11 @@ def metres_section(mapped: MapResult, followed: SeriesResult | None = None) -> S
         *signal_blocks(design),
     ]
     return Section("Errors in metres", tuple(told))
+
+
+def drawable(mapped: MapResult, name: str) -> bool:
+    """Whether a map shows anything: one that is infinite everywhere is said, not drawn."""
+    return bool(np.isfinite(mapped.dataset[name].sel(percentile=95).values).any())
 
 
 def error_picture(mapped: MapResult, name: str, *, wide: bool = False) -> Picture:

@@ -284,6 +284,11 @@ def _add_budget(dataset: "xr.Dataset", design: Design, rows: MapRows) -> None:
         "part", found.range_shares,
         {"units": "1", "long_name": "share of the mean variance of the ranges of fixes"},
     )  # fmt: skip
+    dataset["four_in_view"] = (
+        "horizon", [found.four, found.four_unmasked],
+        {"units": "1", "long_name": "share of area and time with four satellites in view"},
+    )  # fmt: skip
+    dataset.coords["horizon"] = ["mask", "plain"]
     dataset["fix_part"] = (
         ("error", "part"), found.shares,
         {"units": "1", "long_name": "mean share of the variance of fixes, over area and time"},

@@ -67,7 +67,7 @@ def test_every_part_is_what_a_signal_with_it_alone_gives(mask):
     ups = east_north_up(planetographic_latitude(latitude, figure), longitude)[:, 2]
     for weights in ("equal", "variance"):
         seen, ranges = looked_at(d, weights)
-        found, fixed, heard, _ = variances_by_part(seen.r, seen, ranges, places, ups)
+        found, fixed, heard, *_ = variances_by_part(seen.r, seen, ranges, places, ups)
         whole = of_map(d, grid, weights)
         good = fixed[1]
         assert np.array_equal(good, np.isfinite(whole).all(axis=0)) and 8 < good.sum() < good.size
@@ -108,3 +108,12 @@ def test_without_a_fix_there_are_no_parts():
     d = design(WHOLE, satellites=3)
     made = fix_budget(d, *looked_at(d, "variance"))
     assert np.isnan(made.range_error) and np.isnan(made.shares).all()
+
+
+def test_what_the_mask_hides_is_counted():
+    """Of the same users and moments, four above the plain horizon as counted one by one."""
+    d = design(WHOLE, Mask.of(30), satellites=12)
+    seen, ranges = looked_at(d, "variance")
+    made, bare = fix_budget(d, seen, ranges), design(WHOLE, Mask.of(0), satellites=12)
+    open_ = fix_budget(bare, *looked_at(bare, "variance"))
+    assert 0.0 < made.four < made.four_unmasked == open_.four == open_.four_unmasked

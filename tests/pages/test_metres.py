@@ -1,5 +1,7 @@
 """Sections in metres: what they show, and that they are not there without a signal."""
 
+import pytest
+
 import compass
 from compass.document.blocks import walk
 from compass.inputs import read_design_text
@@ -34,7 +36,8 @@ def test_there_is_none_without_a_signal():
 
 
 def test_errors_budget_and_promise_stand_on_the_page():
-    section = metres_section(mapped(DESIGN + SIGNAL + "[integrity]\n"))
+    more = DESIGN.replace("satellites = 9", "satellites = 24")
+    section = metres_section(mapped(more + SIGNAL + "[integrity]\n"))
     stems = [p.stem for p in section.pictures]
     assert stems == [
         "error-horizontal-p95", "error-vertical-p95", "error-time-p95",
@@ -62,8 +65,37 @@ def test_errors_at_the_sites_stand_on_the_page_over_time():
 
 def test_a_design_that_never_has_a_fix_gets_no_bars():
     few = DESIGN.replace("satellites = 9", "satellites = 3")
-    stems = [p.stem for p in metres_section(mapped(few + SIGNAL)).pictures]
-    assert "fix-budget" not in stems and "range-budget" in stems
+    section = metres_section(mapped(few + SIGNAL))
+    assert [p.stem for p in section.pictures] == ["range-budget"]
+    assert any("in 100 % fewer than four satellites are in view" in p for p in section.paragraphs)
+    assert any("more than 5 % of it there is no fix" in p for p in section.paragraphs)
+
+
+def test_it_is_said_why_errors_and_levels_are_infinite():
+    """Shares of the reasons add up to those of the infinities, which cells and epochs tell."""
+    text = DESIGN.replace("satellites = 9", "satellites = 12").replace("planes = 3", "planes = 4")
+    made = compass.map(
+        read_design_text(text + "[coverage]\nmask_deg = 15\n" + SIGNAL + "[integrity]\n"),
+        step_deg=30, epochs=5, duration_h=7,
+    )  # fmt: skip
+    known = made.to_dict()
+    four = float(made.dataset.global_fold_share.sel(global_fold=4))
+    assert known["fewer_than_four_share"] == pytest.approx(1 - four) and 0.01 < four < 0.99
+    reasons = known["fewer_than_four_share"] + known["singular_share"]
+    assert reasons == pytest.approx(1 - known["fix_share"]) and known["masked_share"] > 0.01
+    of_level = [known[f"{name}_share"] for name in ("fewer_than_five", "unchecked", "two_faults")]
+    assert sum(of_level) == pytest.approx(1 - known["level_share"])
+    assert known["level_share"] < known["fix_share"]
+    said = " ".join(str(made).split())
+    assert "errors are infinite in" in said and "the mask begins at 15 deg" in said
+    assert "fewer than five satellites are in view" in said
+
+
+def test_an_infinite_map_says_why_in_its_title():
+    few = mapped(DESIGN.replace("satellites = 9", "satellites = 3") + SIGNAL)
+    title = few.plot("error_time_m").get_title()
+    assert "errors are infinite in 100 %" in title
+    assert "infinite" not in mapped(DESIGN + SIGNAL).plot("error_time_m").get_title()
 
 
 def test_the_tracking_stands_on_the_page():
