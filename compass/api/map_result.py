@@ -187,8 +187,8 @@ class MapResult(Result):
         horizontal, vertical = (Value(quantity(q), found[q]) for q in ROVER.values())
         known = "their variances" if attrs["error_weights"] == "variance" else "nothing: all alike"
         rover = (
-            "a rover anywhere: no error holds for 95 % of area and time, for in more than 5 % of it "
-            "there is no fix"
+            "a rover anywhere: no error holds for 95 % of area and time, for in more than 5 % of "
+            "it there is no fix"
         )
         if np.isfinite(found["rover_horizontal_m"]):
             rover = (
