@@ -36,18 +36,38 @@ class Value:
         if isinstance(evidence, Proven) and isinstance(self.value, float) and q.better:
             # never better than what was proven
             return outward(self.value, q, floor if q.better == "more" else ceil)
-        written = in_words(self.value, q)
-        if isinstance(evidence, Sampled) and evidence.error is not None:
-            scale = 100.0 if q.form == "share" else 1.0
-            return f"{written} ± {_error(scale * evidence.error)}"
-        return written
+        if isinstance(evidence, Sampled):
+            return give_or_take(self.value, evidence.error, q)
+        return in_words(self.value, q)
 
 
-def _error(size: float) -> str:
-    """An error to two digits, never with a power of ten beside a number that has none."""
-    if not 0.0 < size < SMALL:
-        return significant(size, 2)
-    return f"{size:.{1 - floor(log10(size))}f}".rstrip("0")
+def give_or_take(
+    value: float | int | str | bool | None, error: float | None, quantity: Quantity
+) -> str:
+    """A value and its error in the same decimals, those of the error's second digit.
+
+    Zeros at the end stay, for they are known; nothing is rounded before the decimal point. An
+    error finer than three digits beyond the quantity's is rounded up to these. None and words, and
+    what has no error or one of zero, stand alone.
+    """
+    if not error or not isinstance(value, int | float) or quantity.form == "yes-no":
+        return in_words(value, quantity)
+    if not (isfinite(value) and isfinite(error)):
+        return f"{in_words(value, quantity)} ± {significant(error, 2)}"
+    scale = 100.0 if quantity.form == "share" else 1.0
+    value, error = scale * value, scale * abs(error)
+    size = max(abs(value), error)
+    # one power of ten for both, where either needs one
+    power = 0 if SMALL <= size < 1e15 else floor(log10(size))
+    value, error, size = (each / 10.0**power for each in (value, error, size))
+    wanted = 1 - int(f"{error:.1e}".split("e")[1])
+    finest = max(0, quantity.digits + 2 - floor(log10(size)))
+    if wanted > finest:
+        error = ceil(error * 10.0**finest) / 10.0**finest
+    decimals = max(0, min(wanted, finest))
+    comma = "," if size >= 1e5 or quantity.form == "count" else ""
+    tail = f"e{power}" if power else ""
+    return " ± ".join(f"{each:{comma}.{decimals}f}{tail}" for each in (value, error))
 
 
 def in_words(value: float | int | str | bool | None, quantity: Quantity) -> str:

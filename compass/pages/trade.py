@@ -20,10 +20,9 @@ from compass.pages.trade_finalists import (
     handover_files,
     handover_section,
     landing_sections,
-    number,
     rank_finalists,
     recommendation,
-    worth,
+    with_unit,
 )
 from compass.pages.trade_interactive import interactive_front
 from compass.pages.trade_pictures import (
@@ -186,7 +185,7 @@ def _asked(c: Constraint) -> str:
         return "the fold, proven"
     above = np.isfinite(c.low)
     words = {(True, False): "at least", (True, True): "above", (False, False): "at most"}
-    value = worth(c.figure, c.low if above else c.high)
+    value = with_unit(Value(MERITS[c.figure].quantity, c.low if above else c.high))
     return f"{MERITS[c.figure].title} {words.get((bool(above), c.strict), 'below')} {value}"
 
 
@@ -218,7 +217,7 @@ def _fronts(study: Study, results: "xr.Dataset", pictures: Sequence[Picture]) ->
 
 def _candidate_table(title: str, study: Study, some: "xr.Dataset") -> Table:
     names = [*dict.fromkeys([*(o.figure for o in study.objectives), "mask_margin_deg"])]
-    labels = [MERITS[name].heading for name in names]
+    labels = [MERITS[name].quantity.heading for name in names]
     if isinstance(study.space.mask_deg, Free) or len(study.space.mask_deg) > 1:
         names, labels = ["mask_deg", *names], ["mask, deg", *labels]
     each = required(study, some)
@@ -241,7 +240,7 @@ def _cell(study: Study, some: "xr.Dataset", name: str, k: int) -> object:
         low, high = (float(some[end].values[k]) for end in ends(name))
         if np.isfinite(high - low):
             return Value(MERITS[name].quantity, value, Bracket(low, high))
-    return number(value)
+    return "–" if np.isnan(value) else Value(MERITS[name].quantity, value)
 
 
 def _best(study: Study, results: "xr.Dataset") -> Section:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import floor, log10
 from typing import Any, Literal
 
 import numpy as np
@@ -15,9 +14,8 @@ from compass.coverage.certificate import prove_fold
 from compass.coverage.requirement_verdict import verdict_of
 from compass.coverage.verdict import Verdict
 from compass.design import ERRORS, Design
-from compass.document import Answer, Answers, Bracket, Sentence, Value
+from compass.document import Answer, Answers, Bracket, Evidence, Sampled, Sentence, Value
 from compass.document.blocks import Interactive, Section, Table, arranged
-from compass.document.numbers import significant
 from compass.errors import ArgumentError
 from compass.handover.czml import czml
 from compass.handover.geojson import geojson
@@ -120,8 +118,7 @@ def recommendation(
         return arranged("Recommendation", (text,))
     first = chosen[0].finalist
     of_each = "; ".join(
-        f"{MERITS[o.figure].title}: "
-        + (_proven(first, o.figure) or worth(o.figure, first.figures[o.figure]))
+        f"{MERITS[o.figure].title}: {with_unit(known(study, o.figure, first))}"
         for o in study.objectives
     )
     paragraphs = [
@@ -175,14 +172,16 @@ def answer_section(
     )
     rows = [*verdict_answers(chosen[0].verdicts), everywhere]
     for o in study.objectives:
-        how, error = sampling_of(study, o.figure), first.errors.get(o.figure, 0.0)
-        value = _worth_of(o.figure, first)
-        beside = "" if measure is None else f"; {measure.role} has {_worth_of(o.figure, measure)}"
-        sure = f"sampled over {how}" + (f", ± {error:.2g}" if error else "") if how else _exactly(o)
-        if known := _proven(first, o.figure):
-            sure = f"proven, for all time: {known}"
+        value, how = known(study, o.figure, first), sampling_of(study, o.figure)
+        sure = f"sampled over {how}" if how else _exactly(o)
+        if isinstance(value.evidence, Bracket):
+            sure = f"{value.evidence}, for all time"
+        if measure is not None:
+            sure += f"; {measure.role} has {with_unit(known(study, o.figure, measure))}"
+            if ordered(o, first, measure) is None:
+                sure += ", which is not told apart"
         title = MERITS[o.figure].title
-        rows.append(Answer(title[0].upper() + title[1:], value, None, sure + beside))
+        rows.append(Answer(title[0].upper() + title[1:], with_unit(value), None, sure))
     rows.insert(1 + len(chosen[0].verdicts), _lasts(chosen[0]))
     if ranking is not None:
         judged = next(row for row in ranking["designs"] if row["given"] == 1)
@@ -198,19 +197,12 @@ def _exactly(objective: Objective) -> str:
     return "proven" if MERITS[objective.figure].stage in ("requirements", "orbits") else "exact"
 
 
-def _proven(one: Finalist, name: str) -> str:
-    """Proven bounds of a figure with its unit; nothing where it has none."""
-    if name not in one.brackets:
-        return ""
-    value = Value(MERITS[name].quantity, one.figures[name], Bracket(*one.brackets[name]))
-    return f"{value} {MERITS[name].unit}".strip()
-
-
 def _lasts(one: Entrant) -> Answer:
     """How long it lasts left alone, as the study found it; else as far as a glance goes."""
     left, days = "Left alone on real orbits it lasts", one.finalist.figures.get("days_proven")
     if days is not None and np.isfinite(days):
-        return Answer(left, worth("days_proven", days), None, "proven")
+        value = Value(MERITS["days_proven"].quantity, days)
+        return Answer(left, with_unit(value), None, "proven")
     seen = glance(one.design)
     return Answer(left, seen.words, None, f"proven: {seen.command(one.design)}")
 
@@ -222,17 +214,19 @@ def _build(one: Entrant) -> str:
     return f"Build {built}: {notation} ({one.design.label})."
 
 
-def worth(name: str, value: float, error: float = 0.0) -> str:
-    """Value of a figure of merit with its unit, for a sentence: two digits of its error at most."""
-    unit, digits = MERITS[name].unit, 4
-    if error > 0.0 and np.isfinite([error, value]).all() and value != 0.0:
-        digits = min(max(floor(log10(abs(value))) - floor(log10(error)) + 2, 2), digits)
-    return significant(value, digits) + (f" {unit}" if unit else "")
+def known(study: Study, name: str, one: Finalist | Yardstick) -> Value:
+    """A figure of a finalist or the yardstick, with its bounds or what sampling leaves of doubt."""
+    evidence: Evidence | None = None
+    if name in one.brackets:
+        evidence = Bracket(*one.brackets[name])
+    elif error := one.errors.get(name, 0.0):
+        evidence = Sampled(error, sampling_of(study, name))
+    return Value(MERITS[name].quantity, one.figures[name], evidence)
 
 
-def _worth_of(name: str, one: Finalist | Yardstick) -> str:
-    """The same of a finalist or the yardstick, by how well it is known."""
-    return worth(name, one.figures[name], one.errors.get(name, 0.0))
+def with_unit(value: Value) -> str:
+    """A value with its unit, for a sentence."""
+    return f"{value} {value.quantity.shown_unit}".strip()
 
 
 def change(a: float, b: float) -> str:
@@ -243,6 +237,13 @@ def change(a: float, b: float) -> str:
     if abs(percent) < 0.05:
         return ""
     return f" ({percent:+.{0 if abs(percent) >= 1 else 1}f} %)"
+
+
+def moved(objective: Objective, one: Finalist, other: Finalist | Yardstick) -> str:
+    """How far one is from another in an objective, in brackets; said where it is not told apart."""
+    if ordered(objective, one, other) is None:
+        return " (not told apart)"
+    return change(one.figures[objective.figure], other.figures[objective.figure])
 
 
 def against(
@@ -263,14 +264,15 @@ def against(
         order: Any = "nan" if np.isnan(a) or np.isnan(b) else ordered(o, one, other)
         text = MERITS[o.figure].title
         if order not in (0, "nan"):
-            text += f": {_worth_of(o.figure, one)} against {_worth_of(o.figure, other)}"
+            text += ": " + " against ".join(
+                with_unit(known(study, o.figure, each)) for each in (one, other)
+            )
             text += change(a, b)
             both = o.figure in one.brackets and o.figure in other.brackets
             order = "open" if order is None and both else order
             if sampled and (how := sampling_of(study, o.figure)):
                 how = "between proven bounds" if both else f"sampled over {how}"
-                doubt = one.errors.get(o.figure, 0.0) + other.errors.get(o.figure, 0.0)
-                text += f", {how}" + (f", ± {doubt:.2g}" if doubt else "")
+                text += f", {how}"
         groups[order].append(text)
     return "; ".join(f"{words[key]} {', '.join(some)}" for key, some in groups.items() if some)
 
@@ -313,21 +315,24 @@ def verdict(study: Study, one: Finalist, other: Finalist | Yardstick) -> str:
 
 def _objective_table(study: Study, chosen: Sequence[Entrant], measure: Yardstick | None) -> Table:
     """Finalists by objective, beside the yardstick if there is one."""
-    names = [o.figure for o in study.objectives]
     rows = []
     for e in chosen:
         one = e.finalist
-        other = measure or one
         values = [
-            f"{significant(one.figures[n], 4)}{change(one.figures[n], other.figures[n])}"
-            for n in names
+            f"{known(study, o.figure, one)}{'' if measure is None else moved(o, one, measure)}"
+            for o in study.objectives
         ]
         beside = (verdict(study, one, measure),) if measure else ()
         rows.append((e.design.label, one.role, one.notation, *values, *beside))
     title = "The finalists by objective"
-    header = ["design", "best at", "constellation", *(MERITS[n].heading for n in names)]
+    header = [
+        "design",
+        "best at",
+        "constellation",
+        *(MERITS[o.figure].quantity.heading for o in study.objectives),
+    ]
     if measure is not None:
-        own = (significant(measure.figures[n], 4) for n in names)
+        own = (str(known(study, o.figure, measure)) for o in study.objectives)
         rows.append((measure.role, "to compare with", measure.notation, *own, ""))
         title += f", and the change from {measure.role}"
         header.append(f"beside {measure.role}")
@@ -340,7 +345,7 @@ def _figure_table(study: Study, chosen: Sequence[Entrant], measure: Yardstick | 
     columns += [measure] if measure else []
     rows: list[tuple[object, ...]] = [("constellation", *(f.notation for f in columns))]
     rows += [
-        (MERITS[name].heading, *(number(f.figures[name]) for f in columns))
+        (MERITS[name].quantity.heading, *(_cell(study, name, f) for f in columns))
         for name in known_figures(study)
     ]
     rest = ("",) if measure else ()
@@ -350,6 +355,11 @@ def _figure_table(study: Study, chosen: Sequence[Entrant], measure: Yardstick | 
         rows.append((title, *(simulated_keeping(e) for e in chosen), *rest))
     names = [*(e.design.label for e in chosen), *([measure.role] if measure else [])]
     return Table("Every figure of the finalists", ("figure of merit", *names), tuple(rows))
+
+
+def _cell(study: Study, name: str, one: Finalist | Yardstick) -> object:
+    """A figure for a table, a dash where there is none."""
+    return "–" if np.isnan(one.figures[name]) else known(study, name, one)
 
 
 def simulated_keeping(entrant: Entrant) -> object:

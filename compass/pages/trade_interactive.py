@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 from compass.document.blocks import Interactive, Picture
 from compass.inputs.study import Study
 from compass.pages.page import script, templates
+from compass.pages.trade_finalists import known, with_unit
 from compass.pictures.style import CYCLE, FAINT, MARS
 from compass.quantities.merits import MERITS
 from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, notation, rows_in
 from compass.study.results import known_figures
+from compass.study.sampling import front_known
 from compass.study.yardstick import Yardstick
 
 if TYPE_CHECKING:
@@ -61,10 +63,10 @@ def interactive_front(
         label = one.notation + (", recommended" if k == 0 else "")
         colour = CYCLE[(k + 1) % len(CYCLE)]
         mark = {"colour": colour, "size": 7, "shape": "diamond", "ringed": k == 0}
-        groups.append(_single(one, one.role, axes) | {"label": label, "few": True, **mark})
+        groups.append(_single(study, one, one.role, axes) | {"label": label, "few": True, **mark})
     if measure is not None:
         mark = {"colour": MARS, "size": 9, "shape": "star"}
-        own = _single(measure, measure.notation, axes)
+        own = _single(study, measure, measure.notation, axes)
         groups.append(own | {"label": measure.role, "few": True, **mark})
     second = min(1, len(axes) - 1)
     titles = [
@@ -78,14 +80,25 @@ def interactive_front(
     return Interactive(
         "front-interactive",
         "Candidates on any two axes",
-        "Ringed: the recommended one. The menus choose the axes; point at a candidate to see what "
-        "it is, drag over a part to see it larger, double-click to see all again. The buttons, "
-        "and plus, minus and 0, do so about the candidate last pointed at."
+        f"{beside(study, results, chosen)} The menus choose the axes; point at a candidate to see "
+        "what it is, drag over a part to see it larger, double-click to see all again. The "
+        "buttons, and plus, minus and 0, do so about the candidate last pointed at."
         + f" Of {total} candidates behind the front {OTHERS} are shown."
         * (total > OTHERS),
         html.render(axes=titles, second=second, name=study.name, values=values),
         script("front.js"),
         still,
+    )
+
+
+def beside(study: Study, results: "xr.Dataset", chosen: Sequence[Finalist]) -> str:
+    """What to know beside a front: which is recommended, how sure it is, what the bars are."""
+    known = front_known(study, int((~results.decided.values & (results.front.values == 0)).sum()))
+    bars = any(np.isfinite(e) and e for one in chosen for e in one.errors.values())
+    return (
+        "Ringed: the recommended one."
+        + " Bars: how far another sampling may move it." * bars
+        + f" {known[0].upper()}{known[1:]}."
     )
 
 
@@ -118,11 +131,17 @@ def _group(some: "xr.Dataset", axes: dict[str, tuple[str, str]]) -> dict[str, An
 
 
 def _single(
-    one: Finalist | Yardstick, name: str, axes: dict[str, tuple[str, str]]
+    study: Study, one: Finalist | Yardstick, name: str, axes: dict[str, tuple[str, str]]
 ) -> dict[str, Any]:
+    """One design by name: its number on every axis, how it is written, and what is in doubt."""
     values = {**one.figures, **one.variables}
-    columns = [_column(np.array([values[axis]], float)) for axis in axes]
-    return {"names": [name], "columns": columns}
+    doubt = [0.0 if axis in one.brackets else one.errors.get(axis, 0.0) for axis in axes]
+    return {
+        "names": [name],
+        "columns": [_column(np.array([values[axis]], float)) for axis in axes],
+        "doubt": [float(f"{each:.3g}") if np.isfinite(each) else 0.0 for each in doubt],
+        "told": [with_unit(known(study, axis, one)) if axis in MERITS else None for axis in axes],
+    }
 
 
 def _column(values: NDArray[Any]) -> list[float | None]:

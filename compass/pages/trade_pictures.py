@@ -52,6 +52,12 @@ def front_pictures(
         with look():
             axes = figure.add_subplot()
             draw_front(axes, results, a, b)
+            for one in [*chosen, *([measure] if measure else [])]:
+                across, up = (0.0 if n in one.brackets else one.errors.get(n, 0.0) for n in (a, b))
+                axes.errorbar(
+                    one.figures[a], one.figures[b], up, across,
+                    fmt="none", ecolor=INK, elinewidth=1, capsize=3,
+                )  # fmt: skip
             for k, one in enumerate(chosen):
                 axes.plot(
                     one.figures[a], one.figures[b], "D", ms=8, mfc=CYCLE[(k + 1) % len(CYCLE)],

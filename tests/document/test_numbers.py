@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from compass.document import Bracket, Proven, Sampled, Value
 from compass.document.numbers import cell, significant
 from compass.errors import ArgumentError
-from compass.quantities import QUANTITIES, quantity
+from compass.quantities import QUANTITIES, Quantity, quantity
 
 
 @given(st.floats(-1e14, 1e14), st.integers(2, 9))
@@ -46,12 +46,50 @@ def test_a_value_is_written_by_what_it_means():
     assert str(Value(quantity("min_fold"), 3, Bracket(3, 4))) == "3 to 4"
     assert str(Value(quantity("min_fold"), 3, Bracket(3, 3))) == "3"
     assert str(Value(quantity("fold_share"), 0.41687)) == "41.687"
-    assert str(Value(quantity("fold_share"), 0.5, Sampled(0.001))) == "50 ± 0.1"
+    assert str(Value(quantity("fold_share"), 0.5, Sampled(0.001))) == "50.00 ± 0.10"
     assert str(Value(quantity("mask_margin_deg"), None)) == "none"
     assert str(Value(quantity("mask_margin_deg"), "open")) == "open"
     assert str(Value(quantity("mask_deg"), 5.0, whose="exact")) == "5"
     assert Value(quantity("mask_deg"), 5.0, whose="exact").title == "elevation mask, exact"
     assert [cell(x) for x in (None, True, 2, 2.5, "a")] == ["", "yes", "2", "2.5", "a"]
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "digits", "written"),
+    [
+        (9.83124, 0.0023, 3, "9.8312 ± 0.0023"),
+        (9.8, 0.0023, 3, "9.8000 ± 0.0023"),  # zeros that are known
+        (9.83124, 0.0996, 3, "9.83 ± 0.10"),
+        (9.83124, 5.23, 3, "9.8 ± 5.2"),
+        (12345.6, 231.0, 3, "12346 ± 231"),
+        (12345.6, 2.31, 3, "12345.6 ± 2.3"),
+        (9.83124, 1.2e-9, 3, "9.83124 ± 0.00001"),  # finer than anyone reads: rounded up
+        (3.2104e-6, 1.1e-7, 3, "3.21e-6 ± 0.11e-6"),
+        (0.0, 0.0023, 3, "0.0000 ± 0.0023"),
+        (-9.83124, 0.0023, 3, "-9.8312 ± 0.0023"),
+        (9.83124, 0.0, 3, "9.83"),
+        (math.inf, 0.1, 3, "∞ ± 0.1"),
+        (9.83124, math.inf, 3, "9.83 ± ∞"),
+    ],
+)
+def test_a_figure_and_its_error_have_the_same_decimals(value, error, digits, written):
+    of = Quantity("range_m", "m", "range", digits)
+    assert str(Value(of, value, Sampled(error))) == written
+
+
+@given(st.floats(-1e14, 1e14), st.floats(1e-12, 1e12), st.integers(2, 6))
+def test_an_error_is_never_written_finer_than_its_figure_nor_smaller_than_it_is(
+    value, error, digits
+):
+    written = str(Value(Quantity("range_m", "m", "range", digits), value, Sampled(error)))
+    figure, doubt = (part.replace(",", "").partition("e") for part in written.split(" ± "))
+    assert figure[2] == doubt[2]  # one power of ten
+    assert len(figure[0].partition(".")[2]) == len(doubt[0].partition(".")[2])
+    told = float("".join(doubt))
+    assert 0.949 * error <= told
+    last = 10.0 ** -len(doubt[0].partition(".")[2]) * 10.0 ** int(doubt[2] or 0)
+    assert abs(float("".join(figure)) - value) <= 0.5001 * last + 4e-16 * abs(value)
+    assert told <= max(1.051 * error, 1.0001 * last, error + 0.5001 * last)
 
 
 def test_evidence_says_how_well():

@@ -150,6 +150,7 @@ class Front {
         if (x === null || y === null) return;
         const point = {group, g, k, x: this.px(x), y: this.py(y)};
         if (point.x < frame.left || point.x > frame.right || point.y < frame.top || point.y > frame.bottom) return;
+        if (group.doubt) this.bars(group, point, x, y);
         const drawn = this.mark(group, point.x, point.y);
         drawn.classList.add("point");
         this.svg.append(drawn);
@@ -159,11 +160,29 @@ class Front {
       });
     });
   }
+  // How far another sampling may move it, on both axes, as far as the frame goes.
+  bars(group, point, x, y) {
+    const f = this.frame, within = (v, low, high) => Math.min(Math.max(v, low), high);
+    const end = (map, v, low, high) => {
+      const at = map(v);
+      return within(Number.isFinite(at) ? at : low === f.left ? low : high, low, high);
+    };
+    const [across, up] = [group.doubt[this.x], group.doubt[this.y]];
+    if (across) {
+      const [x1, x2] = [x - across, x + across].map(v => end(this.px, v, f.left, f.right));
+      this.svg.append(make("line", {x1, x2, y1: point.y, y2: point.y, class: "doubt"}));
+    }
+    if (up) {
+      const [y1, y2] = [y - up, y + up].map(v => end(this.py, v, f.top, f.bottom));
+      this.svg.append(make("line", {x1: point.x, x2: point.x, y1, y2, class: "doubt"}));
+    }
+  }
   // What a candidate is, and each of its figures.
   tell(point) {
     const {group, k} = point;
-    const figures = this.axes.map((axis, a) => [axis, group.columns[a][k]]).filter(f => f[1] !== null);
-    const lines = [group.names[k], ...figures.slice(0, 9).map(([axis, v]) => `${axis.label}: ${say(v)}`)];
+    const figures = this.axes.map((axis, a) => [axis, group.columns[a][k], group.told?.[a]]).filter(f => f[1] !== null);
+    const lines = [group.names[k], ...figures.slice(0, 9).map(([axis, v, told]) =>
+      told ? `${axis.title}: ${told}` : `${axis.label}: ${say(v)}`)];
     if (group.few) lines[0] = `${group.label}: ${lines[0]}`;
     compassTip.tell(this.tip, lines, point.x,
       high => Math.min(point.y - high / 2, this.frame.bottom - high), this.plot.clientWidth);
