@@ -57,6 +57,12 @@ class Clock:
                 f"or a name: {', '.join(CLOCK_NAMES)}"
             )
 
+    @property
+    def title(self) -> str:
+        """Its name as people write it."""
+        parts = self.name.split("-")
+        return "-".join(p.upper() if p in ("uso", "csac", "rafs", "dsac") else p for p in parts)
+
     def deviation(self, tau: ArrayLike) -> NDArray[np.float64]:
         """Allan deviation at averaging times of tau seconds."""
         t = np.asarray(tau, dtype=float)

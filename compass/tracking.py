@@ -142,6 +142,11 @@ class Tracking:
         return tuple(name for name in TRACKERS if getattr(self, name) is not None)
 
     @property
+    def titles(self) -> list[str]:
+        """The same as people write them."""
+        return ["Earth" if name == "earth" else name for name in self.kinds]
+
+    @property
     def measures_clocks(self) -> bool:
         """Whether anything compares the satellites' clocks with a clock on the ground."""
         trackers = (getattr(self, name) for name in self.kinds if name != "crosslinks")

@@ -141,7 +141,7 @@ class DetermineResult(Result):
             for name in COMPONENTS
             if known[f"{name}_sigma_m"] is not None
         )
-        whom = listed(list(found.tracking.kinds))
+        whom = listed(found.tracking.titles)
         claim = f"after {_days(found.arc)} of tracking by {whom}: {told}"
         header = ("", *(f"{quantity(f'{name}_sigma_m').title}, m" for name in COMPONENTS))
         names = self.design.constellation.satellite_names

@@ -21,6 +21,7 @@ from compass.document.blocks import Block, columns, facts, values
 from compass.document.plain import plain
 from compass.frames import J2000
 from compass.orbits import Constellation, orbital_period, repeat_period
+from compass.orbits.kinds import kind_of
 from compass.papers.verdict import Row
 from compass.quantities import quantity
 from compass.words import counted
@@ -107,7 +108,7 @@ class ShowResult(Result):
 
     def constellation_table(self) -> Table:
         """What the design is."""
-        known = constellation_facts(self.design)
+        known = constellation_facts(self.design) | {"pattern": _kind(self.design)}
         del known["name"]
         return facts("The constellation", values("constellation", known))
 
@@ -179,6 +180,14 @@ def no_gap_reason(per_plane: int, closes: bool) -> str:
             "so each plane leaves one region uncovered that runs from pole to pole between them"
         )
     return f"no gap polygons: a polygon needs three satellites a plane, this has {per_plane}"
+
+
+def _kind(design: Design) -> str:
+    """What gives the orbits: a kind of pattern, elements, or a table of states."""
+    if design.constellation.pattern is not None:
+        return kind_of(design.constellation.pattern.kind).title
+    table = design.motion.model == "ephemeris"
+    return "none: states over time" if table else "none: elements of each satellite"
 
 
 def constellation_facts(design: Design) -> dict[str, Any]:

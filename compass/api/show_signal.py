@@ -88,7 +88,7 @@ def _left_out(design: Design) -> str:
     """Say what the budget holds and what it does not."""
     assert design.signal is not None
     clock = design.signal.clock
-    told = "clocks are set to a constant" if clock is None else f"clock {clock.name}"
+    told = "clocks are set to a constant" if clock is None else f"clock {clock.title}"
     told += f" ({clock.source})" if clock is not None and clock.source else ""
     shared = design.signal.common_time or design.signal.common_orientation
     told += f"; {basis(design)}" if design.signal.determined else ""

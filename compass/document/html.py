@@ -9,6 +9,7 @@ from compass.document.numbers import cell, is_number, padding
 
 if TYPE_CHECKING:
     import jinja2
+    import markupsafe
 
 
 def html(part: Page | Block) -> str:
@@ -53,6 +54,19 @@ def aligned(table: Table) -> list[list[tuple[str, str, bool]]]:
     return [list(row) for row in zip(*columns, strict=True)]
 
 
+def prose(text: str) -> "markupsafe.Markup":
+    """Escape a text; what stands between backticks is code, as people write it in sources."""
+    from markupsafe import Markup, escape
+
+    parts = text.split("`")
+    if len(parts) % 2 == 0:  # one is left alone
+        return escape(text)
+    return Markup("").join(
+        Markup("<code>{}</code>").format(part) if k % 2 else escape(part)
+        for k, part in enumerate(parts)
+    )
+
+
 @cache
 def environment() -> "jinja2.Environment":
     """Return the templates, one a block, with what they need to write a cell."""
@@ -71,6 +85,7 @@ def environment() -> "jinja2.Environment":
         "beside": beside,
         "cell": cell,
         "kind": kind,
+        "prose": prose,
     }
     made.tests["numeric"] = is_number
     return made

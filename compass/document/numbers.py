@@ -47,7 +47,7 @@ def give_or_take(
     """A value and its error in the same decimals, those of the error's second digit.
 
     Zeros at the end stay, for they are known; nothing is rounded before the decimal point. An
-    error finer than three digits beyond the quantity's is rounded up to these. None and words, and
+    error finer than a digit beyond the quantity's is rounded up to that. None and words, and
     what has no error or one of zero, stand alone.
     """
     if not error or not isinstance(value, int | float) or quantity.form == "yes-no":
@@ -61,7 +61,7 @@ def give_or_take(
     power = 0 if SMALL <= size < 1e15 else floor(log10(size))
     value, error, size = (each / 10.0**power for each in (value, error, size))
     wanted = 1 - int(f"{error:.1e}".split("e")[1])
-    finest = max(0, quantity.digits + 2 - floor(log10(size)))
+    finest = max(0, quantity.digits - floor(log10(size)))
     if wanted > finest:
         error = ceil(error * 10.0**finest) / 10.0**finest
     decimals = max(0, min(wanted, finest))

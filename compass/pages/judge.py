@@ -49,10 +49,14 @@ def answer_section(record: dict[str, Any], designs: Sequence[Design], carrying: 
     """Which design is best, whether a lander on each knows its place, how long the best last."""
     rows, goal = record["designs"], record["goal_m"]
     best = rows[0]
+    answers = [landing_answer(str(row["design"]), row, record) for row in rows]
+    lasting = [glance(designs[row["given"] - 1]) for row in rows[:MAPPED]]
     lead = (
-        f"{best['design']} ({flown(designs[best['given'] - 1])}) is the best of {len(rows)}: a "
-        f"lander knows its place to {significant(best['crlb_position_m']['p95'], 3)} m in 95 % of "
-        f"{record['samples']:,} entries, at {record['deployment']}; {goal:g} m are wanted."
+        f"{'Met' if answers[0].holds else 'Missed'}: {best['design']} "
+        f"({flown(designs[best['given'] - 1])}) is the best of {len(rows)}: a lander knows its "
+        f"place to {significant(best['crlb_position_m']['p95'], 3)} m in 95 % of "
+        f"{record['samples']:,} entries, at {record['deployment']}; {goal:g} m are wanted"
+        f"{_filter_words(best)}. Left alone on real orbits it lasts {lasting[0].words}."
     )
     if len(rows) > 1:
         ratio = rows[1]["crlb_position_m"]["p95"] / best["crlb_position_m"]["p95"]
@@ -62,10 +66,8 @@ def answer_section(record: dict[str, Any], designs: Sequence[Design], carrying: 
         lead += (
             " That is the bound: the filter flown on it is inconsistent, so no accuracy is claimed."
         )
-    answers = [landing_answer(str(row["design"]), row, record) for row in rows]
-    for row in rows[:MAPPED]:
+    for row, seen in zip(rows, lasting, strict=False):
         design = designs[row["given"] - 1]
-        seen = glance(design)
         left = f"Left alone on real orbits {row['design']} lasts"
         answers.append(Answer(left, seen.words, None, f"proven: {seen.command(design)}"))
     title = f"Within {goal:g} m at {record['deployment']}, {ground_words(record)} and at any time?"

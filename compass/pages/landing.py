@@ -53,7 +53,11 @@ def landing_sections(found: LandResult) -> tuple[Section, ...]:
     drawn_to_scale = () if flown.accuracy.anywhere else (landing_ellipse(flown.accuracy, how),)
     answer = Section(
         "The answer",
-        (Sentence(found.claim), Answers("Known, and how sure", rows), *drawn_to_scale),
+        (
+            Sentence(f"{found.claim} {rests_on(found)}".strip()),
+            Answers("Known, and how sure", rows),
+            *drawn_to_scale,
+        ),
     )
     navigation = arranged(
         "Navigation", (consistency, *words), _those(drawn, "navigation"), (tables["Navigation"],)
@@ -64,6 +68,21 @@ def landing_sections(found: LandResult) -> tuple[Section, ...]:
         "Who is in view", (), _those(drawn, "view", "observability"), (tables["Beacons"],)
     )
     return (answer, navigation, flight, view, *found.sections()[1:])
+
+
+def rests_on(found: LandResult) -> str:
+    """Say how far the filter is to be believed, and what its beacons are and how long they last."""
+    flown, scenario = found.assessment, found.scenario
+    runs = counted(len(flown.monte_carlo.errors), "run")
+    believed = "are" if flown.consistency.holds else "are not"
+    words = [f"Over {runs} the filter's errors {believed} what it claims."]
+    for design in (o.design for o in scenario.orbiters):
+        if design is not None:
+            words.append(
+                f"Its beacons are {design.name} ({what_flies(design)}); left alone on real orbits "
+                f"that lasts {glance(design).words}."
+            )
+    return " ".join(words)
 
 
 def beacon_answers(scenario: Scenario) -> tuple[Answer, ...]:

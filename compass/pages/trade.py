@@ -31,6 +31,7 @@ from compass.pages.trade_pictures import (
     sensitivity_pictures,
     share_picture,
 )
+from compass.quantities import Quantity, quantity
 from compass.quantities.merits import MERITS, STAGES
 from compass.study.bounds import bounded_figures, bracketed_figures, ends
 from compass.study.candidates import make_constellation
@@ -217,9 +218,9 @@ def _fronts(study: Study, results: "xr.Dataset", pictures: Sequence[Picture]) ->
 
 def _candidate_table(title: str, study: Study, some: "xr.Dataset") -> Table:
     names = [*dict.fromkeys([*(o.figure for o in study.objectives), "mask_margin_deg"])]
-    labels = [MERITS[name].quantity.heading for name in names]
     if isinstance(study.space.mask_deg, Free) or len(study.space.mask_deg) > 1:
-        names, labels = ["mask_deg", *names], ["mask, deg", *labels]
+        names = ["mask_deg", *names]
+    labels = [_quantity(name).heading for name in names]
     each = required(study, some)
     labels += [one.heading for one in each]
     rows = [
@@ -239,8 +240,13 @@ def _cell(study: Study, some: "xr.Dataset", name: str, k: int) -> object:
     if name in bracketed_figures(study):
         low, high = (float(some[end].values[k]) for end in ends(name))
         if np.isfinite(high - low):
-            return Value(MERITS[name].quantity, value, Bracket(low, high))
-    return "–" if np.isnan(value) else Value(MERITS[name].quantity, value)
+            return Value(_quantity(name), value, Bracket(low, high))
+    return "–" if np.isnan(value) else Value(_quantity(name), value)
+
+
+def _quantity(name: str) -> Quantity:
+    """What a column is of: a figure of merit, or what varies."""
+    return MERITS[name].quantity if name in MERITS else quantity(name)
 
 
 def _best(study: Study, results: "xr.Dataset") -> Section:

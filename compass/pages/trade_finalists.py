@@ -159,7 +159,14 @@ def answer_section(
     Parameters as of `recommendation`; `carrying` is the front with the finalists.
     """
     first = chosen[0].finalist
-    lead = _build(chosen[0])
+    lasts = _lasts(chosen[0])
+    lead = f"{_build(chosen[0])} {_worth_building(study, chosen[0], lasts)}"
+    judged = None
+    if ranking is not None:
+        row = next(row for row in ranking["designs"] if row["given"] == 1)
+        question = f"Landing: place known to {ranking['goal_m']:g} m at {ranking['deployment']}"
+        judged = landing_answer(question, row, ranking)
+        lead += f" {judged.question}: {'met' if judged.holds else 'missed'}, {judged.written}."
     if len(chosen) > 1:
         other = chosen[1].finalist
         lead += f" Its rival is {other.notation}; beside it, this is "
@@ -182,11 +189,9 @@ def answer_section(
                 sure += ", which is not told apart"
         title = MERITS[o.figure].title
         rows.append(Answer(title[0].upper() + title[1:], with_unit(value), None, sure))
-    rows.insert(1 + len(chosen[0].verdicts), _lasts(chosen[0]))
-    if ranking is not None:
-        judged = next(row for row in ranking["designs"] if row["given"] == 1)
-        question = f"Landing: place known to {ranking['goal_m']:g} m at {ranking['deployment']}"
-        rows.append(landing_answer(question, judged, ranking))
+    rows.insert(1 + len(chosen[0].verdicts), lasts)
+    if judged is not None:
+        rows.append(judged)
     return Section(
         "The answer", (Sentence(lead), Answers("What it is worth", tuple(rows)), carrying)
     )
@@ -205,6 +210,16 @@ def _lasts(one: Entrant) -> Answer:
         return Answer(left, with_unit(value), None, "proven")
     seen = glance(one.design)
     return Answer(left, seen.words, None, f"proven: {seen.command(one.design)}")
+
+
+def _worth_building(study: Study, one: Entrant, lasts: Answer) -> str:
+    """Say what is met, how sure that is, and how long it lasts."""
+    words = ""
+    if one.verdicts:
+        met = sum(verdict.met is True for verdict in one.verdicts)
+        words = f"It meets {met} of its {counted(len(one.verdicts), 'requirement')}. "
+    fold = f"{study.fold} in view above {one.finalist.mask_deg:g}° everywhere"
+    return f"{words}{fold}: {one.certificate} for all time; left alone it lasts {lasts.written}."
 
 
 def _build(one: Entrant) -> str:

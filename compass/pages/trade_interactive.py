@@ -140,7 +140,9 @@ def _single(
         "names": [name],
         "columns": [_column(np.array([values[axis]], float)) for axis in axes],
         "doubt": [float(f"{each:.3g}") if np.isfinite(each) else 0.0 for each in doubt],
-        "told": [with_unit(known(study, axis, one)) if axis in MERITS else None for axis in axes],
+        "told": [
+            with_unit(known(study, axis, one)) if axis in one.figures else None for axis in axes
+        ],
     }
 
 

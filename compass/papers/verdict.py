@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from compass.document.numbers import significant
+
 #: Whether something holds of the numbers found; false of nan.
 Condition = Callable[..., bool]
 
@@ -146,7 +148,7 @@ class Row:
         verdict = self.verdict
         if verdict is Verdict.ERRATUM and self.erratum is not None:
             made = self.erratum.makes
-            gives = "" if made is None else f" (that gives {made:.6g})"
+            gives = "" if made is None else f" (that gives {significant(made, 6)})"
             return self.erratum.reason + gives
         if verdict is Verdict.DIFFERS:
             return self.note or "no reason on record"
@@ -223,7 +225,7 @@ def compare(
         Where another tolerance comes from.
     """
     allowed = printed_tolerance(published) if tolerance is None else tolerance
-    criterion = f"within {allowed:.2g}" + (f": {why}" if why else "")
+    criterion = f"within {significant(allowed, 2)}" + (f": {why}" if why else "")
     return Row(
         item, where, published, (float(found),), unit, criterion, allowed, None, erratum, fitted,
         note,

@@ -66,12 +66,12 @@ def basis(design: Design) -> str:
     signal = design.signal
     assert signal is not None
     if signal.clock is not None:
-        clocks = f"{signal.clock.name} clocks"
+        clocks = f"{signal.clock.title} clocks"
     else:
         clocks = "clocks that are as good as their last setting"
     ages = f", data up to {signal.update / 3600:.3g} h old" if signal.update else ""
     if signal.determined and design.tracking is not None:
-        whom = listed(list(design.tracking.kinds))
+        whom = listed(design.tracking.titles)
         return f"{clocks}{ages}, orbits and clocks as tracking by {whom} leaves them"
     given = signal.of_satellites(design.constellation.size).mean(axis=0).diagonal() ** 0.5
     told = ", ".join(f"{sigma:.3g}" for sigma in given)

@@ -155,7 +155,7 @@ def test_orbit_errors_may_be_those_that_tracking_implies():
     assert not worked.determined
     shown = compass.show(short)
     assert shown.design.signal == replace(worked, determined=True)
-    assert "as tracking by earth leaves them" in " ".join(str(shown).split())
+    assert "as tracking by Earth leaves them" in " ".join(str(shown).split())
 
 
 @pytest.mark.parametrize(

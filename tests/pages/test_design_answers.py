@@ -212,10 +212,10 @@ def test_a_rover_anywhere_is_answered_where_a_signal_is_known(met):
     } | {"rover_horizontal_m": 23.5, "rover_vertical_m": 23.5}
     row, _ = _errors(found, numbers)
     assert row.question.startswith("A rover anywhere: horizontal, 95 % of fixes")
-    assert row.written.startswith("23.5 ± 0.98") and "2, 8, 5, 3 m (radial" in row.sure
+    assert row.written.startswith("23.50 ± 0.98") and "2, 8, 5, 3 m (radial" in row.sure
     assert _errors(replace(met, design=replace(met.design, signal=None)), {}) == []
     told = accurate(replace(found, mapped=SimpleNamespace(numbers=lambda: numbers)))
-    assert told.startswith("A rover anywhere knows its place to 23.5 ± 0.98 m horizontally: 95 %")
+    assert told.startswith("A rover anywhere knows its place to 23.50 ± 0.98 m horizontally: 95 %")
 
 
 def test_maps_and_losses_of_a_page(met):

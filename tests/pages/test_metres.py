@@ -103,5 +103,5 @@ def test_the_tracking_stands_on_the_page():
     stems = ["tracking-sigma", "tracking-components", "tracking-schedule"]
     assert [p.stem for p in section.pictures] == stems
     assert any(t.title.startswith("Who measures when") for t in section.tables)
-    assert any(" of tracking by earth" in text for text in section.paragraphs)
+    assert any(" of tracking by Earth" in text for text in section.paragraphs)
     assert len(list(walk(section.blocks))) > 3
