@@ -1,5 +1,6 @@
 """Words with numbers in sentences."""
 
+from math import floor
 from numbers import Integral
 
 
@@ -11,6 +12,11 @@ def counted(number: float, noun: str) -> str:
     hisses = noun.endswith(("ch", "s")) and not noun.endswith("och")
     many = "" if number == 1 else "es" if hisses else "s"
     return f"{number if isinstance(number, Integral) else format(number, 'g')} {noun}{many}"
+
+
+def days_words(days: float) -> str:
+    """Days that something lasts, never more than it does: whole ones, of few two decimals."""
+    return counted(floor(days) if days >= 10 else floor(100 * days) / 100, "day")
 
 
 def listed(words: list[str]) -> str:

@@ -74,7 +74,9 @@ class FoldResult(FoldClaim):
         """For which motion and how long it was settled."""
         span = self.coverage.span
         when = "for all time" if span.for_all_time else f"over {span.stop / 3600:.6g} h"
-        return f"{when}, two-body motion, {self.design.figure.words}"
+        table = self.design.motion.table
+        of = "two-body motion" if table is None else "of the ellipses that touch its paths"
+        return f"{when}, {of}, {self.design.figure.words}"
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""

@@ -6,7 +6,7 @@ bound on the work, and kept on disk.
 
 import shlex
 from dataclasses import dataclass
-from math import ceil, floor
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -26,7 +26,7 @@ from compass.frames import SECONDS_PER_DAY
 from compass.kept import kept
 from compass.orbits.trajectory import Trajectory
 from compass.orbits.trimming import beat_of
-from compass.words import counted
+from compass.words import days_words
 
 #: A Mars year, days: how far a page looks ahead, and the look before that.
 HORIZON, GLANCE = 687.0, 40.0
@@ -134,10 +134,10 @@ class Glance:
     def words(self) -> str:
         """The days, whole ones that are proven."""
         if self.days_proven >= self.looked_days:
-            return f"{floor(self.looked_days)} days and more"
+            return f"{days_words(self.looked_days)} and more"
         if self.days_proven == 0.0:
             return f"not at the epoch: {self.lost}" if self.lost else "nothing proven"
-        return counted(floor(self.days_proven), "day")
+        return days_words(self.days_proven)
 
     def command(self, design: Design) -> str:
         """The command line that proves it."""

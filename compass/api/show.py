@@ -294,9 +294,10 @@ def satellite_table(constellation: Constellation, sphere_radius: float) -> Table
         known = {
             "periapsis_altitude_km": float(c.periapsis_radius[k] - sphere_radius) / KM,
             "apoapsis_altitude_km": float(c.apoapsis_radius[k] - sphere_radius) / KM,
-            "eccentricity": float(c.eccentricity[k]),
-            "inclination_deg": float(np.degrees(c.inclination[k])),
-            "raan_deg": float(np.degrees(c.raan[k])),
+            # to what a state in metres can tell: beyond it is rounding
+            "eccentricity": round(float(c.eccentricity[k]), 9),
+            "inclination_deg": round(float(np.degrees(c.inclination[k])), 7),
+            "raan_deg": round(float(np.degrees(c.raan[k])), 7) + 0.0,
             "period_h": float(orbital_period(c.semi_major_axis[k], c.gm)) / 3600,
             "cap_at_periapsis_deg": float(np.degrees(low.half_arc)),
             "cap_at_apoapsis_deg": float(np.degrees(high.half_arc)),

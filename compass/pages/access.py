@@ -2,6 +2,7 @@
 
 from compass.api.access_result import AccessResult
 from compass.document.blocks import Section, arranged
+from compass.document.numbers import significant
 from compass.pictures.access import link_budget, served, timeline
 
 _KINDS = ("station", "moon", "earth")
@@ -18,5 +19,5 @@ def access_section(result: AccessResult) -> Section:
     pictures += [
         link_budget(found, radio) for radio in result.design.radios if served(found, radio)
     ]
-    summary = f"Over {found.sols:g} sols: " + " ".join(result.summary())
+    summary = f"Over {significant(found.sols, 4)} sols: " + " ".join(result.summary())
     return arranged("Access", (summary, *result.notes()), pictures, result.tables())

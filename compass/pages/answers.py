@@ -19,7 +19,7 @@ from compass.document import Answer, Answers, Bracket, Proven, Sampled, Section,
 from compass.document.blocks import Block
 from compass.document.numbers import significant
 from compass.pages.found import Found
-from compass.pages.lasting import lasting_advice, lasting_answers
+from compass.pages.lasting import lasting_advice, lasting_answers, lasting_promise
 from compass.pages.neighbours import Neighbour
 from compass.quantities import quantity
 from compass.ranging import FACTOR_95
@@ -158,9 +158,9 @@ def _dilution(found: Found, gdop: dict[str, Any], key: str) -> tuple[Value | str
 
 def _known(found: Found, name: str, of: dict[str, Any], key: str) -> Value:
     """A figure of the map with its proven bounds, or with what it was sampled on."""
-    if f"{key}_bracket" in of:
+    low, high = of.get(f"{key}_bracket", (0.0, np.inf))
+    if low > 0.0 or high < np.inf:  # bounds of nothing are none
         scope = found.mapped.certified.scope.split(";")[0] if found.mapped.certified else ""
-        low, high = of[f"{key}_bracket"]
         return Value(quantity(name), of[key], Bracket(low, high, scope))
     attrs = found.mapped.dataset.attrs
     sampled = Sampled(None, f"{attrs['epochs']} epochs, {attrs['grid']}")
@@ -309,7 +309,10 @@ def what_to_do(found: Found, neighbours: Sequence[Neighbour]) -> list[str]:
         else f"It has {wanted}, proven {when} on undisturbed orbits. {real}",
         Outcome.REFUTED: f"Do not build it for {wanted}: there is a place and a moment without.",
     }.get(result.outcome, f"Decide after a finer look: {wanted} is neither proven nor refuted.")
-    said = [words, accurate(found)] if result.outcome is Outcome.PROVEN else [words]
+    said = [words]
+    if result.outcome is Outcome.PROVEN:
+        lasts = lasting_promise(found.design, found.outlook)
+        said = [part for part in (words, lasts, accurate(found)) if part]
     margin = result.mask_margin_deg
     here = -np.inf if margin is None else margin
     sure = result.margins().rows[3][1]  # rounded to the safe side, as the table has it

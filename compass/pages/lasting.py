@@ -1,6 +1,5 @@
 """The section "How long it lasts" of a design's page, and what of it belongs in the first lines."""
 
-from math import floor
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +15,7 @@ from compass.frames import SECONDS_PER_DAY
 from compass.orbits import areosynchronous_radius
 from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, look, new_figure, picture
 from compass.quantities import quantity
-from compass.words import counted
+from compass.words import days_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,6 +25,9 @@ DAYS_PER_YEAR = 365.25
 
 #: Growth of the largest step between moments that may be a leap to another fit, degrees.
 LEAP = 2.0
+
+#: How a design is that nobody corrects.
+LEFT = "Left alone on real orbits"
 
 
 def lasting_verdicts(design: Design, found: Outlook) -> tuple[Verdict, ...]:
@@ -44,14 +46,15 @@ def lasting_verdicts(design: Design, found: Outlook) -> tuple[Verdict, ...]:
 def lasting_answers(design: Design, found: Outlook) -> list[Answer]:
     """The same as rows of the first lines: question, answer, how sure."""
     shown = commands(design, found)
-    left = "Left alone on real orbits it lasts"
+    left = _left(design)
     proven = f"proven: {shown['lasts']}"
     if found.lasts:
-        rows = [Answer(left, f"{counted(found.horizon_days, 'day')} and more", None, proven)]
+        more = ", all they are given for" if design.motion.table else " and more"
+        rows = [Answer(left, days_words(found.horizon_days) + more, None, proven)]
     elif found.days_proven == 0.0:
         rows = [Answer(left, "not held at the epoch", None, proven)]
     else:
-        rows = [Answer(left, counted(floor(found.days_proven), "day"), None, proven)]
+        rows = [Answer(left, days_words(found.days_proven), None, proven)]
     if found.keeping is not None:
         mean = Value(quantity("delta_v_keeping_m_s_year"), found.keeping["delta_v_mean_m_s_year"])
         years = f"simulated over {_years(found.keeping)}"
@@ -65,12 +68,24 @@ def lasting_answers(design: Design, found: Outlook) -> list[Answer]:
     return rows
 
 
+def _left(design: Design) -> str:
+    """The question how long it lasts."""
+    return f"{'On its given paths' if design.motion.table else LEFT} it lasts"
+
+
+def lasting_promise(design: Design, found: Outlook | None) -> str:
+    """How long what was found at the epoch holds, in a sentence, of orbits that last."""
+    if found is None or not found.lasts:
+        return ""
+    row = lasting_answers(design, found)[0]
+    return f"{row.question} {row.written}."
+
+
 def lasting_advice(found: Outlook) -> str:
     """What to do about orbits that do not last, in a sentence; empty for those that do."""
     if found.lasts or found.days_proven == 0.0:
         return ""
-    days = counted(floor(found.days_proven), "day")
-    said = f"Left alone on real orbits it loses that after {days}: "
+    said = f"{LEFT} it loses that after {days_words(found.days_proven)}: "
     ways = []
     if good := found.lasting_radii:
         ways.append(f"fly it {_shift(found, good[0])}, where it keeps itself once trimmed")
@@ -105,10 +120,11 @@ def _lasts(design: Design, found: Outlook) -> Verdict:
     if found.lasts:
         years = found.horizon_days / DAYS_PER_YEAR
         long = f" ({years:.1f} years)" if years >= 1.0 else ""
+        days, paths = days_words(found.horizon_days), design.motion.table is not None
         return Verdict(
-            f"Lasts {counted(found.horizon_days, 'day')} left alone",
-            f"{found.asked}, proven on real orbits for the {counted(found.horizon_days, 'day')} "
-            f"looked at{long} ({command})",
+            f"Lasts {days} {'on its given paths' if paths else 'left alone'}",
+            f"{found.asked}, proven on {'its paths' if paths else 'real orbits'} for the {days} "
+            f"{'given' if paths else 'looked at'}{long} ({command})",
             True,
         )
     if found.first_loss_days is not None and found.days_proven * SECONDS_PER_DAY < 1.0:
@@ -119,7 +135,7 @@ def _lasts(design: Design, found: Outlook) -> Verdict:
     if found.first_loss_days is None:
         word, end = f"Lasts at least {proven} days left alone", "undecided after that"
     else:
-        word = f"Lasts {counted(floor(found.days_proven), 'day')} left alone"
+        word = f"Lasts {days_words(found.days_proven)} left alone"
         when = Value(quantity("first_loss_days"), found.first_loss_days)
         end = f"lost on day {when}: {found.loss}"
     return Verdict(

@@ -12,6 +12,7 @@ from compass.coverage.cap import cap_radius
 from compass.coverage.gap import gap, gap_outline
 from compass.design import Design
 from compass.document.blocks import Picture
+from compass.document.numbers import significant
 from compass.frames import latitude_longitude
 from compass.orbits import orbital_period, positions_mci, positions_mcmf, repeat_period
 from compass.pictures.maps import LARGE
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 KM = 1e3
+#: Tracks that miss their start by less than this, degrees (60 mm on the ground), close.
+CLOSED_DEG = 1e-6
 #: Beyond this many satellites their names would cover the picture.
 MAX_NAMED = 30
 
@@ -137,14 +140,15 @@ def track_picture(design: Design) -> Picture:
                                   textcoords="offset points", fontsize=9, color=colour,
                                   weight="bold", zorder=8)  # fmt: skip
         axes.set_title(f"{design.name}: ground tracks over {duration / 3600:.2f} h")
+    miss = float(np.degrees(repeat.closure))
+    closed = "close" if miss < CLOSED_DEG else f"miss their start by {significant(miss, 3)}°"
     return picture(
         figure,
         "ground-tracks",
         "Ground tracks",
         "Satellites at the epoch and their tracks; after "
         f"{counted(repeat.sidereal_days, 'rotation')} of Mars and "
-        f"{counted(repeat.revolutions, 'revolution')} the tracks miss their start by "
-        f"{np.degrees(repeat.closure):.3g}°.",
+        f"{counted(repeat.revolutions, 'revolution')} the tracks {closed}.",
         wide=True,
     )
 

@@ -13,6 +13,7 @@ from compass.contacts.survey import Survey
 from compass.contacts.windows import Windows
 from compass.design import Radio
 from compass.document.blocks import Picture
+from compass.document.numbers import significant
 from compass.pictures.rows import draw_rows
 from compass.pictures.style import CYCLE, HALF, INK, look, new_figure, picture
 
@@ -39,10 +40,15 @@ def timeline(found: Survey, name: str) -> Picture:
         figure,
         f"access-{_stem(name)}",
         f"Satellites in sight of {name}",
-        f"Each bar is a span of sight, found to 1 ms, one colour an orbital plane; the first "
-        f"{min(SHOWN_SOLS, found.sols):g} of {found.sols:g} sols. The dark row is any "
-        f"satellite at all.{more}",
+        f"Each bar is a span of sight, found to 1 ms, one colour an orbital plane; "
+        f"{_shown(found.sols)}. The dark row is any satellite at all.{more}",
     )
+
+
+def _shown(sols: float) -> str:
+    """How much of the span a timeline shows."""
+    whole = f"{significant(sols, 4)} sols"
+    return f"the first {SHOWN_SOLS:g} of {whole}" if sols > SHOWN_SOLS else f"all of {whole}"
 
 
 def height_of(found: Survey, name: str) -> float:

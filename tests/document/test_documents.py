@@ -94,7 +94,7 @@ def test_what_most_rows_say_of_how_known_they_are_is_said_once():
 
 @pytest.mark.parametrize(
     ("error", "written"),
-    [(3.7e-7, "25.000000 ± 0.000037"), (0.012, "25.0 ± 1.2"), (1e-10, "25.0000000 ± 0.0000001")],
+    [(3.7e-7, "25.00000 ± 0.00004"), (0.012, "25.0 ± 1.2"), (1e-10, "25.00000 ± 0.00001")],
 )
 def test_an_error_has_no_power_of_ten(error, written):
     share = quantity("requirement_share")
