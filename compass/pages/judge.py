@@ -56,7 +56,8 @@ def answer_section(record: dict[str, Any], designs: Sequence[Design], carrying: 
         f"({flown(designs[best['given'] - 1])}) is the best of {len(rows)}: a lander knows its "
         f"place to {significant(best['crlb_position_m']['p95'], 3)} m in 95 % of "
         f"{record['samples']:,} entries, at {record['deployment']}; {goal:g} m are wanted"
-        f"{_filter_words(best)}. Left alone on real orbits it lasts {lasting[0].words}."
+        f"{_filter_words(best) if best['believed'] else ''}. "
+        f"Left alone on real orbits it lasts {lasting[0].words}."
     )
     if len(rows) > 1:
         ratio = rows[1]["crlb_position_m"]["p95"] / best["crlb_position_m"]["p95"]

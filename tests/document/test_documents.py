@@ -14,7 +14,7 @@ from compass.document import (
 )
 from compass.document.blocks import columns, facts, walk
 from compass.document.evidence import Bracket, Proven, Sampled
-from compass.document.html import alone
+from compass.document.html import alone, prose
 from compass.quantities import quantity
 
 MASK, FOLD = quantity("mask_margin_deg"), quantity("min_fold")
@@ -115,3 +115,9 @@ def test_bounds_of_a_share_next_to_nothing_have_no_power_of_ten():
     share = quantity("requirement_share")
     assert str(Value(share, 0.0, Bracket(0.0, 1.0067e-10))) == "0 to 0.0001"
     assert str(Value(share, 0.0, Bracket(3e-7, 4e-6))) == "0 to 0.0004"
+
+
+def test_code_in_a_source_is_set_as_code_and_all_else_stays_text():
+    said = str(prose("by `a <b>` of <i>$x_1$</i>"))
+    assert said == "by <code>a &lt;b&gt;</code> of &lt;i&gt;$x_1$&lt;/i&gt;"
+    assert str(prose("one ` alone <b>")) == "one ` alone &lt;b&gt;"

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,7 +25,13 @@ from compass.entry.trajectory import fly
 from compass.errors import ArgumentError, OutputError
 from compass.frames import direction
 from compass.inputs.scenario import read_scenario, read_scenario_text
-from compass.pages.landing import answers, beacon_answers, dispersed_answers, landing_report
+from compass.pages.landing import (
+    answers,
+    beacon_answers,
+    dispersed_answers,
+    landing_report,
+    rests_on,
+)
 from compass.pictures.entry import around, draw_landing
 from compass.pictures.files import check_folder, write_pictures
 
@@ -73,6 +80,17 @@ def test_the_page_names_its_beacons_and_how_long_their_orbits_last(coarse, monke
     assert who.sure == "15 satellites in 5 planes: delta 45°: 15/5/1, 20427 km"
     assert (lasts.written, lasts.holds) == ("31 days", None)
     assert lasts.question == "Left alone on real orbits COMPASS 15/5/1 lasts"
+    shown = SimpleNamespace(
+        scenario=read_scenario(DESIGNS / "landing.toml"),
+        assessment=SimpleNamespace(
+            monte_carlo=SimpleNamespace(errors=[0] * 3), consistency=SimpleNamespace(holds=False)
+        ),
+    )
+    assert rests_on(shown) == (
+        "Over 3 runs the filter's errors are not what it claims. Its beacons are COMPASS 15/5/1 "
+        "(15 satellites in 5 planes: delta 45°: 15/5/1, 20427 km); left alone on real orbits "
+        "that lasts 31 days."
+    )
 
 
 @pytest.mark.slow

@@ -170,7 +170,7 @@ def test_the_answer_says_which_is_best_and_whether_to_believe_it(monkeypatch):
         ("31 days", "proven: compass drift 1.toml --days 33"),
         ("40 days and more", "proven: compass drift 2.toml --days 40"),
         ("not at the epoch: 0 in view", "proven: compass drift 3.toml --days 1"),
-        ("1 day", "proven: compass drift 4.toml --days 3"),
+        ("1.2 days", "proven: compass drift 4.toml --days 3"),
     ]
     easier = module.answer_section({**record, "goal_m": 16.0}, designs, picture)
     assert easier.blocks[1].rows[1].holds

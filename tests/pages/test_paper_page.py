@@ -1,7 +1,10 @@
 """The page of a paper: the answer first, then what is wrong, then every number."""
 
+import pytest
+
 import compass
 from compass.api.reproduce import ReproduceResult
+from compass.pages.page import write_page
 from compass.pages.paper import paper_report, paper_sections
 from compass.papers.verdict import Erratum, claim, compare, computed
 
@@ -33,6 +36,12 @@ def test_the_answer_counts_and_errors_are_told_once():
     )
     assert wrong.paragraphs == ("It is a radius: Altitude (Table 1); Height (Table 7).",)
     assert sum(len(table.rows) for table in numbers.tables) == len(ROWS)
+
+
+@pytest.mark.browser
+def test_a_page_of_a_paper_in_a_real_browser(tmp_path, monkeypatch, opened):
+    report, sections = paper_report(ReproduceResult("x", "A <b>paper</b> of `code`", ROWS))
+    opened(write_page(tmp_path, report, sections), 0)
 
 
 def test_report_takes_the_name_of_a_paper(tmp_path, monkeypatch):

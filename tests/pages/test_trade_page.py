@@ -95,6 +95,9 @@ def test_recommendation_names_file_and_units(landing, tmp_path, coarse):
     assert (
         "(finalist-1.toml)" in answered.paragraphs[0] and "Its rival is" in answered.paragraphs[0]
     )
+    lead = answered.paragraphs[0]
+    for part in ("1 in view above", "proven for all time; left alone it lasts", "Landing: place"):
+        assert part in lead
     (answers,) = (block for block in answered.blocks if isinstance(block, Answers))
     assert answers.rows[0].holds and answers.rows[0].answer == "proven"
     assert any("Three areostationary relays has" in row.sure for row in answers.rows)
@@ -105,7 +108,12 @@ def test_recommendation_names_file_and_units(landing, tmp_path, coarse):
     assert "Beside Three areostationary relays it is " in section.paragraphs[3]
     # two masks, so that the tables say which
     tables = {t.title: t for s in made.sections for t in s.tables}
-    assert "mask, deg" in tables["The first Pareto front, first 40"].header
+    said = [str(row) for row in tables["Every figure of the finalists"].rows]
+    assert any("±" in row or "Sampled" in row for row in said)
+    (front,) = answered.interactive
+    assert "Bars: how far another sampling may move it." in front.caption
+    assert "Who is on the front: decided." in front.caption
+    assert "elevation mask, deg" in tables["The first Pareto front, first 40"].header
     title = "The finalists by objective, and the change from Three areostationary relays"
     assert tables[title].rows[-1][:2] == ("Three areostationary relays", "to compare with")
 
