@@ -1,6 +1,7 @@
 """How long a design lasts, as its page says it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from compass.pages.lasting import (
     TITLE,
     lasting_advice,
     lasting_answers,
+    lasting_promise,
     lasting_section,
     lasting_verdicts,
     until_leap,
@@ -209,8 +211,16 @@ def test_of_paths_known_for_days_no_years_and_no_slots_are_spoken_of():
     (margin,) = lasting_section(ring(), found).pictures
     assert margin.title == "Margin over time" and "slot" not in margin.caption
     lost = told(days_proven=1.7)
-    assert "it loses that after 1 day: " in lasting_advice(lost)
-    assert lasting_verdicts(ring(), lost)[0].word == "Lasts 1 day left alone"
+    assert "it loses that after 1.7 days: " in lasting_advice(lost)
+    assert lasting_verdicts(ring(), lost)[0].word == "Lasts 1.7 days left alone"
+    given = replace(ring(), motion=SimpleNamespace(table="states"))
+    (row,) = lasting_answers(given, found)
+    assert (row.question, row.written) == (
+        "On its given paths it lasts", "1.25 days, all they are given for",
+    )  # fmt: skip
+    assert lasting_promise(given, found) == f"{row.question} {row.written}."
+    assert lasting_promise(given, lost) == lasting_promise(given, None) == ""
+    assert lasting_verdicts(given, found)[0].word == "Lasts 1.25 days on its given paths"
 
 
 def test_what_is_open_or_nowhere_better_is_said():
