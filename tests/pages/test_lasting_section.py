@@ -1,7 +1,6 @@
 """How long a design lasts, as its page says it."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -213,7 +212,8 @@ def test_of_paths_known_for_days_no_years_and_no_slots_are_spoken_of():
     lost = told(days_proven=1.7)
     assert "it loses that after 1.7 days: " in lasting_advice(lost)
     assert lasting_verdicts(ring(), lost)[0].word == "Lasts 1.7 days left alone"
-    given = replace(ring(), motion=SimpleNamespace(table="states"))
+    path = Motion().trajectory(ring().constellation, 0.0, 1.25 * 86400.0)
+    given = replace(ring(), motion=Motion("ephemeris", table=path))
     (row,) = lasting_answers(given, found)
     assert (row.question, row.written) == (
         "On its given paths it lasts", "1.25 days, all they are given for",
