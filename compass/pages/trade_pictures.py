@@ -52,7 +52,8 @@ def front_pictures(
         with look():
             axes = figure.add_subplot()
             draw_front(axes, results, a, b)
-            for one in [*chosen, *([measure] if measure else [])]:
+            drawn: list[Finalist | Yardstick] = [*chosen, *([measure] if measure else [])]
+            for one in drawn:
                 across, up = (0.0 if n in one.brackets else one.errors.get(n, 0.0) for n in (a, b))
                 axes.errorbar(
                     one.figures[a], one.figures[b], up, across,
