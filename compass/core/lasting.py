@@ -26,8 +26,10 @@ than the stretch; a cap then lies between two, and half of what lies between cou
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.figure import stretched_cap
 from compass.core.fold import WELL, cap_cosine, cell_point, extreme_fold, thin_beside, thin_circle
@@ -46,18 +48,13 @@ KEPT = 32
 ROUNDING = 2e-14
 
 
-@kernel
-def caps_between(
-    breaks, paths, errors, pulls, turns, frame, ground, piece, middle, half, u, radius, stray
-):
-    """Fill directions, cap radii and strays about a moment, and the part that cannot shrink.
+class MovingCaps(NamedTuple):
+    """Caps of satellites on their paths, and where they are to cover.
 
-    Parameters
+    Attributes
     ----------
     breaks, paths, errors
         As in `compass.core.path`; errors in m, shape (p, n).
-    pulls
-        Bound on the acceleration on this stretch, shape (n,).
     turns
         Angle of the prime meridian at the breaks, radians, shape (p + 1,).
     frame
@@ -66,6 +63,30 @@ def caps_between(
         Radius of the sphere (equatorial, m), the ellipsoid's stretch (1: a sphere), the mask,
         radians, and the band of users, sines of their latitudes on the stretched sphere. On an
         ellipsoid the frame is not `FREE`.
+    region, floors
+        As in `compass.core.fold.extreme_fold`.
+    """
+
+    breaks: NDArray[np.float64]
+    paths: NDArray[np.float64]
+    errors: NDArray[np.float64]
+    turns: NDArray[np.float64]
+    frame: int
+    ground: tuple[float, float, float, float, float]
+    region: NDArray[np.float64]
+    floors: NDArray[np.float64]
+
+
+@kernel
+def caps_between(caps, pulls, piece, middle, half, u, radius, stray):
+    """Fill directions, cap radii and strays about a moment, and the part that cannot shrink.
+
+    Parameters
+    ----------
+    caps
+        The caps.
+    pulls
+        Bound on the acceleration on this stretch, shape (n,).
     piece, middle, half
         The stretch that holds the interval, and the interval, s.
     u, radius, stray
@@ -76,6 +97,7 @@ def caps_between(
     bool
         Whether bounds could be had; not if a satellite could come down to the sphere.
     """
+    breaks, paths, errors, turns, frame, ground, _, _ = caps
     sphere, stretch, mask, south, north = ground
     n = paths.shape[1]
     state = np.empty((n, 6))
@@ -152,22 +174,7 @@ def caps_between(
 
 
 @kernel
-def first_loss(
-    breaks,
-    paths,
-    errors,
-    turns,
-    frame,
-    ground,
-    region,
-    floors,
-    k,
-    start,
-    stop,
-    resolution,
-    tolerance,
-    max_nodes,
-):
+def first_loss(caps, k, start, stop, resolution, tolerance, max_nodes):
     """Settle "fold >= k" from `start` on, in time order, up to `stop` or the first loss.
 
     An interval whose shrunk caps still cover k-fold is proven. Where at the middle of one too few
@@ -177,10 +184,8 @@ def first_loss(
 
     Parameters
     ----------
-    breaks, paths, errors, turns, frame, ground
-        As in `caps_between`.
-    region, floors
-        As in `compass.core.fold.extreme_fold`.
+    caps
+        The caps.
     k
         Fold.
     start, stop, resolution
@@ -197,6 +202,7 @@ def first_loss(
         coverage is surely lost (infinite if it is not) and where; intervals left open and the
         first `KEPT` of them.
     """
+    breaks, paths, _, _, _, _, region, floors = caps
     n = paths.shape[1]
     u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty((n, 2))
     cosines, pulls = np.empty(n), np.empty(n)
@@ -224,21 +230,7 @@ def first_loss(
                 still = True
             else:
                 nodes += 1
-                known = caps_between(
-                    breaks,
-                    paths,
-                    errors,
-                    pulls,
-                    turns,
-                    frame,
-                    ground,
-                    piece,
-                    middle,
-                    half,
-                    u,
-                    radius,
-                    stray,
-                )
+                known = caps_between(caps, pulls, piece, middle, half, u, radius, stray)
                 if known:
                     slowest = True
                     for s in range(n):
@@ -308,32 +300,19 @@ def margin_at(u, radius, region, floors, k, low, high, tolerance):
 
 
 @kernel
-def margins(breaks, paths, errors, turns, frame, ground, region, floors, k, times, tolerance):
+def margins(caps, k, times, tolerance):
     """`margin_at` many moments, radians, between bounds, shape (t, 2).
 
     They differ by what lies between an ellipsoid's caps; on a sphere they are one.
     """
+    breaks, paths, _, _, _, ground, region, floors = caps
     n = paths.shape[1]
     u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty((n, 2))
     pulls, tried = np.zeros(n), np.empty(n)
     found = np.full((times.size, 2), np.nan)
     for j in range(times.size):
         piece = piece_of(breaks, times[j])
-        if caps_between(
-            breaks,
-            paths,
-            errors,
-            pulls,
-            turns,
-            frame,
-            ground,
-            piece,
-            times[j],
-            0.0,
-            u,
-            radius,
-            stray,
-        ):
+        if caps_between(caps, pulls, piece, times[j], 0.0, u, radius, stray):
             for side in range(2):
                 vague = 0.0 if ground[1] == 1.0 else (2.0 * side - 1.0)
                 for s in range(n):
@@ -348,21 +327,7 @@ def margins(breaks, paths, errors, turns, frame, ground, region, floors, k, time
 
 
 @kernel
-def least_margin(
-    breaks,
-    paths,
-    errors,
-    turns,
-    frame,
-    ground,
-    region,
-    floors,
-    k,
-    start,
-    stop,
-    tolerance,
-    max_nodes,
-):
+def least_margin(caps, k, start, stop, tolerance, max_nodes):
     """Least margin over an interval of time, radians: bounds from below and above.
 
     Branch and bound: an interval whose caps, shrunk by their strays and the least margin met so
@@ -375,6 +340,7 @@ def least_margin(
         The least margin is not below the first (but for the paths' errors, which count against
         it) nor above the second.
     """
+    breaks, paths, _, _, _, ground, region, floors = caps
     n = paths.shape[1]
     u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty((n, 2))
     cosines, pulls = np.empty(n), np.empty(n)
@@ -393,21 +359,7 @@ def least_margin(
             middle = 0.5 * (left + right)
             half = max(middle - left, right - middle)
             nodes += 1
-            known = caps_between(
-                breaks,
-                paths,
-                errors,
-                pulls,
-                turns,
-                frame,
-                ground,
-                piece,
-                middle,
-                half,
-                u,
-                radius,
-                stray,
-            )
+            known = caps_between(caps, pulls, piece, middle, half, u, radius, stray)
             if known:
                 goal, furthest, fixed, slow = above - tolerance, 0.0, 0.0, ground[1] != 1.0
                 for s in range(n):

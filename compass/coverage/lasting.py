@@ -18,6 +18,7 @@ from compass.core.lasting import (
     LOST,
     UNDECIDED,
     WITH_MARS,
+    MovingCaps,
     first_loss,
     least_margin,
     margins,
@@ -212,7 +213,7 @@ def _bands(
     while bands:
         south, north = bands.pop()
         outcome, looked, until, end, point, parts, open_ = first_loss(
-            *_arrays(path, *figure, region, (south, north)),
+            _caps(path, *figure, region, (south, north)),
             fold,
             start,
             min(stop, lost),
@@ -256,8 +257,8 @@ def margins_at(
     bands = [((-1.0, 1.0), np.arange(seconds.size))]
     while bands:
         (south, north), which = bands.pop()
-        arrays = _arrays(path, sphere_radius, stretch, mask, region, (south, north))
-        low, high = margins(*arrays, fold, seconds[which], tolerance).T
+        caps = _caps(path, sphere_radius, stretch, mask, region, (south, north))
+        low, high = margins(caps, fold, seconds[which], tolerance).T
         most[which] = np.minimum(most[which], high)
         # a band that is nowhere the tightest is good enough as it is
         vague = (high - low > VAGUE) & (low < most[which] - VAGUE) & (north - south > NARROWEST)
@@ -304,8 +305,8 @@ def _least_margin(
     least, most, bands = np.pi, np.pi, [(-1.0, 1.0)]
     while bands:
         south, north = bands.pop()
-        arrays = _arrays(path, *figure, region, (south, north))
-        low, high, _ = least_margin(*arrays, fold, *span, tolerance, MAX_INTERVALS)
+        caps = _caps(path, *figure, region, (south, north))
+        low, high, _ = least_margin(caps, fold, *span, tolerance, MAX_INTERVALS)
         most = min(most, high)
         near = max(2.0 * tolerance, VAGUE)
         vague = figure[1] != 1.0 and high - low > near and low < most - near
@@ -340,24 +341,24 @@ def _check(
     cap_radius(np.linalg.norm(r, axis=-1), sphere_radius, mask)
 
 
-def _arrays(
+def _caps(
     path: Trajectory,
     sphere_radius: float,
     stretch: float,
     mask: float,
     region: Region,
     band: tuple[float, float] = (-1.0, 1.0),
-) -> tuple:
-    """What all kernels take first; `band` holds sines of latitude on the stretched sphere."""
+) -> MovingCaps:
+    """Caps as kernels take them; `band` holds sines of latitude on the stretched sphere."""
     anyhow = region.is_globe and stretch == 1.0
     frame = WITH_MARS if region.mars_fixed else FREE if anyhow else ABOUT_POLE
     turns = prime_meridian_angle(path.epoch, path.breaks)
     flat, (south, north) = region.stretched(stretch), band
-    normals, floors = flat.normals, flat.floors
+    normals, floors = np.array(flat.normals), np.array(flat.floors)  # one type to the compiler
     for sign, rim in ((1.0, south), (-1.0, -north)):
         if rim > -1.0:
             normals, floors = np.vstack([normals, [0.0, 0.0, sign]]), np.append(floors, rim)
-    return (
+    return MovingCaps(
         path.breaks,
         path.paths,
         path.errors,

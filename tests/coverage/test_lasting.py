@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compass.core.lasting import ABOUT_POLE, FREE, caps_between
+from compass.core.lasting import ABOUT_POLE, FREE, MovingCaps, caps_between
 from compass.core.nearest import covering_radius
 from compass.core.path import piece_of, pull_bound
 from compass.coverage.cap import cap_radius
@@ -145,6 +145,12 @@ def test_giving_up_is_undecided():
     assert found.proven_until < DAY
 
 
+def oval_caps(frame, ground):
+    """Caps of the oval orbits over the whole sphere; Mars stands still."""
+    paths = OVAL.breaks, OVAL.paths, OVAL.errors, np.zeros(len(OVAL.breaks))
+    return MovingCaps(*paths, frame, ground, np.empty((0, 3)), np.empty(0))
+
+
 @settings(max_examples=40)
 @given(
     st.floats(0.0, 0.5),
@@ -159,11 +165,8 @@ def test_no_cap_strays_further_than_its_bound(when, half, places):
     n = OVAL.size
     u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty((n, 2))
     pulls = np.array([pull_bound(OVAL.breaks, OVAL.paths, piece, s) for s in range(n)])
-    known = caps_between(
-        OVAL.breaks, OVAL.paths, OVAL.errors, pulls, np.zeros(len(OVAL.breaks)), FREE,
-        (SPHERE, 1.0, 0.1, -1.0, 1.0), piece, middle, half, u, radius, stray,
-    )  # fmt: skip
-    if not known:
+    caps = oval_caps(FREE, (SPHERE, 1.0, 0.1, -1.0, 1.0))
+    if not caps_between(caps, pulls, piece, middle, half, u, radius, stray):
         return
     r, v = OVAL.states([middle])
     spin = (np.cross(r, v)[:, 0] / (r[:, 0] ** 2).sum(axis=-1, keepdims=True)).mean(axis=0)
@@ -333,11 +336,8 @@ def test_no_user_on_an_ellipsoid_sees_otherwise_than_the_caps_say(when, half, so
     n, rng = OVAL.size, np.random.default_rng(seed)
     u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty((n, 2))
     pulls = np.array([pull_bound(OVAL.breaks, OVAL.paths, piece, s) for s in range(n)])
-    ground, turns = (SPHERE, stretch, mask, south, south + 0.02), np.zeros(len(OVAL.breaks))
-    if not caps_between(
-        OVAL.breaks, OVAL.paths, OVAL.errors, pulls, turns, ABOUT_POLE, ground,
-        piece, middle, half, u, radius, stray,
-    ):  # fmt: skip
+    caps = oval_caps(ABOUT_POLE, (SPHERE, stretch, mask, south, south + 0.02))
+    if not caps_between(caps, pulls, piece, middle, half, u, radius, stray):
         return
     r, v = OVAL.states([middle])
     spin = (np.cross(r, v)[:, 0] / (r[:, 0] ** 2).sum(axis=-1, keepdims=True)).mean(axis=0)[2]
