@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from compass.core.entry.filter import covariance_run
 from compass.core.entry.kinds import PLAIN
 from compass.core.entry.rates import acceleration, through_air, wind_gradient
-from compass.entry.covariance import LONGEST_STEP, Bound, noise_roots
+from compass.entry.covariance import LONGEST_STEP, Bound, problem_of
 from compass.entry.layout import Layout
 from compass.entry.model import EntryModel
 from compass.entry.start import Trigger
@@ -232,19 +232,11 @@ def _unmeasured(
 ) -> Array:
     """Return a covariance at the first of `times` moved on to the last with nothing measured."""
     out = np.empty((times.size, layout.size, layout.size))
+    nothing = np.empty((times.size, 0, 6)), np.empty((times.size, 0, 0)), np.empty(0, np.int64)
     covariance_run(
         path,
         covariance,
-        flight.model.flight_parameters(),
-        flight.model.vehicle.bank_schedule(),
-        times,
-        LONGEST_STEP,
-        noise_roots(path, times, noise),
-        *layout.steps(path, times),
-        np.empty((times.size, 0, 6)),
-        np.empty((times.size, 0, 0)),
-        np.empty(0, dtype=np.int64),
-        layout.numbers(),
+        problem_of(flight.model, layout, path, times, nothing, noise, LONGEST_STEP),
         PLAIN,
         out,
     )

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from compass.entry.accuracy import Accuracy
 from compass.entry.beacons import Beacons
-from compass.entry.covariance import longest_step, noise_roots
+from compass.entry.covariance import longest_step, problem_of
 from compass.entry.filters import Filter
 from compass.entry.layout import Part
 from compass.entry.schedule import Measurements
@@ -141,9 +141,7 @@ def landing_budget(
     variances = np.concatenate([variances[:k], np.full_like(variances[:1], np.nan)])
     whole = layout.covariance(np.asarray(settings.covariance0, dtype=float))
     starts = _starts(biased, beacons.size, whole)
-    noise = np.empty((times.size, 6, 0))
     if np.any(settings.noise):
-        noise = noise_roots(path, times, settings.noise)
         starts[SHAKEN] = np.zeros_like(whole)
     of_kind = [*RADIO]
     for one in (*measurements.radio, *measurements.own):
@@ -154,30 +152,23 @@ def landing_budget(
             starts.setdefault(name, np.zeros_like(whole))
     names = list(starts)
     shares = np.empty((len(names), layout.size, layout.size))
-    walk, fade = layout.steps(path, times)
     walked = np.full(layout.size, -1)
     for block, source in (("air", "air"), ("attitude", "gyro")):
         if layout.place(source) >= 0:
             first = layout.place(block)
             walked[first : first + (3 if source == "gyro" else 1)] = names.index(_SOURCES[source])
+    heard, longest = (sources, variances, kinds), longest_step(measurements)
+    problem = problem_of(flight.model, layout, path, times, heard, settings.noise, longest)
+    if SHAKEN not in names:  # no columns, where filters want no rows
+        problem = problem._replace(noise=np.empty((times.size, 6, 0)))
     shares_run(
         np.ascontiguousarray(path),
         whole,
+        problem,
         np.stack(list(starts.values())),
-        flight.model.flight_parameters(),
-        flight.model.vehicle.bank_schedule(),
-        times,
-        longest_step(measurements),
-        noise,
         names.index(SHAKEN) if SHAKEN in names else -1,
-        walk,
         walked,
-        fade,
-        sources,
-        variances,
-        kinds,
         np.array([names.index(name) if name in names else -1 for name in of_kind]),
-        layout.numbers(),
         shares,
     )
     axes = along_cross_down(at.path)

@@ -1,6 +1,7 @@
 """Linear covariance along a flight: what no filter can beat, in one run and without draws."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +12,9 @@ from compass.entry.model import EntryModel
 from compass.entry.schedule import Measurements
 from compass.entry.views import spherical_jacobian
 from compass.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from compass.core.entry.filter import Problem
 
 #: Longest Runge-Kutta step of filters and covariances, s. Over it a flight at 13 g is off by
 #: less than 2 mm and 0.1 mm/s.
@@ -106,18 +110,65 @@ def linear_covariance(
     covariance_run(
         flown,
         blocks.covariance(np.asarray(covariance0, dtype=float)),
-        model.flight_parameters(),
-        model.vehicle.bank_schedule(),
-        np.array(beacons.times, dtype=float),
-        longest_step(measurements),
-        noise_roots(flown, beacons.times, noise),
-        *blocks.steps(flown, np.asarray(beacons.times)),
-        *measurements.heard(beacons, taken, flown, model),
-        blocks.numbers(),
+        problem_of(
+            model,
+            blocks,
+            flown,
+            beacons.times,
+            measurements.heard(beacons, taken, flown, model),
+            noise,
+            longest_step(measurements),
+        ),
         ROOTED if square_root else PLAIN,
         out,
     )
     return Bound(out)
+
+
+def problem_of(
+    model: EntryModel,
+    layout: Layout,
+    path: NDArray[np.float64],
+    times: ArrayLike,
+    heard: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]],
+    noise: ArrayLike,
+    longest: float,
+) -> "Problem":
+    """Return an estimation problem as kernels take it.
+
+    Parameters
+    ----------
+    model
+        The world as the filter knows it.
+    layout
+        Blocks of the state.
+    path, times
+        The flight about which noise and density are taken, (t, 6), at the epochs, (t,), s.
+    heard
+        Sources, variances and kinds, of `compass.entry.schedule.Measurements.heard`.
+    noise
+        As in `linear_covariance`.
+    longest
+        Longest Runge-Kutta step, s.
+    """
+    from compass.core.entry.filter import Problem
+
+    epochs = np.array(times, dtype=float)
+    walk, fade = layout.steps(path, epochs)
+    sources, variances, kinds = heard
+    return Problem(
+        model.flight_parameters(),
+        model.vehicle.bank_schedule(),
+        epochs,
+        longest,
+        noise_roots(path, epochs, noise),
+        walk,
+        fade,
+        sources,
+        variances,
+        kinds,
+        layout.numbers(),
+    )
 
 
 def noise_roots(path: NDArray[np.float64], times: ArrayLike, noise: ArrayLike) -> NDArray:

@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 from compass.core.entry.filter import filter_run
 from compass.core.entry.kinds import RANGE, RATE
 from compass.core.entry.measure import PLACES, ideal_values
-from compass.core.entry.runs import monte_carlo
+from compass.core.entry.runs import Draws, monte_carlo
 from compass.cores import cores
 from compass.entry.beacons import Beacons
-from compass.entry.covariance import longest_step, noise_roots
+from compass.entry.covariance import longest_step, problem_of
 from compass.entry.filters import METHODS, Filter, root
 from compass.entry.model import EntryModel
 from compass.entry.schedule import Measurements
@@ -63,7 +63,6 @@ def run_filter(
     first = np.zeros(layout.size)
     first[:6] = np.asarray(estimate, dtype=float)
     expected = _expected(model, first[:6], beacons, settings, measurements)
-    sources, variances, kinds = measurements.heard(beacons, taken, expected, model)
     states, covariances = (
         np.empty((count, layout.size)),
         np.empty((count, layout.size, layout.size)),
@@ -71,17 +70,16 @@ def run_filter(
     filter_run(
         first,
         layout.covariance(settings.covariance0),
-        model.flight_parameters(),
-        model.vehicle.bank_schedule(),
-        np.array(beacons.times, dtype=float),
-        longest_step(measurements),
-        noise_roots(expected, beacons.times, settings.noise),
-        *layout.steps(expected, np.asarray(beacons.times)),
-        sources,
-        variances,
+        problem_of(
+            model,
+            layout,
+            expected,
+            beacons.times,
+            measurements.heard(beacons, taken, expected, model),
+            settings.noise,
+            longest_step(measurements),
+        ),
         np.array(z, dtype=float),
-        kinds,
-        layout.numbers(),
         settings.iterations,
         METHODS[settings.method],
         states,
@@ -233,26 +231,17 @@ def run_monte_carlo(
     sigmas = np.empty((runs, count, 2))
     streams = np.random.SeedSequence(seed).spawn(runs)
     path = np.ascontiguousarray(flight.path)
-    sources, variances, kinds = measurements.heard(beacons, taken, path, flight.model)
-    common = (
+    problem = problem_of(
+        model,
+        layout,
         path,
-        flight.model.flight_parameters(),
-        root(covariance0),
-        covariance0,
-        model.flight_parameters(),
-        model.vehicle.bank_schedule(),
-        np.array(beacons.times, dtype=float),
+        beacons.times,
+        measurements.heard(beacons, taken, path, flight.model),
+        settings.noise,
         longest_step(measurements),
-        noise_roots(path, beacons.times, settings.noise),
-        *layout.steps(path, np.asarray(beacons.times)),
-        sources,
-        variances,
-        kinds,
-        layout.numbers(),
-        settings.iterations,
-        METHODS[settings.method],
     )
-    size, heard = layout.size, variances.size
+    spread, p_true = root(covariance0), flight.model.flight_parameters()
+    size, heard = layout.size, problem.variances.size
 
     def work(first: int) -> None:
         part = slice(first, min(first + BLOCK, runs))
@@ -260,11 +249,19 @@ def run_monte_carlo(
         drawn = np.stack([np.random.default_rng(s).standard_normal(total) for s in streams[part]])
         first_state, heard_by, shaken_by = np.split(drawn, [size, size + heard], axis=1)
         monte_carlo(
-            *common,
+            path,
+            p_true,
+            covariance0,
+            problem,
+            settings.iterations,
+            METHODS[settings.method],
             # of several runs these are strided, of one they are not: two types to the compiler
-            np.ascontiguousarray(first_state),
-            np.ascontiguousarray(heard_by).reshape(len(drawn), *variances.shape),
-            np.ascontiguousarray(shaken_by).reshape(len(drawn), count, size),
+            Draws(
+                spread,
+                np.ascontiguousarray(first_state),
+                np.ascontiguousarray(heard_by).reshape(len(drawn), *problem.variances.shape),
+                np.ascontiguousarray(shaken_by).reshape(len(drawn), count, size),
+            ),
             errors[part],
             squares[part],
             sigmas[part],

@@ -14,8 +14,10 @@ covariance through points spread as its belief is.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.entry.flow import advance_spread, advance_transition, bank_at, retreat
 from compass.core.entry.kinds import INFORMATION, RELINEARISED, ROOTED, UNSCENTED
@@ -25,6 +27,39 @@ from compass.core.entry.rates import LIFT as RATIO
 from compass.core.entry.root import absorb_root, root_of, square_of, triangle
 from compass.core.jit import fast_kernel, inline_kernel, kernel
 from compass.core.smallmatrix import invert
+
+
+class Problem(NamedTuple):
+    """What is to be estimated along a flight; made by `compass.entry.covariance.problem_of`.
+
+    Attributes
+    ----------
+    p, bank
+        Parameters of the dynamics, and bank angles (k, 2) of `advance`.
+    times, longest
+        Epochs (t,) and the longest Runge-Kutta step, s.
+    noise, walk, fade
+        From the epoch before to each: roots of the process noise, (t, 6, 6) or (t, 0, 6) for
+        none, variances of the further states, (t, s), and what is left of the logarithm of the
+        density, (t,).
+    sources, variances, kinds
+        Positions and velocities (t, n, 6); variances (t, n, c), nan for what is not measured, of
+        the kinds (c,) of `compass.core.entry.measure`.
+    places
+        Where the blocks of the state are.
+    """
+
+    p: NDArray[np.float64]
+    bank: NDArray[np.float64]
+    times: NDArray[np.float64]
+    longest: float
+    noise: NDArray[np.float64]
+    walk: NDArray[np.float64]
+    fade: NDArray[np.float64]
+    sources: NDArray[np.float64]
+    variances: NDArray[np.float64]
+    kinds: NDArray[np.int64]
+    places: NDArray[np.int64]
 
 
 @inline_kernel
@@ -307,32 +342,21 @@ def mark(covariance, places, marks):
 
 
 @kernel
-def filter_run(
-    x0, covariance0, p, bank, times, longest, noise, walk, fade, sources, variances, z, kinds,
-    places, iterations, method, xs, ps,
-):  # fmt: skip
+def filter_run(x0, covariance0, problem, z, iterations, method, xs, ps):
     """One filter run.
 
     Parameters
     ----------
     x0, covariance0
         Estimate (s,) and its covariance at the first time, before that time's measurements.
-    p, bank
-        Parameters of the dynamics, and bank angles (k, 2) of `advance`.
-    times, longest
-        Epochs (t,) and the longest Runge-Kutta step, s.
-    noise, walk, fade
-        From the epoch before to each: roots of the process noise, (t, 6, 6) or (t, 0, 6) for
-        none, variances of the further states, (t, s), and what is left of the logarithm of the
-        density, (t,).
-    sources, variances, z, kinds
-        Positions and velocities (t, n, 6); variances (t, n, c), nan for what is not measured;
-        measurements (t, n, c), of the kinds (c,) of `compass.core.entry.measure`.
-    places, iterations, method
-        Where the blocks are, the passes of the update, and the way of filtering.
+    problem, z
+        The `Problem`, and its measurements (t, n, c).
+    iterations, method
+        The passes of the update, and the way of filtering.
     xs, ps
         Outputs after each update, (t, s) and (t, s, s).
     """
+    p, bank, times, longest, noise, walk, fade, sources, variances, kinds, places = problem
     x, covariance, half = x0.copy(), covariance0.copy(), np.empty(covariance0.shape)
     back = times.size if method == RELINEARISED else 0
     path, marks = np.empty((back, x.size)), np.empty(2)
@@ -379,16 +403,14 @@ def filter_run(
 
 
 @kernel
-def covariance_run(
-    path, covariance0, p, bank, times, longest, noise, walk, fade, sources, variances, kinds,
-    places, method, ps,
-):  # fmt: skip
+def covariance_run(path, covariance0, problem, method, ps):
     """Linear covariance along a flight: what `filter_run` would claim at the true states.
 
     With the states known that is the posterior Cramer-Rao bound,
     ``J_k = (Q + Phi J_(k-1)^-1 Phi^T)^-1 + H^T R^-1 H`` carried as ``P = J^-1``. Parameters as in
     `filter_run`; `path` is the flight at the epochs, (t, 6), `method` `PLAIN` or `ROOTED`.
     """
+    p, bank, times, longest, noise, walk, fade, sources, variances, kinds, places = problem
     size = covariance0.shape[0]
     covariance, half = covariance0.copy(), np.empty((size, size))
     rows, gain = np.zeros((kinds.size, size)), np.empty(size)

@@ -1,8 +1,10 @@
 """Many runs of one filter against one true flight: errors, consistency, what it claims."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.entry.filter import filter_run, rate_of
 from compass.core.entry.flow import advance
@@ -37,28 +39,39 @@ def normalised_square(covariance, error):
     return total
 
 
+class Draws(NamedTuple):
+    """Standard normal draws of m runs, and what scales the first.
+
+    The root (s, s) of the first covariance, draws of the first state (m, s), of what is measured
+    (m, t, n, c) and of what shakes (m, t, s).
+    """
+
+    root: NDArray[np.float64]
+    first: NDArray[np.float64]
+    measured: NDArray[np.float64]
+    shaken: NDArray[np.float64]
+
+
 @kernel
 def monte_carlo(
-    path, p_true, root0, covariance0, p, bank, times, longest, noise, walk, fade, sources,
-    variances, kinds, places, iterations, method, draws0, draws, draws_noise, errors, squares,
-    sigmas,
-):  # fmt: skip
+    path, p_true, covariance0, problem, iterations, method, draws, errors, squares, sigmas
+):
     """Run the filter many times against the true flight.
 
     Without process noise the truth is `path` itself, however far apart the epochs are; with it,
     the truth is moved from its own last state, by the same steps as the filter's, and shaken, and
     so it is where the density wanders. All other blocks begin at zero in truth and gather what
-    `walk` says; the first estimate is drawn about the truth with `root0`, and where the density
-    wanders, the truth about the estimate.
+    `walk` says; the first estimate is drawn about the truth, and where the density wanders, the
+    truth about the estimate.
 
     Parameters
     ----------
     path, p_true
         The true flight at the epochs, (t, 6), and the parameters it was flown with.
-    root0, covariance0, p, ...
-        As in `filter_run`, `root0` a root of `covariance0`.
-    draws0, draws, draws_noise
-        Standard normal draws, (m, s), (m, t, n, c), (m, t, s).
+    covariance0, problem, iterations, method
+        As in `filter_run`.
+    draws
+        What the runs have by chance.
     errors
         Output, (m, t, 6), estimate minus truth.
     squares
@@ -67,7 +80,8 @@ def monte_carlo(
     sigmas
         Output, (m, t, 2): roots of the traces of the covariance of position and of velocity.
     """
-    runs, epochs, size = errors.shape[0], times.size, root0.shape[0]
+    _, bank, times, longest, noise, walk, fade, sources, variances, kinds, places = problem
+    runs, epochs, size = errors.shape[0], times.size, covariance0.shape[0]
     truth = np.zeros((epochs, size))
     truth[:, :6] = path
     xs, ps = np.empty((epochs, size)), np.empty((epochs, size, size))
@@ -80,7 +94,7 @@ def monte_carlo(
         for i in range(size):
             start[i] = 0.0
             for j in range(i + 1):
-                start[i] += root0[i, j] * draws0[m, j]
+                start[i] += draws.root[i, j] * draws.first[m, j]
         if wanders:
             truth[0, air] = -start[air]
             start[air] = 0.0
@@ -91,7 +105,7 @@ def monte_carlo(
                     truth[t, i] = kept * truth[t - 1, i]
                     if rate >= 0:
                         truth[t, i] += (times[t] - times[t - 1]) * truth[t - 1, rate]
-                    truth[t, i] += math.sqrt(walk[t, i]) * draws_noise[m, t, i]
+                    truth[t, i] += math.sqrt(walk[t, i]) * draws.shaken[m, t, i]
         if shaken or wanders:
             for t in range(1, epochs):
                 advance(
@@ -101,7 +115,7 @@ def monte_carlo(
                 )  # fmt: skip
                 for i in range(noise.shape[1]):
                     for j in range(6):
-                        truth[t, i] += noise[t, i, j] * draws_noise[m, t, j]
+                        truth[t, i] += noise[t, i, j] * draws.shaken[m, t, j]
         if shaken or walks:
             ideal_values(truth, sources, kinds, places, p_true, bank, times, ideal)
         for i in range(6):
@@ -110,11 +124,8 @@ def monte_carlo(
             for b in range(z.shape[1]):
                 for c in range(z.shape[2]):
                     sigma = math.sqrt(variances[t, b, c])
-                    z[t, b, c] = ideal[t, b, c] + sigma * draws[m, t, b, c]
-        filter_run(
-            start, covariance0, p, bank, times, longest, noise, walk, fade, sources, variances, z,
-            kinds, places, iterations, method, xs, ps,
-        )  # fmt: skip
+                    z[t, b, c] = ideal[t, b, c] + sigma * draws.measured[m, t, b, c]
+        filter_run(start, covariance0, problem, z, iterations, method, xs, ps)
         for t in range(epochs):
             for i in range(size):
                 difference[i] = xs[t, i] - truth[t, i]

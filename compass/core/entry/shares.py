@@ -50,20 +50,18 @@ def absorb_share(row, gain, total, own, estimated, half, share):
 
 
 @kernel
-def shares_run(
-    path, covariance0, starts, p, bank, times, longest, noise, shaken, walk, walked, fade, sources,
-    variances, kinds, of_kind, places, shares,
-):  # fmt: skip
+def shares_run(path, covariance0, problem, starts, shaken, walked, of_kind, shares):
     """Carry each source's covariance along a flight, through the gains of the whole.
 
     Parameters
     ----------
-    path, covariance0, p, bank, times, longest, walk, fade, sources, variances, kinds, places
-        As in `compass.core.entry.filter.covariance_run`.
+    path, covariance0, problem
+        As in `compass.core.entry.filter.covariance_run`, but that process noise has roots
+        (t, 6, j).
     starts
         What each source leaves at the first time, (k, s, s); they sum to `covariance0`.
-    noise, shaken
-        Roots of the process noise (t, 6, j), and which source it is.
+    shaken
+        Which source the process noise is.
     walked
         Which source the variances `walk` of each state are, (s,); -1 for none.
     of_kind
@@ -71,6 +69,7 @@ def shares_run(
     shares
         Output: what each leaves after the last epoch's measurements, (k, s, s).
     """
+    p, bank, times, longest, noise, walk, fade, sources, variances, kinds, places = problem
     size, count = covariance0.shape[0], starts.shape[0]
     covariance, half = covariance0.copy(), np.empty((size, size))
     rows, gain, line = np.zeros((kinds.size, size)), np.empty(size), np.empty(size)
