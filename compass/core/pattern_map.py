@@ -7,34 +7,20 @@ import numpy as np
 from compass.core.gdop import dops_over
 from compass.core.jit import kernel
 from compass.core.ranking import nearest_rank, select
-from compass.core.screen import circles, deciding_phases, lay_out
+from compass.core.screen import circles, deciding_phases, pattern_angles
 
 #: What the columns of its figures are, in order.
 FIGURES = ("gdop_p50", "gdop_p95", "gdop_p95_zone", "pdop_p95", "availability", "count_mean")
 
 
 @kernel
-def map_patterns(
-    star,
-    satellites,
-    planes,
-    phasing,
-    inclination,
-    radius,
-    sin_mask,
-    epochs,
-    area,
-    zones,
-    columns,
-    pdop_max,
-    figures,
-):
+def map_patterns(patterns, radius, sin_mask, epochs, area, zones, columns, pdop_max, figures):
     """Figures of geometry of m patterns over the whole sphere and the phases that decide.
 
     Parameters
     ----------
-    star, satellites, planes, phasing, inclination
-        The patterns, shape (m,); radians.
+    patterns
+        m `compass.core.patterns.Patterns`.
     radius
         Of the orbits, in radii of the sphere, shape (m,).
     sin_mask
@@ -54,6 +40,7 @@ def map_patterns(
         with PDOP at most `pdop_max`; mean number in view. Percentiles are values that occur; inf
         counts.
     """
+    star, satellites, planes, phasing, inclination = patterns
     fold = np.empty((epochs, area.shape[0]), np.int64)
     gdop, pdop = np.empty((epochs, area.shape[0])), np.empty((epochs, area.shape[0]))
     zone_fold = np.empty((epochs, zones.shape[0]), np.int64)
@@ -61,7 +48,7 @@ def map_patterns(
     half, most = nearest_rank(gdop.size, 50), nearest_rank(gdop.size, 95)
     for m in range(satellites.size):
         n = satellites[m]
-        raan, u = lay_out(star[m], n, planes[m], phasing[m])
+        raan, u = pattern_angles(star[m], n, planes[m], phasing[m])
         first, last = deciding_phases(star[m], n, planes[m], phasing[m])
         p, q, r = np.empty((n, 3)), np.empty((n, 3)), np.empty((epochs, n, 3))
         circles(raan, u, inclination[m], p, q)

@@ -10,7 +10,7 @@ import math
 
 from compass.core.gravity import field_acceleration
 from compass.core.jit import fast_kernel, kernel
-from compass.core.screen import lay_out
+from compass.core.screen import pattern_angles
 
 
 @fast_kernel
@@ -41,9 +41,7 @@ def along_track(radius, inclination, terms, highest, reference, scale, out):
 
 
 @kernel
-def push_on_patterns(
-    star, satellites, planes, phasing, group, meridian, boxes, swings, waves, pushes, largest
-):
+def push_on_patterns(patterns, group, meridian, boxes, swings, waves, pushes, largest):
     """Largest push along the track that a satellite of each pattern must resist, m/s^2.
 
     Terms are dropped, the strongest first, until what is left swings no satellite by more than
@@ -51,8 +49,8 @@ def push_on_patterns(
 
     Parameters
     ----------
-    star, satellites, planes, phasing
-        The patterns, shape (m,).
+    patterns
+        m `compass.core.patterns.Patterns`.
     group
         Row of `swings`, `waves` and `pushes` of each, shape (m,).
     meridian
@@ -66,6 +64,7 @@ def push_on_patterns(
     largest
         Takes the result, shape (m,).
     """
+    star, satellites, planes, phasing, _ = patterns
     for p in range(satellites.size):
         if not boxes[p] > 0.0:
             largest[p] = math.nan
@@ -76,7 +75,7 @@ def push_on_patterns(
         while count < row.size and left > boxes[p]:
             left -= row[count]
             count += 1
-        raan, u = lay_out(star[p], satellites[p], planes[p], phasing[p])
+        raan, u = pattern_angles(star[p], satellites[p], planes[p], phasing[p])
         worst = 0.0
         for s in range(raan.size):
             total = 0.0

@@ -9,7 +9,7 @@ from compass.core.jit import kernel
 
 
 @kernel
-def lay_out(star, satellites, planes, phasing):
+def pattern_angles(star, satellites, planes, phasing):
     """Nodes and arguments of latitude of a Walker pattern, radians, shapes (satellites,).
 
     Plane k has its node at ``2 pi k/p`` (star: ``pi k/p``); its satellite j is at
@@ -76,21 +76,7 @@ def closest_pair(raan, latitude_argument, inclination):
 
 
 @kernel
-def screen_patterns(
-    star,
-    satellites,
-    planes,
-    phasing,
-    inclination,
-    cap,
-    fold,
-    reject,
-    tolerance,
-    fine,
-    least,
-    most,
-    closest,
-):
+def screen_patterns(patterns, cap, fold, reject, tolerance, fine, least, most, closest):
     """Bracket the cap radius that each of m patterns needs for continuous `fold`-fold coverage.
 
     First to `tolerance`; where `cap` lies inside that bracket, again to `fine`. With `reject`
@@ -98,8 +84,8 @@ def screen_patterns(
 
     Parameters
     ----------
-    star, satellites, planes, phasing, inclination
-        The patterns, shape (m,); radians.
+    patterns
+        m `compass.core.patterns.Patterns`.
     cap
         Cap radius that each has, radians, shape (m,); 0 or less where there is none.
     fold
@@ -115,8 +101,9 @@ def screen_patterns(
     closest
         Takes the least angle between two satellites at any time, radians, shape (m,).
     """
+    star, satellites, planes, phasing, inclination = patterns
     for m in range(satellites.size):
-        raan, u = lay_out(star[m], satellites[m], planes[m], phasing[m])
+        raan, u = pattern_angles(star[m], satellites[m], planes[m], phasing[m])
         start, stop = deciding_phases(star[m], satellites[m], planes[m], phasing[m])
         limit = cap[m] if reject else math.inf
         low, high = pattern_radius(raan, u, inclination[m], fold, start, stop, tolerance, limit)

@@ -13,6 +13,7 @@ from math import gcd, isqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.core.patterns import Patterns
 from compass.errors import DesignError
 from compass.inputs.study import Free, Study
 from compass.memory import check_fits
@@ -72,11 +73,15 @@ def described(row: np.void) -> str:
     )
 
 
-def pattern_columns(rows: NDArray) -> tuple[NDArray, ...]:
-    """Candidates as kernels take patterns: star or not, t, p, f, inclination (rad), (n,) each."""
-    counts = (rows[name].astype(np.int64) for name in ("satellites", "planes", "phasing"))
-    star = rows["pattern"] == PATTERNS.index(WALKER_STAR.name)
-    return star, *counts, np.radians(rows["inclination_deg"])
+def patterns_of(rows: NDArray) -> Patterns:
+    """Candidates as kernels take patterns."""
+    return Patterns(
+        rows["pattern"] == PATTERNS.index(WALKER_STAR.name),
+        rows["satellites"].astype(np.int64),
+        rows["planes"].astype(np.int64),
+        rows["phasing"].astype(np.int64),
+        np.radians(rows["inclination_deg"]),
+    )
 
 
 @dataclass(frozen=True)

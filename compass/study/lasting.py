@@ -24,7 +24,7 @@ from compass.orbits.resonance import slow_pushes
 from compass.orbits.trajectory import COARSE, Trajectory
 from compass.orbits.trimming import beat_of, can_trim, trimmed_path
 from compass.quantities.merits import worked_out
-from compass.study.candidates import make_constellation, pattern_columns
+from compass.study.candidates import make_constellation, patterns_of
 
 #: A year here, s.
 YEAR = 365.25 * SECONDS_PER_DAY
@@ -61,7 +61,7 @@ def keeping_law(
     largest = np.empty(rows.size)
     meridian = float(prime_meridian_angle(0.0, 0.0)) + field.meridian
     push_on_patterns(
-        *pattern_columns(rows)[:4],
+        patterns_of(rows),
         group.ravel().astype(np.int64),
         meridian,
         BOX * np.asarray(spare),
@@ -130,8 +130,8 @@ def proven_days(
     proven = 0.0
     for until, path in paths_left_alone(c, days, motion):
         stop = until * SECONDS_PER_DAY
-        found = prove_span(path, fold, **ground, mask=mask, stop=stop)
-        proven = found.days_proven
-        if found.outcome is not Outcome.PROVEN:
+        lasting = prove_span(path, fold, **ground, mask=mask, stop=stop)
+        proven = lasting.days_proven
+        if lasting.outcome is not Outcome.PROVEN:
             break
     return proven

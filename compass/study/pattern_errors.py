@@ -12,7 +12,7 @@ from compass.inputs.study import Study
 from compass.orbits import Constellation
 from compass.signal.ranges import range_errors
 from compass.sites import Mask
-from compass.study.candidates import make_constellation, pattern_columns
+from compass.study.candidates import make_constellation, patterns_of
 
 #: The percentile over area and time of each error that sorts candidates.
 PERCENT = 95
@@ -27,7 +27,7 @@ def pattern_errors(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]
     if study.signal is None:
         return {name: np.full(rows.size, np.nan) for name in NAMES}
     each = []
-    for row, *pattern in zip(rows, *pattern_columns(rows)[:4], strict=True):
+    for row, *pattern in zip(rows, *patterns_of(rows)[:4], strict=True):
         c = make_constellation(row)
         first, last = deciding_phases(*pattern)
         epochs = study.map.epochs

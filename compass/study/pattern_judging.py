@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.bodies import MARS_GM, sidereal_day
-from compass.core.entry.patterns import judge_patterns
+from compass.core.entry.patterns import Entries, Limb, judge_patterns
 from compass.design import Design
 from compass.entry.doubts import NO_DOUBTS
 from compass.errors import ArgumentError
@@ -14,7 +14,7 @@ from compass.orbits import Constellation
 from compass.orbits.period import closing_days
 from compass.quantities.merits import merits_of, worked_out
 from compass.sites import Mask
-from compass.study.candidates import make_constellation, pattern_columns
+from compass.study.candidates import make_constellation, patterns_of
 from compass.study.judge import (
     campaign_of,
     check_measurements,
@@ -35,11 +35,11 @@ def judged(study: Study, c: Constellation, mask_deg: float) -> dict[str, float]:
     )  # fmt: skip
     mask = Mask.constant(float(np.radians(mask_deg)))
     design = Design(c, figure=study.figure, mask=mask, signal=study.signal)
-    found = judge_entries(
+    judgement = judge_entries(
         c, campaign, entry.scenario, figure=study.figure, mask=mask,
         unknowns=doubts_of(entry.scenario, entry.doubts).of(design),
     )  # fmt: skip
-    figures = worked_out("entry", {**found.known, "goal_m": entry.goal})
+    figures = worked_out("entry", {**judgement.known, "goal_m": entry.goal})
     return {name: float(values[0]) for name, values in figures.items()}
 
 
@@ -83,21 +83,21 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
     blind = np.empty(begins.shape, dtype=bool)
     counts = np.empty((rows.size, rows["satellites"].max(initial=0) + 1), dtype=np.int64)
     judge_patterns(
-        *pattern_columns(rows),
+        patterns_of(rows),
         radius,
         motion,
         begins,
         prime_meridian_angle(0.0, begins),
-        campaign.paths,
-        campaign.gains,
-        campaign.stops,
-        campaign.arrival_probability * due(scenario, campaign.times),
+        Entries(
+            campaign.paths,
+            campaign.gains,
+            campaign.stops,
+            campaign.arrival_probability * due(scenario, campaign.times),
+        ),
         scenario.measurements.radio_variances()[:2],
         campaign.model.omega,
         float(campaign.times[1]),
-        sphere,
-        np.sin(mask),
-        np.cos(mask),
+        Limb(sphere, np.sin(mask), np.cos(mask)),
         sigma,
         blind,
         counts,

@@ -10,7 +10,7 @@ from compass.coverage.grid import make_grid
 from compass.frames import direction
 from compass.inputs.study import Study
 from compass.quantities.merits import worked_out
-from compass.study.candidates import pattern_columns
+from compass.study.candidates import patterns_of
 from compass.study.pattern_errors import pattern_errors
 
 
@@ -24,7 +24,7 @@ def map_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
     step = study.map.step_deg
     figures = np.empty((rows.size, len(FIGURES)))
     map_patterns(
-        *pattern_columns(rows),
+        patterns_of(rows),
         rows["radius_km"] * 1e3 / study.figure.equatorial_radius,
         np.sin(np.radians(rows["mask_deg"])),
         study.map.epochs,

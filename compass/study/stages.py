@@ -25,7 +25,7 @@ from compass.coverage.cap import cap_radius, mask_for_cap
 from compass.inputs.study import Study
 from compass.quantities.merits import merits_of, worked_out
 from compass.study.bounds import LEVELS, bound_columns, bounds
-from compass.study.candidates import pattern_columns
+from compass.study.candidates import patterns_of
 from compass.study.cost import cost_figures
 from compass.study.lasting import keeping_law, orbits_figures
 from compass.study.pattern_judging import entry_figures
@@ -130,7 +130,7 @@ def screen(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
     caps = cap_radius(radius, sphere, mask)
     least, most, closest = np.empty((3, kept.size))
     screen_patterns(
-        *pattern_columns(some),
+        patterns_of(some),
         caps,
         study.fold,
         any(c.figure == "fold_proven" and c.low > 0 for c in study.constraints),

@@ -8,6 +8,7 @@ import pytest
 import compass
 from compass.bodies import MARS_ROTATION_RATE
 from compass.core.gravity import field_acceleration
+from compass.core.patterns import Patterns
 from compass.core.resonance import push_on_patterns
 from compass.errors import DesignError
 from compass.inputs.study import read_study, read_study_text
@@ -81,7 +82,7 @@ def test_over_the_equator_the_law_is_that_of_areostationary_satellites():
     found = np.empty(2)
     for k, longitude in enumerate((212.5, 342.1)):
         push_on_patterns(
-            np.array([False]), *(np.array([n]) for n in (1, 1, 0)), np.array([0]),
+            Patterns(*(np.array([n]) for n in (False, 1, 1, 0, 0.0))), np.array([0]),
             -np.radians(longitude), np.array([0.05]), slow.swings, slow.waves, slow.pushes,
             found[k : k + 1],
         )  # fmt: skip

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compass.core.nearest import worst_radius
-from compass.core.screen import closest_pair, deciding_phases, lay_out, screen_patterns
+from compass.core.patterns import Patterns
+from compass.core.screen import closest_pair, deciding_phases, pattern_angles, screen_patterns
 from compass.coverage.certificate import prove_fold
 from compass.coverage.grid import equal_area_grid
 from compass.coverage.maps import coverage_map
@@ -71,7 +72,7 @@ def patterns(draw):
 def test_patterns_are_laid_out_as_by_the_makers(pattern):
     star, t, p, f, inclination = pattern
     c = make(star, t, p, f, inclination=inclination)
-    raan, u = lay_out(star, t, p, f)
+    raan, u = pattern_angles(star, t, p, f)
     assert raan == pytest.approx(c.raan)
     assert np.exp(1j * u) == pytest.approx(np.exp(1j * c.mean_anomaly))
     assert closest_pair(raan, u, inclination) == pytest.approx(closest_approach(c), abs=1e-7)
@@ -84,8 +85,8 @@ def test_patterns_are_laid_out_as_by_the_makers(pattern):
 def bracket(pattern, fold, cap, reject):
     star, t, p, f, inclination = pattern
     least, most, closest = np.empty((3, 1))
-    columns = [np.array([value]) for value in (star, t, p, f, inclination, cap)]
-    screen_patterns(*columns, fold, reject, 2e-3, 1e-6, least, most, closest)
+    *columns, cap = (np.array([value]) for value in (star, t, p, f, inclination, cap))
+    screen_patterns(Patterns(*columns), cap, fold, reject, 2e-3, 1e-6, least, most, closest)
     return least[0], most[0]
 
 

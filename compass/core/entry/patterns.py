@@ -13,12 +13,14 @@ is the matrix ``M = sum w c c^T`` over their rows of the measurement matrix; the
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.entry.many import bound
 from compass.core.jit import fast_kernel, inline_kernel, kernel
-from compass.core.screen import circles, lay_out
+from compass.core.screen import circles, pattern_angles
 from compass.core.smallmatrix import cholesky
 
 EPS = np.finfo(np.float64).eps
@@ -44,27 +46,48 @@ PARTS_OF_M = PP + TILE * np.array(
 )
 
 
+class Entries(NamedTuple):
+    """Entries as `compass.core.entry.many.fly_many` flies them, and when they measure.
+
+    Shapes (m, t, 6), (m, t, 6, d), (m,); the weights (m, t) are those of
+    `compass.core.entry.many.information`.
+    """
+
+    paths: NDArray[np.float64]
+    gains: NDArray[np.float64]
+    stops: NDArray[np.int64]
+    weights: NDArray[np.float64]
+
+
+class Limb(NamedTuple):
+    """Sphere that blocks the view, m, and the mask over its limb for each pattern, (c,)."""
+
+    sphere_radius: float
+    sin_mask: NDArray[np.float64]
+    cos_mask: NDArray[np.float64]
+
+
 @kernel
 def judge_patterns(
-    star, satellites, planes, phasing, inclination, radius, motion, begins, angles,
-    paths, gains, stops, weights, variances, omega, dt, sphere_radius, sin_mask, cos_mask,
-    sigma, blind, counts,
+    patterns, radius, motion, begins, angles, entries, variances, omega, dt, limb, sigma, blind,
+    counts,
 ):  # fmt: skip
     """Bounds, observability and satellites in view of c patterns in m entries.
 
     Parameters
     ----------
-    star, satellites, planes, phasing, inclination, radius, motion
-        The patterns, shape (c,): radians, metres, rad/s.
+    patterns, radius, motion
+        c `compass.core.patterns.Patterns`, the radius of their orbits (m) and their mean motion
+        (rad/s), shape (c,).
     begins, angles
         When each entry begins, seconds after the patterns' epoch, and the rotation angle then,
         radians, shape (c, m).
-    paths, gains, stops
-        Of `compass.core.entry.many.fly_many`, shapes (m, t, 6), (m, t, 6, d), (m,).
-    weights, variances, omega, dt
+    entries
+        m `Entries`.
+    variances, omega, dt
         As in `compass.core.entry.many.information`.
-    sphere_radius, sin_mask, cos_mask
-        Of the sphere that blocks the view, metres; of the mask over its limb, shape (c,).
+    limb
+        What blocks the view.
     sigma
         Takes the posterior sigma of position (m) and velocity (m/s) at the end, (c, m, 2).
     blind
@@ -72,6 +95,9 @@ def judge_patterns(
     counts
         Takes how often 0, 1, ... are in view, over all entries and epochs, (c, most + 1).
     """
+    star, satellites, planes, phasing, inclination = patterns
+    paths, gains, stops, weights = entries
+    sphere_radius, sin_mask, cos_mask = limb
     size, d = satellites.size, gains.shape[3]
     rated = not math.isnan(variances[1])
     axes = np.empty((size, satellites.max(), 2, 3))
@@ -79,7 +105,7 @@ def judge_patterns(
     clock, turn = np.empty((size, 2, span)), np.empty((2, span))
     for c in range(size):
         n = satellites[c]
-        raan, u = lay_out(star[c], n, planes[c], phasing[c])
+        raan, u = pattern_angles(star[c], n, planes[c], phasing[c])
         circles(raan, u, inclination[c], axes[c, :n, 0], axes[c, :n, 1])
         _tabulate(motion[c] * dt, clock[c])
     _tabulate(omega * dt, turn)
