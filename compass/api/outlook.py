@@ -5,7 +5,8 @@ bound on the work, and kept on disk.
 """
 
 import shlex
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 from math import ceil
 from typing import Any
 
@@ -39,8 +40,72 @@ STEPS = ((-400.0, 400.0), (-800.0, 800.0))
 
 
 @dataclass(frozen=True)
+class SlotHistory:
+    """What `compass.drift` finds over the days.
+
+    Attributes
+    ----------
+    days
+        After the epoch, (t,).
+    margin_deg, room_deg
+        Of the caps, and in the slots, (t,); no room without slots.
+    satellites
+        Their names, (n,).
+    in_track_deg, cross_track_deg
+        Places in the slots, (t, n); None without slots.
+    slot_sideways_deg
+        How far a slot reaches across; None without slots.
+    """
+
+    days: list[float]
+    margin_deg: list[float]
+    room_deg: list[float] | None
+    satellites: list[str]
+    in_track_deg: list[list[float]] | None
+    cross_track_deg: list[list[float]] | None
+    slot_sideways_deg: float | None
+
+
+@dataclass(frozen=True)
+class KeptSatellite:
+    """What keeping one satellite takes: burns, days between two, worst places, propellant."""
+
+    name: str
+    delta_v_m_s_year: float
+    burns: int
+    days_between_burns: float | None
+    worst_in_track_deg: float
+    worst_cross_track_deg: float
+    propellant_kg: float
+
+
+@dataclass(frozen=True)
+class KeepingCost:
+    """What keeping costs, as `compass.keep` finds it; `holds` where all stay in their slots."""
+
+    years: float
+    box_deg: float
+    holds: bool
+    delta_v_mean_m_s_year: float
+    specific_impulse_s: float
+    dry_mass_kg: float
+    per_satellite: tuple[KeptSatellite, ...]
+
+    @classmethod
+    def of(cls, known: Mapping[str, Any]) -> "KeepingCost":
+        """Take what is needed of what `compass.keep` gives as JSON."""
+        rows = tuple(KeptSatellite(**_some(KeptSatellite, row)) for row in known["per_satellite"])
+        return cls(**{**_some(cls, known), "per_satellite": rows})
+
+
+def _some(kind: type, known: Mapping[str, Any]) -> dict[str, Any]:
+    """Of known values those that a class has fields for."""
+    return {field.name: known[field.name] for field in fields(kind)}
+
+
+@dataclass(frozen=True)
 class Outlook:
-    """A design's future, in plain values.
+    """A design's future.
 
     Attributes
     ----------
@@ -53,14 +118,13 @@ class Outlook:
     outcome, days_proven, first_loss_days, loss
         The claim over the horizon; where it is lost, in words.
     drift
-        Margin, room and places in the slots over the days, as `compass.drift` finds them; None
-        where the fold does not hold at the epoch.
+        What becomes of margin and slots; None where the fold does not hold at the epoch.
     radius_km
         Of the design, if its orbits have one semi-major axis.
     radii
         How long the pattern lasts at other radii.
     keeping
-        What keeping costs, as `compass.keep` finds it.
+        What keeping costs.
     notes
         What was not looked at, and why.
     known
@@ -75,10 +139,10 @@ class Outlook:
     days_proven: float
     first_loss_days: float | None
     loss: str
-    drift: dict[str, Any] | None
+    drift: SlotHistory | None
     radius_km: float | None
     radii: tuple[RadiusLasts, ...]
-    keeping: dict[str, Any] | None
+    keeping: KeepingCost | None
     notes: tuple[str, ...]
     known: bool
 
@@ -111,7 +175,16 @@ def outlook(design: Design) -> Outlook:
     found, known = kept(question, lambda: _look(design))
     radii = tuple(RadiusLasts(**row) for row in found.pop("radii"))
     notes, rows = tuple(found.pop("notes")), tuple(found.pop("requirements"))
-    return Outlook(**found, notes=notes, requirements=rows, radii=radii, known=known)
+    history, cost = found.pop("drift"), found.pop("keeping")
+    return Outlook(
+        **found,
+        notes=notes,
+        requirements=rows,
+        radii=radii,
+        drift=None if history is None else SlotHistory(**history),
+        keeping=None if cost is None else KeepingCost.of(cost),
+        known=known,
+    )
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.api.outlook import Outlook, commands
+from compass.api.outlook import KeepingCost, Outlook, commands
 from compass.api.promises import promise_table
 from compass.api.radii import RadiusLasts
 from compass.design import Design
@@ -56,7 +56,7 @@ def lasting_answers(design: Design, found: Outlook) -> list[Answer]:
     else:
         rows = [Answer(left, days_words(found.days_proven), None, proven)]
     if found.keeping is not None:
-        mean = Value(quantity("delta_v_keeping_m_s_year"), found.keeping["delta_v_mean_m_s_year"])
+        mean = Value(quantity("delta_v_keeping_m_s_year"), found.keeping.delta_v_mean_m_s_year)
         years = f"simulated over {_years(found.keeping)}"
         cost = f"{mean} m/s a year a satellite"
         question = "To keep every satellite in its slot costs"
@@ -92,7 +92,7 @@ def lasting_advice(found: Outlook) -> str:
     if found.keeping is not None:
         ways.append(
             "keep every satellite in its slot for "
-            f"{found.keeping['delta_v_mean_m_s_year']:.3g} m/s a year"
+            f"{found.keeping.delta_v_mean_m_s_year:.3g} m/s a year"
         )
     return said + (", or ".join(ways) or "renew its orbits before") + "."
 
@@ -106,7 +106,7 @@ def lasting_section(design: Design, found: Outlook | None) -> Section | None:
         blocks.append(promise_table(found.requirements))
     if found.drift is not None:
         blocks.append(_margin_picture(found))
-        if found.drift["in_track_deg"] is not None:
+        if found.drift.in_track_deg is not None:
             blocks.append(_slot_picture(found))
     if found.radii:
         blocks += [_radius_picture(found), _radius_table(found)]
@@ -143,16 +143,16 @@ def _lasts(design: Design, found: Outlook) -> Verdict:
     )
 
 
-def _keeping(design: Design, found: Outlook, kept: dict) -> Verdict:
+def _keeping(design: Design, found: Outlook, kept: KeepingCost) -> Verdict:
     cost = quantity("delta_v_keeping_m_s_year")
-    each = [row["delta_v_m_s_year"] for row in kept["per_satellite"]]
+    each = [row.delta_v_m_s_year for row in kept.per_satellite]
     low, high, mean = (Value(cost, v) for v in (min(each), max(each), float(np.mean(each))))
-    stays = "every satellite stays in its slot" if kept["holds"] else "some leave their slots"
+    stays = "every satellite stays in its slot" if kept.holds else "some leave their slots"
     return Verdict(
         f"Keeping it costs {mean} m/s a year a satellite",
         f"{low} to {high} by slot; {stays}, simulated over {_years(kept)} "
         f"({commands(design, found)['keeping']})",
-        bool(kept["holds"]),
+        bool(kept.holds),
     )
 
 
@@ -190,14 +190,15 @@ def _how(found: Outlook) -> str:
     return "; ".join((found.motion, *found.notes)) + "."
 
 
-def _years(kept: dict) -> str:
-    count = f"{kept['years']:.3g}"
+def _years(kept: KeepingCost) -> str:
+    count = f"{kept.years:.3g}"
     return f"{count} year" if count == "1" else f"{count} years"
 
 
 def _margin_picture(found: Outlook) -> Picture:
     assert found.drift is not None
-    days, margin, room = (found.drift[key] for key in ("days", "margin_deg", "room_deg"))
+    history = found.drift
+    days, margin, room = history.days, history.margin_deg, history.room_deg
     what = "Margin" if room is None else "Margin and room"
     with look():
         figure = new_figure(*HALF)
@@ -238,29 +239,29 @@ def _margin_picture(found: Outlook) -> Picture:
 def _slot_picture(found: Outlook) -> Picture:
     drift = found.drift
     assert drift is not None
-    along, across = np.array(drift["in_track_deg"]), np.array(drift["cross_track_deg"])
+    along, across = np.array(drift.in_track_deg), np.array(drift.cross_track_deg)
     last = until_leap(along, across)
     along, across = along[: last + 1], across[: last + 1]
     with look():
         figure = new_figure(*HALF)
         axes = figure.add_subplot()
-        for s, name in enumerate(drift["satellites"]):
+        for s, name in enumerate(drift.satellites):
             colour = CYCLE[s % len(CYCLE)]
             axes.plot(along[:, s], across[:, s], color=colour, lw=1.0, alpha=0.9)
             axes.plot(along[-1, s], across[-1, s], "o", ms=4, color=colour)
-            if len(drift["satellites"]) <= 30:
+            if len(drift.satellites) <= 30:
                 axes.annotate(name, (along[-1, s], across[-1, s]), (3, 3), fontsize=8,
                               textcoords="offset points", color=colour)  # fmt: skip
-        _slot_rim(axes, drift["slot_sideways_deg"])
+        _slot_rim(axes, drift.slot_sideways_deg)
         axes.set(xlabel="ahead of the slot, deg", ylabel="beside the slot, deg")
         axes.set_title("Where satellites go in their slots")
     return picture(
         figure,
         "lasting-slots",
         "Drift in the slots",
-        f"From the epoch to day {drift['days'][last]:.4g} (dots), the pattern turned and advanced "
+        f"From the epoch to day {drift.days[last]:.4g} (dots), the pattern turned and advanced "
         "as a whole where it fits best; the grey oval is how far one satellite may leave its slot."
-        + ("" if last == len(drift["days"]) - 1 else " Later on it fits best elsewhere."),
+        + ("" if last == len(drift.days) - 1 else " Later on it fits best elsewhere."),
     )
 
 
@@ -341,27 +342,27 @@ def _radius_table(found: Outlook) -> Table:
     return Table("The same pattern at other radii, trimmed once, left alone", header, rows)
 
 
-def _keeping_table(kept: dict) -> Table:
+def _keeping_table(kept: KeepingCost) -> Table:
     cost, mass = quantity("delta_v_keeping_m_s_year"), quantity("propellant_kg")
     rows = tuple(
         (
-            row["name"],
-            Value(cost, row["delta_v_m_s_year"]),
-            row["burns"],
-            "" if row["days_between_burns"] is None else f"{row['days_between_burns']:.3g}",
-            f"{row['worst_in_track_deg']:.3g}",
-            f"{row['worst_cross_track_deg']:.3g}",
-            Value(mass, row["propellant_kg"]),
+            row.name,
+            Value(cost, row.delta_v_m_s_year),
+            row.burns,
+            "" if row.days_between_burns is None else f"{row.days_between_burns:.3g}",
+            f"{row.worst_in_track_deg:.3g}",
+            f"{row.worst_cross_track_deg:.3g}",
+            Value(mass, row.propellant_kg),
         )
-        for row in kept["per_satellite"]
+        for row in kept.per_satellite
     )
     header = (
         "satellite", cost.heading, "burns", "days between", "worst along, deg",
         "worst across, deg", mass.heading,
     )  # fmt: skip
     return Table(
-        f"Keeping budget over {_years(kept)}, box of {kept['box_deg']:.3g} deg along "
-        f"the track, {kept['dry_mass_kg']:g} kg dry, {kept['specific_impulse_s']:g} s",
+        f"Keeping budget over {_years(kept)}, box of {kept.box_deg:.3g} deg along "
+        f"the track, {kept.dry_mass_kg:g} kg dry, {kept.specific_impulse_s:g} s",
         header,
         rows,
     )

@@ -7,7 +7,7 @@ import pytest
 
 import compass
 from compass.api import outlook as module
-from compass.api.outlook import Outlook, Settled, commands, outlook
+from compass.api.outlook import KeepingCost, Outlook, Settled, SlotHistory, commands, outlook
 from compass.api.radii import RadiusLasts
 from compass.bodies import SOLAR_DAY
 from compass.coverage.certificate import Outcome
@@ -122,7 +122,7 @@ def test_what_never_holds_lasts_no_time(near):
     assert not said.holds
 
 
-KEPT = {
+KEPT = KeepingCost.of({
     "holds": True,
     "years": 1.0,
     "delta_v_mean_m_s_year": 16.0,
@@ -139,16 +139,16 @@ KEPT = {
             "worst_in_track_deg": 2.0, "worst_cross_track_deg": 0.1, "propellant_kg": 0.9,
         },
     ],
-}  # fmt: skip
-DRIFT = {
-    "days": [0.0, 20.0, 40.0],
-    "margin_deg": [6.0, 3.0, -4.0],
-    "room_deg": [5.0, 1.0, -20.0],
-    "satellites": ["A", "B"],
-    "in_track_deg": [[0.0, 0.0], [3.0, -3.0], [9.0, -9.0]],
-    "cross_track_deg": [[0.0, 0.0], [0.1, -0.1], [0.3, -0.2]],
-    "slot_sideways_deg": 6.0,
-}
+})  # fmt: skip
+DRIFT = SlotHistory(
+    days=[0.0, 20.0, 40.0],
+    margin_deg=[6.0, 3.0, -4.0],
+    room_deg=[5.0, 1.0, -20.0],
+    satellites=["A", "B"],
+    in_track_deg=[[0.0, 0.0], [3.0, -3.0], [9.0, -9.0]],
+    cross_track_deg=[[0.0, 0.0], [0.1, -0.1], [0.3, -0.2]],
+    slot_sideways_deg=6.0,
+)
 
 
 def told(first_loss=31.7, radii=((-400.0, 687.0), (400.0, 687.0)), **changed):
@@ -201,7 +201,7 @@ def test_the_page_asks_and_advises():
 
 
 def test_of_paths_known_for_days_no_years_and_no_slots_are_spoken_of():
-    drift = {**DRIFT, "room_deg": None, "in_track_deg": None, "cross_track_deg": None}
+    drift = replace(DRIFT, room_deg=None, in_track_deg=None, cross_track_deg=None)
     short = {"days_proven": 1.25, "horizon_days": 1.25, "radii": (), "keeping": None}
     found = told(None, outcome="proven", drift=drift, **short)
     (lasts,) = lasting_verdicts(ring(), found)
@@ -279,7 +279,9 @@ class Asked:
         self.lasts_from = lasts_from
         monkeypatch.setattr(module, "kept", lambda question, work: (work(), False))
         monkeypatch.setattr(module, "_claim", lambda design, horizon: self.claim(horizon))
-        monkeypatch.setattr(module, "_over_time", lambda design, days: DRIFT | {"end": days})
+        monkeypatch.setattr(
+            module, "_over_time", lambda design, days: {**vars(DRIFT), "days": [0.0, days]}
+        )
         monkeypatch.setattr(module, "at_radii", self.at_radii)
 
     def claim(self, horizon):
@@ -297,7 +299,7 @@ class Asked:
 
 @pytest.mark.parametrize(("years", "said"), [(1.0001, "1 year"), (2.0, "2 years")])
 def test_one_year_is_written_as_one(years, said):
-    rows = lasting_answers(ring(), told(keeping={**KEPT, "years": years}))
+    rows = lasting_answers(ring(), told(keeping=replace(KEPT, years=years)))
     assert f"simulated over {said}: compass keep" in rows[1].sure
 
 
@@ -312,7 +314,7 @@ def test_radii_are_tried_from_near_to_far(monkeypatch):
     assert [r.days_proven for r in found.lasting_radii] == [687.0, 687.0]
     assert found.keeping is None
     assert found.notes == ("keeping: box_deg = 0: must be more than 0",)
-    assert found.drift["end"] == 37.5
+    assert found.drift.days[-1] == 37.5
     stubborn = Asked(monkeypatch, 800)
     assert len(outlook(ring()).lasting_radii) == 2
     assert stubborn.radii == [-400, 400, -800, 800]
