@@ -90,13 +90,13 @@ def access(
         options["model"] = moved.model
     else:
         options["path"] = moved.trajectory(read.constellation, start, start + duration)
-    found = survey(read.constellation, sites, duration, wanted, figure=read.figure, **options)
+    surveyed = survey(read.constellation, sites, duration, wanted, figure=read.figure, **options)
     record = {"motion": moved.title, "start_day": start_day} | survey_record(
-        found,
-        found.epoch,
+        surveyed,
+        surveyed.epoch,
         radios=read.radios,
         threshold=read.conjunction,
         figure=read.figure,
         eclipse=eclipse,
     )
-    return AccessResult(asked, found, record, pairs)
+    return AccessResult(asked, surveyed, record, pairs)

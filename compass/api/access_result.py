@@ -59,7 +59,7 @@ class AccessResult(Result):
     ----------
     design
         With the links and stations that were asked for beside its own.
-    found
+    survey
         The windows, in SI units.
     record
         Plain values with units in their names.
@@ -68,7 +68,7 @@ class AccessResult(Result):
     """
 
     design: Design = field(repr=False)
-    found: Survey = field(repr=False)
+    survey: Survey = field(repr=False)
     record: dict[str, Any] = field(repr=False)
     pairs: bool = False
 
@@ -85,18 +85,18 @@ class AccessResult(Result):
     def dataset(self) -> "xr.Dataset":
         """All windows as a CF contiguous ragged array."""
         made = windows_dataset(
-            self.found.windows,
+            self.survey.windows,
             title=f"Access windows of {self.design.name}",
             design=self.design.text,
             design_sha256=self.design.digest,
-            epoch_tdb=epoch_text(self.found.epoch),
+            epoch_tdb=epoch_text(self.survey.epoch),
             source=f"compass {compass.__version__}",
         )
         return dated(made, "start", "end", "culmination")
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        epoch = self.found.epoch
+        epoch = self.survey.epoch
         named = {"design": self.design.name, "epoch_tdb_s_past_j2000": epoch}
         return plain({**named, "evidence": EVIDENCE, **self.record})
 
@@ -200,8 +200,8 @@ class AccessResult(Result):
             raise ArgumentError(
                 f"name = {name!r}: no such node; allowed {', '.join(names) or 'none'}"
             )
-        drawn = axes_or_new(axes, 8.0, height_of(self.found, chosen))
-        draw_timeline(drawn, self.found, chosen)
+        drawn = axes_or_new(axes, 8.0, height_of(self.survey, chosen))
+        draw_timeline(drawn, self.survey, chosen)
         return drawn
 
 

@@ -213,5 +213,7 @@ def deploy(
     days = known.longest_wait / SECONDS_PER_DAY if longest_wait_days is None else longest_wait_days
     each = satellites_a_launch or known.satellites_a_launch or c.size
     low, high = known.waiting
-    found = deploy_by_drift(c, sphere + launched, sphere + np.linspace(low, high, WEIGHED), each)
-    return DeployResult(read, found, days)
+    deployment = deploy_by_drift(
+        c, sphere + launched, sphere + np.linspace(low, high, WEIGHED), each
+    )
+    return DeployResult(read, deployment, days)

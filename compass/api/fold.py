@@ -92,7 +92,7 @@ def fold(
             steps.set_description(f"fold: {step}, over {revolutions:.3g} revolutions")
             steps.update(STEPS.index(step) - steps.n)
 
-        found = continuous_coverage(
+        coverage = continuous_coverage(
             read.constellation,
             wanted,
             sphere_radius=read.figure.equatorial_radius,
@@ -105,14 +105,14 @@ def fold(
             begin=begin,
             watch=lambda parts: bar(progress, "revolutions", parts, leave=False, delay=1.0),
         )
-    region_name = found.certificate.region.name
+    region_name = coverage.certificate.region.name
     sites: tuple[tuple[Site, Clearance], ...] = ()
     if region is None and duration_h is None and one_period(read.constellation):
         sites = tuple(
             (site, least_clearance(read.constellation, site_users(site).belt(), wanted))
             for site in read.stations
         )
-    return FoldResult(read, wanted, degrees(found.mask), region_name, found, sites)
+    return FoldResult(read, wanted, degrees(coverage.mask), region_name, coverage, sites)
 
 
 def _over_days(
@@ -148,7 +148,7 @@ def _over_days(
         stop,
         progress=lambda parts: bar(progress, "orbits", parts),
     )
-    found = prove_span(
+    lasting = prove_span(
         path,
         wanted,
         sphere_radius=design.figure.equatorial_radius,
@@ -159,4 +159,4 @@ def _over_days(
         stop=stop,
         progress=lambda days: bar(progress, "fold: days", days, leave=False),
     )
-    return LastingResult(design, wanted, degrees(mask.highest), motion.title, found)
+    return LastingResult(design, wanted, degrees(mask.highest), motion.title, lasting)

@@ -205,7 +205,7 @@ def land(
     seconds = check_cost(read, read.runs if runs is None else runs)
     if seconds > LONG:
         notice(f"filter runs: about {seconds:.0f} s")
-    found = assess_scenario(read, runs)
+    assessment = assess_scenario(read, runs)
     fused = run_fusion(plan, runs, progress=progress) if plan else None
-    entries = disperse_scenario(read, found)
-    return LandResult(read, found, fused, command, strict, entries, start_day)
+    entries = disperse_scenario(read, assessment)
+    return LandResult(read, assessment, fused, command, strict, entries, start_day)

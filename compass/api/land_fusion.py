@@ -16,25 +16,25 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def fusion_section(found: FusionRuns, *, pictures: bool = True) -> Section:
+def fusion_section(fused: FusionRuns, *, pictures: bool = True) -> Section:
     """Text, pictures and tables of one plan."""
     drawn: tuple[Picture, ...] = ()
     if pictures:
         from compass.pictures.fusion import fusion_pictures
 
-        drawn = fusion_pictures(found)
-    title = f"Fusion: {found.plan.case.name}"
-    return arranged(title, fusion_words(found), drawn, fusion_tables(found))
+        drawn = fusion_pictures(fused)
+    title = f"Fusion: {fused.plan.case.name}"
+    return arranged(title, fusion_words(fused), drawn, fusion_tables(fused))
 
 
-def fusion_words(found: FusionRuns) -> tuple[str, ...]:
+def fusion_words(fused: FusionRuns) -> tuple[str, ...]:
     """Say what is to be known before the numbers, and what went wrong on the way."""
-    case = found.plan.case
+    case = fused.plan.case
     words = list(case.visibility_report())
-    if words and found.plan.see_through:
+    if words and fused.plan.see_through:
         words.append("as in the source, ranges are let through the planet all the same")
     said = [". ".join(word[0].upper() + word[1:] for word in words) + "."] if words else []
-    vain = too_sure(found)
+    vain = too_sure(fused)
     if vain:
         said.insert(0, f"Not to be believed: {'; '.join(vain)}.")
     if case.arrival is not None:
@@ -46,9 +46,9 @@ def fusion_words(found: FusionRuns) -> tuple[str, ...]:
             f"{beta[partial].sum():.1f} of them get through) and stops them for "
             f"{step * dark.sum():g} s."
         )
-    if found.faulty:
-        said.append("The fault: " + "; ".join(_fault_words(f) for f in found.plan.faults) + ".")
-    for how, sets in (("", found.clear), (" with the fault", found.faulty)):
+    if fused.faulty:
+        said.append("The fault: " + "; ".join(_fault_words(f) for f in fused.plan.faults) + ".")
+    for how, sets in (("", fused.clear), (" with the fault", fused.faulty)):
         for name, data in sets.items():
             if data.attrs["diverged"]:
                 said.append(
@@ -59,12 +59,12 @@ def fusion_words(found: FusionRuns) -> tuple[str, ...]:
     return tuple(said)
 
 
-def too_sure(found: FusionRuns) -> list[str]:
+def too_sure(fused: FusionRuns) -> list[str]:
     """Filters that claim too much where nothing is at fault; a cautious one claims what holds."""
-    alone = [kind.algorithm for kind in found.plan.filters if _each_alone(kind.kind)]
+    alone = [kind.algorithm for kind in fused.plan.filters if _each_alone(kind.kind)]
     return [
         f"{name}, {how}{_ALONE if name in alone else ''}"
-        for name, data in found.clear.items()
+        for name, data in fused.clear.items()
         if (how := _vain(data))
     ]
 
@@ -108,10 +108,10 @@ def _settled(data: "xr.Dataset", name: str) -> float:
     return float(data[name][data.sizes["time"] // SETTLING :].mean())
 
 
-def fusion_tables(found: FusionRuns) -> tuple[Table, ...]:
+def fusion_tables(fused: FusionRuns) -> tuple[Table, ...]:
     """Errors and consistency of every filter, without and with faults."""
     tables = []
-    for key, runs in (("clear", found.clear), ("faulty", found.faulty)):
+    for key, runs in (("clear", fused.clear), ("faulty", fused.faulty)):
         rows = []
         for name, data in runs.items():
             low, high = data.attrs["nees_low"], data.attrs["nees_high"]
@@ -136,7 +136,7 @@ def fusion_tables(found: FusionRuns) -> tuple[Table, ...]:
             tables.append(
                 Table(
                     f"Filters {TITLES[key]}, {count} runs"
-                    if found.faulty
+                    if fused.faulty
                     else f"Filters, {count} runs",
                     (
                         "filter",
@@ -151,15 +151,15 @@ def fusion_tables(found: FusionRuns) -> tuple[Table, ...]:
                     tuple(rows),
                 )
             )
-    tables.append(_miss_table(found))
-    if any(np.isfinite(settings.gate_sigma) for settings in found.plan.filters):
-        tables.append(_refused_table(found))
+    tables.append(_miss_table(fused))
+    if any(np.isfinite(settings.gate_sigma) for settings in fused.plan.filters):
+        tables.append(_refused_table(fused))
     return tuple(tables)
 
 
-def _miss_table(found: FusionRuns) -> Table:
+def _miss_table(fused: FusionRuns) -> Table:
     rows = []
-    for name, data in found.clear.items():
+    for name, data in fused.clear.items():
         if not np.isfinite(data.miss).all():
             continue
         ellipse = error_ellipse(data.miss.values[:2], data.miss_covariance.values[:2, :2])
@@ -188,9 +188,9 @@ def _miss_table(found: FusionRuns) -> Table:
     )
 
 
-def _refused_table(found: FusionRuns) -> Table:
+def _refused_table(fused: FusionRuns) -> Table:
     """Say what the gate refused, as a share of all epochs: the filters' own fault report."""
-    runs = found.faulty or found.clear
+    runs = fused.faulty or fused.clear
     first = next(iter(runs.values()))
     return Table(
         "Measurements refused by the gate, % of epochs",
@@ -219,9 +219,9 @@ def _shares(
     }
 
 
-def fusion_facts(found: FusionRuns) -> dict[str, Any]:
+def fusion_facts(fused: FusionRuns) -> dict[str, Any]:
     """Results as plain values for JSON."""
-    case = found.plan.case
+    case = fused.plan.case
 
     def facts(data: "xr.Dataset") -> dict[str, Any]:
         return {
@@ -242,6 +242,6 @@ def fusion_facts(found: FusionRuns) -> dict[str, Any]:
         ),
         "epochs": case.times.size,
         "warnings": list(case.visibility_report()),
-        "filters": {name: facts(data) for name, data in found.clear.items()},
-        "filters_with_faults": {name: facts(data) for name, data in found.faulty.items()},
+        "filters": {name: facts(data) for name, data in fused.clear.items()},
+        "filters_with_faults": {name: facts(data) for name, data in fused.faulty.items()},
     }

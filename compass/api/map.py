@@ -168,11 +168,11 @@ def map(
     with parts_bar(progress, "bounds") as effort.progress:
         certified = certified_figures(read, options, effort)
         areas = certified_areas(read, options, *places, effort)
-    found = MapResult(read, made, certified, areas)
+    result = MapResult(read, made, certified, areas)
     if each_loss:
         add_losses(made, read, options, workers, progress=progress)
-    made.dataset.attrs |= _attributes(certified) | {"sampled": found.sampled}
-    return found
+    made.dataset.attrs |= _attributes(certified) | {"sampled": result.sampled}
+    return result
 
 
 def add_losses(

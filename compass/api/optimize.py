@@ -39,7 +39,7 @@ class OptimizeResult(Result):
         What was asked, in its table [optimize].
     flight
         The true trajectory.
-    found
+    optimum
         The best, and how every start got there.
     command
         For the provenance.
@@ -47,27 +47,27 @@ class OptimizeResult(Result):
 
     scenario: Scenario = field(repr=False)
     flight: Trajectory = field(repr=False)
-    found: Optimum
+    optimum: Optimum
     command: str = ""
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        known = _facts(self.scenario, self.flight, self.found)
+        known = _facts(self.scenario, self.flight, self.optimum)
         return plain(known | {"provenance": provenance(self.scenario, self.command)})
 
     def document(self) -> Page:
         """The best in a sentence, where it is, and how the starts compare."""
         best, *more = self.words()
-        tables = (_beacon_table(self.scenario, self.found), _start_table(self.found))
+        tables = (_beacon_table(self.scenario, self.optimum), _start_table(self.optimum))
         words = (Sentence(text) for text in more)
         return Page(self.scenario.name, (Verdict("", best), *words, *tables))
 
     def words(self) -> tuple[str, ...]:
         """The best in a sentence, and the closed form where there is one."""
-        found, task = self.found, self.scenario.optimize
+        best, task = self.optimum, self.scenario.optimize
         words = [
-            f"Best {found.objective}: {found.value:.7g}, from {len(found.starts)} starts and "
-            f"{sum(s.evaluations for s in found.starts)} evaluations in {found.seconds:.1f} s."
+            f"Best {best.objective}: {best.value:.7g}, from {len(best.starts)} starts and "
+            f"{sum(s.evaluations for s in best.starts)} evaluations in {best.seconds:.1f} s."
         ]
         assert task is not None
         if task.what == "directions":
@@ -85,7 +85,7 @@ class OptimizeResult(Result):
         """
         from compass.pictures.beacons import draw_convergence
 
-        return draw_convergence(axes, self.found)
+        return draw_convergence(axes, self.optimum)
 
     def pictures(self) -> tuple[Picture, ...]:
         """Where ground beacons are best, and how the search converged."""
@@ -93,8 +93,8 @@ class OptimizeResult(Result):
 
         task = self.scenario.optimize
         ground = task is not None and task.what == "ground"
-        found = [places(self.flight, self.found)] if ground else []
-        return (*found, convergence(self.found))
+        placed = [places(self.flight, self.optimum)] if ground else []
+        return (*placed, convergence(self.optimum))
 
 
 @checked
@@ -124,14 +124,14 @@ def optimize(
     >>> scenario = compass.read_scenario("designs/entry-ground-beacons.toml")
     >>> task = scenario.optimize.model_copy(update={"what": "directions", "starts": 2})
     >>> result = compass.optimize(replace(scenario, optimize=task))
-    >>> f"{result.found.value:.4f}"
+    >>> f"{result.optimum.value:.4f}"
     '1.0000'
     """
     read = given_scenario(scenario)
     starts = read.optimize.starts if read.optimize else None
     with bar(progress, "search", total=starts, unit="start", leave=False) as done:
-        flight, found = search_scenario(read, progress=done.update)
-    return OptimizeResult(read, flight, found, command)
+        flight, optimum = search_scenario(read, progress=done.update)
+    return OptimizeResult(read, flight, optimum, command)
 
 
 def search_scenario(
@@ -155,7 +155,7 @@ def search_scenario(
     if flight.times.size < 2:
         raise ArgumentError(f"{scenario.label}: {flight.ending}; nothing to navigate")
     if task.what == "ground":
-        found = best_ground_beacons(
+        optimum = best_ground_beacons(
             flight,
             task.count,
             objective=task.objective,
@@ -167,7 +167,7 @@ def search_scenario(
             progress=progress,
         )
     elif task.what == "orbiters":
-        found = best_orbiters(
+        optimum = best_orbiters(
             flight,
             (task.altitude_km or 0.0) * KM,
             task.count,
@@ -177,34 +177,34 @@ def search_scenario(
             progress=progress,
         )
     else:
-        found = best_directions_found(np.ones(task.count), starts=task.starts, seed=task.seed)
-    return flight, found
+        optimum = best_directions_found(np.ones(task.count), starts=task.starts, seed=task.seed)
+    return flight, optimum
 
 
-def _beacon_table(scenario: Scenario, found: Optimum) -> Table:
+def _beacon_table(scenario: Scenario, optimum: Optimum) -> Table:
     assert scenario.optimize is not None
     header = {
         "ground": ("latitude, deg", "east longitude, deg"),
         "orbiters": ("node, deg", "inclination, deg", "argument of latitude, deg"),
         "directions": ("x", "y", "z"),
     }[scenario.optimize.what]
-    values = found.parameters
+    values = optimum.parameters
     if scenario.optimize.what != "directions":
         values = np.degrees(values)
     rows = tuple((k + 1, *row) for k, row in enumerate(values.tolist()))
     return Table("Best beacons", ("beacon", *header), rows)
 
 
-def _start_table(found: Optimum) -> Table:
-    rows = tuple((k + 1, s.value, s.evaluations) for k, s in enumerate(found.starts))
-    return Table("Starts, best first", ("start", found.objective, "evaluations"), rows)
+def _start_table(optimum: Optimum) -> Table:
+    rows = tuple((k + 1, s.value, s.evaluations) for k, s in enumerate(optimum.starts))
+    return Table("Starts, best first", ("start", optimum.objective, "evaluations"), rows)
 
 
-def _facts(scenario: Scenario, flight: Trajectory, found: Optimum) -> dict[str, Any]:
+def _facts(scenario: Scenario, flight: Trajectory, optimum: Optimum) -> dict[str, Any]:
     """Return the numbers as one JSON object, names with their units."""
     assert scenario.optimize is not None
     what = scenario.optimize.what
-    table = _beacon_table(scenario, found)
+    table = _beacon_table(scenario, optimum)
     keys = {
         "ground": ("latitude_deg", "longitude_deg"),
         "orbiters": ("raan_deg", "inclination_deg", "latitude_argument_deg"),
@@ -213,13 +213,13 @@ def _facts(scenario: Scenario, flight: Trajectory, found: Optimum) -> dict[str, 
     facts = {
         "scenario": scenario.name,
         "what": what,
-        "objective": found.objective,
-        "value": found.value,
+        "objective": optimum.objective,
+        "value": optimum.value,
         "beacons": [dict(zip(keys, row[1:], strict=True)) for row in table.rows],
-        "seconds": found.seconds,
+        "seconds": optimum.seconds,
         "starts": [
             {"value": s.value, "evaluations": s.evaluations, "history": s.history}
-            for s in found.starts
+            for s in optimum.starts
         ],
     }
     if what != "directions":

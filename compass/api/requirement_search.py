@@ -35,14 +35,14 @@ class RequirementSearchResult(Result):
     ----------
     question
         What was looked for.
-    found
+    outcome
         What was found.
     heights
         Of a range of radii the result at each, this one among them.
     """
 
     question: Question
-    found: Outcome
+    outcome: Outcome
     heights: tuple["RequirementSearchResult", ...] = ()
 
     @property
@@ -64,7 +64,7 @@ class RequirementSearchResult(Result):
     @property
     def holds(self) -> bool:
         """Whether there is any."""
-        return bool(self.found.met)
+        return bool(self.outcome.met)
 
     @property
     def best(self) -> Found:
@@ -75,15 +75,15 @@ class RequirementSearchResult(Result):
         ArgumentError
             Nothing was found.
         """
-        if not self.found.met:
+        if not self.outcome.met:
             raise ArgumentError(f"search: {self.sentence}")
-        return self.found.met[0]
+        return self.outcome.met[0]
 
     @property
     def sentence(self) -> str:
         """What to build, what is next best, and what was kept out and why."""
-        q, met = self.question, self.found.met
-        kept = "; ".join(f"{_name(k.constellation)} ({k.reason})" for k in self.found.kept_out)
+        q, met = self.question, self.outcome.met
+        kept = "; ".join(f"{_name(k.constellation)} ({k.reason})" for k in self.outcome.kept_out)
         out = f"; kept out: {kept}" if kept else ""
         if not met:
             none = f"No {' or '.join(q.kinds)} of up to {q.largest} satellites"
@@ -101,22 +101,22 @@ class RequirementSearchResult(Result):
             parts.append(f"left alone on real orbits, it is proven for {counted(q.days, 'day')}")
         if not q.geometry:
             parts.append("geometry was not asked for")
-        other = met[1] if len(met) > 1 else self.found.next_best
+        other = met[1] if len(met) > 1 else self.outcome.next_best
         following = f"{_name(other.constellation)}" if other is not None else "none looked at"
         parts.append(f"next best {following}")
         return "; ".join(parts) + out + self.bought + "."
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        following = self.found.next_best
+        following = self.outcome.next_best
         return plain(
             {
                 "smallest": self.best.constellation.size if self.holds else None,
-                "candidates": [one.as_dict() for one in self.found.met],
+                "candidates": [one.as_dict() for one in self.outcome.met],
                 "next_best": following.as_dict() if following else None,
                 "kept_out": [
                     {"notation": _name(k.constellation), "reason": k.reason}
-                    for k in self.found.kept_out
+                    for k in self.outcome.kept_out
                 ],
                 "sentence": self.sentence,
                 "by_radius": [
@@ -131,7 +131,7 @@ class RequirementSearchResult(Result):
                 "least_approach_deg": degrees(self.question.least_approach),
                 "max_satellites": self.question.largest,
                 "days": self.question.days,
-                "looked_at": self.found.looked_at,
+                "looked_at": self.outcome.looked_at,
                 "requirements": [r.claim for r in self.question.requirements],
             }
         )
@@ -139,7 +139,7 @@ class RequirementSearchResult(Result):
     def document(self) -> Page:
         """The sentence, then what was found."""
         how = (
-            f"{self.found.looked_at} patterns at an inclination (in whole degrees) and, where "
+            f"{self.outcome.looked_at} patterns at an inclination (in whole degrees) and, where "
             "tracks are declared closed, a turn over the ground; folds proven or refuted for each; "
             "random samples put what is left in order, certified figures decide, of at most "
             f"{MOST_CERTIFIED} a size"
@@ -169,8 +169,8 @@ class RequirementSearchResult(Result):
                 quantity("satellites"),
                 "Smallest constellation by orbit radius",
             )
-        following = self.found.next_best
-        shown = [*self.found.met, *([following] if following else [])]
+        following = self.outcome.next_best
+        shown = [*self.outcome.met, *([following] if following else [])]
         return draw_bars(
             axes,
             [f"{one.constellation.size}: {_name(one.constellation)}" for one in shown],
@@ -183,8 +183,8 @@ class RequirementSearchResult(Result):
         near, margin = quantity("closest_approach_deg"), quantity("requirement_margin_deg")
         share = quantity("requirement_share")
         rows = []
-        following = self.found.next_best
-        for one in (*self.found.met, *((following,) if following else ())):
+        following = self.outcome.next_best
+        for one in (*self.outcome.met, *((following,) if following else ())):
             shares = [v.share for v in one.verdicts if v.share is not None]
             low = min((s[0] for s in shares), default=1.0)
             high = min((s[1] for s in shares), default=1.0)

@@ -159,8 +159,8 @@ class SearchResult(Result):
                 f". Larger ones, up to {self.max_satellites}, were not tried: beyond says how many "
                 "sizes past the smallest to try (--beyond)"
             )
-        found = Verdict("found", self._claim(), True)
-        return Page(title, (found, self._table(), Sentence(how), Sentence(self.sentence)))
+        verdict = Verdict("found", self._claim(), True)
+        return Page(title, (verdict, self._table(), Sentence(how), Sentence(self.sentence)))
 
     def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw the highest mask of every candidate, smallest first.

@@ -18,6 +18,6 @@ def command(output: Path | None, **options: Any) -> object:
     Rise, set and culmination are found by root isolation, not by sampling, to 1 ms of the motion
     modelled. Times are seconds after the design's epoch, or after its --start-day.
     """
-    found = compass.access(**options)
-    put(lambda file: found.write(file, command=command_line()), output)
-    return found
+    result = compass.access(**options)
+    put(lambda file: result.write(file, command=command_line()), output)
+    return result

@@ -15,7 +15,7 @@ def command(output: Path | None, figures: Path | None, **options: Any) -> object
     A scenario with a table [fusion] is also flown with accelerometers and ranges in centralised
     and distributed filters, through plasma and faults if it has them.
     """
-    found = compass.land(**options, command=command_line(), progress=watched(), notice=say)
-    put(found.write, output)
-    put_pictures(found.pictures, figures)
-    return found
+    result = compass.land(**options, command=command_line(), progress=watched(), notice=say)
+    put(result.write, output)
+    put_pictures(result.pictures, figures)
+    return result

@@ -10,6 +10,6 @@ from compass.cli.shared import command_line, put_pictures, watched
 @takes("scenario figures")
 def command(scenario: Path, figures: Path | None) -> object:
     """Search for the best beacons or orbits, as the SCENARIO's [optimize] table asks."""
-    found = compass.optimize(scenario, command=command_line(), progress=watched())
-    put_pictures(found.pictures, figures)
-    return found
+    result = compass.optimize(scenario, command=command_line(), progress=watched())
+    put_pictures(result.pictures, figures)
+    return result

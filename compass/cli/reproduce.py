@@ -15,6 +15,6 @@ def command(paper: str, output: Path | None) -> object:
 
     Exit status 1 if a number differs and the paper is not shown to be wrong.
     """
-    found = compass.reproduce(paper)
-    put(found.write, output)
-    return found
+    result = compass.reproduce(paper)
+    put(result.write, output)
+    return result

@@ -25,7 +25,7 @@ def command(
 
     Exit status 0 no gap, 1 a station has one, 2 bad input.
     """
-    found = compass.series(*designs, **options)
-    put(lambda file: found.write(file, command=command_line()), output)
-    put(lambda file: found.save_plot(file, drawn), picture)
-    return found
+    result = compass.series(*designs, **options)
+    put(lambda file: result.write(file, command=command_line()), output)
+    put(lambda file: result.save_plot(file, drawn), picture)
+    return result

@@ -18,7 +18,7 @@ def command(study: Path, **options: Any) -> object:
     """
     if options["scheduler"] is not None:
         silence_the_cluster()
-    found = compass.trade(study, **options, progress=watched(), notice=say)
-    for words in found.notes() if wants_json() else ():
+    result = compass.trade(study, **options, progress=watched(), notice=say)
+    for words in result.notes() if wants_json() else ():
         say(words)
-    return found
+    return result

@@ -28,26 +28,31 @@ MAX_MAIL_STATIONS = 20
 MAX_GRAPH = 20_000_000
 
 
-def pair_track(survey: Survey, found: Windows) -> Track:
+def pair_track(survey: Survey, windows: Windows) -> Track:
     """Range, range rate and light time of a pair along its windows, their ends included."""
-    one, two = find_node(survey.nodes, found.first), find_node(survey.nodes, found.second)
+    one, two = find_node(survey.nodes, windows.first), find_node(survey.nodes, windows.second)
     step = 2 * np.pi / (POINTS_PER_TURN * max(one.rate, two.rate))
-    grid = np.arange(0.0, found.duration, max(step, found.duration / MAX_POINTS))
-    window = np.searchsorted(found.start, grid, side="right") - 1
-    inside = (window >= 0) & (grid < np.append(found.end, 0.0)[window])
-    return track(one, two, np.sort(np.concatenate([found.start, grid[inside], found.end])))
+    grid = np.arange(0.0, windows.duration, max(step, windows.duration / MAX_POINTS))
+    window = np.searchsorted(windows.start, grid, side="right") - 1
+    inside = (window >= 0) & (grid < np.append(windows.end, 0.0)[window])
+    return track(one, two, np.sort(np.concatenate([windows.start, grid[inside], windows.end])))
 
 
-def pair_record(survey: Survey, found: Windows) -> dict[str, Any]:
+def pair_record(survey: Survey, windows: Windows) -> dict[str, Any]:
     """Return windows, statistics and the extremes of the range of a pair."""
-    path = pair_track(survey, found) if found.count else None
-    figures = statistics(found.spans, found.duration)
+    path = pair_track(survey, windows) if windows.count else None
+    figures = statistics(windows.spans, windows.duration)
     rows = zip(
-        found.start, found.end, found.length, found.culmination, found.max_elevation, strict=True
+        windows.start,
+        windows.end,
+        windows.length,
+        windows.culmination,
+        windows.max_elevation,
+        strict=True,
     )
     return {
-        "first": found.first,
-        "second": found.second,
+        "first": windows.first,
+        "second": windows.second,
         "windows": [
             {
                 "start_s": start,

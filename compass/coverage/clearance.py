@@ -234,9 +234,9 @@ def polygon_share(
         south: float, north: float, near: float, seconds: float, boxes: float
     ) -> tuple[float, float, int, str]:
         part, left = replace(everyone, south=south, north=north), max(int(boxes), 1)
-        found = clear_share(constellation, part, fold, width=near, most=left)
-        short = found.high - found.low > near
-        return found.low, found.high, found.boxes, "boxes" if short else ""
+        share = clear_share(constellation, part, fold, width=near, most=left)
+        short = share.high - share.low > near
+        return share.low, share.high, share.boxes, "boxes" if short else ""
 
     low, high, boxes = 0.0, 1.0, 0
     left = _affordable(most, constellation.size)

@@ -230,8 +230,8 @@ FARTHEST = 1000.0
 
 def _holds(constellation: Constellation, fold: int, **claim: Any) -> bool:
     """Whether a claim is proven, within an effort that suits one of many."""
-    found = prove_fold(constellation, fold, max_intervals=MAX_INTERVALS_OF_MANY, **claim)
-    return found.outcome == "proven"
+    certificate = prove_fold(constellation, fold, max_intervals=MAX_INTERVALS_OF_MANY, **claim)
+    return certificate.outcome == "proven"
 
 
 def _last(holds: Callable[[float], bool], low: float, high: float, tolerance: float) -> float:

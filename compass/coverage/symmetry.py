@@ -206,11 +206,11 @@ def deciding_part(c: Constellation, *, mirrored: bool) -> Part:
     mirrored
         Whether users see as far in all directions; else there is no mirror, and only shifts count.
     """
-    found = shifts(c)
-    still = np.abs(np.mod(found.phase + np.pi, 2 * np.pi) - np.pi) < 1e-9
+    moves = shifts(c)
+    still = np.abs(np.mod(moves.phase + np.pi, 2 * np.pi) - np.pi) < 1e-9
     turns = max(int(still.sum()), 1)
-    first, half, missed = 0.0, 1.0, found.mismatch
-    reason = f"{len(found)} verified shifts"
+    first, half, missed = 0.0, 1.0, moves.mismatch
+    reason = f"{len(moves)} verified shifts"
     if mirrored:
         reason += ", north mirrors south"
         back = mirrors(c)
@@ -218,7 +218,7 @@ def deciding_part(c: Constellation, *, mirrored: bool) -> Part:
             first, half = 0.5 * (np.pi - float(back.phase[0])), 0.5
             missed += back.mismatch
             reason += ", half turns run it backwards"
-    last = first + 2 * np.pi * half / (len(found) // turns)
+    last = first + 2 * np.pi * half / (len(moves) // turns)
     return Part(2 * np.pi / turns, (first, last), missed, reason)
 
 

@@ -121,7 +121,7 @@ def best_ground_beacons(
         edges = Bounds(*np.transpose(bounds))
         return minimize(fine, x, method="Nelder-Mead", bounds=edges, options=options)
 
-    found = multistart(
+    optimum = multistart(
         coarse,
         polish,
         bounds,
@@ -134,10 +134,10 @@ def best_ground_beacons(
         threads=threads,
         progress=progress,
     )
-    return _exponentiated(found) if objective == "minimum-delta" else found
+    return _exponentiated(optimum) if objective == "minimum-delta" else optimum
 
 
-def _exponentiated(found: Optimum) -> Optimum:
+def _exponentiated(optimum: Optimum) -> Optimum:
     """Turn ``ln delta``, which the search works on, back into delta."""
     starts = tuple(
         Start(
@@ -146,10 +146,10 @@ def _exponentiated(found: Optimum) -> Optimum:
             tuple(np.exp(s.history).tolist()),
             s.evaluations,
         )
-        for s in found.starts
+        for s in optimum.starts
     )
     return replace(
-        found, objective="minimum-delta (m, s, rad)", value=starts[0].value, starts=starts
+        optimum, objective="minimum-delta (m, s, rad)", value=starts[0].value, starts=starts
     )
 
 
@@ -167,9 +167,9 @@ def _bound_objective(
     def objective(x: NDArray) -> float:
         r = np.repeat(places(x)[None], epochs, axis=0)
         beacons = Beacons(names, flight.times, r, np.zeros_like(r), still)
-        found = linear_covariance(
+        bound = linear_covariance(
             flight.model, flight.path, beacons, taken, measurements, covariance0
         )
-        return float(np.sqrt((found.position_sigma**2).mean()))
+        return float(np.sqrt((bound.position_sigma**2).mean()))
 
     return objective

@@ -95,7 +95,7 @@ def best_orbiters(
         angles[beyond] = [np.pi, 2 * np.pi, np.pi] + angles[beyond] * [1, -1, 1]
         return np.mod(angles, 2 * np.pi)
 
-    found = multistart(
+    optimum = multistart(
         penalised,
         polish,
         [(0.0, 2 * np.pi), (0.0, np.pi), (0.0, 2 * np.pi)] * count,
@@ -108,11 +108,11 @@ def best_orbiters(
         threads=threads,
         progress=progress,
     )
-    feasible = [s for s in found.starts if margins(s.parameters.ravel()).min() > 0]
+    feasible = [s for s in optimum.starts if margins(s.parameters.ravel()).min() > 0]
     if not feasible:
         raise ArgumentError(
             f"no orbits of {altitude / 1e3:g} km found that stay in view throughout; "
             "raise the altitude, the generations or the starts"
         )
     best = feasible[0]
-    return replace(found, value=best.value, parameters=best.parameters, starts=tuple(feasible))
+    return replace(optimum, value=best.value, parameters=best.parameters, starts=tuple(feasible))

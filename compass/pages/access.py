@@ -10,7 +10,7 @@ _KINDS = ("station", "moon", "earth")
 
 def access_section(result: AccessResult) -> Section:
     """Timelines and tables of everything that was linked."""
-    found = result.found
+    found = result.survey
     pictures = [
         timeline(found, node.name)
         for node in found.nodes

@@ -11,12 +11,12 @@ def deployment_section(design: Design) -> Section | None:
     """Waiting against delta-v for the planes of a launch; None where there is one plane or none."""
     if not has_slots(design.constellation):
         return None
-    found = deploy(design)
-    if not found.deployment.planes:
+    result = deploy(design)
+    if not result.deployment.planes:
         return None
     with look():
         figure = new_figure(7.2, 4.2)
-        found.plot(axes=figure.add_subplot())
+        result.plot(axes=figure.add_subplot())
     drawn = picture(
         figure,
         "deployment",
@@ -25,4 +25,4 @@ def deployment_section(design: Design) -> Section | None:
         "the wait for the last plane of a launch; the dotted line is the longest wait allowed.",
     )
     prove = Sentence(f"The same by a command: compass deploy {design.label}")
-    return Section("Deployment", (*found.document().blocks, drawn, prove))
+    return Section("Deployment", (*result.document().blocks, drawn, prove))

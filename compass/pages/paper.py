@@ -19,54 +19,54 @@ MEANINGS = {
 }
 
 
-def paper_report(found: ReproduceResult, command: str = "") -> tuple[str, list[Section]]:
+def paper_report(result: ReproduceResult, command: str = "") -> tuple[str, list[Section]]:
     """Make the page (HTML text) and the sections of a paper's report.
 
     Parameters
     ----------
-    found
+    result
         The paper's numbers beside the computed ones.
     command
         The command line, for provenance.
     """
-    sections = paper_sections(found)
-    told = f"Every number of the paper that can be computed, {len(found.rows)} in all."
+    sections = paper_sections(result)
+    told = f"Every number of the paper that can be computed, {len(result.rows)} in all."
     rows = [
         ("command", command or "made from Python"),
         ("version", f"compass {__version__}"),
-        ("paper", found.paper),
+        ("paper", result.paper),
     ]
-    listed = "\n".join(f"{row.where}: {row.item}" for row in found.rows)
-    return render(found.title, told, sections, rows, listed), sections
+    listed = "\n".join(f"{row.where}: {row.item}" for row in result.rows)
+    return render(result.title, told, sections, rows, listed), sections
 
 
-def paper_sections(found: ReproduceResult) -> list[Section]:
+def paper_sections(result: ReproduceResult) -> list[Section]:
     """The answer, differences, errors, figures, then all by verdict."""
-    figures = found.pictures()
-    sections = [_answer(found)]
-    if found.differs:
-        sections.append(Section("What differs", tuple(Sentence(_told(r)) for r in found.differs)))
-    if wrong := _of(found, Verdict.ERRATUM):
+    figures = result.pictures()
+    sections = [_answer(result)]
+    if result.differs:
+        sections.append(Section("What differs", tuple(Sentence(_told(r)) for r in result.differs)))
+    if wrong := _of(result, Verdict.ERRATUM):
         sections.append(Section("What the paper has wrong", tuple(map(Sentence, _errors(wrong)))))
     if figures:
         sections.append(Section("Figures of the paper, computed", figures))
     tables: list[Block] = [
         comparison_table(f"{title} ({len(rows)})", rows)
         for kind, (title, _) in MEANINGS.items()
-        if (rows := _of(found, kind))
+        if (rows := _of(result, kind))
     ]
     sections.append(Section("Every number", tuple(tables)))
     return sections
 
 
-def _answer(found: ReproduceResult) -> Section:
+def _answer(result: ReproduceResult) -> Section:
     """Whether the paper can be believed, in one sentence and a table of counts."""
-    counts, wrong = found.counts, len(_of(found, Verdict.ERRATUM))
-    asked = len(found.rows) - counts[Verdict.COMPUTED]
+    counts, wrong = result.counts, len(_of(result, Verdict.ERRATUM))
+    asked = len(result.rows) - counts[Verdict.COMPUTED]
     agree = counts[Verdict.REPRODUCED] + counts[Verdict.FITTED]
     lead = f"{agree} of {asked} published numbers and statements are reproduced"
     lead += f"; {wrong} {'is' if wrong == 1 else 'are'} shown to be wrong" if wrong else ""
-    left = len(found.differs)
+    left = len(result.differs)
     lead += (
         "; none differs without that."
         if not left
@@ -91,8 +91,8 @@ def _mark(kind: Verdict, count: int) -> bool | None:
     return count == 0 if kind is Verdict.DIFFERS else None
 
 
-def _of(found: ReproduceResult, kind: Verdict) -> tuple[Row, ...]:
-    return tuple(row for row in found.rows if row.verdict is kind)
+def _of(result: ReproduceResult, kind: Verdict) -> tuple[Row, ...]:
+    return tuple(row for row in result.rows if row.verdict is kind)
 
 
 def _errors(wrong: Sequence[Row]) -> list[str]:

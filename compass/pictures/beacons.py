@@ -11,9 +11,9 @@ from compass.pictures.entry import draw_map
 from compass.pictures.style import CYCLE, axes_or_new, look, new_figure, picture
 
 
-def places(flight: Trajectory, found: Optimum) -> Picture:
+def places(flight: Trajectory, optimum: Optimum) -> Picture:
     """Draw the best places of ground beacons, with the ground track and who sees it."""
-    lat, lon = found.parameters.T
+    lat, lon = optimum.parameters.T
     beacons = surface_beacons(lat, lon, flight.times, planet_radius=flight.model.planet_radius)
     with look():
         figure = new_figure(7.5, 5.2)
@@ -25,30 +25,30 @@ def places(flight: Trajectory, found: Optimum) -> Picture:
     return picture(figure, "best-beacons", "Best places for ground beacons", caption)
 
 
-def convergence(found: Optimum) -> Picture:
+def convergence(optimum: Optimum) -> Picture:
     """Show how the objective fell from every start."""
     with look():
         figure = new_figure(7.5, 3.6)
-        draw_convergence(figure.add_subplot(), found)
+        draw_convergence(figure.add_subplot(), optimum)
     return picture(
         figure, "best-convergence", "Convergence of the search", "The best start in colour."
     )
 
 
-def draw_convergence(given: Axes | None, found: Optimum) -> Axes:
+def draw_convergence(given: Axes | None, optimum: Optimum) -> Axes:
     """Draw how the objective fell from every start, on axes given or new ones."""
     axes = axes_or_new(given, 7.5, 3.6)
     with look():
-        for k, start in enumerate(found.starts):
+        for k, start in enumerate(optimum.starts):
             colour, width = (CYCLE[0], 2.0) if k == 0 else (CYCLE[6], 1.0)
             generations = range(1, len(start.history) + 1)
             axes.plot(generations, start.history, color=colour, lw=width, alpha=0.9)
             axes.plot(len(start.history), start.history[-1], "o", ms=4, color=colour)
-        values = np.concatenate([s.history for s in found.starts])
+        values = np.concatenate([s.history for s in optimum.starts])
         if values.min() > 0 and values.max() > 20 * values.min():
             axes.set_yscale("log")
         axes.set_xlabel("generation (last point: after the local polish)")
-        axes.set_ylabel(found.objective)
+        axes.set_ylabel(optimum.objective)
         axes.set_title("Convergence of every start")
         axes.grid(True)
     return axes

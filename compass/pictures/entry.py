@@ -20,29 +20,33 @@ from compass.pictures.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figur
 KM = 1e3
 
 
-def entry_pictures(found: Assessment, dispersed: Dispersed | None = None) -> tuple[Picture, ...]:
+def entry_pictures(
+    assessment: Assessment, dispersed: Dispersed | None = None
+) -> tuple[Picture, ...]:
     """All pictures of an assessment, dispersed entries on its map."""
     return (
-        _map_picture(found, dispersed),
-        _flight_picture(found.flight),
-        _view_picture(found),
-        _observability_picture(found),
-        _navigation_picture(found),
-        _budget_picture(found),
+        _map_picture(assessment, dispersed),
+        _flight_picture(assessment.flight),
+        _view_picture(assessment),
+        _observability_picture(assessment),
+        _navigation_picture(assessment),
+        _budget_picture(assessment),
     )
 
 
-def _budget_picture(found: Assessment) -> Picture:
+def _budget_picture(assessment: Assessment) -> Picture:
     with look():
-        figure = new_figure(7.5, 1.4 + 0.3 * len(found.budget))
+        figure = new_figure(7.5, 1.4 + 0.3 * len(assessment.budget))
         axes = figure.add_subplot()
-        names, sigmas = zip(*((share.name, share.sigma) for share in found.budget), strict=True)
+        names, sigmas = zip(
+            *((share.name, share.sigma) for share in assessment.budget), strict=True
+        )
         axes.barh(range(len(names)), sigmas, color=CYCLE[0])
         axes.set_yticks(range(len(names)), names)
         axes.set_ylim(max(len(names), 4) - 0.5, -0.5)
         axes.set(xlabel="error of the known place, m (1 sigma, all axes)")
         axes.grid(axis="x", alpha=0.3)
-    most, at = found.budget[0], found.accuracy
+    most, at = assessment.budget[0], assessment.accuracy
     return picture(
         figure,
         "landing-budget",
@@ -53,15 +57,15 @@ def _budget_picture(found: Assessment) -> Picture:
     )
 
 
-def _map_picture(found: Assessment, dispersed: Dispersed | None) -> Picture:
+def _map_picture(assessment: Assessment, dispersed: Dispersed | None) -> Picture:
     with look():
         figure = new_figure(5.8, 4.6)
         axes = figure.add_subplot()
-        draw_map(axes, found.flight, found.beacons)
-        draw_landing(axes, found, dispersed)
+        draw_map(axes, assessment.flight, assessment.beacons)
+        draw_landing(axes, assessment, dispersed)
         figure.legend(fontsize=8, frameon=False, loc="outside right upper")
-    delivery = found.accuracy.delivery.ellipse
-    if found.accuracy.anywhere:
+    delivery = assessment.accuracy.delivery.ellipse
+    if assessment.accuracy.anywhere:
         where = "Where it comes down cannot be said: no ellipse is drawn."
     else:
         where = (
@@ -79,12 +83,12 @@ def _map_picture(found: Assessment, dispersed: Dispersed | None) -> Picture:
     )
 
 
-def draw_landing(axes: Axes, found: Assessment, dispersed: Dispersed | None = None) -> None:
+def draw_landing(axes: Axes, assessment: Assessment, dispersed: Dispersed | None = None) -> None:
     """Draw where the lander comes down into a map and, larger, into a corner of it.
 
     The ellipse of 95 % of linear covariance, and entries that were flown.
     """
-    at, states = found.accuracy, found.flight.states
+    at, states = assessment.accuracy, assessment.flight.states
     if at.anywhere and dispersed is None:
         return
     lon0 = float(np.degrees(states[:, 1].mean()))
@@ -185,14 +189,14 @@ def _flight_picture(flight: Trajectory) -> Picture:
     )
 
 
-def _view_picture(found: Assessment) -> Picture:
-    names, times = found.beacons.names, found.flight.times
+def _view_picture(assessment: Assessment) -> Picture:
+    names, times = assessment.beacons.names, assessment.flight.times
     with look():
         figure = new_figure(5.8, 1.4 + 0.24 * max(3, len(names)))
         axes = figure.add_subplot()
         step = times[1] - times[0]
         spans = []
-        for seen in found.seen.T:
+        for seen in assessment.seen.T:
             runs = np.flatnonzero(np.diff(np.concatenate([[0], seen, [0]]))).reshape(-1, 2)
             start = times[runs[:, 0]]
             spans.append(np.column_stack([start, np.maximum(times[runs[:, 1] - 1], start + step)]))
@@ -205,12 +209,12 @@ def _view_picture(found: Assessment) -> Picture:
     )
 
 
-def _observability_picture(found: Assessment) -> Picture:
-    times = found.flight.times
+def _observability_picture(assessment: Assessment) -> Picture:
+    times = assessment.flight.times
     with look():
         figure = new_figure(5.8, 4.6)
         upper, lower = figure.subplots(2, 1, sharex=True)
-        visible = found.observability
+        visible = assessment.observability
         for degree, label, colour in (
             (visible.spherical_degree, "of angles, in m, s, rad", CYCLE[0]),
             (visible.degree, "of axes, in 3400 km, 100 s", CYCLE[1]),
@@ -222,7 +226,7 @@ def _observability_picture(found: Assessment) -> Picture:
         upper.set_ylabel("degree δ")
         upper.legend(fontsize=8, frameon=False)
         upper.set_title("How well the state is observable")
-        lower.plot(times, found.observability.index, color=CYCLE[2], lw=1.8)
+        lower.plot(times, assessment.observability.index, color=CYCLE[2], lw=1.8)
         lower.set_ylabel("geometric index I")
         lower.set_ylim(bottom=0)
         lower.grid(True)
@@ -238,8 +242,8 @@ def _observability_picture(found: Assessment) -> Picture:
     )
 
 
-def _navigation_picture(found: Assessment) -> Picture:
-    times, mc, bound = found.flight.times, found.monte_carlo, found.bound
+def _navigation_picture(assessment: Assessment) -> Picture:
+    times, mc, bound = assessment.flight.times, assessment.monte_carlo, assessment.bound
     with look():
         figure = new_figure(5.8, 4.8)
         both = figure.subplots(2, 1, sharex=True)

@@ -14,30 +14,30 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def fusion_pictures(found: FusionRuns) -> tuple[Picture, ...]:
+def fusion_pictures(fused: FusionRuns) -> tuple[Picture, ...]:
     """All pictures of a plan."""
-    shown = next((n for n in ("dcifaif", "intermittent") if _holds(found, n)), None)
-    shown = shown or next(iter(found.single))
+    shown = next((n for n in ("dcifaif", "intermittent") if _holds(fused, n)), None)
+    shown = shown or next(iter(fused.single))
     pictures = [
-        _rmse_picture(found),
-        _error_picture(found.single[shown], shown, ""),
-        _nees_picture(found),
+        _rmse_picture(fused),
+        _error_picture(fused.single[shown], shown, ""),
+        _nees_picture(fused),
     ]
-    if found.faulty:
-        pictures.append(_error_picture(found.single_faulty[shown], shown, " with the fault"))
+    if fused.faulty:
+        pictures.append(_error_picture(fused.single_faulty[shown], shown, " with the fault"))
     weighted = {
-        name: data for name, data in found.single.items() if data.weight.std("beacon").max() > 1e-6
+        name: data for name, data in fused.single.items() if data.weight.std("beacon").max() > 1e-6
     }
     if weighted:
         pictures.append(_weight_picture(weighted))
-    if found.plan.electrons is not None:
-        pictures.append(_plasma_picture(found))
+    if fused.plan.electrons is not None:
+        pictures.append(_plasma_picture(fused))
     return tuple(pictures)
 
 
-def _holds(found: FusionRuns, name: str) -> bool:
+def _holds(fused: FusionRuns, name: str) -> bool:
     """Whether a filter was flown and its first run did not diverge."""
-    return name in found.single and not found.single[name].attrs["divergence"]
+    return name in fused.single and not fused.single[name].attrs["divergence"]
 
 
 def _finish(axes: Axes, ylabel: str, xlabel: str = "time after entry, s") -> None:
@@ -50,10 +50,10 @@ def _colours(names: "list[str]") -> dict[str, str]:
     return {name: CYCLE[k % len(CYCLE)] for k, name in enumerate(names)}
 
 
-def _rmse_picture(found: FusionRuns) -> Picture:
-    sets = [(TITLES["clear"] if found.faulty else "", found.clear)]
-    if found.faulty:
-        sets.append((TITLES["faulty"], found.faulty))
+def _rmse_picture(fused: FusionRuns) -> Picture:
+    sets = [(TITLES["clear"] if fused.faulty else "", fused.clear)]
+    if fused.faulty:
+        sets.append((TITLES["faulty"], fused.faulty))
     figure = new_figure(6.4, 4.0)
     with look():
         panels = figure.subplots(1, len(sets), sharey=True, squeeze=False)[0]
@@ -102,16 +102,16 @@ def _error_picture(data: "xr.Dataset", name: str, how: str) -> Picture:
     )
 
 
-def _nees_picture(found: FusionRuns) -> Picture:
+def _nees_picture(fused: FusionRuns) -> Picture:
     figure = new_figure(5.8, 3.8)
     with look():
         axes = figure.subplots()
-        for name, colour in _colours(list(found.clear)).items():
-            data = found.clear[name]
+        for name, colour in _colours(list(fused.clear)).items():
+            data = fused.clear[name]
             if np.isfinite(data.nees).any():
                 dashed = "--" if name == "federated" else "-"
                 axes.semilogy(data.time, data.nees, dashed, color=colour, label=name)
-        first = next(iter(found.clear.values()))
+        first = next(iter(fused.clear.values()))
         axes.axhspan(
             first.attrs["nees_low"], first.attrs["nees_high"], color=FAINT, alpha=0.5, lw=0
         )
@@ -152,8 +152,8 @@ def _weight_picture(weighted: "dict[str, xr.Dataset]") -> Picture:
     )
 
 
-def _plasma_picture(found: FusionRuns) -> Picture:
-    plan, case = found.plan, found.plan.case
+def _plasma_picture(fused: FusionRuns) -> Picture:
+    plan, case = fused.plan, fused.plan.case
     assert plan.electrons is not None
     n = case.electrons(plan.electrons)
     beta = case.arrival
@@ -173,7 +173,7 @@ def _plasma_picture(found: FusionRuns) -> Picture:
         twin.plot(case.times, attenuation(n), color=MARS, lw=0.8, alpha=0.6)
         twin.set_ylabel("attenuation, dB/m", color=MARS)
         below.plot(case.times, beta[:, 0], color=INK)
-        came = next(iter(found.single.values())).arrived[1:, 3:].values
+        came = next(iter(fused.single.values())).arrived[1:, 3:].values
         for k, name in enumerate(case.beacons.names):
             hits = case.times[1:][came[:, k]]
             level, colour = -0.08 - 0.07 * k, CYCLE[k % len(CYCLE)]

@@ -289,7 +289,7 @@ class Cluster:
         from distributed.scheduler import KilledWorker
 
         try:
-            found = future.result(timeout=PATIENCE)
+            worst = future.result(timeout=PATIENCE)
         except KilledWorker:
             return None
         except CancelledError as error:  # as all are when the connection breaks
@@ -302,7 +302,7 @@ class Cluster:
                 f"{compass.__version__} and the same Python and Dask on every worker, and run the "
                 f"same command; {self._kept}"
             ) from error
-        return found
+        return worst
 
     def _look(self) -> None:
         """Ask the scheduler for its workers, whose number may change.

@@ -54,14 +54,14 @@ class FusionRuns:
 def run_fusion(plan: FusionPlan, runs: int | None = None, progress: bool = True) -> FusionRuns:
     """Fly a plan's Monte Carlo; `runs` instead of the plan's own number."""
     count = plan.runs if runs is None else runs
-    found = FusionRuns(plan, {}, {}, {}, {})
+    fused = FusionRuns(plan, {}, {}, {}, {})
     for settings in plan.filters:
         name = settings.algorithm
         for faults, many, one in (
-            ((), found.clear, found.single),
-            (plan.faults, found.faulty, found.single_faulty),
+            ((), fused.clear, fused.single),
+            (plan.faults, fused.faulty, fused.single_faulty),
         ):
-            if faults or many is found.clear:
+            if faults or many is fused.clear:
                 many[name], one[name] = monte_carlo(
                     plan.case,
                     settings,
@@ -71,4 +71,4 @@ def run_fusion(plan: FusionPlan, runs: int | None = None, progress: bool = True)
                     see_through=plan.see_through,
                     progress=progress,
                 )
-    return found
+    return fused

@@ -92,8 +92,8 @@ def _around(
     centres = np.repeat(best[:, :4], -(-BATCH // len(best)), axis=0)[:BATCH]
     tried = centres + reach * generator.uniform(-1, 1, centres.shape)
     latitude = np.clip(tried[:, 0], -np.pi / 2, np.pi / 2)
-    found = Arrivals(latitude, tried[:, 1], tried[:, 2], tried[:, 3] % 1)
-    return found if ground is None else ground.kept(found, Arrivals(*centres.T))
+    arrivals = Arrivals(latitude, tried[:, 1], tried[:, 2], tried[:, 3] % 1)
+    return arrivals if ground is None else ground.kept(arrivals, Arrivals(*centres.T))
 
 
 def _as_plain(row: np.ndarray) -> dict[str, Any]:
@@ -108,22 +108,22 @@ def _as_plain(row: np.ndarray) -> dict[str, Any]:
     }
 
 
-def _worst(found: Judgement, others: np.ndarray, lost: int | None) -> np.ndarray:
+def _worst(judgement: Judgement, others: np.ndarray, lost: int | None) -> np.ndarray:
     """Worst first, of a judgement and other rows.
 
     What was asked (4), sigma, place (2), epoch, fold, azimuth at entry.
     """
-    a = found.campaign.asked
-    latitude, longitude = found.campaign.deployment_place
-    flying = np.arange(found.campaign.times.size) <= found.campaign.stops[:, None]
-    kept = np.arange(found.constellation.size) != lost
-    count = found.seen[:, :, kept].sum(axis=2)
-    fold = np.where(flying, count, found.constellation.size).min(axis=1)
-    sigma = found.sigma[:, 0 if lost is None else 1 + lost, 0]
+    a = judgement.campaign.asked
+    latitude, longitude = judgement.campaign.deployment_place
+    flying = np.arange(judgement.campaign.times.size) <= judgement.campaign.stops[:, None]
+    kept = np.arange(judgement.constellation.size) != lost
+    count = judgement.seen[:, :, kept].sum(axis=2)
+    fold = np.where(flying, count, judgement.constellation.size).min(axis=1)
+    sigma = judgement.sigma[:, 0 if lost is None else 1 + lost, 0]
     rows = np.stack(
         [
             a.latitude, a.longitude, a.azimuth, a.phase, sigma, latitude, longitude,
-            found.epochs, fold, found.campaign.arrivals.azimuth,
+            judgement.epochs, fold, judgement.campaign.arrivals.azimuth,
         ],
         axis=1,
     )  # fmt: skip

@@ -92,10 +92,10 @@ def from_line(line: bytes) -> dict[str, Any]:
     if not line.endswith(b"\n") or checksum != b"%08x" % crc32(text):
         raise DamagedError("torn or spoilt")
     try:
-        found = json.loads(text, parse_constant=_no_number)
+        loads = json.loads(text, parse_constant=_no_number)
     except (ValueError, RecursionError) as error:
         raise DamagedError("no JSON") from error
-    return _is(found, dict, "the line")
+    return _is(loads, dict, "the line")
 
 
 def batch_of(record: dict[str, Any], study: Study, members: Members) -> Batch:

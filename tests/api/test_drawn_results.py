@@ -139,7 +139,7 @@ def test_constellations_that_meet_requirements_are_bars_and_radii_by_size(design
     one = RequirementSearchResult(question, SimpleNamespace(met=(met,), next_best=met))
     assert bars(one.plot(axes=axes)) == pytest.approx([np.degrees(0.1)] * 2)
     several = RequirementSearchResult(
-        question, one.found, (one, RequirementSearchResult(question, none))
+        question, one.outcome, (one, RequirementSearchResult(question, none))
     )
     assert bars(several.plot(axes=Figure().add_subplot())) == [6, 0]
 

@@ -87,9 +87,9 @@ def test_rise_and_set_of_an_integrated_orbit_are_at_the_mask():
     assert found.to_dict()["epoch_tdb_s_past_j2000"] == design.constellation.epoch + SECONDS_PER_DAY
     edges = [
         (w.second if w.first == "Gale" else w.first, t)
-        for w in found.found.windows
+        for w in found.survey.windows
         for t in w.spans.ravel()
-        if 1.0 < t < found.found.duration - 1.0
+        if 1.0 < t < found.survey.duration - 1.0
     ]
     assert edges
     path = design.motion.trajectory(design.constellation, 0.0, 1.5 * SECONDS_PER_DAY)
@@ -99,7 +99,7 @@ def test_rise_and_set_of_an_integrated_orbit_are_at_the_mask():
         ray = path.positions_mcmf([SECONDS_PER_DAY + t])[k, 0] - site.r_mcmf
         up = ray @ site.enu_mcmf[2] / np.linalg.norm(ray)
         assert np.degrees(np.arcsin(up)) == pytest.approx(5.0, abs=1e-5)
-    assert found.found.nodes and find_node(found.found.nodes, "P1S1").states.shape[1] == 6
+    assert found.survey.nodes and find_node(found.survey.nodes, "P1S1").states.shape[1] == 6
     assert "Under numerical motion" in " ".join(found.notes())
     assert "Rise and set are found to 1 ms of the motion modelled" in " ".join(found.notes())
 

@@ -87,9 +87,9 @@ def test_geometry_keeps_a_ring_out(flat):
     found = compass.search(
         fold=4, region="lat:-5:5", pdop_at_most=10, share=0.5, radius_km=20427.7, max_satellites=9
     )
-    ring = next(k for k in found.found.kept_out if k.constellation.inclination[0] == 0.0)
+    ring = next(k for k in found.outcome.kept_out if k.constellation.inclination[0] == 0.0)
     assert ring.constellation.size <= 9
-    assert not any(one.constellation.inclination[0] == 0.0 for one in found.found.met)
+    assert not any(one.constellation.inclination[0] == 0.0 for one in found.outcome.met)
 
 
 def test_satellites_that_meet_are_kept_out(flat):
@@ -264,8 +264,8 @@ def test_every_answer_over_random_sites_is_proven_anew_by_check(flat, seed, orbi
     asked = Requirement.of("sites", sites=sites, **WANTED[seed])
     found = compass.search(require=[asked], max_satellites=12, **orbit)
     assert found.holds, found.sentence
-    following = [found.found.next_best] if found.found.next_best else []
-    for one in (*found.found.met, *following):
+    following = [found.outcome.next_best] if found.outcome.next_best else []
+    for one in (*found.outcome.met, *following):
         again = compass.check(
             replace(found.question.design(one.constellation), requirements=(asked,))
         )
