@@ -16,12 +16,12 @@ from compass.cli.parameters import (
     choice,
     flag,
     folder,
+    guarded,
     listed,
     new_folder,
     output,
     parameter,
     path,
-    prepared,
     radii,
     radius,
     real,
@@ -311,7 +311,7 @@ def takes(names: str = "", **own: Told) -> Callable[[Callable[..., object]], cli
         }
         return click.Command(
             command,
-            callback=prepared(function, told),
+            callback=guarded(function, told),
             params=[parameter(name, told[name]) for name in told],
             help=inspect.cleandoc(function.__doc__ or ""),
         )

@@ -131,7 +131,7 @@ def parameter(name: str, told: Told) -> click.Parameter:
     return click.Option([*flags.split(), name], **told)
 
 
-def prepared(function: Callable[..., object], told: dict[str, Told]) -> Callable[..., object]:
+def guarded(function: Callable[..., object], told: dict[str, Told]) -> Callable[..., object]:
     """Let a function begin only when what goes together is given and what it writes can be."""
 
     def those(kind: str, given: dict[str, Any]) -> list[Path]:
