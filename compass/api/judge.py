@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from compass.api.given import given_in_metres, given_places, given_scenario
 from compass.api.judge_tables import (
     budget_table,
+    delivery_words,
     filter_table,
     not_told_apart,
     ranking_table,
@@ -109,6 +110,7 @@ class JudgeResult(Result):
                 ranking_table(rows),
                 budget_table(rows),
                 *([filter_table(run)] if run else []),
+                *(Sentence(said) for said in delivery_words(run)),
                 surface_table(rows),
                 *self._areas(),
                 *([Sentence(_ON_DAY.format(self.start_day))] if self.start_day else []),

@@ -109,6 +109,18 @@ def filter_table(rows: Sequence[dict[str, Any]]) -> Table:
     )  # fmt: skip
 
 
+def delivery_words(rows: Sequence[dict[str, Any]]) -> list[str]:
+    """Where guided landers come by what the filters of designs know; nothing unguided."""
+    return [
+        f"{row['design']}, guided by what its filter knows: half of {row['delivery_m']['entries']} "
+        f"entries deploy within {with_bounds(row['delivery_m'], 'p50')} m of their targets, 95 % "
+        f"within {with_bounds(row['delivery_m'], 'p95')} m; NEES at last "
+        f"{significant(row['delivery_m']['nees'], 3)} where 6 is right."
+        for row in rows
+        if "delivery_m" in row
+    ]
+
+
 def _consistent(row: dict[str, Any]) -> str:
     if not row["believed"]:
         return f"no: errors {row['errors_over_claim']:.3g} times its claim"

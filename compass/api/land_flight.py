@@ -13,7 +13,7 @@ from compass.document.numbers import significant
 from compass.entry.accuracy import Accuracy, Spread
 from compass.entry.assess import Assessment, assess
 from compass.entry.carried import CarriedFilter
-from compass.entry.dispersed import Dispersed, fly_dispersed
+from compass.entry.dispersed import Dispersed, beyond_words, fly_dispersed
 from compass.entry.quantiles import share_bounds
 from compass.entry.state import longitude_degrees
 from compass.entry.trajectory import Trajectory, fly, loads
@@ -137,7 +137,7 @@ def dispersed_sentence(found: Dispersed) -> str:
         f"within {most} (95 % ellipse {_kilometres(ellipse.semi_major)} by "
         f"{_kilometres(ellipse.semi_minor)}, half axes). Other draws would put half within "
         f"{least} to {less}, 95 % within {more} to {greatest}, in 95 of 100 cases{lost}."
-        f"{_knowledge_words(found)}"
+        f"{_knowledge_words(found)}{beyond_words(found.beyond)}"
     )
 
 
@@ -174,6 +174,7 @@ def dispersed_facts(found: Dispersed) -> dict[str, Any]:
             "p95": found.within(95.0),
             "p95_interval": found.within_bounds(95.0),
         },
+        "beyond_m": found.beyond,
         "reached_share": found.reached.mean(),
         "reached_share_interval": share_bounds(float(found.reached.mean()), found.times.size),
         "knowledge_rms_m": None if found.nees is None else found.knowledge,
@@ -240,7 +241,7 @@ def findings(scenario: Scenario, found: Assessment) -> list[str]:
     words = [
         found.consistency.sentence,
         *_whole_words(found),
-        accuracy_sentence(found.accuracy),
+        accuracy_sentence(found.accuracy, claimed=found.claim_m is not None),
         *ground_words(found),
         *satellite_words(scenario, found),
         f"The lander flies {last:g} s, from {flight.altitude[0] / KM:.1f} km and "
@@ -254,25 +255,31 @@ def findings(scenario: Scenario, found: Assessment) -> list[str]:
         words.append(f"Not reached: {'; '.join(flight.missed)}.")
     if scenario.notes:
         words.append(f"Note: {'; '.join(scenario.notes)}.")
-    radio = " by radio alone" if found.readings else ""
-    when = f"at {flight.times[found.blind_epoch]:g} s"
-    if found.blind.words:
-        hidden = "; ".join(found.blind.words)
-        words.append(
-            f"Not everything can be seen{radio} {when}: the observability matrix has rank "
-            f"{found.blind.rank} of 6. Hidden: {hidden}."
-        )
-    else:
-        words.append(
-            f"Position and velocity are observable throughout{radio}; worst {when}, where the "
-            f"weakest direction is {found.blind.weakest}."
-        )
+    words.append(observability_sentence(found))
     if not found.taken.any():
         left = "the errors are those of the first estimate"
         if any(count for _, count in found.readings):
             left = "what is known is from the other instruments"
         words.append(f"No beacon is ever measured: {left}.")
     return words
+
+
+def observability_sentence(found: Assessment) -> str:
+    """What beacons tell of position and velocity, which is no claim where the filter makes none."""
+    radio = " by radio alone" if found.readings else ""
+    when = f"at {found.flight.times[found.blind_epoch]:g} s"
+    if found.blind.words:
+        return (
+            f"Not everything can be seen{radio} {when}: the observability matrix has rank "
+            f"{found.blind.rank} of 6. Hidden: {'; '.join(found.blind.words)}."
+        )
+    weakest = f"worst {when}, where the weakest direction is {found.blind.weakest}."
+    if found.claim_m is None:
+        return (
+            f"The observability matrix{radio} has full rank throughout, which is no accuracy: the "
+            f"filter makes no claim from it; {weakest}"
+        )
+    return f"Position and velocity are observable throughout{radio}; {weakest}"
 
 
 def satellite_words(scenario: Scenario, found: Assessment) -> list[str]:
@@ -363,23 +370,23 @@ def ground_words(found: Assessment) -> list[str]:
     """What is to be said of the ground, where a flight goes on to it past deployment."""
     if found.ground is None:
         return []
-    said = accuracy_sentence(found.ground).removeprefix("Linear covariance there, ")
+    said = accuracy_sentence(found.ground, claimed=found.claim_m is not None)
+    said = said.removeprefix("Linear covariance there, ")
     return [f"On the ground ({found.ground.time:.1f} s), as if no parachute were opened, {said}"]
 
 
-def accuracy_sentence(at: Accuracy) -> str:
-    """Knowledge and delivery along, across and down."""
+def accuracy_sentence(at: Accuracy, *, claimed: bool) -> str:
+    """Knowledge and delivery along, across and down; knowledge a filter's that is consistent."""
     known, comes = (
         ", ".join(significant(sigma, 3) for sigma in spread.along_cross_down)
         for spread in (at.knowledge, at.delivery)
     )
     when = "at the moment of the event" if at.projected else "at that time"
+    would = "known" if claimed else "by a consistent filter it would be known"
+    said = f"Linear covariance there, along, across and down: {would} to {known} m"
     if at.anywhere:
-        return f"Linear covariance there, along, across and down: known to {known} m (1 sigma)."
-    return (
-        f"Linear covariance there, along, across and down: known to {known} m, delivered to "
-        f"{comes} m (1 sigma, {when})."
-    )
+        return f"{said} (1 sigma)."
+    return f"{said}, delivered to {comes} m (1 sigma, {when})."
 
 
 def event_table(flight: Trajectory) -> Table:
@@ -557,6 +564,7 @@ def entry_facts(scenario: Scenario, found: Assessment) -> dict[str, Any]:
             "worst_time_s": flight.times[found.blind_epoch],
             "hidden": list(found.blind.words),
             "weakest": found.blind.weakest,
+            "sentence": observability_sentence(found),
         },
         "landing": {
             "at": found.accuracy.name,

@@ -39,7 +39,8 @@ class Assessment:
     observability
         Of beacons in view and strong enough at every epoch.
     blind
-        What cannot be seen at the epoch of lowest rank (of these, of lowest degree).
+        What cannot be seen at the epoch of lowest rank (of these the first; of full rank, the one
+        of lowest degree).
     blind_epoch
         Index of that epoch.
     bound
@@ -145,7 +146,8 @@ def assess(
     visible = observability(
         flight.model, flight.states, beacons, reaching, ranges=ranges, rates=rates
     )
-    worst = int(np.lexsort((visible.degree, visible.rank))[0])
+    degree = np.where(visible.rank < 6, 0.0, visible.degree)  # that of a lower rank is rounding
+    worst = int(np.lexsort((degree, visible.rank))[0])
     one_way = measurements.range_sigma is not None
     biased = with_satellites(
         settings, satellites, beacons, flight.path, flight.model.omega, one_way=one_way

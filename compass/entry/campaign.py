@@ -51,6 +51,10 @@ class Campaign:
         (m, 8, d): d is 6, and one more for each of density and L/D that is uncertain.
     worlds
         What the logarithm of the density and L/D are more than those of the model, (m, 2).
+    targets, misses, beyond
+        Of guided entries: unit vectors to where, (m, 3), how far from there over the ground each
+        deploys, m, (m,), and how far beyond reach that is (see
+        `compass.entry.dispersed.Dispersed`), m, (m,); without rows if they are not guided.
     arrival_probability
         Of a radio signal through the plasma, (m, t).
     deployment
@@ -72,6 +76,9 @@ class Campaign:
     banks: Array
     spreads: Array
     worlds: Array
+    targets: Array
+    misses: Array
+    beyond: Array
     arrival_probability: Array
     deployment: str
     again: Callable[[Arrivals], "Campaign"] = field(repr=False)
@@ -107,6 +114,9 @@ class Campaign:
             banks=self.banks[part],
             spreads=self.spreads[part],
             worlds=self.worlds[part],
+            targets=self.targets[part],
+            misses=self.misses[part],
+            beyond=self.beyond[part],
             arrival_probability=self.arrival_probability[part],
         )
 
@@ -218,9 +228,13 @@ def fly_campaign(
     p = model.flight_parameters()
     if guidance is None:
         banks = np.repeat(model.vehicle.bank_schedule()[None], size, axis=0)
+        targets, misses, beyond = np.empty((0, 3)), np.empty(0), np.empty(0)
     else:
         targets, end = moved_targets(given, guidance, planned), float(seconds[-1])
-        banks = guided_banks(model, model, starts, worlds, guidance, targets, trigger, end)
+        banks, ends, beyond = guided_banks(
+            model, model, starts, worlds, guidance, targets, trigger, end
+        )
+        misses = _apart(ends[:, :3], targets)
     paths = np.zeros((size, seconds.size, 6))
     gains = np.zeros((*paths.shape, spreads.shape[2]))
     stops = np.empty(size, dtype=np.int64)
@@ -261,6 +275,9 @@ def fly_campaign(
         banks,
         spreads,
         worlds,
+        targets,
+        misses,
+        beyond,
         probability,
         deployment,
         partial(
@@ -278,6 +295,13 @@ def fly_campaign(
             seed=seed,
         ),
     )
+
+
+def _apart(at: Array, targets: Array) -> Array:
+    """How far places (m, 3) are from unit vectors to targets, over the ground, m, (m,)."""
+    radius = np.linalg.norm(at, axis=1)
+    chord = np.linalg.norm(at / radius[:, None] - targets, axis=1)
+    return np.asarray(2.0 * radius * np.arcsin(0.5 * chord))
 
 
 def moved_starts(state: ArrayLike, arrivals: Arrivals) -> Array:

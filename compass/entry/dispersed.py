@@ -26,6 +26,10 @@ Array = NDArray[np.float64]
 #: Entries handed to a thread at once; the numbers do not depend on it.
 BLOCK = 16
 
+#: Targets that a bank at its limits misses by more, m, are beyond it. (Towards the end any error
+#: that is still found asks for all that is left.)
+FAR = 500.0
+
 
 @dataclass(frozen=True)
 class Dispersed:
@@ -44,6 +48,9 @@ class Dispersed:
     errors, nees
         Of what guidance knew of position and velocity when it last heard anything, (m, 6), and
         normalised, (m,); None where it knows the state as it is.
+    beyond
+        How far past the target guidance foresaw at its last decision on distance that the bank
+        would bring it at best, m, (m,); short is negative, 0 where it was in reach. None unguided.
     """
 
     event: str
@@ -53,6 +60,7 @@ class Dispersed:
     guided: bool
     errors: Array | None = None
     nees: Array | None = None
+    beyond: Array | None = None
 
     @property
     def reached(self) -> NDArray[np.bool_]:
@@ -111,6 +119,23 @@ class Dispersed:
         return misses
 
 
+def beyond_words(beyond: Array | None) -> str:
+    """How many targets lie where no bank within its limits comes; nothing without guidance."""
+    if beyond is None:
+        return ""
+    parts = [
+        f"{(way > FAR).sum()} {word}, by up to {way.max() / 1e3:.3g} km"
+        for way, word in ((-beyond, "come short"), (beyond, "come too far"))
+        if (way > FAR).any()
+    ]
+    if not parts:
+        return " The bank's limits keep none of them from the target."
+    return (
+        f" The bank's limits keep {(np.abs(beyond) > FAR).sum()} of them from the target: "
+        f"{', and '.join(parts)}, as guidance foresees."
+    )
+
+
 def fly_dispersed(
     truth: EntryModel,
     known: EntryModel,
@@ -157,7 +182,7 @@ def fly_dispersed(
     watch, level = watched_level(truth, trigger or GROUND)
     starts, worlds = planned + drawn[:, :6], np.ascontiguousarray(drawn[:, 6:])
     count = len(drawn)
-    times, ends, told = np.empty(count), np.empty((count, 6)), np.zeros((count, 7))
+    times, ends, told = np.empty(count), np.empty((count, 6)), np.zeros((count, 8))
     numbers = np.empty(0) if guidance is None else guidance.numbers()
     filtered, firsts, noise = nothing_carried(count)
     longest = LONGEST_STEP
@@ -190,7 +215,13 @@ def fly_dispersed(
         if guidance is None
         else np.asarray(direction(guidance.latitude, guidance.longitude))
     )
-    known_by = (None, None) if carried is None else (told[1:, :6], told[1:, 6])
     return Dispersed(
-        (trigger or GROUND).name, times[1:], ends[1:], centre, guidance is not None, *known_by
+        (trigger or GROUND).name,
+        times[1:],
+        ends[1:],
+        centre,
+        guidance is not None,
+        errors=None if carried is None else told[1:, :6],
+        nees=None if carried is None else told[1:, 6],
+        beyond=None if guidance is None else told[1:, 7] * truth.planet_radius,
     )

@@ -106,11 +106,10 @@ def guided_banks(
     seconds: float,
     *,
     threads: int | None = None,
-) -> Array:
-    """Banks that guidance flies in many entries, (m, k, 2): times (s) and angles (rad).
+) -> tuple[Array, Array, Array]:
+    """Banks that guidance flies in many entries, where they come, and what is beyond reach.
 
-    The last row holds from its time on; rows at infinite times fill what is left. Guidance knows
-    its state as it is, and of the world what it feels of drag.
+    Guidance knows its state as it is, and of the world what it feels of drag.
 
     Parameters
     ----------
@@ -127,6 +126,13 @@ def guided_banks(
         When it ends at the latest.
     threads
         Threads; one a processor if left out. The banks do not depend on them.
+
+    Returns
+    -------
+    banks, ends, beyond
+        Times (s) and angles (rad), (m, k, 2), of which the last row holds from its time on, and
+        rows at infinite times fill what is left; states at deployment, (m, 6); and how far targets
+        are beyond reach, m, (m,), as `compass.entry.dispersed.Dispersed` has it.
     """
     from compass.core.entry.guide import Until, guided_banks
     from compass.entry.carried import nothing_carried
@@ -136,6 +142,7 @@ def guided_banks(
     watch, level = watched_level(truth, trigger or GROUND)
     count = len(starts)
     banks = np.empty((count, int(2 * seconds) + 4, 2))
+    ends, beyond = np.empty((count, 6)), np.empty(count)
     rows = np.empty(count, dtype=np.int64)
     until = Until(float(seconds), LONGEST_STEP, watch, level, truth.planet_radius)
     common = (
@@ -145,13 +152,16 @@ def guided_banks(
 
     def work(first: int) -> None:
         part = slice(first, first + BLOCK)
-        guided_banks(starts[part], worlds[part], targets[part], *common, banks[part], rows[part])
+        guided_banks(
+            starts[part], worlds[part], targets[part], *common,
+            banks[part], rows[part], ends[part], beyond[part],
+        )  # fmt: skip
 
     with ThreadPoolExecutor(cores(threads)) as pool:
         list(pool.map(work, range(0, count, BLOCK)))
     kept = banks[:, : rows.max()].copy()
     kept[np.arange(kept.shape[1]) >= rows[:, None]] = [np.inf, 0.0]
-    return kept
+    return kept, ends, beyond * truth.planet_radius
 
 
 def with_bank(model: EntryModel, bank: Array) -> EntryModel:

@@ -1,6 +1,6 @@
 """Percentiles of what was drawn, with the bounds that so few draws leave them."""
 
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,12 +10,15 @@ CONFIDENCE = 0.95
 
 
 def percentiles(
-    values: NDArray[np.float64], percents: tuple[int, ...] = (50, 95)
+    values: NDArray[np.float64], *, method: Literal["linear", "inverted_cdf"] = "linear"
 ) -> dict[str, Any]:
-    """Median and 95th percentile of independent draws, with their bounds, ``p95_interval``."""
+    """Median and 95th percentile of independent draws, with their bounds, ``p95_interval``.
+
+    `method` as NumPy's: of values of which some are infinite ``inverted_cdf``.
+    """
     found: dict[str, Any] = {}
     for percent in (50, 95):
-        found[f"p{percent}"] = float(np.percentile(values, percent))
+        found[f"p{percent}"] = float(np.percentile(values, percent, method=method))
         found[f"p{percent}_interval"] = list(quantile_bounds(values, percent))
     return found
 

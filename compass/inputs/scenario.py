@@ -183,7 +183,7 @@ class Scenario:
             return self
         start, end = cartesian_of(self.state[None, :6]), float(self.times[-1])
         target = direction(self.guidance.latitude, self.guidance.longitude)[None]
-        (bank,) = guided_banks(
+        (bank,), _, _ = guided_banks(
             self.truth, self.model, start, np.zeros((1, 2)), self.guidance, target,
             self.deployment, end,
         )  # fmt: skip

@@ -55,4 +55,11 @@ def scenario_notes(file: ScenarioFile) -> tuple[str, ...]:
             "filter.kind: relinearised-ekf: dispersed entries are guided by an extended filter "
             "that does not look back"
         )
+    if file.fusion:
+        notes += [
+            f"filter.{name}: of the filter of [filter] alone; those of [fusion] read "
+            "accelerometers along the flight, and take all other axes as known exactly"
+            for name in ("attitude", "gyros")
+            if getattr(file.filter, name) is not None
+        ]
     return tuple(notes)

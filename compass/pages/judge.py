@@ -6,6 +6,7 @@ from typing import Any
 from compass.api.judge import JudgeResult
 from compass.api.judge_tables import (
     budget_table,
+    delivery_words,
     filter_table,
     not_told_apart,
     ranking_table,
@@ -138,6 +139,7 @@ def judge_section(
         "every satellite in view, each weighted with the probability that it gets through the "
         f"plasma{'; ' + unknown if unknown else ''}. {record['counted']}",
         *(f"{row['design']}: within {goal:g} m? {row['answer']}." for row in record["designs"]),
+        *delivery_words(record["designs"]),
     )
     names = [designs[row["given"] - 1].name for row in record["designs"]]
     pictures = (

@@ -135,7 +135,12 @@ def answers(flown: Assessment, how: str = "Unguided") -> tuple[Answer, ...]:
             False if claim is None else None,
             f"sampled, {runs} runs of the filter",
         ),
-        Answer("Along, across and down", f"{apart} m, 1 sigma", None, linear),
+        Answer(
+            f"Along, across and down{'' if claim else ', were the filter consistent'}",
+            f"{apart} m, 1 sigma",
+            None,
+            linear,
+        ),
         Answer(
             f"Comes down within, {how[0].lower()}{how[1:]}",
             "no answer, for its first state is hardly known"
@@ -155,8 +160,10 @@ def answers(flown: Assessment, how: str = "Unguided") -> tuple[Answer, ...]:
             "Position and velocity can be observed",
             f"not at {flown.flight.times[flown.blind_epoch]:g} s"
             if flown.blind.words
-            else "throughout",
-            not flown.blind.words,
+            else "throughout"
+            if claim is not None
+            else "by rank alone, no accuracy is claimed",
+            not flown.blind.words and claim is not None,
             "rank of the observability matrix at every epoch",
         ),
         Answer(

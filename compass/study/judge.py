@@ -398,18 +398,20 @@ def check_measurements(scenario: Scenario) -> None:
     if np.any(scenario.settings.noise):
         raise ArgumentError(
             f"{scenario.label}: filter.process_noise_si: judged is the bound without process "
-            "noise; leave it out"
+            "noise: leave it out, or fly single entries with it, `compass land`"
         )
     for part in scenario.settings.parts:
         if part.scales or part.walk:
             raise ArgumentError(
-                f"{scenario.label}: filter: {block(part.name).title}: wanders; judged is what is "
-                "constant through an entry, leave the scales (or the walk) out"
+                f"{scenario.label}: filter: {block(part.name).title}: wanders; judged are sums of "
+                "information, which hold of what is constant through an entry: leave the scales "
+                "(or the walk) out, or fly single entries with them, `compass land`"
             )
         if part.considered and part.name != "bias":
             raise ArgumentError(
                 f"{scenario.label}: filter: {block(part.name).title}: only considered; judged is "
-                "the bound, in which all is found out as far as it can be; set considered = false"
+                "the bound, in which all is found out as far as it can be: set considered = false "
+                "(range_bias may be considered), or fly single entries with it, `compass land`"
             )
 
 

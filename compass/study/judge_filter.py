@@ -1,6 +1,6 @@
 """Finalists put to the test: the filter itself, run many times on a constellation."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from math import ceil
@@ -11,9 +11,12 @@ from numpy.typing import NDArray
 
 from compass.cores import cores
 from compass.entry.beacons import Beacons, orbiting_beacons
+from compass.entry.campaign import Campaign
+from compass.entry.carried import CarriedFilter
 from compass.entry.consistency import FALSE_ALARM, nees_bounds
+from compass.entry.dispersed import Dispersed, fly_dispersed
 from compass.entry.ground import Ground
-from compass.entry.guidance import with_bank
+from compass.entry.guidance import Dispersion, with_bank
 from compass.entry.layout import Part
 from compass.entry.model import EntryModel
 from compass.entry.navigation import MonteCarlo, run_monte_carlo
@@ -23,7 +26,7 @@ from compass.entry.trajectory import fly
 from compass.entry.unknowns import NOTHING, Unknowns
 from compass.entry.views import spherical_of
 from compass.errors import ArgumentError
-from compass.frames import Figure, prime_meridian_angle
+from compass.frames import Figure, latitude_longitude, prime_meridian_angle
 from compass.inputs.scenario import Scenario
 from compass.orbits import Constellation, states_mci
 from compass.sites import Mask
@@ -91,7 +94,8 @@ def judge_filter(
         freedom a run); ``consistent``: whether they do; ``believed``: whether no run diverged and
         an interval that leaves out one consistent filter in a thousand holds the mean;
         ``errors_over_claim``: root of its ratio to 6; ``rms_over_bound``: root mean square
-        error over that of the bound on the same entries; ``runs``, ``diverged``.
+        error over that of the bound on the same entries; ``runs``, ``diverged``. Of a guided lander
+        ``delivery_m`` besides: see `_delivery`.
     """
     from scipy.stats import chi2
 
@@ -120,7 +124,7 @@ def judge_filter(
         work = pool.map(
             lambda m: _run(found, scenario, m, each, streams[m], own_parts), range(campaign.size)
         )
-        parts = list(progress(work, total=campaign.size))
+        parts, landings = zip(*progress(work, total=campaign.size), strict=True)
     errors = np.concatenate([part.errors[:, -1] for part in parts])
     nees = np.concatenate([part.nees[:, -1] for part in parts])
     good = ~np.concatenate([part.diverged for part in parts]) & np.isfinite(nees)
@@ -151,6 +155,23 @@ def judge_filter(
         "rms_over_bound": float(result["ekf_position_m"]["rms"] / bound),
         "runs": int(good.size),
         "diverged": int(good.size - count),
+        **({} if scenario.guidance is None else {"delivery_m": _delivery(landings)}),
+    }
+
+
+def _delivery(landings: Sequence[Dispersed]) -> dict[str, Any]:
+    """Distances from the targets at which guided entries deploy by what the filter knows, m.
+
+    One flight an entry in closed loop. Those that never deploy are infinitely far;
+    ``deployed`` says how many do, ``nees`` how good what guidance knew was, 6 if as it said.
+    """
+    misses = np.array([one.within(100.0) for one in landings])
+    told = np.array([one.nees[0] for one in landings if one.nees is not None and one.reached[0]])
+    return {
+        **percentiles(misses, method="inverted_cdf"),
+        "entries": misses.size,
+        "deployed": int(np.isfinite(misses).sum()),
+        "nees": float(told.mean()) if told.size else np.nan,
     }
 
 
@@ -193,8 +214,8 @@ def _run(
     runs: int,
     stream: np.random.SeedSequence,
     own_parts: tuple[Part, ...],
-) -> MonteCarlo:
-    """Run the filter in one entry, each run with arrivals of its own."""
+) -> tuple[MonteCarlo, Dispersed | None]:
+    """Run the filter in one entry, each run with arrivals of its own; and let it guide a lander."""
     campaign, beacons = found.campaign, entry_beacons(found, entry)
     count = beacons.times.size
     spread = campaign.spreads[entry, :6, :6]
@@ -243,11 +264,35 @@ def _run(
     def joined(name: str) -> NDArray[Any]:
         return np.concatenate([getattr(part, name) for part in made])
 
-    return MonteCarlo(
+    many = MonteCarlo(
         joined("errors"),
         joined("nees"),
         joined("sigmas"),
         joined("diverged"),
         joined("nees_all"),
         made[0].estimated,
+    )
+    if scenario.guidance is None:
+        return many, None
+    carried = CarriedFilter(truth, beacons, taken, measurements, settings)
+    return many, _landing(campaign, scenario, entry, carried, int(own.generate_state(2)[1]))
+
+
+def _landing(
+    campaign: Campaign, scenario: Scenario, entry: int, carried: CarriedFilter, seed: int
+) -> Dispersed:
+    """Guide one entry to its target by what a filter knows, of the air first what is planned."""
+    assert scenario.guidance is not None
+    latitude, longitude = map(float, latitude_longitude(campaign.targets[entry]))
+    return fly_dispersed(
+        _with_air(scenario.truth, *campaign.worlds[entry]),
+        scenario.model,
+        spherical_of(campaign.paths[entry, 0]),
+        Dispersion(entries=1),
+        float(scenario.times[-1]),
+        trigger=scenario.deployment,
+        guidance=replace(scenario.guidance, latitude=latitude, longitude=longitude),
+        carried=carried,
+        seed=seed,
+        threads=1,
     )

@@ -4,12 +4,18 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+
 from compass.allowed import check_all_allowed
 from compass.coverage.areas import AreaFigures
 from compass.coverage.certified_effort import Effort
 from compass.design import Design
+from compass.document.numbers import significant
+from compass.entry.campaign import Campaign
+from compass.entry.dispersed import beyond_words
 from compass.entry.doubts import NO_DOUBTS, Doubts
 from compass.entry.guidance import Dispersion
+from compass.entry.quantiles import percentiles
 from compass.entry.schedule import Measurements
 from compass.errors import ArgumentError, said_of
 from compass.inputs.scenario import Scenario
@@ -178,7 +184,9 @@ def rank_designs(
         "doubts": asdict(doubts),
         "counted": doubts.sentence([d.name for d in designs if d.signal is not None])
         + measured_words(scenario.measurements)
-        + dispersed_words(scenario.dispersion),
+        + dispersed_words(scenario.dispersion)
+        + guided_words(campaign),
+        "guided": guided_facts(campaign),
         "designs": [{"rank": rank + 1, **rows[k]} for rank, k in enumerate(order)],
     }
     return Ranking(record, tuple(kept[k] for k in order), tuple(areas[k] for k in order))
@@ -210,6 +218,25 @@ def dispersed_words(dispersion: Dispersion | None) -> str:
         f" Entries differ from the planned one by {dispersion.position:g} m and "
         f"{dispersion.velocity:g} m/s on each axis, {100 * dispersion.density:g} % of density and "
         f"{dispersion.lift:g} of L/D (1 sigma)."
+    )
+
+
+def guided_facts(campaign: Campaign) -> dict[str, Any] | None:
+    """How far from their targets entries deploy that are guided by their true state, or None."""
+    if not campaign.misses.size:
+        return None
+    return {"miss_m": percentiles(campaign.misses), "beyond_m": campaign.beyond}
+
+
+def guided_words(campaign: Campaign) -> str:
+    """The same in words; nothing unguided."""
+    if not campaign.misses.size:
+        return ""
+    half, most = (significant(float(q) / 1e3, 3) for q in np.percentile(campaign.misses, [50, 95]))
+    return (
+        f" They are guided by their true state, half to within {half} km of their targets, 95 % "
+        f"within {most} km.{beyond_words(campaign.beyond)} Where the filter is run it guides them "
+        "too, by what it knows of state and air, which may bring them nearer or less near."
     )
 
 

@@ -13,7 +13,7 @@ from compass.entry.accuracy import accuracy
 from compass.entry.atmosphere import Atmosphere
 from compass.entry.carried import CarriedFilter
 from compass.entry.covariance import axes_covariance, linear_covariance
-from compass.entry.dispersed import Dispersed, fly_dispersed
+from compass.entry.dispersed import FAR, Dispersed, fly_dispersed
 from compass.entry.guidance import Dispersion, Guidance, with_bank
 from compass.entry.layout import Layout
 from compass.entry.schedule import Measurements
@@ -116,7 +116,7 @@ def test_guidance_brings_all_to_the_target(guided_lander):
     options = {"trigger": trigger, "guidance": lander.guidance, "seed": 3}
     worlds = lander.truth, lander.model, lander.state
     exact = fly_dispersed(*worlds, Dispersion(3), 300.0, **options)
-    assert exact.within(100.0) < 500.0
+    assert exact.within(100.0) < 200.0 and not exact.beyond.any()
     bank = lander.planned().model.vehicle.bank_schedule()
     limit = np.degrees(lander.guidance.rate) * 1.0 + 1e-9
     assert np.abs(np.diff(np.degrees(bank[:, 1]))).max() <= limit
@@ -132,6 +132,13 @@ def test_guidance_brings_all_to_the_target(guided_lander):
                               trigger=trigger, seed=3)  # fmt: skip
     assert there.reached.all() and open_loop.reached.all()
     assert there.within(95.0) < 0.25 * open_loop.within(95.0)
+    near = np.abs(there.beyond) < FAR
+    assert np.hypot(*there.offsets[near].T).max() < 1500.0
+    # out of reach of its bank what guidance foresees is what comes of it
+    steep = replace(lander.guidance, least=np.radians(60.0))
+    short = fly_dispersed(*worlds, Dispersion(3), 300.0, **options | {"guidance": steep})
+    assert -short.beyond == pytest.approx(np.hypot(*short.offsets.T), rel=0.15)
+    assert short.beyond.max() < -5e3
 
 
 def test_guidance_turns_with_the_problem(world, table5):
@@ -193,6 +200,14 @@ def test_what_dispersed_entries_say():
     few = replace(found, times=np.full(4, np.nan))
     assert dispersed_sentence(few) == "Of 4 dispersed guided entries 0 come to parachute."
     assert dispersed_facts(few)["ellipse"] is None and dispersed_facts(found)["reached"] == 4
+    assert "limits" not in said and dispersed_facts(found)["beyond_m"] is None
+    near = replace(found, beyond=np.array([0.0, -400.0, 0.0, 0.0]))
+    assert dispersed_sentence(near).endswith(" keep none of them from the target.")
+    far = replace(found, beyond=np.array([0.0, -12.34e3, 700.0, -600.0]))
+    assert dispersed_sentence(far).endswith(
+        "The bank's limits keep 3 of them from the target: 2 come short, by up to 12.3 km, and 1 "
+        "come too far, by up to 0.7 km, as guidance foresees."
+    )
 
 
 def test_what_cannot_be_is_refused(guided_lander):

@@ -27,7 +27,7 @@ from compass.study.judge import _FLOWN, MOST_FLOWN, campaign_of, judge, judge_en
 from compass.study.judge_filter import entry_beacons, judge_filter
 from compass.study.judgement import spectrum_and_floor
 from compass.study.pattern_map import places
-from compass.study.ranking import dispersed_words, measured_words
+from compass.study.ranking import dispersed_words, guided_words, measured_words
 
 FIGURE = FIGURES["iau-sphere"]
 AREOSYNCHRONOUS = 20428e3
@@ -204,8 +204,12 @@ def test_guided_entries_are_judged(five, designs):
         times = flown.times[[0, stop]]
         again = fly(replace(world, vehicle=craft), spherical_of(path[0]), times).path[-1]
         assert np.linalg.norm((again - path[stop])[:3]) < 1.0
+    assert miss == pytest.approx(flown.misses, abs=450.0)  # flown to an epoch past the moment
+    assert "half to within" in guided_words(flown) and "keep none" in guided_words(flown)
     place = {"samples": 2, "figure": FIGURE, "mask": Mask(), "threads": 1}
-    assert judge_filter(five, lander, runs=8, **place)["believed"]
+    judged = judge_filter(five, lander, runs=8, **place)
+    assert judged["believed"] and judged["delivery_m"]["deployed"] == 2
+    assert judged["delivery_m"]["p95"] == pytest.approx(flown.misses[:2].max(), abs=500.0)
     # aimed at a goal, the target itself lies there
     gale = Ground(("gale",), ((-0.08, 2.398),), ((),))
     aimed = campaign_of(lander, 2, ground=gale)

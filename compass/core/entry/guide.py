@@ -78,7 +78,7 @@ TARGET, LEAST, MOST, RATE, FELT, BEFORE, BAND, ALIGN, CYCLE, PLACES = 0, 3, 4, 5
 STRIDE, TRIALS, NEAR = 2.0, 7, 2e-5
 
 #: Bank a radian of heading in the last turn, and the share of a new ratio of drag that is believed.
-TURN, BELIEF = 3.0, 0.2
+TURN, BELIEF = 20.0, 0.2
 
 
 @kernel
@@ -168,16 +168,17 @@ def predicted(x, thicker, lift, p, g, bank, size, side, seconds, until, end):
 def found_bank(x, thicker, lift, p, g, bank, side, seconds, until):
     """Size of the bank that flies as far as the target: regula falsi (Illinois) on `predicted`.
 
-    More bank flies less far; where no bank in the limits flies so far, or so short, the limit.
+    More bank flies less far; where no bank in the limits flies so far, or so short, the limit. And
+    how far past the target that comes, rad: short is negative, 0 where the target is in reach.
     """
     end = np.empty(6)
     low, high = g[LEAST], g[MOST]
     far = predicted(x, thicker, lift, p, g, bank, low, side, seconds, until, end)
     if far <= 0.0:
-        return low
+        return low, far
     near = predicted(x, thicker, lift, p, g, bank, high, side, seconds, until, end)
     if near >= 0.0:
-        return high
+        return high, near
     middle = low
     for _ in range(TRIALS):
         middle = low + far / (far - near) * (high - low)
@@ -188,7 +189,7 @@ def found_bank(x, thicker, lift, p, g, bank, side, seconds, until):
             low, far, near = middle, off, 0.5 * near
         else:
             high, near, far = middle, off, 0.5 * far
-    return middle
+    return middle, 0.0
 
 
 @kernel
@@ -280,7 +281,8 @@ def guided_flight(
     end
         Output, (6,): state at the event.
     told
-        Output, (7,): error of what guidance knew, and its normalised square, when it last heard.
+        Output, (8,): error of what guidance knew, and its normalised square, when it last heard;
+        and what `found_bank` told last of how far the target is beyond reach, rad.
 
     Returns
     -------
@@ -312,7 +314,7 @@ def guided_flight(
                 ratio += BELIEF * (math.log(felt / drag_of(seen, 0.0, known)) - ratio)
                 if watched(seen, WATCH_SPEED, known) > g[ALIGN]:
                     lift_known = known[LIFT] + added(state, carried.places[OF_LIFT])
-                    size = found_bank(
+                    size, told[7] = found_bank(
                         seen, ratio, lift_known, known, g, bank, side, until.seconds - time, until
                     )
                 wish, side = sided(seen, size, side, g)
@@ -350,7 +352,7 @@ def guided_flight(
 
 
 @kernel
-def guided_banks(starts, worlds, targets, p, known, g, until, carried, banks, rows):
+def guided_banks(starts, worlds, targets, p, known, g, until, carried, banks, rows, ends, beyond):
     """Write the bank that each of many entries flies to a target of its own.
 
     Parameters
@@ -361,15 +363,18 @@ def guided_banks(starts, worlds, targets, p, known, g, until, carried, banks, ro
         Unit vectors, (m, 3), in place of that of `g`.
     banks, rows
         Outputs: `banks` of `guided_flight`, (m, k, 2), and how many rows of each are written, (m,).
+    ends, beyond
+        Outputs: states at the event, (m, 6), and how far targets are beyond reach, rad, (m,).
     """
-    own, end, told = g.copy(), np.empty(6), np.empty(7)
+    own, told = g.copy(), np.empty(8)
     nothing, unheard = np.empty(0), np.empty((0, 0, 0))
     for m in range(starts.shape[0]):
         own[TARGET : TARGET + 3] = targets[m]
         _, rows[m] = guided_flight(
             starts[m], worlds[m, 0], p[LIFT] + worlds[m, 1], p, known, own, until, carried, nothing,
-            unheard, banks[m], end, told,
+            unheard, banks[m], ends[m], told,
         )  # fmt: skip
+        beyond[m] = told[7]
 
 
 @kernel
@@ -412,7 +417,7 @@ def dispersed_flights(
         As in `guided_flight` and `plain_flight`, `firsts` (m, s) and `draws` (m, t, n, c).
     times, ends, told
         Outputs: of the event, (m,), nan where it does not come, the state there, (m, 6), and of
-        guided ones what `guided_flight` tells of the filter, (m, 7).
+        guided ones what `guided_flight` tells, (m, 8).
     """
     unwritten = np.empty((0, 2))
     for m in range(starts.shape[0]):
