@@ -13,6 +13,7 @@ from compass.entry.trajectory import fly, trajectory_dataset
 from compass.errors import DesignError
 from compass.inputs.fusion import fusion_plan
 from compass.inputs.scenario import read_scenario_text
+from compass.pages.landing import answers
 from compass.study.judge import check_measurements
 
 # whole landings, and filters that blow up: too slow and too loud where kernels are interpreted
@@ -89,9 +90,14 @@ def section_of(scenario, runs=None):
 )  # fmt: skip
 def test_inconsistent_filters_claim_nothing(change):
     scenario = read_scenario_text(changed(*change))
-    found, (first, second, *_) = section_of(scenario)
+    found, (first, second, *others) = section_of(scenario)
     assert not found.consistency.holds
     assert "no accuracy is claimed" in first
+    assert "observable throughout" not in " ".join(others)
+    assert "by a consistent filter it would be known to" in others[0]
+    told = entry_facts(scenario, found)["observability"]["sentence"]
+    assert "which is no accuracy" in told and told in others
+    assert sum(one.holds is False for one in answers(found)) == 3  # place, errors, observed
     assert second.startswith("The filter is inconsistent and makes no claim of accuracy: ")
     lost = "1e9" in change[0][1]
     assert ("comes down nobody knows where" in first) is found.accuracy.anywhere is lost
@@ -100,8 +106,9 @@ def test_inconsistent_filters_claim_nothing(change):
 
 
 def test_a_truth_with_more_air_is_told_and_four_satellites_are_believed():
-    good, (first, second, *_) = section_of(read_scenario_text(PLAIN + OTHERS))
+    good, (first, second, *others) = section_of(read_scenario_text(PLAIN + OTHERS))
     assert good.consistency.holds and second.startswith("The filter is consistent")
+    assert "observable throughout" in " ".join(others) and "down: known to" in others[0]
     assert good.claim_m >= np.linalg.norm(good.accuracy.knowledge.along_cross_down)
     assert f"knows its place to {good.claim_m:.3g} m" in first
     thick = "[truth]\ndensity_bias = 0.2\n" + "[measurements]"
