@@ -19,6 +19,7 @@ from compass.orbits import states_mci, walker_delta
 from compass.papers.yu2018_filter import cramer_rao_bound
 from compass.study import judge as module
 from compass.study.judge import campaign_of, judge, judge_entries
+from compass.study.judge_filter import judge_filter
 
 DESIGNS = Path(__file__).parents[2] / "designs"
 SAMPLES = 128
@@ -56,6 +57,20 @@ def test_judged_candidates_a_second(lander, seed, benchmark):
     rate = 20 / benchmark.stats.stats.min
     print(f"\n{rate:.0f} judged candidates a second on one core, {SAMPLES} entries each")
     assert rate > 20
+
+
+def test_filter_runs_of_a_design(lander, seed):
+    """What a judged design costs with its 512 filter runs, and how much of that is filtering."""
+    place = {"samples": SAMPLES, "figure": seed.figure, "mask": seed.mask, "threads": 1}
+    c = seed.constellation
+    judge_filter(c, lander, runs=64, **place)
+    start = time.process_time()
+    found = judge_filter(c, lander, runs=512, **place)
+    spent = time.process_time() - start
+    steps = 512 * campaign_of(lander, 64).stops.mean()
+    print(f"\n512 filter runs of a design: {spent:.2f} s, {1e6 * spent / steps:.1f} us an epoch")
+    assert found["runs"] == 512
+    assert spent / steps < 25e-6
 
 
 def test_share_of_time_outside_kernels(lander, seed, monkeypatch):

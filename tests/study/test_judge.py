@@ -209,7 +209,8 @@ def test_guided_entries_are_judged(five, designs):
     place = {"samples": 2, "figure": FIGURE, "mask": Mask(), "threads": 1}
     judged = judge_filter(five, lander, runs=8, **place)
     assert judged["believed"] and judged["delivery_m"]["deployed"] == 2
-    assert judged["delivery_m"]["p95"] == pytest.approx(flown.misses[:2].max(), abs=500.0)
+    # what it knows of density and L/D guides it to its own target, hundreds of kilometres on
+    assert 0 < judged["delivery_m"]["p50"] <= judged["delivery_m"]["p95"] < 5e3
     # aimed at a goal, the target itself lies there
     gale = Ground(("gale",), ((-0.08, 2.398),), ((),))
     aimed = campaign_of(lander, 2, ground=gale)
