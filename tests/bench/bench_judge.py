@@ -1,4 +1,4 @@
-"""Judged candidates a second, and how much of the time is spent in kernels.
+"""Judged candidates a second, what their filter runs cost, how much of it is kernels.
 
 Every candidate is another Walker pattern on one core, 128 entries each, as a study judges them.
 """
