@@ -22,3 +22,9 @@ def days_words(days: float) -> str:
 def listed(words: list[str]) -> str:
     """Words with commas between, and an "and" before the last."""
     return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def ordinal(number: int) -> str:
+    """The number of one in a row: ``1st, 2nd, 3rd, 4th, 11th``."""
+    last = "th" if number // 10 % 10 == 1 else {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
+    return f"{number}{last}"

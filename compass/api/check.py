@@ -20,7 +20,7 @@ from compass.document.blocks import Block
 from compass.document.plain import plain
 from compass.orbits.motion import MotionModel
 from compass.quantities import quantity
-from compass.words import counted
+from compass.words import counted, ordinal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -148,7 +148,10 @@ def _value(verdict: Answer) -> str:
     if worst.of == "share":
         return f"at most {100 * worst.value:.4f} % of the time"
     if worst.of == "fold":
-        return f"{worst.value:.0f} in view"
+        if worst.rank is None or worst.elevation is None:
+            return f"{worst.value:.0f} in view"
+        which = f"{ordinal(worst.rank)} satellite at {degrees(worst.elevation):.2f} deg"
+        return f"{which}; {worst.value:.0f} in view"
     wanted = verdict.requirement
     return f"{wanted.titled(worst.of)} {worst.value:.6g}{wanted.unit(worst.of)}"
 

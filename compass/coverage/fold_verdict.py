@@ -19,6 +19,7 @@ from compass.coverage.clearance import (
 )
 from compass.coverage.clearance_layout import Moving
 from compass.coverage.region import Region, read_regions
+from compass.coverage.standing import nth_elevation
 from compass.coverage.symmetry import unlike_subsets
 from compass.coverage.users import (
     Users,
@@ -237,7 +238,7 @@ def _always(
     low = min(clearance.low for clearance, *_ in found)
     tightest, whose, lost, alike, left = min(found, key=lambda one: one[0].high)
     met = True if low >= 0.0 else False if tightest.high < 0.0 else None
-    worst = Worst(tightest.time, tightest.latitude, tightest.longitude, tightest.seen)
+    worst = worst_of(tightest, left, whose, fold)
     margin = low if met or met is None else tightest.high
     verdict = Verdict(
         requirement,
@@ -246,7 +247,7 @@ def _always(
         course.words,
         (1.0, 1.0) if met else None,
         margin if np.isfinite(margin) else None,
-        worst if np.isfinite(tightest.high) else None,
+        worst,
         lost,
         alike,
     )
@@ -261,6 +262,14 @@ def _always(
     share = _missed_share(left, whose, tightest, fold, course)
     alone = len(found) == 1 and whose.longitude is not None
     return replace(verdict, share=share if share is None or alone else (0.0, share[1]))
+
+
+def worst_of(tightest: Clearance, c: Moving, users: Users, fold: int) -> Worst | None:
+    """Where and when users have their least clearance; None where that is not known."""
+    if not np.isfinite(tightest.high):
+        return None
+    where = tightest.time, tightest.latitude, tightest.longitude
+    return Worst(*where, tightest.seen, rank=fold, elevation=nth_elevation(c, users, fold, *where))
 
 
 def _missed_share(

@@ -12,8 +12,9 @@ import numpy as np
 from compass.cores import shared
 from compass.coverage.certificate import Outcome
 from compass.coverage.claims import Claim, claims_of
-from compass.coverage.fold_verdict import Course, ask, often, users_of
+from compass.coverage.fold_verdict import Course, ask, often, users_of, worst_of
 from compass.coverage.lasting import Lasting, prove_span
+from compass.coverage.standing import nth_elevation
 from compass.coverage.users import Users
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
@@ -54,10 +55,13 @@ def fold_verdict_over_days(
         return _by_boxes(path, users_of(design, requirement), requirement, course)
     # whichever are lost: so many are left if so many more are there
     fold = requirement.fold + requirement.losses
+    claims, users = claims_of(design, requirement), users_of(design, requirement)
+    sites = len(requirement.sites)  # of which claims are the last, users the first
     found = [
-        claim_lasts(path, fold, claim, start, stop) for claim in claims_of(design, requirement)
+        (claim_lasts(path, fold, claim, start, stop), each)
+        for claim, each in zip(claims, (*users[sites:], *users[:sites]), strict=True)
     ]
-    return _verdict(requirement, scope, found)
+    return _verdict(path, requirement, fold, scope, found)
 
 
 def not_followed(design: Design, requirement: Requirement) -> str:
@@ -100,14 +104,23 @@ def claim_lasts(path: Trajectory, fold: int, claim: Claim, start: float, stop: f
     return found
 
 
-def _verdict(requirement: Requirement, scope: str, found: list[Lasting]) -> Verdict:
+def _verdict(
+    path: Trajectory,
+    requirement: Requirement,
+    fold: int,
+    scope: str,
+    claimed: list[tuple[Lasting, Users]],
+) -> Verdict:
     """Verdict of the claims about all places: the first loss counts."""
-    lost = [one for one in found if one.outcome is Outcome.REFUTED]
+    found = [lasting for lasting, _ in claimed]
+    lost = [one for one in claimed if one[0].outcome is Outcome.REFUTED]
     if lost:
-        first = min(lost, key=lambda one: one.lost_at or np.inf)
+        first, users = min(lost, key=lambda one: one[0].lost_at or np.inf)
         w = first.witness
         assert w is not None
-        worst = Worst(w.time, w.latitude, w.longitude, w.fold)
+        where = w.time, w.latitude, w.longitude
+        high = nth_elevation(path, users, fold, *where)
+        worst = Worst(*where, w.fold, rank=fold, elevation=high)
         kept = first.days_proven / ((first.stop - first.start) / SECONDS_PER_DAY)
         return Verdict(requirement, False, "proven", scope, (kept, 1.0), -w.shortfall, worst)
     if all(one.outcome is Outcome.PROVEN for one in found):
@@ -142,11 +155,11 @@ def _by_boxes(
     for begin, end in pairwise(edges.tolist()):
         part = Course((begin, end), False, course.words)
         asked = partial(ask, path, fold=fold, course=part)
-        found = list(shared(asked, users))
-        low = min(low, *(one.low for one in found))
-        closest = min(found, key=lambda one: one.high)
+        found = list(zip(shared(asked, users), users, strict=True))
+        low = min(low, *(one.low for one, _ in found))
+        closest, who = min(found, key=lambda one: one[0].high)
         if tightest is None or closest.high < tightest.high:
-            tightest = closest
+            tightest, whose = closest, who
         if low < 0.0:
             break
     assert tightest is not None
@@ -156,7 +169,6 @@ def _by_boxes(
         return undecided(requirement, course.words, reason)
     met = low >= 0.0
     margin = low if met else tightest.high
-    worst = Worst(tightest.time, tightest.latitude, tightest.longitude, tightest.seen)
     share = (1.0, 1.0) if met else ((begin - start) / (stop - start), 1.0)
     return Verdict(
         requirement,
@@ -165,7 +177,7 @@ def _by_boxes(
         course.words,
         share,
         margin if np.isfinite(margin) else None,
-        worst if np.isfinite(tightest.high) else None,
+        worst_of(tightest, path, whose, fold),
     )
 
 

@@ -25,6 +25,9 @@ class Worst:
         what the share of time is at most.
     of
         Which of these: ``fold``, one of `compass.design.LIMITS`, or ``share``.
+    rank, elevation
+        Of a fold the satellite that it hangs on, counted from the best, and how high that stands
+        there, radians; None where that is not told.
     """
 
     time: float | None
@@ -32,6 +35,8 @@ class Worst:
     longitude: float | None
     value: float
     of: str = "fold"
+    rank: int | None = None
+    elevation: float | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values with degrees."""
@@ -41,6 +46,8 @@ class Worst:
             "longitude_deg": None if self.longitude is None else float(np.degrees(self.longitude)),
             "value": self.value,
             "of": self.of,
+            "rank": self.rank,
+            "elevation_deg": None if self.elevation is None else float(np.degrees(self.elevation)),
         }
 
 

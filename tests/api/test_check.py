@@ -49,6 +49,10 @@ def test_a_ring_is_seen_from_the_equator_and_not_from_the_pole():
     assert missed.worst.value == 0
     assert missed.share == pytest.approx((0.0, 0.0), abs=1e-9)
     assert missed.margin == pytest.approx(np.arctan2(-r, rho), abs=1e-6)
+    assert (met.worst.rank, met.worst.elevation) == (2, pytest.approx(elevation, abs=1e-3))
+    said = " ".join(str(found).split())
+    assert f"2nd satellite at {np.degrees(met.worst.elevation):.2f} deg; " in said
+    assert missed.worst.elevation == pytest.approx(missed.margin, abs=1e-6)
     known = found.to_dict()["requirements"]
     assert [
         set(one) >= {"name", "met", "evidence", "share", "margin_deg", "worst"} for one in known

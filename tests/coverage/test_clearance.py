@@ -13,6 +13,7 @@ from compass.coverage.clearance import clear_share, least_clearance, polygon_sha
 from compass.coverage.fold_verdict import Course, losses_of
 from compass.coverage.region import read_region, read_regions
 from compass.coverage.share import mean_fold_shares
+from compass.coverage.standing import nth_elevation
 from compass.coverage.users import Users, by_horizon, geodetic, region_users, site_users
 from compass.design import Requirement
 from compass.errors import ArgumentError
@@ -105,6 +106,14 @@ def test_no_sample_is_below_the_bracket_and_its_place_shows_it(seed, figure, abo
         # straight below, where azimuths say little, the profile is read 1e-8 rad apart
         assert there[0, fold - 1] == pytest.approx(found.high, abs=1e-6)
         assert (there[0] >= 0).sum() == found.seen
+        where = found.time, found.latitude, found.longitude
+        place = Site("b", *where[1:], height, mask, figure)
+        heights, azimuths = place.elevation_azimuth(positions_mcmf(c, [found.time])[:, 0])
+        stands = nth_elevation(c, users, fold, *where)
+        nearest = np.abs(heights - stands).argmin()
+        assert heights[nearest] == pytest.approx(stands, abs=1e-9)
+        if beam is None:
+            assert stands - mask.at(azimuths[nearest]) == pytest.approx(found.high, abs=1e-6)
 
 
 @pytest.mark.slow
