@@ -9,7 +9,7 @@ import numpy as np
 
 from compass.api.drift_files import drift_dataset, elements_text, injected_design
 from compass.api.lasting import LastingResult
-from compass.api.promises import box_dict, followed, promise_blocks, promise_dict
+from compass.api.promises import box_dict, promise_blocks, promise_dict
 from compass.api.radii import RESONANT, RadiusLasts, real_motion
 from compass.api.results import Result
 from compass.conventions import dated
@@ -80,10 +80,11 @@ class DriftResult(Result):
     def holds(self) -> bool:
         """Whether what is wanted is proven for the whole span, and the moons are kept away from.
 
-        Wanted is what the design requires, as far as it can be followed; without that the fold.
+        Wanted is what the design requires, and what cannot be followed is not proven; without
+        requirements the fold.
         """
-        wanted = [each.outcome for each in followed(self.promises)]
-        kept = all(outcome is Outcome.PROVEN for outcome in wanted or [self.lasting.outcome])
+        wanted = [each.outcome for each in self.promises] or [self.lasting.outcome]
+        kept = all(outcome is Outcome.PROVEN for outcome in wanted)
         return kept and self.avoids
 
     @property

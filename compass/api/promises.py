@@ -20,11 +20,6 @@ from compass.words import counted
 _FIGURES = ("days_proven", "first_loss_days", "room_deg", "slot_sideways_deg")
 
 
-def followed(promises: Sequence[Promise]) -> list[Promise]:
-    """Those requirements that could be followed."""
-    return [each for each in promises if each.outcome is not None]
-
-
 def box_dict(box: SlotBox | None) -> dict[str, float] | None:
     """Plain values of a slot box."""
     if box is None:
@@ -54,15 +49,15 @@ def promise_blocks(promises: Sequence[Promise]) -> list[Block]:
     """How long each requirement is proven, where it is lost first, the room that it leaves."""
     if not promises:
         return []
-    wanted = followed(promises)
-    lost = sum(one.outcome is Outcome.REFUTED for one in wanted)
-    proven = sum(one.outcome is Outcome.PROVEN for one in wanted)
-    holds = False if lost else True if wanted and proven == len(wanted) else None
+    lost = sum(one.outcome is Outcome.REFUTED for one in promises)
+    proven = sum(one.outcome is Outcome.PROVEN for one in promises)
+    unfollowed = sum(one.outcome is None for one in promises)
+    holds = False if lost else True if proven == len(promises) else None
     word = {True: "kept", False: "lost", None: "undecided"}[holds]
     told = (
         f"{counted(len(promises), 'requirement')}: {proven} proven for the whole span, "
         f"{lost} lost, "
-        f"{len(promises) - len(wanted)} not followed"
+        f"{unfollowed} not followed"
     )
     return [
         Verdict(word, told, holds),

@@ -16,7 +16,7 @@ def command(output: Path | None, elements: Path | None, oem: Path | None, **opti
     """Follow a DESIGN that is left alone: margin and room over time, the first loss, proven.
 
     Exit status 0 if what the design requires (without requirements the fold) is proven for all the
-    days, 1 if it is lost or undecided.
+    days, 1 if it is lost, undecided or cannot be followed.
     """
     if elements is not None or oem is not None:
         from compass.api.drift_files import check_trimmed
