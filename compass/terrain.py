@@ -121,10 +121,16 @@ def ground(site: Site, terrain: Terrain) -> float:
         found = _height_at_origin(east_north, r @ up, near)
         if found is not None:
             return found
+    south, north, west, east = (
+        np.degrees(end(grid))
+        for grid in (terrain.latitude, terrain.longitude)
+        for end in (np.nanmin, np.nanmax)
+    )
     raise ArgumentError(
         f"{terrain.label}: holds no heights around {site.name}, latitude "
-        f"{np.degrees(site.latitude):g}, longitude {np.degrees(site.longitude):g} deg; give a "
-        "grid that does"
+        f"{np.degrees(site.latitude):g}, longitude {np.degrees(site.longitude):g} deg, but some "
+        f"between latitudes {south:.4g} and {north:.4g}, longitudes {west:.4g} and {east:.4g}; "
+        "give a grid that does"
     )
 
 

@@ -20,6 +20,10 @@ _METRES = {"m": 1.0, "meter": 1.0, "metre": 1.0, "meters": 1.0, "metres": 1.0, "
 _LATITUDES = ("latitude", "lat", "y")
 _LONGITUDES = ("longitude", "lon", "x")
 
+#: Heights that Mars has over any of its figures, m, with room: from Hellas at -8.2 km, or a pole
+#: 20 km below the sphere, to Olympus Mons at 21.3 km.
+LOWEST, HIGHEST = -25e3, 30e3
+
 #: Nodes that a grid may have: 24 bytes each are held.
 MOST_NODES = 100_000_000
 
@@ -50,8 +54,8 @@ def read_terrain(
     Raises
     ------
     ArgumentError
-        Missing or unreadable file, no grid, units that are not of length, more than 100
-        million nodes.
+        Missing or unreadable file, no grid, units that are not of length, coordinates that are
+        none, heights that Mars has not, more than 100 million nodes.
     """
     path = Path(path)
     if not path.is_file():
@@ -85,10 +89,11 @@ def _netcdf(path: Path, figure: Figure, variable: str | None, kind: str) -> Terr
                 f"{path}: {heights.name}: units = {heights.attrs.get('units')!r}; allowed m and km"
             )
         _check_size(path, heights.size)
-        lat, lon = np.radians(latitude.values), np.radians(longitude.values)
+        lat, lon = (np.radians(_degrees(axis, path)) for axis in (latitude, longitude))
         values = heights.values.astype(float) * scale
     if kind == "planetographic":
         lat = planetocentric_latitude(lat, figure)
+    _check_heights(path, values)
     grids = np.meshgrid(lat, lon, indexing="ij")
     return Terrain(
         latitude=grids[0],
@@ -128,6 +133,52 @@ def _axis(
     )
 
 
+def _degrees(axis: "xr.DataArray", path: Path) -> NDArray[np.float64]:
+    """Values of a coordinate, which must be degrees north or east, all known, in one order.
+
+    Longitudes may go on from 180 with -180, or from 360 with 0.
+    """
+    units = str(axis.attrs.get("units", "degrees")).lower()
+    least, most = (-90.0, 90.0) if _is_latitude(axis) else (-360.0, 720.0)
+    values = axis.values.astype(float)
+    if not units.startswith("deg") or units.endswith(("west", "south")):
+        raise ArgumentError(
+            f"{path}: {axis.name}: units = {axis.attrs['units']!r}; allowed degrees north and "
+            "degrees east; turn the grid's coordinate into these"
+        )
+    if not (np.isfinite(values).all() and least <= values.min() and values.max() <= most):
+        raise ArgumentError(
+            f"{path}: {axis.name} = {values.min():g} to {values.max():g}: allowed {least:g} to "
+            f"{most:g} degrees, none unknown"
+        )
+    steps = np.diff(values)
+    if not _is_latitude(axis):
+        steps -= 360.0 * np.round(steps / 360.0)
+    if not (np.all(steps > 0) or np.all(steps < 0)):
+        raise ArgumentError(
+            f"{path}: {axis.name}: neither rises nor falls all along; sort the grid by it"
+        )
+    return values
+
+
+def _is_latitude(axis: "xr.DataArray") -> bool:
+    return axis.attrs.get("standard_name") == "latitude" or str(axis.name).lower() in _LATITUDES
+
+
+def _check_heights(path: Path, heights: NDArray[np.float64]) -> None:
+    """Refuse heights that Mars has not: radii, or marks of what is unknown, undeclared."""
+    known = heights[np.isfinite(heights)]
+    if not known.size:
+        raise ArgumentError(f"{path}: no height is known")
+    low, high = known.min(), known.max()
+    if low < LOWEST or high > HIGHEST:
+        raise ArgumentError(
+            f"{path}: heights from {low / 1e3:.6g} to {high / 1e3:.6g} km: allowed "
+            f"{LOWEST / 1e3:g} to {HIGHEST / 1e3:g} km over the figure; declare what stands for an "
+            "unknown height (nodata of GeoTIFF, _FillValue of netCDF), and give no radii"
+        )
+
+
 def _geotiff(path: Path, figure: Figure) -> Terrain:
     try:
         import rasterio
@@ -160,6 +211,7 @@ def _geotiff(path: Path, figure: Figure) -> Terrain:
     longitude, latitude = _latitude_longitude(path, crs.to_wkt(), x, y, figure)
     known = np.isfinite(latitude)
     heights = np.where(known, heights, np.nan)
+    _check_heights(path, heights * scale)
     closed = bool(known[0].all()) and _closes(longitude[0])
     return Terrain(
         latitude=latitude,

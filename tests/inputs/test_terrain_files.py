@@ -122,6 +122,57 @@ def test_bad_files_are_told(tmp_path):
     refused(two, "needs a variable: its grids of latitude and longitude are height, other")
 
 
+def grid(path, lat=LAT, lon=LON, heights=HEIGHT, units=None):
+    coords = {
+        name: (name, values, {"units": units[name]} if units and name in units else {})
+        for name, values in (("lat", lat), ("lon", lon))
+    }
+    made = xr.Dataset({"z": (("lat", "lon"), heights, {"units": "m"})}, coords)
+    made.to_netcdf(path, engine="h5netcdf")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("given", "match"),
+    [
+        ({"lon": "degrees_west"}, "lon: units = 'degrees_west'; allowed degrees north and degr"),
+        ({"lat": "radian"}, "lat: units = 'radian'"),
+        ({"lat": "m"}, "lat: units = 'm'"),
+    ],
+)
+def test_coordinates_in_other_units_are_told(tmp_path, given, match):
+    refused(grid(tmp_path / "a.nc", units=given), match)
+
+
+@pytest.mark.parametrize(
+    ("axes", "match"),
+    [
+        ({"lat": LAT + 80}, "lat = 90 to 92: allowed -90 to 90 degrees"),
+        ({"lon": LON * np.r_[1, np.nan, 1, 1]}, "none unknown"),
+        ({"lon": LON[[0, 2, 1, 3]]}, "lon: neither rises nor falls all along; sort the grid"),
+        ({"lat": LAT[[0, 0, 1]]}, "lat: neither rises nor falls"),
+        ({"heights": HEIGHT - 32768}, "heights from -32.768 to -32.757 km: allowed -25 to 30 km"),
+        ({"heights": HEIGHT + 3396190.0}, "and give no radii"),
+        ({"heights": HEIGHT * np.nan}, "no height is known"),
+    ],
+)
+def test_coordinates_and_heights_that_are_none_are_told(tmp_path, axes, match):
+    refused(grid(tmp_path / "a.nc", **axes), match)
+
+
+def test_longitudes_go_on_across_the_antimeridian_and_zero_and_either_way(tmp_path):
+    for lon in ([179.0, 179.5, -180.0, -179.5], [359.0, 359.5, 0.0, 0.5], LON[::-1]):
+        read = read_terrain(grid(tmp_path / "a.nc", lat=LAT[::-1], lon=np.array(lon)))
+        assert np.allclose(np.degrees(read.longitude[0]), lon)
+
+
+def test_a_mark_of_the_unknown_that_is_not_declared_is_told(tmp_path):
+    holed = np.where(HEIGHT == 5.0, -32768.0, HEIGHT)
+    refused(geotiff(tmp_path / "a.tif", crs(49900), 70, 12, 0.5, heights=holed), "declare what st")
+    declared = geotiff(tmp_path / "b.tif", crs(49900), 70, 12, 0.5, heights=holed, nodata=-32768.0)
+    assert np.isnan(read_terrain(declared).height[1, 1])
+
+
 def test_geotiffs_that_are_not_of_mars_are_told(tmp_path, monkeypatch):
     refused(geotiff(tmp_path / "a.tif", None, 3, 3, 1), "has no coordinate reference system")
     refused(geotiff(tmp_path / "b.tif", "EPSG:4326", 3, 3, 1), "'WGS 84' is not one of Mars")
