@@ -10,6 +10,7 @@ from tqdm import tqdm
 
 from compass.api.cluster import check_cluster
 from compass.api.given import given_study
+from compass.api.map_areas import AREAS_KNOWN
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.arguments import checked
@@ -21,6 +22,7 @@ from compass.errors import ArgumentError
 from compass.inputs.study import Study
 from compass.quantities.merits import MERITS, merits_of
 from compass.saving import check_writable
+from compass.study.area_figures import BETWEEN, area_columns, shown_areas
 from compass.study.bounds import bounded_figures
 from compass.study.candidates import check_space
 from compass.study.clocks import errors_by_clock
@@ -104,7 +106,9 @@ class TradeResult(Result):
                 "front": self.front,
                 "by_clock": list(self.by_clock),
                 "sampled_over": self._sampled_over,
-                "evidence": dict.fromkeys(self._shares + self._bracketed, "between proven bounds")
+                "evidence": dict.fromkeys(
+                    self._shares + self._areas + self._bracketed, "between proven bounds"
+                )
                 | {name: str(Sampled(how=how)) for name, how in self._sampled_over.items()},
                 "rests_on_samples": rests_on_samples(self.study),
             }
@@ -125,8 +129,9 @@ class TradeResult(Result):
             blocks.append(Sentence(doubts.sentence(own)))
         if front:
             goals = {objective.figure for objective in self.study.objectives}
-            blocks.append(_front_table(front, requirement_columns(self.study).keys() - goals))
-            blocks += self._required_table()
+            apart = {*requirement_columns(self.study), *area_columns(self.study)} - goals
+            blocks.append(_front_table(front, apart))
+            blocks += [*self._area_table(), *self._required_table()]
             blocks += [Sentence(words) for words in self._evidence()]
             blocks += clock_blocks(self.study, self.by_clock)
         stages = tuple(
@@ -158,17 +163,37 @@ class TradeResult(Result):
         columns = (*merits_of("requirements"), *requirement_columns(self.study))
         return [name for name in columns if name.endswith(("_share", "_share_most"))]
 
+    @property
+    def _areas(self) -> list[str]:
+        """Figures and columns of sites and regions that lie between proven bounds, or are one."""
+        return [*BETWEEN, *area_columns(self.study)] if "areas" in self.study.stages else []
+
     def _evidence(self) -> tuple[str, ...]:
         """How well the front is known: which figures are bracketed, which sampled."""
         front, said = self.front, []
-        if bounded := self._bracketed:
-            titles = ", ".join(MERITS[name].title for name in bounded)
+        bounded = self._bracketed
+        if everywhere := [name for name in bounded if name not in BETWEEN]:
+            titles = ", ".join(MERITS[name].title for name in everywhere)
             said.append(f"between proven bounds, everywhere and for all time: {titles}")
+        if self._areas:
+            said.append(f"at sites and in regions: {AREAS_KNOWN}")
         said.append(front_known(self.study, sum(not row["decided"] for row in front)))
         rest = [name for name in (*front[0], *self.study.named) if name not in bounded]
         if how := sampled_over(self.study, list(dict.fromkeys(rest))):
             said.append(f"sampled: {how}")
         return tuple(said)
+
+    def _area_table(self) -> list[Block]:
+        """How those on the front do at each site and in each region; nothing without any."""
+        front = self.front
+        columns = {name: [one.get(name) for one in front] for name in area_columns(self.study)}
+        shown = shown_areas(self.study, columns)
+        if not shown:
+            return []
+        header = ("identity", *(heading for heading, _ in shown))
+        cells = zip(*(values for _, values in shown), strict=True)
+        rows = tuple((one["identity"], *row) for one, row in zip(front, cells, strict=True))
+        return [Table("At sites and in regions, on the front", header, rows, LISTED)]
 
     def _required_table(self) -> list[Block]:
         """How those on the front do by each requirement; nothing where there are none."""

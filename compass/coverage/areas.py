@@ -20,14 +20,20 @@ from compass.design import ERRORS, Design, Requirement
 from compass.frames import SECONDS_PER_DAY
 from compass.sites import Site
 
-#: How near bounds of a share are to come, and those of a percentile, relative to it; and boxes.
-WIDTH, PRECISION, BOXES = 2e-4, 2e-2, 300_000
-
 #: Of the time, or of area and time, in per cent: what values are given for.
 PERCENTS = (50, 95)
 
 #: Bounds between which a number lies.
 Bounds = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Near:
+    """How near bounds come: of a share, of a percentile relative to it; and in how many boxes."""
+
+    width: float = 2e-4
+    precision: float = 2e-2
+    boxes: int = 300_000
 
 
 @dataclass(frozen=True)
@@ -74,6 +80,101 @@ class AreaFigures:
         }
 
 
+@dataclass(frozen=True)
+class Area:
+    """A site or a region, and how its users are asked about; `areas_of` makes them."""
+
+    design: Design
+    wanted: Requirement
+    course: Course
+    users: tuple[Users, ...]
+    effort: Effort
+    near: Near
+
+    @property
+    def name(self) -> str:
+        """Of the site, or the region's text."""
+        return self.wanted.name
+
+    def fold(self) -> Verdict:
+        """Whether the satellites wanted are always in view."""
+        if self.course.for_ever:
+            return verdict_of(self.design, self.wanted)
+        assert self.course.span is not None
+        start, stop = (t / SECONDS_PER_DAY for t in self.course.span)
+        return verdict_of(self.design, self.wanted, days=stop - start, start_day=start)
+
+    def share(self, name: str, limit: float) -> Bounds:
+        """Share with a dilution or an error of at most a limit, wherever the Sun stands."""
+        return _hull([self._share(users, name, limit) for users in self.users])
+
+    def _share(self, users: Users, name: str, limit: float) -> Bounds:
+        skies: list[Any] = [None]
+        if name in ERRORS:
+            skies = list(skies_of(self.design, self.course.span, users.height))
+        found = [
+            self.effort.share(
+                self.design.constellation,
+                limit,
+                width=self.near.width,
+                dop=name,
+                ranges=sky,
+                **self._asked(users),
+            )
+            for sky in skies
+        ]
+        return found[0].low, found[-1].high
+
+    def gdop(self, percent: int) -> Bounds:
+        """What GDOP does not exceed for so many per cent."""
+        found = [
+            self.effort.percentile(
+                self.design.constellation,
+                float(percent),
+                precision=self.near.precision,
+                dop="gdop",
+                **self._asked(users),
+            )
+            for users in self.users
+        ]
+        return _hull([(one.low, one.high) for one in found])
+
+    def _asked(self, users: Users) -> dict[str, Any]:
+        return asked_place(users, self.course) | {
+            "figure": users.figure,
+            "mask": users.mask,
+            "motion": self.design.motion,
+            "budget_boxes": self.near.boxes,
+        }
+
+
+def areas_of(
+    design: Design,
+    *,
+    sites: Sequence[Site] = (),
+    regions: Sequence[str] = (),
+    fold: int,
+    span: tuple[float, float],
+    limited: bool = False,
+    effort: Effort | None = None,
+    near: Near | None = None,
+) -> tuple[Area, ...]:
+    """Every site and region, in this order, to ask about; parameters as of `area_figures`."""
+    wanted = [Requirement(site.name, sites=(site,), fold=fold) for site in sites]
+    wanted += [Requirement(text, regions=(text,), fold=fold) for text in regions]
+    course = None
+    if not limited and design.motion.is_closed_form:
+        course = course_of(design, None, 0.0)
+    if course is None:
+        days = (span[1] - span[0]) / SECONDS_PER_DAY
+        course = course_of(design, days, span[0] / SECONDS_PER_DAY)
+        assert course is not None  # days were given
+    effort, near = effort or Effort(), near or Near()
+    return tuple(
+        Area(design, each, course, users_of(design, each), effort, near) for each in wanted
+    )
+
+
 def area_figures(
     design: Design,
     *,
@@ -85,6 +186,7 @@ def area_figures(
     span: tuple[float, float],
     limited: bool = False,
     effort: Effort | None = None,
+    near: Near | None = None,
 ) -> tuple[AreaFigures, ...]:
     """Figures of every site and region, in this order.
 
@@ -101,92 +203,38 @@ def area_figures(
     span, limited
         Seconds after the epoch from and to which is looked where nothing can be said for ever, or
         wherever it is `limited` to that.
-    effort
-        How far to go; by default `WIDTH`, `PRECISION` and a number of boxes.
+    effort, near
+        How far to go; by default as near as `Near` says.
 
     Raises
     ------
     ArgumentError
         As `compass.coverage.requirement_verdict.verdict_of`, and a region that cannot be read.
     """
-    wanted = [Requirement(site.name, sites=(site,), fold=fold) for site in sites]
-    wanted += [Requirement(text, regions=(text,), fold=fold) for text in regions]
-    effort, ever = effort or Effort(), not limited and design.motion.is_closed_form
-    return tuple(_figures(design, each, pdop_max, error_max, span, ever, effort) for each in wanted)
-
-
-def _figures(
-    design: Design,
-    wanted: Requirement,
-    pdop_max: float,
-    error_max: float,
-    span: tuple[float, float],
-    ever: bool,
-    effort: Effort,
-) -> AreaFigures:
-    everyone = users_of(design, wanted)
-    start, days = span[0] / SECONDS_PER_DAY, (span[1] - span[0]) / SECONDS_PER_DAY
-    course = course_of(design, None, 0.0) if ever else None
-    if course is None:
-        course = course_of(design, days, start)
-        assert course is not None  # days were given
-    later: dict[str, Any] = {} if course.for_ever else {"days": days, "start_day": start}
-    found = [_Part(design, users, course, effort) for users in everyone]
-    availability = _hull([part.share("pdop", pdop_max) for part in found])
-    gdop = {q: _hull([part.gdop(q) for part in found]) for q in PERCENTS}
-    names = ERRORS[:3] if design.signal is not None else ()
-    errors = {name: _hull([part.share(name, error_max) for part in found]) for name in names}
-    fold = verdict_of(design, wanted, **later)
-    return AreaFigures(
-        wanted.name, course.words, fold, pdop_max, availability, gdop, error_max, errors
+    areas = areas_of(
+        design,
+        sites=sites,
+        regions=regions,
+        fold=fold,
+        span=span,
+        limited=limited,
+        effort=effort,
+        near=near,
     )
-
-
-@dataclass(frozen=True)
-class _Part:
-    """Users in one convex part, and how they are asked about."""
-
-    design: Design
-    users: Users
-    course: Course
-    effort: Effort
-
-    def share(self, name: str, limit: float) -> Bounds:
-        """Share with a dilution or an error of at most a limit, wherever the Sun stands."""
-        skies: list[Any] = [None]
-        if name in ERRORS:
-            skies = list(skies_of(self.design, self.course.span, self.users.height))
-        found = [
-            self.effort.share(
-                self.design.constellation,
-                limit,
-                width=WIDTH,
-                dop=name,
-                ranges=sky,
-                **self._asked(),
-            )
-            for sky in skies
-        ]
-        return found[0].low, found[-1].high
-
-    def gdop(self, percent: int) -> Bounds:
-        """What GDOP does not exceed."""
-        found = self.effort.percentile(
-            self.design.constellation,
-            float(percent),
-            precision=PRECISION,
-            dop="gdop",
-            **self._asked(),
+    names = ERRORS[:3] if design.signal is not None else ()
+    return tuple(
+        AreaFigures(
+            area.name,
+            area.course.words,
+            area.fold(),
+            pdop_max,
+            area.share("pdop", pdop_max),
+            {percent: area.gdop(percent) for percent in PERCENTS},
+            error_max,
+            {name: area.share(name, error_max) for name in names},
         )
-        return found.low, found.high
-
-    def _asked(self) -> dict[str, Any]:
-        return asked_place(self.users, self.course) | {
-            "figure": self.users.figure,
-            "mask": self.users.mask,
-            "motion": self.design.motion,
-            "budget_boxes": BOXES,
-        }
+        for area in areas
+    )
 
 
 def _hull(parts: Sequence[Bounds]) -> Bounds:

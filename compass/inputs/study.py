@@ -181,6 +181,8 @@ class Study:
         and that these name; its name as given.
     requirements
         What must be so of every candidate, at its mask.
+    sites, regions
+        Of which figures are wanted besides those of the whole sphere.
     """
 
     name: str
@@ -204,6 +206,8 @@ class Study:
     label: str
     requirements: tuple[Requirement, ...] = ()
     signal: Signal | None = None
+    sites: tuple[Site, ...] = ()
+    regions: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         wanted = ", ".join(f"{one.goal} {one.figure}" for one in self.objectives)
@@ -211,11 +215,12 @@ class Study:
 
     @property
     def stages(self) -> tuple[str, ...]:
-        """What candidates are put through, in order: the last three only where asked for."""
+        """What candidates are put through, in order: after the map only where asked for."""
         followed = "orbits" in {MERITS[name].stage for name in self.named}
         asked = {
             "screen": True,
             "map": True,
+            "areas": bool(self.sites or self.regions),
             "requirements": bool(self.requirements),
             "orbits": followed,
             "entry": bool(self.entry),
@@ -323,6 +328,8 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         label=label,
         requirements=requirements_of(file.requirement, stations),
         signal=None if file.signal is None else signal_of_table(file.signal),
+        sites=tuple(site for site in stations if site.name in (file.map.sites or ())),
+        regions=region_texts(file.map.region),
     )
 
 

@@ -63,7 +63,8 @@ def study_faults(raw: dict[str, Any]) -> list[str]:
             if name in seen:
                 faults.append(fault(f"objective[{k}].figure", name, "is an objective already"))
             seen.add(name)
-    faults += where_faults(table_in(raw, "entry"), "entry", station_names(raw))
+    for key in ("map", "entry"):
+        faults += where_faults(table_in(raw, key), key, station_names(raw))
     return faults + place_faults(raw) + requirement_faults(raw) + signal_faults(raw)
 
 
@@ -173,6 +174,9 @@ def _figure_faults(table: dict[str, Any], path: str, raw: dict[str, Any]) -> lis
             "requirement, K in the file, requirement_K_margin_deg, requirement_K_share and "
             "requirement_K_share_most"
         )
+        return [fault(f"{path}.figure", name, problem)]
+    if MERITS[name].stage == "areas" and not {"sites", "region"} & set(table_in(raw, "map")):
+        problem = "no candidate has this figure without places; add sites or region to [map]"
         return [fault(f"{path}.figure", name, problem)]
     key, remedy = _TABLES.get(MERITS[name].needs or MERITS[name].stage, ("", ""))
     if key and key not in raw:

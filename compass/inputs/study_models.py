@@ -132,6 +132,14 @@ class MapTable(Table):
     step_deg: float = Field(10.0, ge=1, le=45, description="cell of the equal-area grid, degrees")
     epochs: int = Field(12, ge=1, le=10_000, description="epochs in the time that decides")
     pdop_max: float = Field(PDOP_MAX, ge=1, description="largest PDOP that counts as available")
+    sites: SiteNames | None = Field(
+        None,
+        description="names of [[station]] entries of which figures are wanted too: area_fold_met, "
+        "area_margin_deg, area_availability, area_gdop_p50, area_gdop_p95",
+    )
+    region: RegionTexts | None = Field(
+        None, description="regions of which they are wanted, as of a requirement"
+    )
 
 
 class EntryStageTable(Table):

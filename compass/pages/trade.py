@@ -33,6 +33,7 @@ from compass.pages.trade_pictures import (
 )
 from compass.quantities import Quantity, quantity
 from compass.quantities.merits import MERITS, STAGES
+from compass.study.area_figures import shown_areas
 from compass.study.bounds import bounded_figures, bracketed_figures, ends
 from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, finalists_of, notation, rows_in
@@ -221,13 +222,13 @@ def _candidate_table(title: str, study: Study, some: "xr.Dataset") -> Table:
     if isinstance(study.space.mask_deg, Free) or len(study.space.mask_deg) > 1:
         names = ["mask_deg", *names]
     labels = [_quantity(name).heading for name in names]
-    each = required(study, some)
-    labels += [one.heading for one in each]
+    each = [*shown_areas(study, some), *((r.heading, r.values) for r in required(study, some))]
+    labels += [heading for heading, _ in each]
     rows = [
         (
             notation(make_constellation(row)).replace(" ", "\N{NO-BREAK SPACE}"),
             *(_cell(study, some, name, k) for name in names),
-            *(one.values[k] for one in each),
+            *(values[k] for _, values in each),
         )
         for k, row in enumerate(rows_in(some))
     ]

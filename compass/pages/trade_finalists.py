@@ -28,6 +28,7 @@ from compass.pages.answers import verdict_answers
 from compass.pages.judge import judge_section, landing_answer, surface_section
 from compass.quantities.merits import MERITS
 from compass.sites import Mask
+from compass.study.area_figures import demanded_folds
 from compass.study.choice import Finalist
 from compass.study.ranking import Ranking, ground_words, rank_designs
 from compass.study.results import known_figures
@@ -63,12 +64,13 @@ class Entrant:
 
 def entrants(study: Study, chosen: Sequence[Finalist]) -> list[Entrant]:
     """Write each finalist down as a design file with what is required of it, and prove its fold."""
-    wanted, found = study.requirements, []
-    stations = {site.name: site for each in wanted for site in each.sites}
+    wanted, found = (*study.requirements, *demanded_folds(study)), []
+    named = (*study.sites, *(site for each in wanted for site in each.sites))
+    stations = {site.name: site for site in named}
     in_metres = any(name in ERRORS for each in wanted for name, _ in each.limits)
     for k, finalist in enumerate(chosen, start=1):
         c = replace(finalist.constellation, name=finalist.notation)
-        if wanted:  # whose tracks close where the study names the orbits
+        if wanted or "areas" in study.stages:  # tracks close where the study names the orbits
             c = replace(c, repeat=study.space.repeat(float(finalist.row["radius_km"])))
         mask = float(np.radians(finalist.mask_deg))
         source = f'"{finalist.role}" of the trade study "{study.name}" ({study.label})'
@@ -171,10 +173,12 @@ def answer_section(
         other = chosen[1].finalist
         lead += f" Its rival is {other.notation}; beside it, this is "
         lead += f"{against(study, first, other, sampled=False)}."
+    asked = not chosen[0].verdicts or any(c.figure == "fold_proven" for c in study.constraints)
     everywhere = Answer(
-        f"{study.fold} in view above {first.mask_deg:g}°, everywhere",
+        "Not asked for: " * (not asked)
+        + f"{study.fold} in view above {first.mask_deg:g}°, everywhere",
         chosen[0].certificate,
-        chosen[0].certificate == "proven",
+        chosen[0].certificate == "proven" if asked else None,
         "for all time, two-body motion",
     )
     rows = [*verdict_answers(chosen[0].verdicts), everywhere]
@@ -199,7 +203,8 @@ def answer_section(
 
 def _exactly(objective: Objective) -> str:
     """How well a figure that is not sampled is known."""
-    return "proven" if MERITS[objective.figure].stage in ("requirements", "orbits") else "exact"
+    proven = MERITS[objective.figure].stage in ("areas", "requirements", "orbits")
+    return "proven" if proven else "exact"
 
 
 def _lasts(one: Entrant) -> Answer:

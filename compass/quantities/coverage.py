@@ -58,6 +58,28 @@ CONTINUOUS = (
         "too high by this.",
     ),
     Quantity(
+        "area_fold_met", "1", "fold always in view", better="more", form="yes-no",
+        meaning="Whether that is proven at a site or in a region that a study maps; no value "
+        "where it is undecided.",
+    ),
+    Quantity(
+        "area_margin_deg", "deg", "horizon may rise by", 4, "more",
+        meaning="At the site, or in the region, that has least: the fold wanted stays; negative: "
+        "it is missed by this.",
+    ),
+    Quantity(
+        "area_availability", "1", "share with a good PDOP", 5, "more", "share",
+        meaning="Of the time at a site, of area and time in a region; the least of all.",
+    ),
+    Quantity(
+        "area_gdop_p50", "1", "GDOP, median", 3, "less",
+        meaning="Half of the time at a site, of area and time in a region; the greatest of all.",
+    ),
+    Quantity(
+        "area_gdop_p95", "1", "GDOP, 95th percentile", 3, "less",
+        meaning="95 % of the time at a site, of area and time in a region; the greatest of all.",
+    ),
+    Quantity(
         "alike", "1", "sets alike", form="count",
         meaning="Sets of satellites that the pattern's symmetry makes equal to this one.",
     ),

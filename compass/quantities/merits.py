@@ -20,7 +20,7 @@ from compass.quantities.lasting import LASTING
 from compass.quantities.record import Quantity
 
 #: What candidates go through, cheapest first.
-STAGES = ("cost", "screen", "map", "requirements", "orbits", "entry")
+STAGES = ("cost", "screen", "map", "areas", "requirements", "orbits", "entry")
 
 #: What a stage knows of a batch of n candidates: arrays of shape (n, ...), and numbers.
 Known = Mapping[str, Any]
@@ -92,6 +92,16 @@ def median_number(counts: NDArray[np.int64]) -> NDArray[np.float64]:
 
 
 _SHARED = {q.name: q for q in (*DESIGN, *GEOMETRY, *CONTINUOUS, *MAPS, *LASTING)}
+
+
+#: What figures of all sites and regions of a study add to the title of those of one.
+WORST = ", worst site or region"
+
+
+def _of_areas(name: str) -> Merit:
+    """A figure of the worst of all sites and regions of a study."""
+    return Merit(replace(_SHARED[name], title=_SHARED[name].title + WORST), "areas")
+
 
 _ALL = (
     Merit(_SHARED["satellites"], "cost"),
@@ -201,6 +211,11 @@ _ALL = (
     _error("error_vertical_m", "vertical error"),
     _error("error_position_m", "position error"),
     _error("error_time_m", "time error"),
+    _of_areas("area_fold_met"),
+    _of_areas("area_margin_deg"),
+    _of_areas("area_availability"),
+    _of_areas("area_gdop_p50"),
+    _of_areas("area_gdop_p95"),
     Merit(_SHARED["requirements_met"], "requirements"),
     Merit(_SHARED["requirement_margin_deg"], "requirements"),
     Merit(_SHARED["requirement_share"], "requirements"),

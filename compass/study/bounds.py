@@ -1,16 +1,16 @@
 """Proven bounds of the geometry of candidates: only as near as it takes to decide their order."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.coverage.areas import Near
 from compass.coverage.certified_percentile import CertifiedPercentile, percentile_about
 from compass.coverage.certified_question import Asked
 from compass.coverage.certified_share import CertifiedShare, certified_share
 from compass.inputs.study import Study
 from compass.orbits import Constellation
 from compass.sites import Mask
+from compass.study.area_figures import BETWEEN, area_bounds
 from compass.study.candidates import make_constellation
 from compass.study.pattern_map import map_figures
 
@@ -24,21 +24,12 @@ BOUNDED: dict[str, tuple[str, float | None]] = {
 }
 
 
-@dataclass(frozen=True)
-class Level:
-    """How near bounds come: of a share, of a percentile relative to it; and in how many boxes."""
-
-    width: float
-    precision: float
-    boxes: int
-
-
 #: One after the other, each for those that the one before leaves undecided. Boxes and not seconds
 #: end them, so that any machine and any number of workers come to the same order.
 LEVELS = {
-    "bounds-1": Level(2e-2, 0.4, 240_000),
-    "bounds-2": Level(2e-3, 0.04, 1_000_000),
-    "bounds-3": Level(2e-4, 0.004, 4_000_000),
+    "bounds-1": Near(2e-2, 0.4, 240_000),
+    "bounds-2": Near(2e-3, 0.04, 1_000_000),
+    "bounds-3": Near(2e-4, 0.004, 4_000_000),
 }
 
 
@@ -49,50 +40,56 @@ def ends(figure: str) -> tuple[str, str]:
     return f"{figure}_low", f"{figure}_high"
 
 
-def bound_columns() -> tuple[str, ...]:
-    """Columns that every level stores."""
-    return tuple(name for figure in BOUNDED for name in ends(figure))
+def bound_columns(study: Study) -> tuple[str, ...]:
+    """Columns that every level stores: of the globe all, of areas those that it brings nearer."""
+    areas = [figure for figure in BETWEEN if figure in study.named]
+    return tuple(name for figure in (*BOUNDED, *areas) for name in ends(figure))
 
 
 def bounded_figures(study: Study) -> list[str]:
-    """Figures that the study sorts by or limits, and that have proven bounds."""
-    asked = {o.figure for o in study.objectives} | {c.figure for c in study.constraints}
-    return [figure for figure in BOUNDED if figure in asked]
+    """Figures that the study sorts by or limits, and that levels bring nearer."""
+    return [figure for figure in (*BOUNDED, *BETWEEN) if figure in study.named]
 
 
 def bracketed_figures(study: Study) -> list[str]:
-    """Figures that the study sorts by or limits whose bounds candidates may have: shares too."""
+    """Figures whose bounds candidates may have: those bounded, of areas all, and shares."""
     shares = [name for name in study.named if ends(name)[0] == name]
-    return [*bounded_figures(study), *sorted(shares)]
+    areas = BETWEEN if "areas" in study.stages else ()
+    return [*dict.fromkeys([*bounded_figures(study), *areas]), *sorted(shares)]
 
 
 def limited_figures(study: Study) -> list[str]:
-    """Figures that the study limits, and that have proven bounds."""
-    return [figure for figure in bounded_figures(study) if _limits(study, figure)]
+    """Figures of the globe that the study limits, and that have proven bounds."""
+    return [figure for figure in BOUNDED if _limits(study, figure)]
 
 
-def bounds(level: Level, study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
+def bounds(level: Near, study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
     """Bounds of what a study asks of geometry, shape (n,) each; nan where it does not.
 
     For all area and all time, on the study's figure; a share holds whatever the turn of Mars.
     The search for them begins at what is sampled, and a limit of the study's between them is
     looked at itself.
     """
-    found = {name: np.full(rows.size, np.nan) for name in bound_columns()}
-    sampled = map_figures(study, rows)
+    found = {name: np.full(rows.size, np.nan) for name in bound_columns(study)}
+    everywhere = [figure for figure in bounded_figures(study) if figure in BOUNDED]
+    areas = [figure for figure in bounded_figures(study) if figure in BETWEEN]
+    sampled = map_figures(study, rows) if everywhere else {}
     for k, row in enumerate(rows):
         pattern = make_constellation(row)
         mask = Mask.constant(float(np.radians(row["mask_deg"])))
-        for figure in bounded_figures(study):
+        for figure in everywhere:
             asked: Asked = {"dop": BOUNDED[figure][0], "figure": study.figure, "mask": mask}
             known = _bound(level, study, figure, float(sampled[figure][k]), pattern, asked)
             low, high = ends(figure)
             found[low][k], found[high][k] = known.low, known.high
+        for figure, pair in area_bounds(study, row, areas, level).items():
+            for end, bound in zip(ends(figure), pair, strict=True):
+                found[end][k] = bound
     return found
 
 
 def _bound(
-    level: Level, study: Study, figure: str, sampled: float, pattern: Constellation, asked: Asked
+    level: Near, study: Study, figure: str, sampled: float, pattern: Constellation, asked: Asked
 ) -> CertifiedShare | CertifiedPercentile:
     """Bounds of one figure of one candidate."""
     percent, limits = BOUNDED[figure][1], _limits(study, figure)

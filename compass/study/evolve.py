@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from compass.errors import ArgumentError
 from compass.inputs.study import Study
 from compass.quantities.merits import MERITS
+from compass.study.area_figures import area_columns
 from compass.study.candidates import blocks, identities, pick
 from compass.study.requirement_figures import requirement_columns
 from compass.study.stages import passing
@@ -29,7 +30,7 @@ class Known:
 
     def __init__(self, store: Store, study: Study) -> None:
         self._path, self._study, self._end = store.path, study, 0
-        self._names = (*MERITS, *requirement_columns(study))
+        self._names = (*MERITS, *area_columns(study), *requirement_columns(study))
         self._values: dict[str, NDArray[np.float64]] = {}
 
     def figures(self, keys: list[str]) -> dict[str, NDArray[np.float64]]:

@@ -12,6 +12,7 @@ from compass.errors import ArgumentError
 from compass.inputs.study import Study
 from compass.quantities import quantity
 from compass.quantities.merits import MERITS, STAGES, merits_of
+from compass.study.area_figures import BETWEEN, area_columns
 from compass.study.bounds import BOUNDED, bound_columns, bounded_figures, bracketed_figures, ends
 from compass.study.candidates import PATTERNS, ROW, identities
 from compass.study.order import order_of
@@ -23,6 +24,10 @@ from compass.study.store import FILE, read_lines
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+#: Columns of bounds that stand in brackets beside their figure.
+_ENDS = {end for figure in BETWEEN for end in ends(figure)}
 
 
 def read_results(study: Study, folder: Path) -> "xr.Dataset":
@@ -66,7 +71,8 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
     keys = identities(rows)
     place = {key: k for k, key in enumerate(keys)}
     each = requirement_columns(study)
-    figures = {name: np.full(rows.size, np.nan) for name in (*MERITS, *bound_columns(), *each)}
+    names = (*MERITS, *bound_columns(study), *area_columns(study), *each)
+    figures = {name: np.full(rows.size, np.nan) for name in names}
     stage, error = np.zeros(rows.size, "i1"), np.full(rows.size, "", dtype=object)
     for name in FINDERS:
         for batch in batches[name]:
@@ -95,13 +101,14 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
                 bounded = figure in bounded_figures(study)
                 attrs["sampled_over"] = how + ("; where there are bounds, their middle" * bounded)
             data[figure] = ("candidate", _middle(figures, figure), attrs)
-    for figure in bounded_figures(study):
+    for figure in [name for name in bounded_figures(study) if name in BOUNDED]:
         for end, side in zip(ends(figure), ("lower", "upper"), strict=True):
             attrs = MERITS[figure].quantity.attributes()
             title = f"{attrs['long_name']}, proven {side} bound"
             attrs |= {"long_name": title, "evidence": "proven bound"}
             data[end] = ("candidate", figures[end], attrs)
-    data |= {name: ("candidate", figures[name], attrs) for name, attrs in each.items()}
+    for name, attrs in (area_columns(study) | each).items():
+        data[name] = ("candidate", figures[name], attrs)
     if study.requirements:
         for name in (*merits_of("requirements"), *each):
             data[name][2]["evidence"] = "proven, or of a share a proven bound"
@@ -124,7 +131,7 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
 
 def _middle(figures: dict[str, NDArray[np.float64]], figure: str) -> NDArray[np.float64]:
     """Values of a figure, the middle of its bounds where both are known."""
-    if figure not in BOUNDED:
+    if figure not in (*BOUNDED, *BETWEEN) or ends(figure)[0] not in figures:
         return figures[figure]
     low, high = (figures[end] for end in ends(figure))
     return np.where(np.isfinite(low + high), 0.5 * (low + high), figures[figure])
@@ -151,8 +158,12 @@ def first_front(study: Study, results: "xr.Dataset") -> list[dict[str, Any]]:
     """
     front = results.isel(candidate=np.flatnonzero(results.front.values == 0))
     order = np.lexsort([o.sign * front[o.figure].values for o in study.objectives[::-1]])
-    together = merits_of("requirements") if study.requirements else ()
-    figures = (*(o.figure for o in study.objectives), *together, *requirement_columns(study))
+    stages = [stage for stage in ("areas", "requirements") if stage in study.stages]
+    together = [name for stage in stages for name in merits_of(stage)]
+    each = [name for name in area_columns(study) if name not in _ENDS]
+    figures = (
+        *(o.figure for o in study.objectives), *together, *each, *requirement_columns(study)
+    )  # fmt: skip
     names = dict.fromkeys(["identity", *(ROW.names or ()), *figures])
     columns = {}
     for name in names:

@@ -3,10 +3,11 @@
 1. ``screen``: cost proxies, the exact continuous fold and its margin, closest approach, what
    keeping costs by a quick law; a kernel call for a thousand candidates.
 2. ``map``: geometry (DOP, counts) over area and time, for candidates that pass the screen.
-3. ``requirements``: what the study requires at its sites and in its regions, proven or bracketed.
-4. ``orbits``: how long the fold is proven on real orbits, where the study asks for it.
-5. ``entry``: landing navigation, for the best of those that pass all before.
-6. ``bounds-1``, ...: proven bounds of geometry, as near as it takes to decide the order.
+3. ``areas``: fold and geometry at the study's sites and in its regions, where it names any.
+4. ``requirements``: what the study requires at its sites and in its regions, proven or bracketed.
+5. ``orbits``: how long the fold is proven on real orbits, where the study asks for it.
+6. ``entry``: landing navigation, for the best of those that pass all before.
+7. ``bounds-1``, ...: proven bounds of geometry, as near as it takes to decide the order.
 
 Every function takes candidates and the study, and nothing else decides its numbers: neither the
 batch a candidate is in nor the worker.
@@ -24,10 +25,12 @@ from compass.core.screen import screen_patterns
 from compass.coverage.cap import cap_radius, mask_for_cap
 from compass.inputs.study import Study
 from compass.quantities.merits import merits_of, worked_out
+from compass.study.area_figures import area_columns, area_figures
 from compass.study.bounds import LEVELS, bound_columns, bounds
 from compass.study.candidates import patterns_of
 from compass.study.cost import cost_figures
 from compass.study.lasting import keeping_law, orbits_figures
+from compass.study.order import may_hold
 from compass.study.pattern_judging import entry_figures
 from compass.study.pattern_map import map_figures
 from compass.study.requirement_figures import requirement_columns, requirement_figures
@@ -102,7 +105,9 @@ class StudyJob:
 def figures_of(stage: str, study: Study) -> tuple[str, ...]:
     """Names of the figures that a stage of a study stores."""
     if stage in LEVELS:
-        return bound_columns()
+        return bound_columns(study)
+    if stage == "areas":
+        return (*merits_of(stage), *area_columns(study))
     if stage == "screen":
         return (*merits_of("cost"), *merits_of("screen"))
     if stage == "requirements":
@@ -111,7 +116,12 @@ def figures_of(stage: str, study: Study) -> tuple[str, ...]:
 
 
 def passing(study: Study, stage: str, figures: dict[str, NDArray[np.float64]]) -> NDArray[np.bool_]:
-    """Which candidates meet every constraint on a stage's figures, shape (n,)."""
+    """Which candidates meet every constraint on a stage's figures, shape (n,).
+
+    Bounds of areas come nearer later: of these, who may meet it.
+    """
+    if stage == "areas":
+        return may_hold(study.constraints_of(stage), figures)
     size = next(iter(figures.values())).size
     keep = np.ones(size, dtype=bool)
     for constraint in study.constraints_of(stage):
@@ -155,6 +165,7 @@ def screen(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
 FINDERS: dict[str, Callable[[Study, NDArray], dict[str, NDArray[np.float64]]]] = {
     "screen": screen,
     "map": map_figures,
+    "areas": partial(area_figures, near=LEVELS["bounds-1"]),
     "requirements": requirement_figures,
     "orbits": orbits_figures,
     "entry": entry_figures,

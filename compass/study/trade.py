@@ -26,9 +26,14 @@ from compass.study.workers import Workers
 NAMED = 5
 
 #: Candidates a task: some 80 ms of work, to dwarf its handling, and little enough to lose.
-BATCH = {"screen": 500, "map": 128, "requirements": 4, "orbits": 1, "entry": 96} | dict.fromkeys(
-    LEVELS, 8
-)
+BATCH = {
+    "screen": 500,
+    "map": 128,
+    "areas": 4,
+    "requirements": 4,
+    "orbits": 1,
+    "entry": 96,
+} | dict.fromkeys(LEVELS, 8)
 
 #: Figure of the map that tells most about a lander's bound before it is judged: over the patterns
 #: of designs/study-fourfold.toml from 14 satellites on, rank correlation 0.8 with its median and
@@ -112,7 +117,7 @@ def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summa
     summary.candidates = len(found)
     _stage("screen", batches(found, BATCH["screen"]), store, workers, bars, summary, len(found))
     before = "screen"
-    for stage in ("map", "requirements", "orbits"):
+    for stage in ("map", "areas", "requirements", "orbits"):
         if stage in study.stages:
             _stage(stage, passed(study, store, before), store, workers, bars, summary)
             if stage == "map" and limited_figures(study):
@@ -131,7 +136,7 @@ def _settle(study: Study, store: Store, refine: Callable[[str, NDArray], None]) 
     rows = rows[~np.isnan(np.column_stack(list(wanted.values()))).any(axis=1)]
 
     def figures(some: NDArray) -> dict[str, NDArray[np.float64]]:
-        return gather(store, identities(some), study.named | set(bound_columns()))
+        return gather(store, identities(some), study.named | set(bound_columns(study)))
 
     settle(study, rows, figures, refine)
 
@@ -212,7 +217,7 @@ def passed(study: Study, store: Store, stage: str) -> NDArray:
     """
     if stage == "map" and (limited := limited_figures(study)):
         rows = mapped(study, store)
-        known = gather(store, identities(rows), {*limited, *bound_columns()})
+        known = gather(store, identities(rows), {*limited, *bound_columns(study)})
         return rows[may_hold([c for c in study.constraints if c.figure in limited], known)]
     return _passed(study, store, stage)
 

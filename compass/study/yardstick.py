@@ -16,6 +16,8 @@ from compass.design import Design
 from compass.inputs.study import Study
 from compass.orbits import Constellation
 from compass.quantities.merits import MERITS
+from compass.study.area_figures import of_areas
+from compass.study.bounds import LEVELS
 from compass.study.candidates import PATTERNS, ROW
 from compass.study.choice import notation
 from compass.study.lasting import proven_days
@@ -163,6 +165,8 @@ def _by_itself(
     ]
     figures |= {name: float(value) for name, value in geometry.items()}
     errors = {name: float(value) for name, value in doubtful(geometry, closer).items()}
+    if "areas" in study.stages:
+        figures |= of_areas(study, c, mask, LEVELS["bounds-2"])
     if study.requirements:
         figures |= settled(study, c, mask)
     if "orbits" in study.stages:

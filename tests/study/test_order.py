@@ -109,7 +109,7 @@ def test_only_what_is_open_is_brought_nearer(tiny, tmp_path, monkeypatch):
     def bracketed(level, study, rows):
         asked.append((level, rows.size))
         width = {"bounds-1": 0.3, "bounds-2": 1e-2, "bounds-3": 1e-4}[level]
-        found = {name: np.full(rows.size, np.nan) for name in bound_columns()}
+        found = {name: np.full(rows.size, np.nan) for name in bound_columns(study)}
         low, high = ends("gdop_p95")
         middle = 3.0 + 1e-3 * rows["inclination_deg"] + 0.5 * (rows["phasing"] % 2)
         found[low], found[high] = middle - 0.7 * width, middle + 0.3 * width
@@ -146,7 +146,7 @@ def test_what_cannot_be_told_is_said(tiny, tmp_path, monkeypatch):
     monkeypatch.setattr("compass.study.order.LEVELS", LEVELS)
 
     def wide(study, rows):
-        found = {name: np.full(rows.size, np.nan) for name in bound_columns()}
+        found = {name: np.full(rows.size, np.nan) for name in bound_columns(study)}
         for name, value in zip(ends("availability"), (0.2, 0.95), strict=True):
             found[name] = np.full(rows.size, value)
         return found
