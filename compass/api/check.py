@@ -181,8 +181,8 @@ def check(
     motion
         ``two-body``, ``j2`` or ``numerical``; else the design's.
     width, budget_s
-        How near bounds of each share of geometry are to come, and seconds that it may take; by
-        default 1e-4, and a number of boxes.
+        How near bounds of each share of geometry are to come, by default 1e-4, and seconds that
+        each share, of satellites in view too, may take; by default a number of boxes.
     leaves
         File of open boxes: what it holds of the same question is gone on from, and what is left
         open is kept there.

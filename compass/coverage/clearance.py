@@ -6,11 +6,14 @@ claim for ever: longitude and phase together come arbitrarily near every pair of
 """
 
 from dataclasses import dataclass, replace
-from math import inf
+from itertools import pairwise
+from math import inf, log
+from time import perf_counter
 
 import numpy as np
 
 from compass.core import clearance as kernels
+from compass.cores import shared
 from compass.coverage.certified_longitudes import weighed_share
 from compass.coverage.clearance_layout import Laid, Moving, check_users, lay_out, place_of
 from compass.coverage.region import GLOBE
@@ -31,6 +34,15 @@ FIRST_WIDTHS = (0.3, 0.1, 0.03, 0.01)
 
 #: Parts of the least clearance seen that are tried as bounds where boxes do not suffice for more.
 PARTS = (0.25, 0.5, 0.8)
+
+#: Equal parts of the time in which shares over a span are looked for, several at once.
+TIMES = 4
+
+#: How many times as many boxes a measure of a quarter takes, as long as that is not known.
+GROWTH = 2.6
+
+#: Boxes by which it is told how many there are in so many seconds.
+TRIAL_BOXES = 20_000
 
 #: Satellites times boxes, each of which looks at all of them: a minute at the most, so that many
 #: satellites have an answer too, in wider bounds.
@@ -180,6 +192,7 @@ def clear_share(
     width: float = 1e-4,
     level: float | None = None,
     most: int | None = None,
+    seconds: float | None = None,
 ) -> Share:
     """Bracket the share of time, of several latitudes of area and time, with `fold` in view.
 
@@ -193,22 +206,35 @@ def clear_share(
         Stop, too, when both are on one side of this.
     most
         Boxes to look at; `MOST_BOXES` if left out; fewer with many satellites.
+    seconds
+        Look at as many boxes as that takes, about, instead.
     """
     check_users(constellation, users, fold)
     if constellation.size < fold:
         return Share(0.0, 0.0, 0)
     laid = lay_out(constellation, users, span)
-    most = _affordable(most, constellation.size)
-    finest, total, low, high = 1e-2, 0, 0.0, 1.0
+    began, left = perf_counter(), _affordable(most, constellation.size)
+    finest, total, low, high, before = 1e-2, 0, 0.0, 1.0, 0
     while True:
-        found = _share(laid, fold, 0, finest, most - total)
-        total += found.boxes
+        started = perf_counter()
+        found = _in_parts(laid, fold, finest, left)
+        total, left = total + found.boxes, left - found.boxes
         # a pass that is cut short says less than the one before
         low, high = max(low, found.low), min(high, found.high)
         told = level is not None and (low >= level or high < level)
-        if told or high - low <= width or total >= most:
+        if told or high - low <= width:
             return Share(low, high, total)
-        finest *= 0.25
+        if seconds is not None:
+            now = perf_counter()
+            left = int((began + seconds - now) * found.boxes / max(now - started, 1e-6))
+        growth = max(found.boxes / before, 1.5) if before else GROWTH
+        before = found.boxes
+        if growth * before <= left:
+            finest *= 0.25
+        elif left > 1.5 * before:  # boxes grow as a power of the measure at which they end
+            finest *= (0.8 * left / before) ** (-log(4.0) / log(growth))
+        else:
+            return Share(low, high, total)
 
 
 def polygon_share(
@@ -219,6 +245,7 @@ def polygon_share(
     width: float = 1e-3,
     level: float | None = None,
     most: int | None = None,
+    seconds: float | None = None,
 ) -> Share:
     """Bracket the share of area and time of a polygon for ever, where tracks do not close.
 
@@ -239,7 +266,7 @@ def polygon_share(
         return share.low, share.high, share.boxes, "boxes" if short else ""
 
     low, high, boxes = 0.0, 1.0, 0
-    left = _affordable(most, constellation.size)
+    left = _boxes(lay_out(constellation, everyone, None), fold, most, seconds)
     for near in (*(one for one in FIRST_WIDTHS if one > width), width):
         below, above, looked, _ = weighed_share(
             users.region.normals,
@@ -257,6 +284,23 @@ def polygon_share(
         if told or high - low <= width or boxes >= left:
             break
     return Share(float(low), float(high), boxes)
+
+
+def _in_parts(laid: Laid, fold: int, finest: float, most: int) -> Share:
+    """Bounds of a share of area and time, over some parts of the time at once, a thread a core."""
+    begin, end = laid.domain[2]
+    if not laid.turn or end <= begin:
+        return _share(laid, fold, 0, finest, most)
+
+    def part(edges: tuple[float, float]) -> Share:
+        domain = np.array([*laid.domain[:2], edges])
+        return _share(replace(laid, domain=domain), fold, 0, finest, most // TIMES)
+
+    times = np.linspace(begin, end, TIMES + 1).tolist()
+    found = list(shared(part, pairwise(times)))
+    low = sum(share.low for share in found) / TIMES
+    high = sum(share.high for share in found) / TIMES
+    return Share(low, high, sum(share.boxes for share in found))
 
 
 def _share(laid: Laid, fold: int, whole: int, finest: float, most: int) -> Share:
@@ -287,6 +331,7 @@ def worst_share(
     width: float = 1e-3,
     level: float | None = None,
     most: int | None = None,
+    seconds: float | None = None,
 ) -> tuple[Share, float]:
     """Bracket the share of time with `fold` in view where that is least (`compass.coverage.tiles`).
 
@@ -300,7 +345,10 @@ def worst_share(
     check_users(constellation, users, fold)
     if constellation.size < fold:
         return Share(0.0, 0.0, 0), users.south
-    most, places = _affordable(most, constellation.size), span is not None
+    most, places = (
+        _boxes(lay_out(constellation, users, span), fold, most, seconds),
+        span is not None,
+    )
 
     def at(latitude: float, longitude: float) -> tuple[float, int]:
         here = replace(users, south=latitude, north=latitude, region=GLOBE)
@@ -330,6 +378,16 @@ def worst_share(
 def _affordable(most: int | None, satellites: int) -> int:
     """Boxes to look at with so many satellites."""
     return min(MOST_BOXES if most is None else most, MOST_SIGHTS // satellites)
+
+
+def _boxes(laid: Laid, fold: int, most: int | None, seconds: float | None) -> int:
+    """Boxes to look at: so many, or as many as so many seconds take by a trial of some."""
+    if seconds is None:
+        return _affordable(most, laid.orbits.shape[0])
+    _share(laid, fold, 0, 1e-6, 1)  # its kernel is there then
+    began = perf_counter()
+    tried = _share(laid, fold, 0, 1e-6, TRIAL_BOXES).boxes
+    return max(int(tried * seconds / max(perf_counter() - began, 1e-6)), 1)
 
 
 def _least(

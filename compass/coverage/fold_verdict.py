@@ -8,6 +8,7 @@ import numpy as np
 
 from compass.bodies import MARS_ROTATION_RATE
 from compass.cores import shared
+from compass.coverage.certified_effort import Effort
 from compass.coverage.clearance import (
     Clearance,
     Share,
@@ -118,6 +119,7 @@ def fold_verdict(
     *,
     days: float | None = None,
     start_day: float = 0.0,
+    effort: Effort | None = None,
 ) -> Verdict:
     """Verdict on "so many satellites in view" of a requirement, on ellipses that keep their shape.
 
@@ -129,6 +131,8 @@ def fold_verdict(
         Wants a fold.
     days, start_day
         Prove it for so many days from a day on, at the place, and not for ever.
+    effort
+        Its seconds for each share, if it has any.
 
     Raises
     ------
@@ -144,7 +148,8 @@ def fold_verdict(
         )
     users = users_of(design, requirement)
     if requirement.share < 1.0:
-        return _often(design.constellation, users, requirement, course)
+        cases = losses_of(design.constellation, requirement, users, course)
+        return often(cases, users, requirement, course, effort)
     return _always(design.constellation, users, requirement, course)
 
 
@@ -286,23 +291,17 @@ def _missed_share(
     return share.low, share.high
 
 
-def _often(
-    c: Constellation, users: tuple[Users, ...], requirement: Requirement, course: Course
-) -> Verdict:
-    """Verdict on a fold wanted for a share of the time, or of area and time."""
-    return often(losses_of(c, requirement, users, course), users, requirement, course)
-
-
 def often(
     cases: Iterable[tuple[tuple[str, ...], int, Moving]],
     users: Sequence[Users],
     requirement: Requirement,
     course: Course,
+    effort: Effort | None = None,
 ) -> Verdict:
     """Verdict on a fold wanted for a share, of what is left in some cases (as of `losses_of`)."""
     shares: list[tuple[Share, float, tuple[str, ...], int]] = []
     for lost, alike, left in cases:
-        parts = [_share_of(left, each, requirement, course) for each in users]
+        parts = [_share_of(left, each, requirement, course, effort or Effort()) for each in users]
         least = min(parts, key=lambda part: part[0].low)
         high = min(part[0].high for part in parts)
         if requirement.share_of == "area-time":  # a mean lies between its parts
@@ -312,7 +311,9 @@ def often(
     high = min(one[0].high for one in shares)
     wanted = requirement.share
     met = True if share.low >= wanted else False if high < wanted else None
-    reason = "" if met is not None else f"the bounds lie on both sides of {wanted:g}"
+    reason = ""
+    if met is None:
+        reason = f"the bounds lie on both sides of {wanted:g}; --budget-s (budget_s) looks longer"
     by_time = requirement.share_of == "time"
     worst = Worst(None, latitude, None, high, "share") if by_time else None
     bounds = (min(share.low, high), high)
@@ -322,24 +323,22 @@ def often(
 
 
 def _share_of(
-    c: Moving, users: Users, requirement: Requirement, course: Course
+    c: Moving, users: Users, requirement: Requirement, course: Course, effort: Effort
 ) -> tuple[Share, float]:
     """Share of users, and the latitude it is worst at."""
     assert requirement.fold is not None
-    fold, level = requirement.fold, requirement.share
+    fold, seconds = requirement.fold, effort.budget_s
+    far: dict[str, Any] = {"level": requirement.share, "most": SHARE_BOXES, "seconds": seconds}
     latitude = centric(0.5 * (users.south + users.north), users.figure)
     if users.longitude is not None:
         place = users.belt() if course.span is None else users
-        share = clear_share(c, place, fold, span=course.span, level=level, most=SHARE_BOXES)
-        return share, latitude
+        return clear_share(c, place, fold, span=course.span, **far), latitude
     if requirement.share_of == "area-time":
         if course.span is None and isinstance(c, Constellation) and not users.is_belt:
-            found = polygon_share(c, users, fold, width=1e-3, level=level, most=SHARE_BOXES)
-            return found, latitude
+            return polygon_share(c, users, fold, **far), latitude
         repeats = isinstance(c, Constellation) and one_period(c) and course.for_ever
         span = None if users.is_belt and repeats else course.span
-        asked: dict[str, Any] = {"span": span, "width": 1e-3, "level": level, "most": SHARE_BOXES}
-        return clear_share(c, users, fold, **asked), latitude
+        return clear_share(c, users, fold, span=span, width=1e-3, **far), latitude
     asked_of = users.belt() if course.span is None else users
-    share, worst = worst_share(c, asked_of, fold, span=course.span, level=level, most=SHARE_BOXES)
+    share, worst = worst_share(c, asked_of, fold, span=course.span, **far)
     return share, centric(worst, users.figure)

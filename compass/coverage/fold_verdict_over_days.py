@@ -11,6 +11,7 @@ import numpy as np
 
 from compass.cores import shared
 from compass.coverage.certificate import Outcome
+from compass.coverage.certified_effort import Effort
 from compass.coverage.claims import Claim, claims_of
 from compass.coverage.fold_verdict import Course, ask, often, users_of, worst_of
 from compass.coverage.lasting import Lasting, prove_span
@@ -28,7 +29,12 @@ STRETCH, MOST_SETS = 7.0 * SECONDS_PER_DAY, 1000
 
 
 def fold_verdict_over_days(
-    design: Design, requirement: Requirement, *, days: float | None, start_day: float = 0.0
+    design: Design,
+    requirement: Requirement,
+    *,
+    days: float | None,
+    start_day: float = 0.0,
+    effort: Effort | None = None,
 ) -> Verdict:
     """Verdict on "so many satellites in view" along the paths of a design's motion.
 
@@ -38,6 +44,8 @@ def fold_verdict_over_days(
         As in `compass.coverage.requirement_verdict.verdict_of`; the requirement wants a fold.
     days, start_day
         The span.
+    effort
+        Its seconds for each share, if it has any.
 
     Raises
     ------
@@ -52,7 +60,7 @@ def fold_verdict_over_days(
     path = motion.trajectory(design.constellation, start, stop)
     if not_followed(design, requirement):
         course = Course((start, stop), False, scope + _given({path.estimated}))
-        return _by_boxes(path, users_of(design, requirement), requirement, course)
+        return _by_boxes(path, users_of(design, requirement), requirement, course, effort)
     # whichever are lost: so many are left if so many more are there
     fold = requirement.fold + requirement.losses
     claims, users = claims_of(design, requirement), users_of(design, requirement)
@@ -137,7 +145,11 @@ def _given(estimated: set[str]) -> str:
 
 
 def _by_boxes(
-    path: Trajectory, users: Sequence[Users], requirement: Requirement, course: Course
+    path: Trajectory,
+    users: Sequence[Users],
+    requirement: Requirement,
+    course: Course,
+    effort: Effort | None,
 ) -> Verdict:
     """Verdict along paths from boxes of place and time: beams, users above, shares, any figure.
 
@@ -147,7 +159,7 @@ def _by_boxes(
     assert requirement.fold is not None
     assert course.span is not None
     if requirement.share < 1.0:
-        return often(_without(path, requirement.losses), users, requirement, course)
+        return often(_without(path, requirement.losses), users, requirement, course, effort)
     # whichever are lost: so many are left if so many more are there
     fold, (start, stop) = requirement.fold + requirement.losses, course.span
     low, tightest = np.inf, None

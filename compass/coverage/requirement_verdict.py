@@ -30,8 +30,8 @@ def verdict_of(
         For so many days from a day after the epoch on; without days for ever, which only
         ellipses that keep their shape allow.
     effort
-        How far to go with each share of geometry; by default so many boxes, which is the same on
-        any machine.
+        How far to go with each share of geometry, and seconds for those of satellites in view; by
+        default so many boxes, which is the same on any machine.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def verdict_of(
     verdicts = []
     if requirement.counts is not None:
         settled = fold_verdict if closed_form(design, days) else fold_verdict_over_days
-        verdicts.append(settled(design, requirement, days=days, start_day=start_day))
+        verdicts.append(settled(design, requirement, days=days, start_day=start_day, effort=effort))
     for name, limit in requirement.limits:
         verdicts.append(
             geometry_verdict(

@@ -146,10 +146,11 @@ def _degrees(axis: "xr.DataArray", path: Path) -> NDArray[np.float64]:
             f"{path}: {axis.name}: units = {axis.attrs['units']!r}; allowed degrees north and "
             "degrees east; turn the grid's coordinate into these"
         )
-    if not (np.isfinite(values).all() and least <= values.min() and values.max() <= most):
+    known = values[np.isfinite(values)]
+    if known.size < values.size or not least <= known.min() <= known.max() <= most:
+        span = f"{known.min():g} to {known.max():g}" if known.size else "unknown"
         raise ArgumentError(
-            f"{path}: {axis.name} = {values.min():g} to {values.max():g}: allowed {least:g} to "
-            f"{most:g} degrees, none unknown"
+            f"{path}: {axis.name} = {span}: allowed {least:g} to {most:g} degrees, none unknown"
         )
     steps = np.diff(values)
     if not _is_latitude(axis):

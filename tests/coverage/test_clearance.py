@@ -254,6 +254,28 @@ def test_the_share_of_a_polygon_for_ever_against_samples():
 
 
 @pytest.mark.slow
+def test_seconds_bring_the_share_of_a_span_nearer_about_samples():
+    """Of users in a triangle that turns with Mars: parts of the time together make the whole."""
+    c = walker_delta(9, 3, 1, inclination_deg=50, radius_km=12000)
+    (region,) = read_regions("polygon:0,0;20,10;0,40")
+    users, span = region_users(region, SPHERE, Mask.constant(0.15)), (3e4, 6e4)
+    few = clear_share(c, users, 3, span=span, most=20_000)
+    more = clear_share(c, users, 3, span=span, seconds=1.0)
+    rng = np.random.default_rng(5)
+    places = rng.normal(size=(200_000, 3))
+    places /= np.linalg.norm(places, axis=1, keepdims=True)
+    places = places[region.contains(places)]
+    seen = []
+    for time, place in zip(rng.uniform(*span, len(places)), places, strict=True):
+        up = positions_mcmf(c, [time])[:, 0] - R * place
+        seen.append((up @ place / np.linalg.norm(up, axis=1) >= np.sin(0.15)).sum() >= 3)
+    sampled, sigma = np.mean(seen), 0.5 / np.sqrt(len(seen))
+    assert more.low - 4 * sigma <= sampled <= more.high + 4 * sigma
+    assert few.low <= more.low <= more.high <= few.high and more.boxes > few.boxes
+    assert more.high - more.low < 0.7 * (few.high - few.low)
+
+
+@pytest.mark.slow
 def test_the_worst_latitude_has_the_least_share():
     c = walker_delta(6, 3, 1, inclination_deg=50, radius_km=20427)
     belt = region_users(read_region("lat:-30:60"), SPHERE, Mask())
