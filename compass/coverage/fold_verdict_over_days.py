@@ -13,9 +13,9 @@ from compass.cores import shared
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_effort import Effort
 from compass.coverage.claims import Claim, claims_of
-from compass.coverage.fold_verdict import Course, ask, often, users_of, worst_of
+from compass.coverage.fold_verdict import Course, ask, often, users_of
 from compass.coverage.lasting import Lasting, prove_span
-from compass.coverage.standing import nth_elevation
+from compass.coverage.standing import ranked
 from compass.coverage.users import Users
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
@@ -69,7 +69,7 @@ def fold_verdict_over_days(
         (claim_lasts(path, fold, claim, start, stop), each)
         for claim, each in zip(claims, (*users[sites:], *users[:sites]), strict=True)
     ]
-    return _verdict(path, requirement, fold, scope, found)
+    return _verdict(path, requirement, scope, found)
 
 
 def not_followed(design: Design, requirement: Requirement) -> str:
@@ -115,7 +115,6 @@ def claim_lasts(path: Trajectory, fold: int, claim: Claim, start: float, stop: f
 def _verdict(
     path: Trajectory,
     requirement: Requirement,
-    fold: int,
     scope: str,
     claimed: list[tuple[Lasting, Users]],
 ) -> Verdict:
@@ -127,10 +126,9 @@ def _verdict(
         w = first.witness
         assert w is not None
         where = w.time, w.latitude, w.longitude
-        high = nth_elevation(path, users, fold, *where)
-        worst = Worst(*where, w.fold, rank=fold, elevation=high)
+        worst, gone = _after_losses(path, users, requirement, where, w.fold)
         kept = first.days_proven / ((first.stop - first.start) / SECONDS_PER_DAY)
-        return Verdict(requirement, False, "proven", scope, (kept, 1.0), -w.shortfall, worst)
+        return Verdict(requirement, False, "proven", scope, (kept, 1.0), -w.shortfall, worst, gone)
     if all(one.outcome is Outcome.PROVEN for one in found):
         given = _given({one.estimated for one in found})
         return Verdict(requirement, True, "proven", scope + given, (1.0, 1.0))
@@ -181,6 +179,11 @@ def _by_boxes(
         return undecided(requirement, course.words, reason)
     met = low >= 0.0
     margin = low if met else tightest.high
+    worst: Worst | None = None
+    gone: tuple[str, ...] = ()
+    if np.isfinite(tightest.high):
+        where = tightest.time, tightest.latitude, tightest.longitude
+        worst, gone = _after_losses(path, whose, requirement, where, tightest.seen)
     share = (1.0, 1.0) if met else ((begin - start) / (stop - start), 1.0)
     return Verdict(
         requirement,
@@ -189,8 +192,28 @@ def _by_boxes(
         course.words,
         share,
         margin if np.isfinite(margin) else None,
-        worst_of(tightest, path, whose, fold),
+        worst,
+        gone,
     )
+
+
+def _after_losses(
+    path: Trajectory,
+    users: Users,
+    requirement: Requirement,
+    where: tuple[float, float, float],
+    seen: int,
+) -> tuple[Worst, tuple[str, ...]]:
+    """What is left at a moment and place once the satellites are lost that stand best there.
+
+    Who is lost of those that clear the horizon by more, the one that counts then is the same.
+    """
+    order, losses, fold = ranked(path, users, *where), requirement.losses, requirement.fold
+    assert fold is not None
+    lost, left = order[:losses], order[losses:]
+    elevation = left[fold - 1][1] if len(left) >= fold else None
+    worst = Worst(*where, max(seen - losses, 0), rank=fold, elevation=elevation)
+    return worst, tuple(name for name, _ in lost)
 
 
 def _without(path: Trajectory, losses: int) -> Iterator[tuple[tuple[str, ...], int, Trajectory]]:

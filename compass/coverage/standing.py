@@ -9,29 +9,21 @@ from compass.orbits.constellation import Constellation
 from compass.sites import Site
 
 
-def nth_elevation(
-    moving: Moving, users: Users, fold: int, time: float, latitude: float, longitude: float
-) -> float | None:
-    """Elevation of the satellite that is the `fold`-th best above the horizon, radians.
+def ranked(
+    moving: Moving, users: Users, time: float, latitude: float, longitude: float
+) -> list[tuple[str, float]]:
+    """Names of satellites and their elevations, radians; who clears the horizon by most is first.
 
     Parameters
     ----------
     moving
         Orbits in two-body motion, or paths.
     users
-        Their figure, height, horizon, and the beam of the antennas that they see.
-    fold
-        1 for the satellite that clears the horizon by most, or the edge of its beam.
+        Their figure, height, horizon, and the beam of the antennas that they see: the room to its
+        edge counts where that is less than what is above the horizon.
     time, latitude, longitude
         Seconds after the epoch; planetocentric and Mars-fixed, radians.
-
-    Returns
-    -------
-    elevation
-        None with fewer satellites.
     """
-    if moving.size < fold:
-        return None
     if isinstance(moving, Constellation):
         r = positions_mcmf(moving, [time])[:, 0]
     else:
@@ -44,4 +36,13 @@ def nth_elevation(
         lengths = np.linalg.norm(down, axis=1) * np.linalg.norm(away, axis=1)
         off_nadir = np.arccos(np.clip((down * away).sum(axis=1) / lengths, -1.0, 1.0))
         clearance = np.minimum(clearance, users.beam - off_nadir)
-    return float(elevation[np.argsort(-clearance)[fold - 1]])
+    best = np.argsort(-clearance)
+    return [(moving.satellite_names[s], float(elevation[s])) for s in best]
+
+
+def nth_elevation(
+    moving: Moving, users: Users, fold: int, time: float, latitude: float, longitude: float
+) -> float | None:
+    """Elevation of the satellite that is the `fold`-th of `ranked`; None with fewer."""
+    known = ranked(moving, users, time, latitude, longitude)
+    return known[fold - 1][1] if len(known) >= fold else None

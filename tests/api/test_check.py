@@ -137,6 +137,21 @@ def test_any_loss_of_a_ring_is_alike_and_of_a_closed_one_is_not():
     assert "loss of P1S1 or one of 6 sets alike" in str(compass.check(ring(asked)))
 
 
+@pytest.mark.slow
+def test_along_paths_it_is_said_whose_loss_hurts_most():
+    """The one that stands best where the fold is missed, or where an antenna's beam is tightest."""
+    asked = Requirement("one", sites=(EQUATOR,), fold=1, losses=1)
+    missed = ring(asked, satellites=3)
+    found = compass.check(missed, motion="j2", days=0.5)
+    (one,) = found.verdicts
+    assert (one.met, len(one.lost), one.worst.value, one.worst.rank) == (False, 1, 0, 1)
+    assert one.worst.elevation < 0.0 and "which hurts most" in str(found)
+    beamed = ring(replace(asked, beam=1.0), satellites=6)
+    kept = verdict(beamed, motion="j2", days=0.5)
+    assert (kept.met, len(kept.lost), kept.worst.value >= 1) == (True, 1, True)
+    assert kept.worst.elevation == pytest.approx(kept.margin, abs=1e-3)
+
+
 def test_orbits_of_two_periods_need_days():
     both_radii = walker_delta(4, 1, 0, inclination_deg=0, radius_km=15000) + replace(
         walker_delta(4, 1, 0, inclination_deg=0, radius_km=16000),
