@@ -59,7 +59,7 @@ class DetermineResult(Result):
         Whose satellites.
     motion
         On which motion.
-    found
+    determination
         Covariances along the arc and the prediction.
     by_tracking
         The same with one kind of tracking left out, and with one kind alone.
@@ -71,44 +71,44 @@ class DetermineResult(Result):
 
     design: Design = field(repr=False)
     motion: str
-    found: Determination = field(repr=False)
+    determination: Determination = field(repr=False)
     by_tracking: dict[str, Determination] = field(repr=False)
     signal: Signal = field(repr=False)
     radiation: float = 0.0
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        found, last = self.found, self.found.last
+        whole, last = self.determination, self.determination.last
         return plain(
             {
                 "design": self.design.name,
                 "motion": self.motion,
-                "days": found.arc / 86400.0,
-                "tracking": list(found.tracking.kinds),
-                "measurements": found.counts,
+                "days": whole.arc / 86400.0,
+                "tracking": list(whole.tracking.kinds),
+                "measurements": whole.counts,
                 "tracked_share": {
-                    kind: tracked.mean(axis=1).tolist() for kind, tracked in found.tracked.items()
+                    kind: tracked.mean(axis=1).tolist() for kind, tracked in whole.tracked.items()
                 },
-                "considered": found.tracking.considered,
+                "considered": whole.tracking.considered,
                 "evidence": EVIDENCE,
-                **self._numbers(found.rms[last]),
-                "common_orientation_mas": (found.orientation / MAS).tolist(),
-                "common_time_m": found.common_time,
+                **self._numbers(whole.rms[last]),
+                "common_orientation_mas": (whole.orientation / MAS).tolist(),
+                "common_time_m": whole.common_time,
                 "predicted": {
-                    "hours": (float(found.times[-1]) - found.arc) / HOUR,
-                    **self._numbers(found.rms[-1]),
+                    "hours": (float(whole.times[-1]) - whole.arc) / HOUR,
+                    **self._numbers(whole.rms[-1]),
                 },
                 "by_tracking": {
                     name: self._numbers(each.rms[each.last], each.tracking)
                     for name, each in self.by_tracking.items()
                 },
                 "per_satellite": [
-                    {"name": name, **self._numbers(found.sigma[last, s])}
+                    {"name": name, **self._numbers(whole.sigma[last, s])}
                     for s, name in enumerate(self.design.constellation.satellite_names)
                 ],
-                "time_h": (found.times / HOUR).tolist(),
+                "time_h": (whole.times / HOUR).tolist(),
                 "rms_m": {
-                    name: found.rms[:, k].tolist()
+                    name: whole.rms[:, k].tolist()
                     for k, name in enumerate(COMPONENTS)
                     if k < 3 or self.clock_known
                 },
@@ -123,37 +123,40 @@ class DetermineResult(Result):
     @property
     def clock_known(self) -> bool:
         """Whether anything measures the satellites' clocks."""
-        return self.found.tracking.measures_clocks
+        return self.determination.tracking.measures_clocks
 
     def _numbers(self, sigma: Any, tracking: Tracking | None = None) -> dict[str, float | None]:
         """Sigmas by name; none of clocks that nothing measures."""
-        found: dict[str, float | None] = {
+        sigmas: dict[str, float | None] = {
             f"{name}_sigma_m": float(sigma[k]) for k, name in enumerate(COMPONENTS)
         }
-        told = (tracking or self.found.tracking).measures_clocks
-        return found if told else found | {"clock_sigma_m": None}
+        told = (tracking or self.determination.tracking).measures_clocks
+        return sigmas if told else sigmas | {"clock_sigma_m": None}
 
     def document(self) -> Page:
         """The sigmas in a sentence, what each tracking buys, satellite by satellite."""
-        found, known = self.found, self._numbers(self.found.rms[self.found.last])
+        whole, known = (
+            self.determination,
+            self._numbers(self.determination.rms[self.determination.last]),
+        )
         told = ", ".join(
             f"{name} {Value(quantity(f'{name}_sigma_m'), known[f'{name}_sigma_m'])} m"
             for name in COMPONENTS
             if known[f"{name}_sigma_m"] is not None
         )
-        whom = listed(found.tracking.titles)
-        claim = f"after {_days(found.arc)} of tracking by {whom}: {told}"
+        whom = listed(whole.tracking.titles)
+        claim = f"after {_days(whole.arc)} of tracking by {whom}: {told}"
         header = ("", *(f"{quantity(f'{name}_sigma_m').title}, m" for name in COMPONENTS))
         names = self.design.constellation.satellite_names
         each = tuple(
-            (name, *self._cells(found.sigma[found.last, s])) for s, name in enumerate(names)
+            (name, *self._cells(whole.sigma[whole.last, s])) for s, name in enumerate(names)
         )
         bought = tuple(
             (name, *self._cells(run.rms[run.last], run.tracking))
-            for name, run in {"all of it": found, **self.by_tracking}.items()
+            for name, run in {"all of it": whole, **self.by_tracking}.items()
         )
-        hours = (float(found.times[-1]) - found.arc) / HOUR
-        ahead = ((f"{hours:g} h later, not tracked", *self._cells(found.rms[-1])),)
+        hours = (float(whole.times[-1]) - whole.arc) / HOUR
+        ahead = ((f"{hours:g} h later, not tracked", *self._cells(whole.rms[-1])),)
         return Page(
             self.design.name,
             (
@@ -173,11 +176,15 @@ class DetermineResult(Result):
         """Who measures for how much of the arc."""
         share = quantity("tracked_share")
         rows = []
-        for kind, tracked in self.found.tracked.items():
+        for kind, tracked in self.determination.tracked.items():
             each = tracked.mean(axis=1)
             values = (float(each.min()), float(each.mean()), float(each.max()))
             rows.append(
-                (kind, str(self.found.counts[kind]), *(Value(share, value) for value in values))
+                (
+                    kind,
+                    str(self.determination.counts[kind]),
+                    *(Value(share, value) for value in values),
+                )
             )
         header = ("", "measurements", *(f"{share.heading}, {w}" for w in ("least", "mean", "most")))
         return Table("Who measures when: a satellite's share of the arc", header, tuple(rows))
@@ -188,15 +195,15 @@ class DetermineResult(Result):
 
     def notes(self) -> tuple[str, ...]:
         """What the numbers stand on, and what they leave out."""
-        found, t = self.found, self.found.tracking
-        kept = ", ".join(f"{count} by {kind}" for kind, count in found.counts.items())
-        turn = ", ".join(f"{x:.3g}" for x in found.orientation / MAS)
+        whole, t = self.determination, self.determination.tracking
+        kept = ", ".join(f"{count} by {kind}" for kind, count in whole.counts.items())
+        turn = ", ".join(f"{x:.3g}" for x in whole.orientation / MAS)
         sense = {
             "schmidt": "considered, the gain knows their sigmas (Schmidt)",
             "blind": "considered, the gain ignores them (the classical consider batch)",
         }[t.considered]
         notes = [
-            f"one sigma; arc of {_days(found.arc)} in steps of {t.step:g} s, {kept} "
+            f"one sigma; arc of {_days(whole.arc)} in steps of {t.step:g} s, {kept} "
             f"measurements; before it {t.prior:g} m and {t.prior_speed * 1e3:g} mm/s in each "
             f"coordinate; process noise {t.process_noise:g} m^2/s^3; trackers' constant errors are "
             f"{sense}",
@@ -230,7 +237,7 @@ class DetermineResult(Result):
         OutputError
             The file cannot be written.
         """
-        check_clocks_measured(self.found.tracking)
+        check_clocks_measured(self.determination.tracking)
         text = self.design_text()
         with replacing(Path(path)) as temporary:
             temporary.write_text(text, encoding="utf-8")
@@ -255,22 +262,22 @@ class DetermineResult(Result):
         from compass.pictures.determine import draw_components, draw_schedule, draw_sigmas
 
         if name == "components":
-            return draw_components(axes, self.design.name, self.found, self.clock_known)
+            return draw_components(axes, self.design.name, self.determination, self.clock_known)
         if name == "schedule":
             c = self.design.constellation
-            return draw_schedule(axes, self.design.name, self.found, c.satellite_names)
+            return draw_schedule(axes, self.design.name, self.determination, c.satellite_names)
         if name != "tracking":
             raise ArgumentError(f"name = {name!r}: allowed {', '.join(PICTURES)}")
-        return draw_sigmas(axes, self.design.name, self.found, self.by_tracking)
+        return draw_sigmas(axes, self.design.name, self.determination, self.by_tracking)
 
     @property
     def dataset(self) -> "xr.Dataset":
         """One sigma of every satellite's orbit and clock over time, as CF lays it out."""
         import xarray as xr
 
-        dims, sigma = ("satellite", "time"), np.moveaxis(self.found.sigma, 0, -1)
+        dims, sigma = ("satellite", "time"), np.moveaxis(self.determination.sigma, 0, -1)
         known = COMPONENTS if self.clock_known else COMPONENTS[:3]
-        kinds, epochs = self.found.tracked, self.found.times.size
+        kinds, epochs = self.determination.tracked, self.determination.times.size
         on = np.zeros((len(kinds), len(sigma), epochs), np.int8)
         for k, tracked in enumerate(kinds.values()):
             on[k, :, : tracked.shape[1]] = tracked
@@ -293,7 +300,7 @@ class DetermineResult(Result):
             {
                 "tracker": list(kinds),
                 "satellite": list(self.design.constellation.satellite_names),
-                "time": ("time", self.found.times, {"units": "s", "long_name": "time"}),
+                "time": ("time", self.determination.times, {"units": "s", "long_name": "time"}),
             },
             {"title": self.design.name, "motion": self.motion}
             | {"epoch_tdb": epoch_text(self.design.constellation.epoch)},
@@ -309,18 +316,18 @@ class DetermineResult(Result):
 
 def _if_known(tracking: Tracking) -> dict[str, Tracking]:
     """The same tracking with one source of error gone, for each that is there."""
-    found = {}
+    easier = {}
     if tracking.gravity:
-        found["were gravity known"] = replace(tracking, gravity=0.0)
+        easier["were gravity known"] = replace(tracking, gravity=0.0)
     if tracking.radiation:
-        found["were sunlight's push known"] = replace(tracking, radiation=0.0)
+        easier["were sunlight's push known"] = replace(tracking, radiation=0.0)
     exact = {
         name: replace(getattr(tracking, name), bias=0.0, time_bias=0.0, position=0.0)
         for name in tracking.kinds
     }
     if any(each != getattr(tracking, name) for name, each in exact.items()):
-        found["were trackers without bias"] = replace(tracking, **exact)
-    return found
+        easier["were trackers without bias"] = replace(tracking, **exact)
+    return easier
 
 
 def _forces(tracking: Tracking, radiation: float) -> str:
@@ -375,7 +382,7 @@ def determine(
     --------
     >>> import compass
     >>> found = compass.determine("designs/tracked-15-5-1.toml", days=0.25)
-    >>> bool(found.found.rms[found.found.last, 0] < 100)
+    >>> bool(found.determination.rms[found.determination.last, 0] < 100)
     True
     """
     read = given_design(design)
@@ -385,19 +392,19 @@ def determine(
     if tracking is not None and days is not None:
         tracking = replace(tracking, duration=days * 86400.0)
     moved = read.motion.or_of(motion)
-    found = determine_orbits(read, tracking, motion=moved, prediction=update_h * HOUR)
-    kinds, others = found.tracking.kinds, {}
+    whole = determine_orbits(read, tracking, motion=moved, prediction=update_h * HOUR)
+    kinds, others = whole.tracking.kinds, {}
     if len(kinds) > 1:
         for name in kinds:
-            left = found.tracking.only(*(kind for kind in kinds if kind != name))
-            alone = found.tracking.only(name)
+            left = whole.tracking.only(*(kind for kind in kinds if kind != name))
+            alone = whole.tracking.only(name)
             assert left is not None
             assert alone is not None
             others[f"without {name}"] = determine_orbits(read, left, motion=moved)
             if len(kinds) > 2:
                 others[f"{name} alone"] = determine_orbits(read, alone, motion=moved)
-    for name, exact in _if_known(found.tracking).items():
+    for name, exact in _if_known(whole.tracking).items():
         others[name] = determine_orbits(read, exact, motion=moved)
-    signal = implied_signal(found, read, update_h * HOUR)
+    signal = implied_signal(whole, read, update_h * HOUR)
     radiation = forces_of(moved).radiation
-    return DetermineResult(read, moved.title, found, others, signal, radiation)
+    return DetermineResult(read, moved.title, whole, others, signal, radiation)

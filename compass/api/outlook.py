@@ -332,7 +332,7 @@ def _claim(design: Design, horizon: float) -> Settled:
 def _everywhere(design: Design, path: Trajectory, stop: float) -> Settled:
     """Its fold everywhere."""
     mask = design.mask.highest
-    found = prove_span(
+    lasting = prove_span(
         path,
         design.fold,
         sphere_radius=design.figure.equatorial_radius,
@@ -343,10 +343,10 @@ def _everywhere(design: Design, path: Trajectory, stop: float) -> Settled:
     )
     return Settled(
         f"{design.fold} or more satellites above {np.degrees(mask):g} deg everywhere",
-        found.outcome,
-        found.days_proven,
-        found.first_loss_days,
-        _place(found),
+        lasting.outcome,
+        lasting.days_proven,
+        lasting.first_loss_days,
+        _place(lasting),
     )
 
 

@@ -19,7 +19,7 @@ from compass.orbits.constellation import Constellation
 from compass.quantities import quantity
 from compass.saving import replacing
 from compass.sites import Mask
-from compass.study.requirement_question import Found, Outcome, Question
+from compass.study.requirement_question import Outcome, Question, Trial
 from compass.study.requirement_search import MOST_CERTIFIED
 from compass.words import counted
 
@@ -67,7 +67,7 @@ class RequirementSearchResult(Result):
         return bool(self.outcome.met)
 
     @property
-    def best(self) -> Found:
+    def best(self) -> Trial:
         """The first of the smallest.
 
         Raises

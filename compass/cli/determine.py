@@ -15,7 +15,7 @@ def command(output: Path | None, picture: Path | None, drawn: str, **options: An
     Radial, along, cross and clock sigma of every satellite against time, what each kind of
     tracking buys, and the [signal] for the users that follows.
     """
-    found = compass.determine(**options)
-    put(found.write, output)
-    put(lambda file: found.save_plot(file, drawn), picture)
-    return found
+    result = compass.determine(**options)
+    put(result.write, output)
+    put(lambda file: result.save_plot(file, drawn), picture)
+    return result

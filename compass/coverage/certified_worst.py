@@ -187,13 +187,13 @@ def certified_always(
     question.check(limit)
     search, least = _Pursuit(question, workers, budget_s, budget_boxes), question.dilution(limit)
     search.go_on(1.0, least, least)
-    found = search.result()
+    worst = search.result()
     outcome = Outcome.UNDECIDED
-    if found.witness is not None and found.witness.value > limit:
+    if worst.witness is not None and worst.witness.value > limit:
         outcome = Outcome.REFUTED
     elif not len(search.leaves) and search.best[0] <= least * least:
         outcome = Outcome.PROVEN
-    return CertifiedAlways(outcome, limit, found.witness, found.boxes, found.scope, found.stopped)
+    return CertifiedAlways(outcome, limit, worst.witness, worst.boxes, worst.scope, worst.stopped)
 
 
 class _Pursuit:

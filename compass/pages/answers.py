@@ -1,6 +1,6 @@
 """The first lines of a design's page: what is met, how sure that is, and what to do.
 
-Further answers join `ANSWERS` in the order of the page: a function from `Found` to rows.
+Further answers join `ANSWERS` in the order of the page: a function from `DesignResults` to rows.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -18,7 +18,7 @@ from compass.design import Design
 from compass.document import Answer, Answers, Bracket, Proven, Sampled, Section, Sentence, Value
 from compass.document.blocks import Block
 from compass.document.numbers import significant
-from compass.pages.found import Found
+from compass.pages.design_results import DesignResults
 from compass.pages.lasting import lasting_advice, lasting_answers, lasting_promise
 from compass.pages.neighbours import Neighbour
 from compass.quantities import quantity
@@ -31,9 +31,9 @@ from compass.words import counted
 ENOUGH, LOCATE = 4, "compass locate, which gathers them over hours"
 
 
-def requirements(found: Found) -> list[Answer]:
+def requirements(results: DesignResults) -> list[Answer]:
     """Each requirement of the design: met or missed, by how much, and how sure."""
-    return [] if found.checked is None else verdict_answers(found.checked.verdicts)
+    return [] if results.checked is None else verdict_answers(results.checked.verdicts)
 
 
 def verdict_answers(verdicts: Iterable[Verdict]) -> list[Answer]:
@@ -79,12 +79,12 @@ def subtitle(design: Design) -> str:
     return f"{flown(design)}. {' '.join(design.source.split()) or 'No source given.'}"
 
 
-def coverage(found: Found) -> list[Answer]:
+def coverage(results: DesignResults) -> list[Answer]:
     """Whether the fold wanted is there, everywhere and always, and by how much."""
-    result = found.fold
+    result = results.fold
     claim = f"{result.fold} in view above {result.mask_deg:g}°, everywhere"
     holds = {Outcome.PROVEN: True, Outcome.REFUTED: False}.get(result.outcome)
-    if found.checked:
+    if results.checked:
         holds, claim = None, f"Not asked for: {claim}"
     rows = [Answer(claim, str(result.outcome), holds, result.scope)]
     margin = result.margins().rows[3][1]
@@ -99,9 +99,9 @@ def coverage(found: Found) -> list[Answer]:
     return rows
 
 
-def tightest(found: Found) -> list[Answer]:
+def tightest(results: DesignResults) -> list[Answer]:
     """Where and when the least is to spare."""
-    place = found.fold.to_dict()["worst"]
+    place = results.fold.to_dict()["worst"]
     if not place:
         return []
     said = (
@@ -109,7 +109,7 @@ def tightest(found: Found) -> list[Answer]:
         f"{significant(place['longitude_deg'] % 360, 4)}° E, "
         f"{moment_words(place['time_s'])} after the epoch"
     )
-    alike = "by symmetry one of several" if found.design.constellation.pattern else ""
+    alike = "by symmetry one of several" if results.design.constellation.pattern else ""
     return [Answer("Tightest place and moment", said, evidence=alike)]
 
 
@@ -129,50 +129,52 @@ def latitude_words(latitude_deg: float) -> str:
     return f"{significant(abs(latitude_deg), 3)}° {side}"
 
 
-def geometry(found: Found) -> list[Answer]:
+def geometry(results: DesignResults) -> list[Answer]:
     """How good the geometry is over all area and time."""
-    if found.design.constellation.size < ENOUGH:
+    if results.design.constellation.size < ENOUGH:
         few = "never: it takes four satellites in view"
         return [Answer("A fix from ranges of one moment", few, None, f"see {LOCATE}")]
-    numbers, within = found.mapped.numbers(), found.mapped.dataset.attrs["pdop_threshold"]
+    numbers, within = results.mapped.numbers(), results.mapped.dataset.attrs["pdop_threshold"]
     gdop = numbers["gdop"]
     return [
-        *_errors(found, numbers),
-        Answer("GDOP, 95 % below", *_dilution(found, gdop, "p95")),
-        Answer("GDOP, half of area and time below", *_dilution(found, gdop, "p50")),
+        *_errors(results, numbers),
+        Answer("GDOP, 95 % below", *_dilution(results, gdop, "p95")),
+        Answer("GDOP, half of area and time below", *_dilution(results, gdop, "p50")),
         Answer(
             f"Area and time with PDOP {within:g} or less",
-            _known(found, "availability", numbers, "availability"),
+            _known(results, "availability", numbers, "availability"),
         ),
     ]
 
 
-def _dilution(found: Found, gdop: dict[str, Any], key: str) -> tuple[Value | str, None, str]:
+def _dilution(
+    results: DesignResults, gdop: dict[str, Any], key: str
+) -> tuple[Value | str, None, str]:
     """A percentile of GDOP as an answer; in words where so much of area and time has no fix."""
-    value = _known(found, "gdop", gdop, key)
+    value = _known(results, "gdop", gdop, key)
     known = value.evidence
     least = known.low if isinstance(known, Bracket) else gdop[key]
     fixed = least is not None and least < GREATEST  # no percentile is looked for beyond
     return (value if fixed else "no fix in so much of it", None, str(known or ""))
 
 
-def _known(found: Found, name: str, of: dict[str, Any], key: str) -> Value:
+def _known(results: DesignResults, name: str, of: dict[str, Any], key: str) -> Value:
     """A figure of the map with its proven bounds, or with what it was sampled on."""
     low, high = of.get(f"{key}_bracket", (0.0, np.inf))
     if low > 0.0 or high < np.inf:  # bounds of nothing are none
-        scope = found.mapped.certified.scope.split(";")[0] if found.mapped.certified else ""
+        scope = results.mapped.certified.scope.split(";")[0] if results.mapped.certified else ""
         return Value(quantity(name), of[key], Bracket(low, high, scope))
-    attrs = found.mapped.dataset.attrs
+    attrs = results.mapped.dataset.attrs
     sampled = Sampled(None, f"{attrs['epochs']} epochs, {attrs['grid']}")
     return Value(quantity(name), of[key], sampled)
 
 
-def accurate(found: Found) -> str:
+def accurate(results: DesignResults) -> str:
     """How accurate a fix is, in a sentence."""
-    if found.design.constellation.size < ENOUGH:
+    if results.design.constellation.size < ENOUGH:
         return f"A fix from ranges of one moment takes four satellites in view: see {LOCATE}."
-    numbers = found.mapped.numbers()
-    errors = _errors(found, numbers)
+    numbers = results.mapped.numbers()
+    errors = _errors(results, numbers)
     if errors and not np.isfinite(numbers["rover_horizontal_m"]):
         none, few = 1.0 - numbers["fix_share"], numbers["fewer_than_four_share"]
         return (
@@ -182,10 +184,10 @@ def accurate(found: Found) -> str:
     if errors:
         return (
             f"A rover anywhere knows its place to {errors[0].written} horizontally: 95 % of its "
-            f"fixes, in 95 % of area and time, with {basis(found.design)}."
+            f"fixes, in 95 % of area and time, with {basis(results.design)}."
         )
     for key, share in (("p95", "95 %"), ("p50", "half")):
-        value = _known(found, "gdop", numbers["gdop"], key)
+        value = _known(results, "gdop", numbers["gdop"], key)
         if isinstance(value.evidence, Bracket):
             value = Value(value.quantity, value.evidence.high, Proven())
         if value.value is not None and np.isfinite(value.value):
@@ -195,34 +197,34 @@ def accurate(found: Found) -> str:
     return "In more than half of area and time no bound of GDOP is known."
 
 
-def _errors(found: Found, numbers: dict[str, Any]) -> list[Answer]:
+def _errors(results: DesignResults, numbers: dict[str, Any]) -> list[Answer]:
     """What a rover anywhere knows of its place, where the design says what a range is worth."""
-    if found.design.signal is None:
+    if results.design.signal is None:
         return []
     rows = []
     for name, most in ROVER.items():
         doubt = FACTOR_95 * numbers[name]["sampling"]["p95"]
         value = Value(quantity(most), numbers[most], Sampled(doubt, "over area and time"))
         said = f"A rover anywhere: {name.split('_')[1]}, 95 % of fixes, 95 % of area and time"
-        evidence = f"{value.evidence}; with {basis(found.design)}"
+        evidence = f"{value.evidence}; with {basis(results.design)}"
         fixed = np.isfinite(numbers[most])
         rows.append(Answer(said, value if fixed else "no fix in so much of it", evidence=evidence))
     return rows
 
 
-def stations(found: Found) -> list[Answer]:
+def stations(results: DesignResults) -> list[Answer]:
     """The station that is worst off."""
-    sites, times = found.design.stations, found.mapped.made.view.times
+    sites, times = results.design.stations, results.mapped.made.view.times
     if not sites:
         return []
     counts = {
         site.name: site_coverage(
-            found.design.constellation, site, times, found.design.motion
+            results.design.constellation, site, times, results.design.motion
         )["count"].values
         for site in sites
     }  # fmt: skip
     worst = min(counts, key=lambda name: (counts[name].min(), counts[name].mean()))
-    least, wanted = int(counts[worst].min()), found.design.fold
+    least, wanted = int(counts[worst].min()), results.design.fold
     return [
         Answer(
             f"Worst of {len(sites)} stations: {worst}" if len(sites) > 1 else f"Station {worst}",
@@ -233,26 +235,26 @@ def stations(found: Found) -> list[Answer]:
     ]
 
 
-def losses(found: Found) -> list[Answer]:
+def losses(results: DesignResults) -> list[Answer]:
     """What is left when one satellite fails."""
-    if not found.fold.coverage.losses:
+    if not results.fold.coverage.losses:
         return []
-    least = min(sets.least for sets in found.fold.coverage.losses[0])
-    scope = found.fold.scope
+    least = min(sets.least for sets in results.fold.coverage.losses[0])
+    scope = results.fold.scope
     evidence = Proven(scope) if least[0] == least[1] else Bracket(*least, scope)
     left = Value(quantity("min_fold"), least[0], evidence)
     return [Answer("After any one loss, in view at least", left)]
 
 
-def lasting(found: Found) -> list[Answer]:
+def lasting(results: DesignResults) -> list[Answer]:
     """How long it lasts left alone, what keeping costs, which radius does without."""
-    if found.outlook is None:
+    if results.outlook is None:
         return []
-    return lasting_answers(found.design, found.outlook)
+    return lasting_answers(results.design, results.outlook)
 
 
 #: In the order of the page.
-ANSWERS: tuple[Callable[[Found], list[Answer]], ...] = (
+ANSWERS: tuple[Callable[[DesignResults], list[Answer]], ...] = (
     requirements,
     coverage,
     lasting,
@@ -264,11 +266,11 @@ ANSWERS: tuple[Callable[[Found], list[Answer]], ...] = (
 
 
 def answer_section(
-    found: Found, carrying: Sequence[Block], neighbours: Sequence[Neighbour]
+    results: DesignResults, carrying: Sequence[Block], neighbours: Sequence[Neighbour]
 ) -> Section:
     """The answers, the picture that carries them, and what to do."""
-    rows = tuple(row for question in ANSWERS for row in question(found))
-    advice = (Sentence(words) for words in what_to_do(found, neighbours))
+    rows = tuple(row for question in ANSWERS for row in question(results))
+    advice = (Sentence(words) for words in what_to_do(results, neighbours))
     return Section("The answer", (*advice, Answers("Met, and how sure", rows), *carrying))
 
 
@@ -294,14 +296,14 @@ def _of_requirements(checked: CheckResult, real: str) -> str:
     return f"Build it as it is: {said}." if not real else f"On undisturbed orbits {said}. {real}"
 
 
-def what_to_do(found: Found, neighbours: Sequence[Neighbour]) -> list[str]:
+def what_to_do(results: DesignResults, neighbours: Sequence[Neighbour]) -> list[str]:
     """Recommend in a sentence; name the rival, and what would change the advice."""
-    result, c = found.fold, found.design.constellation
+    result, c = results.fold, results.design.constellation
     wanted = f"{result.fold}-fold coverage above {result.mask_deg:g}°"
-    real = lasting_advice(found.outlook) if found.outlook else ""
-    if found.checked is not None:
-        fix = accurate(found).replace("GDOP is below", "Over all of Mars GDOP is below")
-        return [f"{_of_requirements(found.checked, real)} {fix}".strip()]
+    real = lasting_advice(results.outlook) if results.outlook else ""
+    if results.checked is not None:
+        fix = accurate(results).replace("GDOP is below", "Over all of Mars GDOP is below")
+        return [f"{_of_requirements(results.checked, real)} {fix}".strip()]
     when = result.scope.split(",")[0]
     words = {
         Outcome.PROVEN: f"Build it as it is: it has {wanted}, proven {when}."
@@ -311,8 +313,8 @@ def what_to_do(found: Found, neighbours: Sequence[Neighbour]) -> list[str]:
     }.get(result.outcome, f"Decide after a finer look: {wanted} is neither proven nor refuted.")
     said = [words]
     if result.outcome is Outcome.PROVEN:
-        lasts = lasting_promise(found.design, found.outlook)
-        said = [part for part in (words, lasts, accurate(found)) if part]
+        lasts = lasting_promise(results.design, results.outlook)
+        said = [part for part in (words, lasts, accurate(results)) if part]
     margin = result.mask_margin_deg
     here = -np.inf if margin is None else margin
     sure = result.margins().rows[3][1]  # rounded to the safe side, as the table has it

@@ -1,7 +1,7 @@
 """The page of one design: the answer first, then a board's questions in their order.
 
-A further section joins `SECTIONS` in its place: its title and a function from `Found` to it, which
-may be None where there is nothing to say.
+A further section joins `SECTIONS` in its place: its title and a function from `DesignResults` to
+it, which may be None where there is nothing to say.
 """
 
 from collections.abc import Callable, Sequence
@@ -48,8 +48,8 @@ from compass.pages.coverage import (
     one_count,
 )
 from compass.pages.deployment import deployment_section
+from compass.pages.design_results import DesignResults
 from compass.pages.fold import fold_section
-from compass.pages.found import Found
 from compass.pages.globe.piece import globe
 from compass.pages.globe.still import still_picture
 from compass.pages.lasting import lasting_section
@@ -86,22 +86,22 @@ def design_report(
     progress
         Told the name of each part before it is made.
     """
-    found = look_at(design, command, options or MapOptions(), progress, places)
+    results = look_at(design, command, options or MapOptions(), progress, places)
     progress("patterns beside it")
-    beside = _beside(found)
+    beside = _beside(results)
     progress("globe")
     carrying = globe(design, still_picture(design))
-    sections = [answer_section(found, [carrying], beside)]
+    sections = [answer_section(results, [carrying], beside)]
     for name, part in SECTIONS:
         progress(name)
-        section = part(found, beside)
+        section = part(results, beside)
         if section is not None:
             sections.append(section)
     page = render(
         design.name,
         subtitle(design),
         sections,
-        provenance_rows(found, command),
+        provenance_rows(results, command),
         design.text,
     )
     return page, sections
@@ -113,7 +113,7 @@ def look_at(
     options: MapOptions,
     progress: Callable[[str], None],
     places: tuple[Sequence[Site], Sequence[str]] = ((), ()),
-) -> Found:
+) -> DesignResults:
     """Ask the commands, each once."""
     progress("coverage map")
     certified = certified_figures(design, options)
@@ -136,7 +136,7 @@ def look_at(
     checked = check(design) if design.requirements else None
     progress("errors over time")
     followed = _followed(design, mapped)
-    return Found(design, show(design), mapped, proven, links, lasts, checked, followed)
+    return DesignResults(design, show(design), mapped, proven, links, lasts, checked, followed)
 
 
 #: How coarsely protection without each satellite is looked at: as often as there are satellites.
@@ -163,9 +163,9 @@ def _known_sols(design: Design) -> float | None:
     return table.stop / SOLAR_DAY.value
 
 
-def provenance_rows(found: Found, command: str) -> list[tuple[str, str]]:
+def provenance_rows(results: DesignResults, command: str) -> list[tuple[str, str]]:
     """What the report was made from, for its last section."""
-    design, d = found.design, found.mapped.dataset.attrs
+    design, d = results.design, results.mapped.dataset.attrs
     attrs = provenance(design, command)
     return [
         ("command", attrs["command_line"] or "made from Python"),
@@ -178,34 +178,34 @@ def provenance_rows(found: Found, command: str) -> list[tuple[str, str]]:
     ]
 
 
-def _beside(found: Found) -> list[Neighbour]:
+def _beside(results: DesignResults) -> list[Neighbour]:
     """Patterns beside the design's own, where it is one."""
-    c = found.design.constellation
+    c = results.design.constellation
     if c.pattern is None or not one_circle(c):
         return []
-    return neighbours(c, found.fold.fold, found.design.figure.equatorial_radius)
+    return neighbours(c, results.fold.fold, results.design.figure.equatorial_radius)
 
 
-def _requirements(found: Found, _: list[Neighbour]) -> Section | None:
+def _requirements(results: DesignResults, _: list[Neighbour]) -> Section | None:
     """What was asked for, one by one: verdict, margin, the tightest place and moment."""
-    if found.checked is None:
+    if results.checked is None:
         return None
-    return Section("Requirements", found.checked.blocks())
+    return Section("Requirements", results.checked.blocks())
 
 
-def _areas(found: Found, _: list[Neighbour]) -> Section | None:
+def _areas(results: DesignResults, _: list[Neighbour]) -> Section | None:
     """What users at the sites and in the regions asked for have."""
-    blocks = area_blocks(found.mapped.areas)
+    blocks = area_blocks(results.mapped.areas)
     return Section("At sites and in regions", blocks) if blocks else None
 
 
-def _coverage(found: Found, beside: list[Neighbour]) -> Section:
+def _coverage(results: DesignResults, beside: list[Neighbour]) -> Section:
     """Whether everybody is served, always: proof, margin, and how many are in view where."""
-    exact = fold_section(found.fold, beside)
-    in_view = found.mapped.tables()[0]
-    alike = one_count(found.mapped)
-    mapped = () if alike else (count_picture(found.mapped),)
-    pictures = (*mapped, *fold_pictures(found.mapped.dataset))
+    exact = fold_section(results.fold, beside)
+    in_view = results.mapped.tables()[0]
+    alike = one_count(results.mapped)
+    mapped = () if alike else (count_picture(results.mapped),)
+    pictures = (*mapped, *fold_pictures(results.mapped.dataset))
     return arranged(
         "Coverage",
         (*exact.paragraphs, *alike),
@@ -214,9 +214,9 @@ def _coverage(found: Found, beside: list[Neighbour]) -> Section:
     )
 
 
-def _accuracy(found: Found, _: list[Neighbour]) -> Section:
+def _accuracy(results: DesignResults, _: list[Neighbour]) -> Section:
     """How good the geometry of a fix is."""
-    d = found.mapped.dataset.attrs
+    d = results.mapped.dataset.attrs
     text = (
         f"Maps: {d['epochs']} epochs over {d['period_s'] / 3600:.4f} h on {d['grid']}; numbers are "
         "weighted by area and time. With fewer than four satellites or singular geometry a "
@@ -224,44 +224,44 @@ def _accuracy(found: Found, _: list[Neighbour]) -> Section:
     )
     return arranged(
         "Geometry and accuracy",
-        (text, *found.mapped.certain(), *one_colour(found.mapped)),
-        dilution_pictures(found.mapped),
-        (found.mapped.tables()[1],),
+        (text, *results.mapped.certain(), *one_colour(results.mapped)),
+        dilution_pictures(results.mapped),
+        (results.mapped.tables()[1],),
     )
 
 
-def _links(found: Found, _: list[Neighbour]) -> Section | None:
+def _links(results: DesignResults, _: list[Neighbour]) -> Section | None:
     """Who on the ground, around Mars and at the Earth sees them."""
-    parts = [_stations(found), *([access_section(found.access)] if found.access else [])]
+    parts = [_stations(results), *([access_section(results.access)] if results.access else [])]
     blocks: list[Block] = [block for part in parts if part for block in part.blocks]
     return Section("Stations and links", tuple(blocks)) if blocks else None
 
 
-def _orbits(found: Found, _: list[Neighbour]) -> Section:
+def _orbits(results: DesignResults, _: list[Neighbour]) -> Section:
     """What flies."""
-    shown = found.shown
+    shown = results.shown
     explicit = shown.geometry is None
     tables = (shown.constellation_table(), *(shown.geometry_tables() if explicit else ()))
     pictures = (orbit_picture(shown.design), track_picture(shown.design))
     return arranged("Orbits", (), pictures, tables)
 
 
-def _losses(found: Found, _: list[Neighbour]) -> Section | None:
+def _losses(results: DesignResults, _: list[Neighbour]) -> Section | None:
     """What is left when satellites fail."""
-    tables = found.fold.losses_tables()
+    tables = results.fold.losses_tables()
     if not tables:
         return None
     wanted = quantity("min_fold").title
     text = (
-        f"The {wanted} that is left, proven {found.fold.scope}; sets that the pattern's symmetry "
+        f"The {wanted} that is left, proven {results.fold.scope}; sets that the pattern's symmetry "
         "makes equal are one row."
     )
     return arranged("Losses", (text,), (), tables)
 
 
-def _caps(found: Found, _: list[Neighbour]) -> Section | None:
+def _caps(results: DesignResults, _: list[Neighbour]) -> Section | None:
     """Caps and gaps by formulas; nothing of the kind for explicit elements."""
-    shown = found.shown
+    shown = results.shown
     if shown.geometry is None:
         return None
     text = (
@@ -274,8 +274,8 @@ def _caps(found: Found, _: list[Neighbour]) -> Section | None:
     return Section("Caps and gaps", (*words, *pictures, tables))
 
 
-def _stations(found: Found) -> Section | None:
-    design, mapped = found.design, found.mapped
+def _stations(results: DesignResults) -> Section | None:
+    design, mapped = results.design, results.mapped
     if not design.stations:
         return None
     rows = []
@@ -311,8 +311,8 @@ def _nearest_rank(values: Any, q: int) -> float:
     return float(np.sort(values)[nearest_rank(values.size, q)])
 
 
-def _comparison(found: Found, _: list[Neighbour]) -> Section | None:
-    design = found.design
+def _comparison(results: DesignResults, _: list[Neighbour]) -> Section | None:
+    design = results.design
     if design.paper is None:
         return None
     module = import_module(f"compass.papers.{design.paper}")
@@ -327,7 +327,7 @@ def _comparison(found: Found, _: list[Neighbour]) -> Section | None:
 
 
 #: The sections after the answer, in the order of a board's questions.
-SECTIONS: tuple[tuple[str, Callable[[Found, list[Neighbour]], Section | None]], ...] = (
+SECTIONS: tuple[tuple[str, Callable[[DesignResults, list[Neighbour]], Section | None]], ...] = (
     ("requirements", _requirements),
     ("sites and regions", _areas),
     ("coverage", _coverage),

@@ -30,40 +30,40 @@ LEAP = 2.0
 LEFT = "Left alone on real orbits"
 
 
-def lasting_verdicts(design: Design, found: Outlook) -> tuple[Verdict, ...]:
+def lasting_verdicts(design: Design, outlook: Outlook) -> tuple[Verdict, ...]:
     """How long it lasts left alone, what keeping costs, which radius does not need it.
 
     Each with the command that proves it.
     """
-    said = [_lasts(design, found)]
-    if found.keeping is not None:
-        said.append(_keeping(design, found, found.keeping))
-    if found.radii:
-        said.append(_radius(design, found))
+    said = [_lasts(design, outlook)]
+    if outlook.keeping is not None:
+        said.append(_keeping(design, outlook, outlook.keeping))
+    if outlook.radii:
+        said.append(_radius(design, outlook))
     return tuple(said)
 
 
-def lasting_answers(design: Design, found: Outlook) -> list[Answer]:
+def lasting_answers(design: Design, outlook: Outlook) -> list[Answer]:
     """The same as rows of the first lines: question, answer, how sure."""
-    shown = commands(design, found)
+    shown = commands(design, outlook)
     left = _left(design)
     proven = f"proven: {shown['lasts']}"
-    if found.lasts:
+    if outlook.lasts:
         more = ", all they are given for" if design.motion.table else " and more"
-        rows = [Answer(left, days_words(found.horizon_days) + more, None, proven)]
-    elif found.days_proven == 0.0:
+        rows = [Answer(left, days_words(outlook.horizon_days) + more, None, proven)]
+    elif outlook.days_proven == 0.0:
         rows = [Answer(left, "not held at the epoch", None, proven)]
     else:
-        rows = [Answer(left, days_words(found.days_proven), None, proven)]
-    if found.keeping is not None:
-        mean = Value(quantity("delta_v_keeping_m_s_year"), found.keeping.delta_v_mean_m_s_year)
-        years = f"simulated over {_years(found.keeping)}"
+        rows = [Answer(left, days_words(outlook.days_proven), None, proven)]
+    if outlook.keeping is not None:
+        mean = Value(quantity("delta_v_keeping_m_s_year"), outlook.keeping.delta_v_mean_m_s_year)
+        years = f"simulated over {_years(outlook.keeping)}"
         cost = f"{mean} m/s a year a satellite"
         question = "To keep every satellite in its slot costs"
         rows.append(Answer(question, cost, None, f"{years}: {shown['keeping']}"))
-    for r in found.lasting_radii[:1]:
-        years = f"{found.horizon_days / DAYS_PER_YEAR:.1f} years"
-        where = f"{r.radius_km:g} km, {_shift(found, r)}, for {years}"
+    for r in outlook.lasting_radii[:1]:
+        years = f"{outlook.horizon_days / DAYS_PER_YEAR:.1f} years"
+        where = f"{r.radius_km:g} km, {_shift(outlook, r)}, for {years}"
         rows.append(Answer("It keeps itself at", where, None, f"proven: {shown['radii']}"))
     return rows
 
@@ -73,77 +73,77 @@ def _left(design: Design) -> str:
     return f"{'On its given paths' if design.motion.table else LEFT} it lasts"
 
 
-def lasting_promise(design: Design, found: Outlook | None) -> str:
+def lasting_promise(design: Design, outlook: Outlook | None) -> str:
     """How long what was found at the epoch holds, in a sentence, of orbits that last."""
-    if found is None or not found.lasts:
+    if outlook is None or not outlook.lasts:
         return ""
-    row = lasting_answers(design, found)[0]
+    row = lasting_answers(design, outlook)[0]
     return f"{row.question} {row.written}."
 
 
-def lasting_advice(found: Outlook) -> str:
+def lasting_advice(outlook: Outlook) -> str:
     """What to do about orbits that do not last, in a sentence; empty for those that do."""
-    if found.lasts or found.days_proven == 0.0:
+    if outlook.lasts or outlook.days_proven == 0.0:
         return ""
-    said = f"{LEFT} it loses that after {days_words(found.days_proven)}: "
+    said = f"{LEFT} it loses that after {days_words(outlook.days_proven)}: "
     ways = []
-    if good := found.lasting_radii:
-        ways.append(f"fly it {_shift(found, good[0])}, where it keeps itself once trimmed")
-    if found.keeping is not None:
+    if good := outlook.lasting_radii:
+        ways.append(f"fly it {_shift(outlook, good[0])}, where it keeps itself once trimmed")
+    if outlook.keeping is not None:
         ways.append(
             "keep every satellite in its slot for "
-            f"{found.keeping.delta_v_mean_m_s_year:.3g} m/s a year"
+            f"{outlook.keeping.delta_v_mean_m_s_year:.3g} m/s a year"
         )
     return said + (", or ".join(ways) or "renew its orbits before") + "."
 
 
-def lasting_section(design: Design, found: Outlook | None) -> Section | None:
+def lasting_section(design: Design, outlook: Outlook | None) -> Section | None:
     """Margin and room over time, places in the slots, other radii, the keeping budget."""
-    if found is None:
+    if outlook is None:
         return None
-    blocks: list[Block] = [*lasting_verdicts(design, found), Sentence(_how(found))]
-    if found.requirements:
-        blocks.append(promise_table(found.requirements))
-    if found.drift is not None:
-        blocks.append(_margin_picture(found))
-        if found.drift.in_track_deg is not None:
-            blocks.append(_slot_picture(found))
-    if found.radii:
-        blocks += [_radius_picture(found), _radius_table(found)]
-    if found.keeping is not None:
-        blocks.append(_keeping_table(found.keeping))
+    blocks: list[Block] = [*lasting_verdicts(design, outlook), Sentence(_how(outlook))]
+    if outlook.requirements:
+        blocks.append(promise_table(outlook.requirements))
+    if outlook.drift is not None:
+        blocks.append(_margin_picture(outlook))
+        if outlook.drift.in_track_deg is not None:
+            blocks.append(_slot_picture(outlook))
+    if outlook.radii:
+        blocks += [_radius_picture(outlook), _radius_table(outlook)]
+    if outlook.keeping is not None:
+        blocks.append(_keeping_table(outlook.keeping))
     return Section(TITLE, tuple(blocks))
 
 
-def _lasts(design: Design, found: Outlook) -> Verdict:
-    command = commands(design, found)["lasts"]
-    if found.lasts:
-        years = found.horizon_days / DAYS_PER_YEAR
+def _lasts(design: Design, outlook: Outlook) -> Verdict:
+    command = commands(design, outlook)["lasts"]
+    if outlook.lasts:
+        years = outlook.horizon_days / DAYS_PER_YEAR
         long = f" ({years:.1f} years)" if years >= 1.0 else ""
-        days, paths = days_words(found.horizon_days), design.motion.table is not None
+        days, paths = days_words(outlook.horizon_days), design.motion.table is not None
         return Verdict(
             f"Lasts {days} {'on its given paths' if paths else 'left alone'}",
-            f"{found.asked}, proven on {'its paths' if paths else 'real orbits'} for the {days} "
+            f"{outlook.asked}, proven on {'its paths' if paths else 'real orbits'} for the {days} "
             f"{'given' if paths else 'looked at'}{long} ({command})",
             True,
         )
-    if found.first_loss_days is not None and found.days_proven * SECONDS_PER_DAY < 1.0:
+    if outlook.first_loss_days is not None and outlook.days_proven * SECONDS_PER_DAY < 1.0:
         return Verdict(
-            "Does not hold at the epoch", f"{found.asked}: {found.loss} ({command})", False
+            "Does not hold at the epoch", f"{outlook.asked}: {outlook.loss} ({command})", False
         )
-    proven = Value(quantity("days_proven"), found.days_proven)
-    if found.first_loss_days is None:
+    proven = Value(quantity("days_proven"), outlook.days_proven)
+    if outlook.first_loss_days is None:
         word, end = f"Lasts at least {proven} days left alone", "undecided after that"
     else:
-        word = f"Lasts {days_words(found.days_proven)} left alone"
-        when = Value(quantity("first_loss_days"), found.first_loss_days)
-        end = f"lost on day {when}: {found.loss}"
+        word = f"Lasts {days_words(outlook.days_proven)} left alone"
+        when = Value(quantity("first_loss_days"), outlook.first_loss_days)
+        end = f"lost on day {when}: {outlook.loss}"
     return Verdict(
-        word, f"{found.asked}, proven on real orbits for {proven} days, {end} ({command})", False
+        word, f"{outlook.asked}, proven on real orbits for {proven} days, {end} ({command})", False
     )
 
 
-def _keeping(design: Design, found: Outlook, kept: KeepingCost) -> Verdict:
+def _keeping(design: Design, outlook: Outlook, kept: KeepingCost) -> Verdict:
     cost = quantity("delta_v_keeping_m_s_year")
     each = [row.delta_v_m_s_year for row in kept.per_satellite]
     low, high, mean = (Value(cost, v) for v in (min(each), max(each), float(np.mean(each))))
@@ -151,43 +151,43 @@ def _keeping(design: Design, found: Outlook, kept: KeepingCost) -> Verdict:
     return Verdict(
         f"Keeping it costs {mean} m/s a year a satellite",
         f"{low} to {high} by slot; {stays}, simulated over {_years(kept)} "
-        f"({commands(design, found)['keeping']})",
+        f"({commands(design, outlook)['keeping']})",
         bool(kept.holds),
     )
 
 
-def _radius(design: Design, found: Outlook) -> Verdict:
-    command = commands(design, found)["radii"]
-    good = found.lasting_radii
+def _radius(design: Design, outlook: Outlook) -> Verdict:
+    command = commands(design, outlook)["radii"]
+    good = outlook.lasting_radii
     if not good:
-        best = max(found.radii, key=lambda r: r.days_proven)
+        best = max(outlook.radii, key=lambda r: r.days_proven)
         return Verdict(
             "No radius tried does without keeping",
             f"the best, {best.radius_km:g} km, is proven for {best.days_proven:.4g} days "
             f"({command})",
             False,
         )
-    years = found.horizon_days / DAYS_PER_YEAR
-    where = [f"{_shift(found, r)} ({r.radius_km:g} km)" for r in good]
+    years = outlook.horizon_days / DAYS_PER_YEAR
+    where = [f"{_shift(outlook, r)} ({r.radius_km:g} km)" for r in good]
     return Verdict(
-        f"{_shift(found, good[0]).capitalize()} it keeps itself for {years:.1f} years",
+        f"{_shift(outlook, good[0]).capitalize()} it keeps itself for {years:.1f} years",
         f"{' or '.join(where)}, trimmed once, the same pattern is proven for the "
-        f"{found.horizon_days:g} days looked at with no burn, its margin never below "
+        f"{outlook.horizon_days:g} days looked at with no burn, its margin never below "
         f"{min(r.margin_deg for r in good):.3g} deg at the moments looked at ({command})",
         True,
     )
 
 
-def _shift(found: Outlook, radius: RadiusLasts) -> str:
-    assert found.radius_km is not None
-    shift = radius.radius_km - found.radius_km
+def _shift(outlook: Outlook, radius: RadiusLasts) -> str:
+    assert outlook.radius_km is not None
+    shift = radius.radius_km - outlook.radius_km
     if abs(shift) < 1e-6:
         return "at its own radius"
     return f"{abs(shift):g} km {'higher' if shift > 0 else 'lower'}"
 
 
-def _how(found: Outlook) -> str:
-    return "; ".join((found.motion, *found.notes)) + "."
+def _how(outlook: Outlook) -> str:
+    return "; ".join((outlook.motion, *outlook.notes)) + "."
 
 
 def _years(kept: KeepingCost) -> str:
@@ -195,9 +195,9 @@ def _years(kept: KeepingCost) -> str:
     return f"{count} year" if count == "1" else f"{count} years"
 
 
-def _margin_picture(found: Outlook) -> Picture:
-    assert found.drift is not None
-    history = found.drift
+def _margin_picture(outlook: Outlook) -> Picture:
+    assert outlook.drift is not None
+    history = outlook.drift
     days, margin, room = history.days, history.margin_deg, history.room_deg
     what = "Margin" if room is None else "Margin and room"
     with look():
@@ -208,11 +208,11 @@ def _margin_picture(found: Outlook) -> Picture:
         if room is not None:
             axes.plot(days, room, color=CYCLE[0], lw=1.4, label="room in slots")
         axes.axhline(0.0, color=INK, lw=0.8)
-        if found.first_loss_days is not None:
-            axes.axvline(found.first_loss_days, color=INK, lw=0.8, ls=":")
+        if outlook.first_loss_days is not None:
+            axes.axvline(outlook.first_loss_days, color=INK, lw=0.8, ls=":")
             axes.annotate(
-                f"lost on day {found.first_loss_days:.1f}",
-                (found.first_loss_days, max(margin)),
+                f"lost on day {outlook.first_loss_days:.1f}",
+                (outlook.first_loss_days, max(margin)),
                 (-4, 0),
                 textcoords="offset points",
                 ha="right",
@@ -236,8 +236,8 @@ def _margin_picture(found: Outlook) -> Picture:
     )
 
 
-def _slot_picture(found: Outlook) -> Picture:
-    drift = found.drift
+def _slot_picture(outlook: Outlook) -> Picture:
+    drift = outlook.drift
     assert drift is not None
     along, across = np.array(drift.in_track_deg), np.array(drift.cross_track_deg)
     last = until_leap(along, across)
@@ -285,30 +285,30 @@ def _slot_rim(axes: "Axes", sideways: float | None) -> None:
         axes.fill(sideways * np.cos(turn), sideways * np.sin(turn), color=FAINT, alpha=0.25, lw=0)
 
 
-def _radius_picture(found: Outlook) -> Picture:
+def _radius_picture(outlook: Outlook) -> Picture:
     with look():
         figure = new_figure(*HALF)
         axes = figure.add_subplot()
-        for r in found.radii:
-            good = r.days_proven >= found.horizon_days
+        for r in outlook.radii:
+            good = r.days_proven >= outlook.horizon_days
             said = f"{r.days_proven:.4g} d" + (" or more" if good else "")
             _bar(axes, r.radius_km, r.days_proven, CYCLE[2] if good else FAINT, said)
-        assert found.radius_km is not None
-        said = f"as designed {found.days_proven:.4g} d"
-        _bar(axes, found.radius_km, found.days_proven, MARS, said)
-        axes.axhline(found.horizon_days, color=INK, lw=0.8, ls=":")
-        radii = [found.radius_km, *(r.radius_km for r in found.radii)]
+        assert outlook.radius_km is not None
+        said = f"as designed {outlook.days_proven:.4g} d"
+        _bar(axes, outlook.radius_km, outlook.days_proven, MARS, said)
+        axes.axhline(outlook.horizon_days, color=INK, lw=0.8, ls=":")
+        radii = [outlook.radius_km, *(r.radius_km for r in outlook.radii)]
         axes.set_xlim(min(radii) - 150, max(radii) + 150)
         pace = areosynchronous_radius() / 1e3
         if min(radii) <= pace <= max(radii):
             axes.axvline(pace, color=INK, lw=0.8, ls="--", zorder=0)
             axes.annotate(
                 "keeps pace with Mars",
-                (pace, 0.5 * found.horizon_days),
+                (pace, 0.5 * outlook.horizon_days),
                 (5, 0),
                 textcoords="offset points",
             )
-        axes.set_ylim(0, 1.15 * found.horizon_days)
+        axes.set_ylim(0, 1.15 * outlook.horizon_days)
         axes.set(xlabel="radius, km", ylabel="days proven, left alone")
         axes.set_title("Lifetime against radius")
     return picture(
@@ -325,7 +325,7 @@ def _bar(axes: "Axes", radius_km: float, days: float, colour: str, said: str) ->
     axes.annotate(said, (radius_km, days), (0, 3), textcoords="offset points", ha="center")
 
 
-def _radius_table(found: Outlook) -> Table:
+def _radius_table(outlook: Outlook) -> Table:
     proven, margin = quantity("days_proven"), quantity("cap_margin_deg")
     sampled = Sampled(how="at moments of the span")
     rows = tuple(
@@ -336,7 +336,7 @@ def _radius_table(found: Outlook) -> Table:
             Value(margin, r.margin_deg, sampled),
             f"{r.beat_days:.4g}",
         )
-        for r in found.radii
+        for r in outlook.radii
     )
     header = ("radius, km", proven.heading, "lost on day", margin.heading, "beat with Mars, days")
     return Table("The same pattern at other radii, trimmed once, left alone", header, rows)

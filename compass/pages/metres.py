@@ -177,12 +177,12 @@ def tracking_section(design: Design) -> Section | None:
     """How well the satellites are known, and what each kind of tracking buys; None without any."""
     if design.tracking is None:
         return None
-    found = determine(design)
+    result = determine(design)
     told: list[Block] = [
         Sentence(f"{block.claim}.") if isinstance(block, Verdict) else block
-        for block in found.document().blocks
+        for block in result.document().blocks
     ]
-    shown = [drawn(found, *one) for one in TRACKING]
+    shown = [drawn(result, *one) for one in TRACKING]
     return Section("Who tracks them", (told[0], *shown, *told[1:]))
 
 
@@ -211,11 +211,11 @@ TRACKING = (
 )
 
 
-def drawn(found: DetermineResult, name: str, title: str, caption: str, alt: str) -> Picture:
+def drawn(result: DetermineResult, name: str, title: str, caption: str, alt: str) -> Picture:
     """One of the pictures of a determination."""
-    height = SIZE[1] if name != "schedule" else schedule_height(found.design.constellation.size)
+    height = SIZE[1] if name != "schedule" else schedule_height(result.design.constellation.size)
     figure = new_figure(SIZE[0], height)
     with look():
-        found.plot(name=name, axes=figure.add_subplot())
+        result.plot(name=name, axes=figure.add_subplot())
     stem = "tracking-sigma" if name == "tracking" else f"tracking-{name}"
     return picture(figure, stem, title, caption, wide=True, alt=alt)

@@ -27,8 +27,8 @@ PRINTED_MAXIMUM, PRINTED_MINIMUM = "1.413e-8", "2.945e-7"
 @cache
 def best_ground() -> tuple[float, NDArray[np.float64], float]:
     """Best minimum delta, where (rad), and the seconds it took."""
-    found = best_ground_beacons(paper.ground_flight(), starts=2, generations=60)
-    return found.value, found.parameters, found.seconds
+    optimum = best_ground_beacons(paper.ground_flight(), starts=2, generations=60)
+    return optimum.value, optimum.parameters, optimum.seconds
 
 
 def ground_rows() -> list[Row]:

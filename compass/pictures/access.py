@@ -27,13 +27,13 @@ SHOWN_SOLS = 5.0
 MAX_ROWS = 60
 
 
-def timeline(found: Survey, name: str) -> Picture:
+def timeline(survey: Survey, name: str) -> Picture:
     """Draw when a node sees each satellite, and any of them: a row a satellite, a bar a window."""
-    pairs = found.of(name)
+    pairs = survey.of(name)
     shown = pairs[:MAX_ROWS]
-    figure = new_figure(5.6, height_of(found, name))
+    figure = new_figure(5.6, height_of(survey, name))
     with look():
-        draw_timeline(figure.add_subplot(), found, name)
+        draw_timeline(figure.add_subplot(), survey, name)
     left_out = len(pairs) - len(shown)
     more = f" The first {len(shown)} of {len(pairs)} satellites." if left_out else ""
     return picture(
@@ -41,7 +41,7 @@ def timeline(found: Survey, name: str) -> Picture:
         f"access-{_stem(name)}",
         f"Satellites in sight of {name}",
         f"Each bar is a span of sight, found to 1 ms, one colour an orbital plane; "
-        f"{_shown(found.sols)}. The dark row is any satellite at all.{more}",
+        f"{_shown(survey.sols)}. The dark row is any satellite at all.{more}",
     )
 
 
@@ -51,14 +51,14 @@ def _shown(sols: float) -> str:
     return f"the first {SHOWN_SOLS:g} of {whole}" if sols > SHOWN_SOLS else f"all of {whole}"
 
 
-def height_of(found: Survey, name: str) -> float:
+def height_of(survey: Survey, name: str) -> float:
     """Height of a node's timeline, inches."""
-    return 1.5 + 0.2 * len(found.of(name)[:MAX_ROWS])
+    return 1.5 + 0.2 * len(survey.of(name)[:MAX_ROWS])
 
 
-def draw_timeline(axes: "Axes", found: Survey, name: str) -> None:
+def draw_timeline(axes: "Axes", survey: Survey, name: str) -> None:
     """Draw into axes when a node sees each satellite, and any of them."""
-    shown = found.of(name)[:MAX_ROWS]
+    shown = survey.of(name)[:MAX_ROWS]
     sol = SOLAR_DAY.value
     # one colour an orbital plane, where the names tell the plane
     others = [_other(w, name) for w in shown]
@@ -67,25 +67,25 @@ def draw_timeline(axes: "Axes", found: Survey, name: str) -> None:
     draw_rows(
         axes,
         ["any", *others],
-        [any_of([w.spans for w in found.of(name)]) / sol, *(w.spans / sol for w in shown)],
+        [any_of([w.spans for w in survey.of(name)]) / sol, *(w.spans / sol for w in shown)],
         [INK, *colours],
-        (0.0, min(SHOWN_SOLS, found.sols)),
+        (0.0, min(SHOWN_SOLS, survey.sols)),
     )
     axes.set_xlabel("time after the epoch (sols)")
     axes.set_title(f"Satellites in sight of {name}")
 
 
-def link_budget(found: Survey, radio: Radio) -> Picture:
+def link_budget(survey: Survey, radio: Radio) -> Picture:
     """Draw C/N0 along the windows that a radio serves, against what it needs."""
-    pairs = served(found, radio)
+    pairs = served(survey, radio)
     shown = pairs[: len(CYCLE)]
     # the Earth's distance changes over weeks, a satellite's over hours
-    sols = found.sols if "earth" in radio.between else min(SHOWN_SOLS, found.sols)
+    sols = survey.sols if "earth" in radio.between else min(SHOWN_SOLS, survey.sols)
     figure = new_figure(*HALF)
     with look():
         axes = figure.add_subplot()
         for color, w in zip(CYCLE, shown, strict=False):
-            path = pair_track(found, w)
+            path = pair_track(survey, w)
             # a nan at the end of each window breaks the line there
             breaks = np.searchsorted(path.time, w.end, side="right")
             time = np.insert(path.time, breaks, w.end) / SOLAR_DAY.value
@@ -109,14 +109,14 @@ def link_budget(found: Survey, radio: Radio) -> Picture:
     )
 
 
-def served(found: Survey, radio: Radio) -> list[Windows]:
+def served(survey: Survey, radio: Radio) -> list[Windows]:
     """Windows of the pairs that a radio serves and that see each other."""
     return [
         w
-        for w in found.windows
+        for w in survey.windows
         if w.count
         and radio.serves(
-            find_node(found.nodes, w.first).kind, find_node(found.nodes, w.second).kind
+            find_node(survey.nodes, w.first).kind, find_node(survey.nodes, w.second).kind
         )
     ]
 

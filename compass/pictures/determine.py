@@ -18,7 +18,10 @@ MOST = 40
 
 
 def draw_sigmas(
-    axes: "Axes | None", name: str, found: Determination, others: Mapping[str, Determination]
+    axes: "Axes | None",
+    name: str,
+    determination: Determination,
+    others: Mapping[str, Determination],
 ) -> "Axes":
     """Draw the rms position sigma over time, all tracking in front; grey where not tracked.
 
@@ -28,7 +31,7 @@ def draw_sigmas(
         Where to; new ones without.
     name
         Of the design.
-    found
+    determination
         With all tracking.
     others
         With other tracking, by name.
@@ -37,8 +40,14 @@ def draw_sigmas(
     with look():
         for label, each in others.items():
             drawn.semilogy(each.times / 3600.0, _position(each), lw=1.2, label=label)
-        drawn.semilogy(found.times / 3600.0, _position(found), lw=2.4, c="k", label="all tracking")
-        _shade_prediction(drawn, found)
+        drawn.semilogy(
+            determination.times / 3600.0,
+            _position(determination),
+            lw=2.4,
+            c="k",
+            label="all tracking",
+        )
+        _shade_prediction(drawn, determination)
         drawn.set_xlabel("time, h")
         drawn.set_ylabel("position, one sigma, m (rms over satellites)")
         drawn.set_title(f"{name}: how well the orbits are known; grey: not tracked")
@@ -48,17 +57,19 @@ def draw_sigmas(
     return drawn
 
 
-def draw_components(axes: "Axes | None", name: str, found: Determination, clock: bool) -> "Axes":
+def draw_components(
+    axes: "Axes | None", name: str, determination: Determination, clock: bool
+) -> "Axes":
     """Draw radial, along, cross and, if told, clock sigma over time: rms and span of satellites."""
     drawn = axes_or_new(axes, *SIZE)
-    hours, sigma = found.times / 3600.0, found.sigma
+    hours, sigma = determination.times / 3600.0, determination.sigma
     known = ("radial", "along", "cross", "clock")[: 4 if clock else 3]
     with look():
         for k, (colour, label) in enumerate(zip(CYCLE, known, strict=False)):
             low, high = sigma[..., k].min(axis=1), sigma[..., k].max(axis=1)
             drawn.fill_between(hours, low, high, color=colour, alpha=0.2, lw=0)
-            drawn.semilogy(hours, found.rms[:, k], color=colour, lw=1.6, label=label)
-        _shade_prediction(drawn, found)
+            drawn.semilogy(hours, determination.rms[:, k], color=colour, lw=1.6, label=label)
+        _shade_prediction(drawn, determination)
         drawn.set_xlabel("time, h")
         drawn.set_ylabel("one sigma, m (rms; band: all satellites)")
         drawn.set_title(f"{name}: orbits and clocks; grey: not tracked")
@@ -73,13 +84,13 @@ def schedule_height(satellites: int) -> float:
 
 
 def draw_schedule(
-    axes: "Axes | None", name: str, found: Determination, satellites: Sequence[str]
+    axes: "Axes | None", name: str, determination: Determination, satellites: Sequence[str]
 ) -> "Axes":
     """Draw whom each kind of tracker measures when: a row a satellite, a lane a kind."""
     shown = satellites[:MOST]
     drawn = axes_or_new(axes, SIZE[0], schedule_height(len(satellites)))
-    kinds = found.tracked
-    step = found.tracking.step / 3600.0
+    kinds = determination.tracked
+    step = determination.tracking.step / 3600.0
     lane = 0.8 / len(kinds)
     with look():
         for k, (colour, (kind, tracked)) in enumerate(zip(CYCLE, kinds.items(), strict=False)):
@@ -91,10 +102,10 @@ def draw_schedule(
             drawn.plot([], [], color=colour, lw=4.0, label=kind)
         for row in range(len(shown) - 1):
             drawn.axhline(row + 0.5, color=FAINT, lw=0.4, alpha=0.5)
-        _shade_prediction(drawn, found)
+        _shade_prediction(drawn, determination)
         drawn.set_yticks(range(len(shown)), list(shown), fontsize=8)
         drawn.set_ylim(len(shown) - 0.4, -0.6)
-        drawn.set_xlim(0.0, found.times[-1] / 3600.0)
+        drawn.set_xlim(0.0, determination.times[-1] / 3600.0)
         drawn.tick_params(axis="y", length=0)
         drawn.set_xlabel("time, h")
         some = f" (the first {MOST} of {len(satellites)})" if len(satellites) > MOST else ""
@@ -112,10 +123,12 @@ def _runs(on: np.ndarray) -> np.ndarray:
     return np.column_stack([np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)])
 
 
-def _shade_prediction(axes: "Axes", found: Determination) -> None:
-    if found.times[-1] > found.arc:
-        axes.axvspan(found.arc / 3600.0, found.times[-1] / 3600.0, color="0.9", zorder=0)
+def _shade_prediction(axes: "Axes", determination: Determination) -> None:
+    if determination.times[-1] > determination.arc:
+        axes.axvspan(
+            determination.arc / 3600.0, determination.times[-1] / 3600.0, color="0.9", zorder=0
+        )
 
 
-def _position(found: Determination) -> np.ndarray:
-    return np.asarray(np.sqrt((found.rms[:, :3] ** 2).sum(axis=1)))
+def _position(determination: Determination) -> np.ndarray:
+    return np.asarray(np.sqrt((determination.rms[:, :3] ** 2).sum(axis=1)))

@@ -253,9 +253,11 @@ def with_determined_signal(design: Design) -> Design:
     if design.signal is None or not design.signal.determined or design.signal.covariance:
         return design
     update = design.signal.update
-    found = determine_orbits(design, prediction=update)
-    check_clocks_measured(found.tracking)
-    return replace(design, signal=replace(implied_signal(found, design, update), determined=True))
+    determination = determine_orbits(design, prediction=update)
+    check_clocks_measured(determination.tracking)
+    return replace(
+        design, signal=replace(implied_signal(determination, design, update), determined=True)
+    )
 
 
 def check_clocks_measured(tracking: Tracking) -> None:
@@ -267,7 +269,7 @@ def check_clocks_measured(tracking: Tracking) -> None:
         )
 
 
-def implied_signal(found: Determination, design: Design, update: float) -> Signal:
+def implied_signal(determination: Determination, design: Design, update: float) -> Signal:
     """Signal that a determination implies: covariance at the arc's end, growth behind it.
 
     The covariance is the mean over satellites and the last revolution of the arc, so that it does
@@ -276,7 +278,7 @@ def implied_signal(found: Determination, design: Design, update: float) -> Signa
 
     Parameters
     ----------
-    found
+    determination
         With a prediction behind the arc, for the growth.
     design
         Its clock, receiver and ionosphere are kept.
@@ -284,12 +286,16 @@ def implied_signal(found: Determination, design: Design, update: float) -> Signa
         Seconds between uploads.
     """
     turn = 2.0 * np.pi / float(design.constellation.mean_motion.min())
-    recent = (found.times <= found.arc + 1e-6) & (found.times >= found.arc - turn)
-    mean = found.covariance[recent].mean(axis=(0, 1))
-    behind = found.times >= found.arc - 1e-6
+    recent = (determination.times <= determination.arc + 1e-6) & (
+        determination.times >= determination.arc - turn
+    )
+    mean = determination.covariance[recent].mean(axis=(0, 1))
+    behind = determination.times >= determination.arc - 1e-6
     slope = np.zeros(3)
     if behind.sum() > 1:
-        slope = np.maximum(np.polyfit(found.times[behind], found.rms[behind, :3], 1)[0], 0.0)
+        slope = np.maximum(
+            np.polyfit(determination.times[behind], determination.rms[behind, :3], 1)[0], 0.0
+        )
     a, b, c = slope * HOUR
     base = design.signal or Signal(receiver=Receiver(0.5, 0.5))
     symmetric = 0.5 * (mean + mean.T)

@@ -14,7 +14,7 @@ from compass.orbits import Pattern
 from compass.orbits.constellation import from_pattern
 from compass.orbits.kinds import kind_of
 from compass.orbits.symmetry import shifts
-from compass.study.requirement_question import Found, Question
+from compass.study.requirement_question import Question, Trial
 from compass.study.requirement_samples import Moments, is_hopeless, moments_of
 from compass.study.search import closest_approach, layouts
 
@@ -52,7 +52,7 @@ def grids(question: Question, size: int) -> Iterable[Grid]:
 
 def sampled(
     question: Question, tried: Sequence[Grid], workers: int, bare: bool = False
-) -> tuple[list[Found], list[Found]]:
+) -> tuple[list[Trial], list[Trial]]:
     """Candidates that no random moment refutes; if `bare`, of each pattern one with folds alone."""
     if not tried:
         return [], []
@@ -70,15 +70,15 @@ def sampled(
 
 def _kept(
     question: Question, grid: Grid, moments: Sequence[Moments], bare: bool
-) -> tuple[list[Found], list[Found]]:
+) -> tuple[list[Trial], list[Trial]]:
     """Candidates of one pattern that no random moment refutes; one whose folds none refutes."""
     laid = from_pattern(grid.pattern, question.radius)
 
-    def found(k: int) -> Found:
+    def found(k: int) -> Trial:
         tilt, node = float(grid.inclinations[k]), float(grid.nodes[k])
         pattern = replace(grid.pattern, inclination=tilt, raan=node)
         c = from_pattern(pattern, question.radius, repeat=question.repeat)
-        return Found(c, closest_approach(c), (), float(share[k]), float(worst[k]))
+        return Trial(c, closest_approach(c), (), float(share[k]), float(worst[k]))
 
     def look(asked: Iterable[Moments]) -> None:
         for each in asked:

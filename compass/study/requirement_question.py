@@ -14,7 +14,7 @@ from compass.sites import Mask
 
 
 @dataclass(frozen=True)
-class Found:
+class Trial:
     """A constellation and how it does.
 
     Attributes
@@ -92,8 +92,8 @@ class Outcome:
         Patterns at an inclination and a turn.
     """
 
-    met: tuple[Found, ...]
-    next_best: Found | None
+    met: tuple[Trial, ...]
+    next_best: Trial | None
     kept_out: tuple[KeptOut, ...]
     looked_at: int
 

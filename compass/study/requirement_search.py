@@ -26,7 +26,7 @@ from compass.orbits.kinds import kind_of
 from compass.orbits.motion import Motion
 from compass.study.lasting import paths_left_alone
 from compass.study.requirement_patterns import grids, sampled
-from compass.study.requirement_question import Found, KeptOut, Outcome, Question
+from compass.study.requirement_question import KeptOut, Outcome, Question, Trial
 from compass.study.requirement_samples import is_hopeless
 from compass.study.search import pair_cosines
 from compass.words import counted
@@ -69,7 +69,7 @@ def search_for(
     """
     _check(question, finalists)
     kept: dict[str, KeptOut] = {}
-    met: list[Found] = []
+    met: list[Trial] = []
     looked_at = 0
     for size in progress(range(question.least, question.largest + 1)):
         tried = list(grids(question, size))
@@ -102,7 +102,7 @@ def _check(question: Question, finalists: int) -> None:
         kind_of(kind)
 
 
-def _first_folded(question: Question, found: Sequence[Found], workers: int) -> Found | None:
+def _first_folded(question: Question, found: Sequence[Trial], workers: int) -> Trial | None:
     """The first candidate with every fold that is wanted always; None if none has."""
     with ThreadPoolExecutor(workers) as pool:
         for some in range(0, len(found), BATCH):
@@ -114,7 +114,7 @@ def _first_folded(question: Question, found: Sequence[Found], workers: int) -> F
     return None
 
 
-def _holds(question: Question, one: Found) -> bool:
+def _holds(question: Question, one: Trial) -> bool:
     """Whether a candidate has every fold that is wanted always."""
     if not question.always:
         return True
@@ -129,20 +129,20 @@ def _holds(question: Question, one: Found) -> bool:
 
 def _certified(
     question: Question,
-    found: list[Found],
+    found: list[Trial],
     wanted: int,
     workers: int,
     kept: dict[str, KeptOut],
-) -> list[Found]:
+) -> list[Trial]:
     """The best of a size that meet everything, of different patterns."""
-    by_pattern: dict[tuple[str, int, int], list[Found]] = {}
+    by_pattern: dict[tuple[str, int, int], list[Trial]] = {}
     for one in found:
         by_pattern.setdefault(_name(one), []).append(one)
     with ThreadPoolExecutor(workers) as pool:
         best = list(pool.map(lambda some: _best(question, some), by_pattern.values()))
     placed = sorted((pair for pairs in best for pair in pairs), key=lambda pair: pair[0])
     ranked = [one for _, one in placed]
-    good: list[Found] = []
+    good: list[Trial] = []
     tries: dict[tuple[str, int, int], int] = {}
     known = set()
     share = min((r.share for r in question.geometry), default=0.0)
@@ -185,7 +185,7 @@ def _shape(c: Constellation) -> tuple[float, bytes]:
     return raan, pairs[np.lexsort(pairs.T)].tobytes()
 
 
-def _keep_out(question: Question, bare: Sequence[Found], kept: dict[str, KeptOut]) -> None:
+def _keep_out(question: Question, bare: Sequence[Trial], kept: dict[str, KeptOut]) -> None:
     """Note the first that has the folds proven, and by what its geometry fails."""
     if one := _first_folded(question, bare, 1):
         _, failed = _verdicts(question, one)
@@ -193,7 +193,7 @@ def _keep_out(question: Question, bare: Sequence[Found], kept: dict[str, KeptOut
             kept["geometry"] = KeptOut(one.constellation, _why(failed))
 
 
-def _verdicts(question: Question, one: Found) -> tuple[tuple[Verdict, ...], Verdict | None]:
+def _verdicts(question: Question, one: Trial) -> tuple[tuple[Verdict, ...], Verdict | None]:
     """Verdicts in the order of the requirements, geometry settled first; the first not met."""
     design = question.design(one.constellation)
     known: dict[int, Verdict] = {}
@@ -207,7 +207,7 @@ def _verdicts(question: Question, one: Found) -> tuple[tuple[Verdict, ...], Verd
     return tuple(known[k] for k in range(len(order))), None
 
 
-def _lost(question: Question, one: Found) -> Verdict | None:
+def _lost(question: Question, one: Trial) -> Verdict | None:
     """The first requirement that is not proven to hold for the days wanted on real orbits.
 
     Under all forces, with nobody to steer, and trimmed once where that helps.
@@ -240,14 +240,14 @@ def _why(verdict: Verdict) -> str:
     return f"{wanted.wanted} broken at {place} ({wanted.name})"
 
 
-def _name(one: Found) -> tuple[str, int, int]:
+def _name(one: Trial) -> tuple[str, int, int]:
     """Which pattern a candidate is of, at whatever inclination and turn."""
     p = one.constellation.pattern
     assert p is not None
     return p.kind, p.planes, p.phasing
 
 
-def _best(question: Question, some: Sequence[Found]) -> list[tuple[tuple[float, ...], Found]]:
+def _best(question: Question, some: Sequence[Trial]) -> list[tuple[tuple[float, ...], Trial]]:
     """Candidates of one pattern that may be tried, each with its place: the lowest first.
 
     Those of more good samples, the worst better; then of more room for the folds. Of folds alone no
@@ -268,7 +268,7 @@ def _best(question: Question, some: Sequence[Found]) -> list[tuple[tuple[float, 
     return [((-some[k].sampled, room), some[k]) for room, k in best]
 
 
-def _room(question: Question, one: Found, most: int) -> float:
+def _room(question: Question, one: Trial, most: int) -> float:
     """Least clearance that a look of so many boxes shows for the folds wanted, radians: or less."""
     c, room = one.constellation, np.inf
     design = question.design(c)

@@ -24,7 +24,7 @@ from compass.pages.answers import (
     moment_words,
     what_to_do,
 )
-from compass.pages.found import Found
+from compass.pages.design_results import DesignResults
 from compass.pages.neighbours import Neighbour
 from compass.ranging import Receiver, Signal
 from compass.study.mapping import MapOptions, make_map
@@ -53,7 +53,7 @@ longitude_deg = 0
 
 def look(fold, inclination=43.7, lost=1):
     design = read_design_text(FILE.format(fold=fold, inclination=inclination))
-    return Found(
+    return DesignResults(
         design,
         compass.show(design),
         MapResult(design, make_map(design, MapOptions(step_deg=30, epochs=2))),

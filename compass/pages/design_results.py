@@ -13,7 +13,7 @@ from compass.design import Design
 
 
 @dataclass(frozen=True)
-class Found:
+class DesignResults:
     """Results on one design.
 
     Attributes
