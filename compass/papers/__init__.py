@@ -11,4 +11,5 @@ PAPERS = (
     "lou2019",
     "areostationary",
     "montenbruck2018",
+    "lemoine1999",
 )
