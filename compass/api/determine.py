@@ -29,6 +29,7 @@ from compass.signal.determination import (
     determine_orbits,
     implied_signal,
 )
+from compass.signal.links import NEAREST
 from compass.signal.unknown_forces import DEGREE, forces_of
 from compass.tracking import Tracking
 from compass.words import counted, listed
@@ -211,6 +212,7 @@ class DetermineResult(Result):
             f"common to all satellites at the end: a turn of {turn} mas about x, y, z; the "
             "covariances hold it",
             _forces(t, self.radiation),
+            *self._nearest(),
             "left out: errors of Mars's orientation and of the planets' places, the media, "
             f"manoeuvres, the field beyond degree {DEGREE}"
             + ("" if t.earth is None or t.earth.position else ", places of stations on the Earth"),
@@ -218,6 +220,12 @@ class DetermineResult(Result):
         if not self.clock_known:
             notes.append("nothing measures the clocks: add time_m, or one_way stations")
         return tuple(notes)
+
+    def _nearest(self) -> tuple[str, ...]:
+        """Which satellites are not linked, where any are."""
+        if self.found.tracking.crosslinks is None:
+            return ()
+        return (f"satellites nearer to each other than {NEAREST / 1e3:g} km are not linked",)
 
     def design_text(self) -> str:
         """Return the design's file with the table ``[signal]`` that this tracking implies."""

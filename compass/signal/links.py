@@ -23,6 +23,10 @@ WIDTH = 2 * STATES + 5
 MINUTE, SHIFT, COMPLEXES = 60.0, 8 * 3600.0, 3
 CLOCK = 6
 
+#: Satellites nearer to each other than this are not linked, m: the line between them turns with
+#: their errors, so that a range along it is not linear in them (100 m make 5 cm at this distance).
+NEAREST = 1e5
+
 #: Rotation of the Earth, rad/s (IERS Conventions 2010, table 1.2).
 EARTH_SPIN = 7.292115e-5
 
@@ -107,6 +111,7 @@ def measurement_rows(design: Design, tracking: Tracking, times: Array, r: Array,
     if tracking.crosslinks is not None:
         one, two = np.triu_indices(n, 1)
         busy = clear_of(design.figure, r[one], r[two])
+        busy &= np.linalg.norm(r[two] - r[one], axis=-1) >= NEAREST
         if tracking.crosslinks.schedule == "in-turn":
             busy = in_turn(busy)
         np.logical_or.at(tracked["crosslinks"], one, busy)

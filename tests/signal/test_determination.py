@@ -250,14 +250,17 @@ def test_estimates_from_drawn_data_scatter_as_the_covariance_says():
     what is measured: nothing of the covariance's own is in it. The mean square of whitened errors
     of places and clocks is 1, with a standard error of sqrt(2 / (8 runs)) or somewhat more.
     """
+    # of the same phase: satellites that meet at the nodes are linked along no line of sight
     d = design(2, 2)
+    c = walker_delta(2, 2, 0, inclination_deg=45, radius_km=20427)
+    d = replace(d, constellation=c)
     motion = Motion("numerical", forces=FORCES)
     tracking = Tracking(
         stations=Tracker(range=3.0, bias=2.0, time=3.0, position=1.0), crosslinks=Tracker(range=3.0),
         process_noise=0.0, considered="blind", step=1800.0, duration=43200.0, radiation=0.2,
-        gravity=1e2,
+        gravity=1e3,
     )  # fmt: skip
-    c = replace(d.constellation, gm=FORCES.field.gm)
+    c = replace(c, gm=FORCES.field.gm)
     times = tracking.step * np.arange(25)
     angle = prime_meridian_angle(c.epoch, times)
     turned = np.zeros((25, 3, 3))
@@ -375,6 +378,19 @@ def test_trackers_see_what_the_windows_say():
     found = windows(pairs, span, figure=d.figure)
     expected = sum(int(((times >= a) & (times <= b)).sum()) for w in found for a, b in w.spans)
     assert abs(counts["crosslinks"] - expected) <= 2
+
+
+def test_satellites_that_meet_are_not_linked():
+    """Two planes half a turn apart, whose satellites meet at the nodes at the epoch."""
+    d = design(2, 2)
+    links = Tracking(crosslinks=Tracker(range=1.0), duration=43200.0, step=1800.0)
+    found = determine_orbits(d, links)
+    linked = found.tracked["crosslinks"]
+    apart = np.linalg.norm(
+        np.diff(d.motion.states(d.constellation, found.times)[0], axis=0)[0], axis=1
+    )
+    assert apart[0] < 1.0 and not linked[:, 0].any() and linked[:, 1].all()
+    assert found.counts["crosslinks"] == (apart >= 1e5).sum() and np.isfinite(found.sigma).all()
 
 
 def test_in_turn_takes_one_at_a_time_and_everyone():
