@@ -223,7 +223,7 @@ class DetermineResult(Result):
 
     def _nearest(self) -> tuple[str, ...]:
         """Which satellites are not linked, where any are."""
-        if self.found.tracking.crosslinks is None:
+        if self.determination.tracking.crosslinks is None:
             return ()
         return (f"satellites nearer to each other than {NEAREST / 1e3:g} km are not linked",)
 
