@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from compass.core.area import FULL, areas_at_moments
 from compass.cores import cores
@@ -32,19 +32,6 @@ class FoldShares:
     error: float
 
 
-def fold_shares(directions: ArrayLike, radius: ArrayLike) -> NDArray[np.float64]:
-    """Shares of the sphere with fold 0 ... n at a moment, exact but for rounding.
-
-    Parameters
-    ----------
-    directions, radius
-        As in `fold_extremes`.
-    """
-    u = np.asarray(directions, dtype=float).reshape(-1, 3)
-    lam = np.broadcast_to(np.asarray(radius, dtype=float), u.shape[:1])
-    return _shares(u[np.newaxis], lam[np.newaxis])[0]
-
-
 def mean_fold_shares(
     constellation: Constellation,
     *,
@@ -63,7 +50,7 @@ def mean_fold_shares(
 
     def at(parts: NDArray[np.float64]) -> NDArray[np.float64]:
         r = positions_mci(constellation, span.start + parts * length).swapaxes(0, 1)
-        return _shares(r, cap_radius(np.linalg.norm(r, axis=-1), sphere_radius, mask))
+        return fold_shares(r, cap_radius(np.linalg.norm(r, axis=-1), sphere_radius, mask))
 
     if length == 0.0:
         return FoldShares(at(np.zeros(1))[0], 0.0)
@@ -73,8 +60,14 @@ def mean_fold_shares(
     return FoldShares(share, error + moved)
 
 
-def _shares(toward: NDArray[np.float64], radius: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Shares at moments, (moment, n + 1), of caps toward (moment, n, 3) of radii (moment, n)."""
+def fold_shares(toward: NDArray[np.float64], radius: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Shares of the sphere with fold 0 ... n at moments, (moment, n + 1), exact but for rounding.
+
+    Parameters
+    ----------
+    toward, radius
+        Caps: vectors to the satellites, (moment, n, 3), any length, and radii, (moment, n).
+    """
     u = np.ascontiguousarray(toward / np.linalg.norm(toward, axis=-1, keepdims=True))
     cosines = np.where(radius <= 0, 2.0, np.where(radius >= np.pi, -2.0, np.cos(radius)))
     edges = np.linspace(0, len(u), cores() + 1).astype(int)

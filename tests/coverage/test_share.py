@@ -23,11 +23,17 @@ def test_an_octant_is_an_eighth():
     assert 2 * np.angle(corner(*np.eye(3)[::-1])) == pytest.approx(-np.pi / 2)
 
 
+def at_once(u, radius):
+    """Shares at one moment."""
+    u = np.reshape(u, (-1, 3))
+    return fold_shares(u[None], np.broadcast_to(radius, (1, len(u))))[0]
+
+
 @settings(deadline=None, max_examples=25)
 @given(seed=st.integers(0, 10**6), n=st.integers(0, 9))
 def test_shares_sum_to_one_and_to_the_caps(seed, n):
     u, radius = random_caps(seed, n)
-    share = fold_shares(u, radius)
+    share = at_once(u, radius)
     assert share.sum() == pytest.approx(1.0, abs=1e-12)
     assert share.min() >= -1e-12
     # every place counts each cap that covers it once: the mean fold is the caps' total area
@@ -42,28 +48,28 @@ def test_against_samples(seed):
     p /= np.linalg.norm(p, axis=1, keepdims=True)
     fold = (p @ u.T >= np.cos(radius)).sum(axis=1)
     # five standard deviations of a share of at most one half
-    assert fold_shares(u, radius) == pytest.approx(
+    assert at_once(u, radius) == pytest.approx(
         np.bincount(fold, minlength=7) / fold.size, abs=5 * 0.5 / 200
     )
 
 
 def test_known_areas():
-    assert fold_shares([[0, 0, 1.0], [0, 0, -1.0]], np.pi / 3) == pytest.approx([0.5, 0.5, 0.0])
+    assert at_once([[0, 0, 1.0], [0, 0, -1.0]], np.pi / 3) == pytest.approx([0.5, 0.5, 0.0])
     # three right angles: the octants of three hemispheres
-    assert fold_shares(np.eye(3), np.pi / 2) == pytest.approx([1 / 8, 3 / 8, 3 / 8, 1 / 8])
-    assert fold_shares([[0, 0, 1.0], [1.0, 0, 0]], [4.0, 0.0]) == pytest.approx([0, 1.0, 0])
+    assert at_once(np.eye(3), np.pi / 2) == pytest.approx([1 / 8, 3 / 8, 3 / 8, 1 / 8])
+    assert at_once([[0, 0, 1.0], [1.0, 0, 0]], [4.0, 0.0]) == pytest.approx([0, 1.0, 0])
 
 
 @pytest.mark.parametrize("apart", [0.0, 1e-16, 1e-13, 1e-12])
 def test_caps_that_coincide_count_each(apart):
     # three satellites in one place and one elsewhere, whose rims cross
     u = np.array([[0, 0, 1.0], [apart, 0, 1.0], [0.8, 0, 0.6], [0, -apart, 1.0]])
-    one = fold_shares(u[[0, 2]], 0.7)
+    one = at_once(u[[0, 2]], 0.7)
     both = 1 - np.cos(0.7) - one[1:].sum()  # inclusion and exclusion: two caps less their union
     assert one[2] == pytest.approx(both, abs=1e-12)
     single = (1 - np.cos(0.7)) / 2 - both
     expected = [one[0], single, 0, single, both]
-    assert fold_shares(u, 0.7) == pytest.approx(expected, abs=1e-10)
+    assert at_once(u, 0.7) == pytest.approx(expected, abs=1e-10)
 
 
 @pytest.mark.parametrize("width", [1e-7, 1e-10, 0.0])
