@@ -22,6 +22,23 @@ def cores(asked: int | None = None) -> int:
     return os.cpu_count() or 1
 
 
+def in_blocks(
+    work: Callable[[slice], object], count: int, block: int, threads: int | None = None
+) -> None:
+    """Hand numbers below `count` to `work` in slices of `block`, shared among threads.
+
+    What is a single block's, or a single thread's, is done in the thread at hand: one started for
+    it costs more than a short filter run.
+    """
+    parts = [slice(first, min(first + block, count)) for first in range(0, count, block)]
+    if len(parts) == 1 or cores(threads) == 1:
+        for part in parts:
+            work(part)
+        return
+    with ThreadPoolExecutor(cores(threads)) as pool:
+        list(pool.map(work, parts))
+
+
 def shared(work: Callable[[Item], Found], items: Iterable[Item]) -> Iterator[Found]:
     """Yield what comes of each item, in order, one thread a core; ^C begins no further one."""
     pool = ThreadPoolExecutor(cores())

@@ -1,13 +1,12 @@
 """Entries that differ from the planned one: where they come down, guided or not."""
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.core.entry.guide import Until, dispersed_flights
-from compass.cores import cores
+from compass.cores import in_blocks
 from compass.entry.accuracy import Ellipse, error_ellipse
 from compass.entry.carried import CarriedFilter, nothing_carried
 from compass.entry.consistency import FALSE_ALARM, nees_bounds
@@ -196,15 +195,13 @@ def fly_dispersed(
         truth.vehicle.bank_schedule(),
     )
 
-    def work(first: int) -> None:
-        part = slice(first, first + BLOCK)
+    def work(part: slice) -> None:
         dispersed_flights(
             starts[part], worlds[part], p, q, numbers, bank, until, filtered, firsts[part],
             noise[part], times[part], ends[part], told[part],
         )  # fmt: skip
 
-    with ThreadPoolExecutor(cores(threads)) as pool:
-        list(pool.map(work, range(0, count, BLOCK)))
+    in_blocks(work, count, BLOCK, threads)
     if guidance is None and np.isnan(times[0]):
         raise ArgumentError(
             f"dispersion: the planned entry does not come to {(trigger or GROUND).name} by "

@@ -1,12 +1,11 @@
 """Guidance to a target, the bank that it flies, and how far entries are from the planned one."""
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.cores import cores
+from compass.cores import in_blocks
 from compass.entry.model import EntryModel
 from compass.entry.start import Trigger
 from compass.errors import ArgumentError
@@ -150,15 +149,13 @@ def guided_banks(
         nothing_carried(0)[0],
     )  # fmt: skip
 
-    def work(first: int) -> None:
-        part = slice(first, first + BLOCK)
+    def work(part: slice) -> None:
         guided_banks(
             starts[part], worlds[part], targets[part], *common,
             banks[part], rows[part], ends[part], beyond[part],
         )  # fmt: skip
 
-    with ThreadPoolExecutor(cores(threads)) as pool:
-        list(pool.map(work, range(0, count, BLOCK)))
+    in_blocks(work, count, BLOCK, threads)
     kept = banks[:, : rows.max()].copy()
     kept[np.arange(kept.shape[1]) >= rows[:, None]] = [np.inf, 0.0]
     return kept, ends, beyond * truth.planet_radius

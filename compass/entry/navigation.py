@@ -1,6 +1,5 @@
 """How well a lander navigates on radio beacons: one filter run, and many."""
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +9,7 @@ from compass.core.entry.filter import filter_run
 from compass.core.entry.kinds import RANGE, RATE
 from compass.core.entry.measure import PLACES, ideal_values
 from compass.core.entry.runs import Draws, monte_carlo
-from compass.cores import cores
+from compass.cores import in_blocks
 from compass.entry.beacons import Beacons
 from compass.entry.covariance import longest_step, problem_of
 from compass.entry.filters import METHODS, Filter, root
@@ -243,8 +242,7 @@ def run_monte_carlo(
     spread, p_true = root(covariance0), flight.model.flight_parameters()
     size, heard = layout.size, problem.variances.size
 
-    def work(first: int) -> None:
-        part = slice(first, min(first + BLOCK, runs))
+    def work(part: slice) -> None:
         total = size + heard + count * size
         drawn = np.stack([np.random.default_rng(s).standard_normal(total) for s in streams[part]])
         first_state, heard_by, shaken_by = np.split(drawn, [size, size + heard], axis=1)
@@ -267,8 +265,7 @@ def run_monte_carlo(
             sigmas[part],
         )
 
-    with ThreadPoolExecutor(cores(threads)) as pool:
-        list(pool.map(work, range(0, runs, BLOCK)))
+    in_blocks(work, runs, BLOCK, threads)
     finite: NDArray[np.bool_] = np.asarray(np.isfinite(errors).all(axis=(1, 2)))
     return MonteCarlo(
         errors, squares[..., 0], sigmas, ~finite, squares[..., 1], int(layout.estimated)

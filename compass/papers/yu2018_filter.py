@@ -4,7 +4,6 @@ One Runge-Kutta step an epoch moves truth and filter alike. It is singular at th
 are navigated by `compass.entry.navigation`.
 """
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +17,7 @@ from compass.core.papers.yu2018_filter import (
     posterior_bound,
     spread,
 )
-from compass.cores import cores
+from compass.cores import in_blocks
 from compass.entry.beacons import Beacons
 from compass.entry.model import EntryModel
 from compass.entry.navigation import FilterRuns
@@ -174,8 +173,7 @@ def run_monte_carlo(
         settings.iterations,
     )
 
-    def work(first: int) -> None:
-        part = slice(first, min(first + BLOCK, runs))
+    def work(part: slice) -> None:
         size = 6 + count * (2 * n + 6)
         drawn = np.stack([np.random.default_rng(s).standard_normal(size) for s in streams[part]])
         monte_carlo(
@@ -188,8 +186,7 @@ def run_monte_carlo(
             sigmas[part],
         )
 
-    with ThreadPoolExecutor(cores(threads)) as pool:
-        list(pool.map(work, range(0, runs, BLOCK)))
+    in_blocks(work, runs, BLOCK, threads)
     finite: NDArray[np.bool_] = np.asarray(np.isfinite(errors).all(axis=(1, 2)))
     return FilterRuns(errors, nees, sigmas, ~finite)
 

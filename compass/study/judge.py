@@ -2,7 +2,6 @@
 
 from collections import OrderedDict
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry.many import bounds, count_in_view, information, own_information
+from compass.cores import in_blocks
 from compass.coverage.region import read_regions
 from compass.digest import digest_of
 from compass.entry.arrivals import Arrivals, draw_arrivals
@@ -287,8 +287,7 @@ def judge_entries(
     sources, readings, kinds = _own_readings(scenario, campaign)
     ends[:, :, : d - clock.size] = campaign.gains[np.arange(size), campaign.stops]
 
-    def work(first: int) -> None:
-        part = slice(first, min(first + BLOCK, size))
+    def work(part: slice) -> None:
         when = epochs[part, None] + NODE_STEP * np.arange(nodes)
         r, v = states_mci(constellation, when.ravel())
         information(
@@ -332,13 +331,7 @@ def judge_entries(
             )
         bounds(shares[part], own[part], ends[part], sigma[part])
 
-    blocks: Sequence[int] = range(0, size, BLOCK)
-    if threads == 1:
-        for first in blocks:
-            work(first)
-    else:
-        with ThreadPoolExecutor(threads) as pool:
-            list(pool.map(work, blocks))
+    in_blocks(work, size, BLOCK, threads)
     counts = np.zeros((1 + n, 1 + n), dtype=np.int64)
     count_in_view(seen, campaign.stops, counts)
     total = unpacked(shares.sum(axis=1) + own[:, 0])

@@ -223,8 +223,9 @@ def _run(
     measurements = scenario.measurements
     one_way = measurements.range_sigma is not None or measurements.rate_sigma is not None
     parts = found.unknowns.parts(beacons, path, campaign.model.omega, one_way=one_way)
-    radius, turn = campaign.model.planet_radius, campaign.turns(scenario.state)[entry]
-    measurements = replace(measurements, features=measurements.features.moved(radius, turn))
+    if measurements.features.names:
+        radius, turn = campaign.model.planet_radius, campaign.turns(scenario.state)[entry]
+        measurements = replace(measurements, features=measurements.features.moved(radius, turn))
     settings = replace(scenario.settings, covariance0=spread @ spread.T, parts=(*own_parts, *parts))
     thicker, lift = campaign.worlds[entry]
     # what the filter estimates is drawn about the truth, so it knows the truth but for that draw
