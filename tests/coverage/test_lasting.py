@@ -205,11 +205,12 @@ def test_margin_is_the_cap_less_the_covering_radius_of_the_moment():
 
 def test_the_least_margin_is_bracketed_below_every_look():
     path = path_of(drifting(), 3.0, "j2")
-    edges = np.array([0.0, 1.0, 2.0]) * DAY
+    # in six hours the margin falls and rises more than once, and is least away from the middle
+    edges = np.arange(1.0, 2.01, 0.25) * DAY
     found = least_margins(path, 1, edges, sphere_radius=SPHERE, tolerance=2e-3)
     assert np.all(found[:, 1] - found[:, 0] <= 2.1e-3)
-    for k in range(2):
-        looks = np.linspace(edges[k], edges[k + 1], 60)
+    for k in range(4):
+        looks = np.linspace(edges[k], edges[k + 1], 16)
         seen = margins_at(path, 1, looks, sphere_radius=SPHERE).min()
         # margins change by less than two caps' turning in a third of an hour... and are never below
         assert found[k, 0] <= seen + 1e-6
