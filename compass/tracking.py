@@ -59,6 +59,11 @@ class Tracker:
             raise ArgumentError(f"schedule = {self.schedule!r}: allowed all, in-turn")
 
 
+def titled(kind: str) -> str:
+    """A kind of tracker as people write it."""
+    return "Earth" if kind == "earth" else kind
+
+
 @dataclass(frozen=True)
 class Tracking:
     """The tracking of a constellation, over an arc from the epoch.
@@ -144,7 +149,7 @@ class Tracking:
     @property
     def titles(self) -> list[str]:
         """The same as people write them."""
-        return ["Earth" if name == "earth" else name for name in self.kinds]
+        return [titled(name) for name in self.kinds]
 
     @property
     def measures_clocks(self) -> bool:

@@ -31,7 +31,7 @@ from compass.signal.determination import (
 )
 from compass.signal.links import NEAREST
 from compass.signal.unknown_forces import DEGREE, forces_of
-from compass.tracking import Tracking
+from compass.tracking import Tracking, titled
 from compass.words import counted, listed
 
 if TYPE_CHECKING:
@@ -197,7 +197,7 @@ class DetermineResult(Result):
     def notes(self) -> tuple[str, ...]:
         """What the numbers stand on, and what they leave out."""
         whole, t = self.determination, self.determination.tracking
-        kept = ", ".join(f"{count} by {kind}" for kind, count in whole.counts.items())
+        kept = ", ".join(f"{count} by {titled(kind)}" for kind, count in whole.counts.items())
         turn = ", ".join(f"{x:.3g}" for x in whole.orientation / MAS)
         sense = {
             "schmidt": "considered, the gain knows their sigmas (Schmidt)",

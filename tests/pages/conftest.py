@@ -12,6 +12,18 @@ FLAGS = (
 )  # fmt: skip
 
 
+#: Words of the program in what is read on a page, but for input and code in full.
+RAW = """
+const found = [], walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+const raw = /`|\\b(nan|inf|undefined|True|False)\\b|NaN|\\[object|[0-9]e(\\+|-0)|^None$/;
+while (walk.nextNode()) {
+  const {parentElement: of, textContent: text} = walk.currentNode;
+  if (!of.closest("script, style, pre, code") && raw.test(text.trim())) found.push(text.trim());
+}
+return found;
+"""
+
+
 @pytest.fixture
 def browser(tmp_path):
     """Headless Chromium."""
@@ -35,7 +47,8 @@ def browser(tmp_path):
 def opened(browser, faults):
     """Open a page: its pictures load, nothing is fetched or logged, nothing sticks out or is cut.
 
-    On a phone in the dark axe finds nothing, and nothing sticks out there either.
+    On a phone in the dark axe finds nothing, and nothing sticks out there either. No word is one of
+    the program's: no markup of sources, no key, no number that is none or has a padded power.
     """
 
     def check(path, pictures):
@@ -55,6 +68,7 @@ def opened(browser, faults):
         cut = "[...document.querySelectorAll('section.answer .shown')]"
         cut += ".filter(e => e.scrollWidth > e.clientWidth + 1).length"
         assert browser.execute_script(f"return {cut}") == 0
+        assert browser.execute_script(RAW) == []
         phone = {"width": 360, "height": 740, "deviceScaleFactor": 1, "mobile": False}
         dark = [{"name": "prefers-color-scheme", "value": "dark"}]
         browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", phone)

@@ -40,7 +40,7 @@ def test_the_answer_counts_and_errors_are_told_once():
 
 @pytest.mark.browser
 def test_a_page_of_a_paper_in_a_real_browser(tmp_path, monkeypatch, opened):
-    report, sections = paper_report(ReproduceResult("x", "A <b>paper</b> of `code`", ROWS))
+    report, sections = paper_report(ReproduceResult("x", "A <b>paper</b>", ROWS))
     opened(write_page(tmp_path, report, sections), 0)
 
 
