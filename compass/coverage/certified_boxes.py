@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from compass.core.certified.cuts import CUT, EXPANSION, SCRATCH
 from compass.core.certified.shares import BOX, look, measure, split
-from compass.core.certified.sights import WIDTH
+from compass.core.certified.sights import USER, WIDTH
 from compass.coverage.certified_question import Asked, Question
 from compass.errors import ArgumentError
 from compass.orbits import Constellation
@@ -78,7 +78,7 @@ def boxes_at(
     question.check(limit)
     n, (south, north) = question.satellites, question.domain.sides[0]
     work = (
-        np.empty(25),
+        np.empty(USER),
         np.zeros(SCRATCH + CUT + EXPANSION),
         np.empty((n, 3)),
         np.empty((n, 3)),

@@ -15,13 +15,15 @@ from compass.core.certified.cuts import (
 )
 from compass.core.certified.shares import BOX, look, measure, of_measure, region_parts
 from compass.core.certified.sights import (
-    BEND,
+    FALL,
     FIRST,
     HIGH,
     LAST,
     LOW,
     NUMBERS,
+    RISE,
     SECOND,
+    USER,
     WIDTH,
     mask_range,
     place,
@@ -77,7 +79,7 @@ class Case:
         # a box does not reach over a pole
         self.box[0] = np.clip(self.box[0], self.box[3] - np.pi / 2, np.pi / 2 - self.box[3])
         self.mask = g.uniform(0, 0.3)
-        self.user = np.zeros(25)
+        self.user = np.zeros(USER)
         place(self.box, self.e2, 0.0, self.user)
         n = len(self.domain.orbits)
         self.numbers, self.ranges = np.zeros(NUMBERS), random_ranges(g, n) if weighed else None
@@ -176,7 +178,7 @@ def test_lines_of_sight_stay_within_their_bounds(seeds):
                 assert np.linalg.norm(e[k] - row[:3]) <= row[FIRST] + 1e-14
                 for side in (HIGH, LOW):
                     line = row[side] + u @ row[side + 1 : side + 4]
-                    assert abs(height[k] - line) <= row[BEND]
+                    assert -row[FALL] <= height[k] - line <= row[RISE]
                 assert kind == 2 or height[k] >= 0
                 seen += 1
     assert seen > 10 * seeds
@@ -317,7 +319,7 @@ def test_a_satellite_overhead_and_near_leaves_its_box_open():
     box[3:6] = 0.2
     n = len(domain.orbits)
     look(
-        box, np.zeros(25), np.zeros(SCRATCH + CUT + EXPANSION), np.zeros((n, 3)), np.zeros((n, 3)),
+        box, np.zeros(USER), np.zeros(SCRATCH + CUT + EXPANSION), np.zeros((n, 3)), np.zeros((n, 3)),
         np.zeros((n + 1, WIDTH)), np.zeros(n + 1, dtype=np.int64), domain.orbits, domain.circles,
         domain.breaks, domain.paths, np.empty((0, 3)), np.array([0.0, 0.0, 0.0, 1.0, 36.0]),
         np.zeros((2, 1)),

@@ -12,11 +12,12 @@ import numpy as np
 
 from compass.core.certified.cuts import CUT, EXPANSION, KEPT, SCRATCH, cuts, gather
 from compass.core.certified.sights import (
-    BEND,
     E2,
+    FALL,
     HEIGHT,
     HIGH,
     SQUARE,
+    USER,
     WIDTH,
     place,
     states,
@@ -49,7 +50,7 @@ def kept(rows, kinds, count, square, s, cut, places):
     for k in range(count):
         if kinds[k] == 2:
             doubtful += 1
-            on -= 1.0 - of_all(rows[k, BEND] - rows[k, HIGH], rows[k, HIGH + 1 : HIGH + 4], places)
+            on -= 1.0 - of_all(rows[k, FALL] - rows[k, HIGH], rows[k, HIGH + 1 : HIGH + 4], places)
     cuts(rows, kinds, count, False, on > 0.0, square, s, cut)
     whole = of_all(cut[KEPT], cut[KEPT + 1 : KEPT + 4], places)
     if not doubtful:
@@ -78,7 +79,7 @@ def kept_everywhere(boxes, places, speed, orbits, circles, breaks, paths, number
         The share, and boxes looked at.
     """
     n = orbits.shape[0]
-    user, scratch = np.empty(25), np.zeros(SCRATCH + CUT + EXPANSION)
+    user, scratch = np.empty(USER), np.zeros(SCRATCH + CUT + EXPANSION)
     q, dq, rows = np.empty((n, 3)), np.empty((n, 3)), np.empty((n + 1, WIDTH))
     kinds, stack = np.empty(n + 1, np.int64), np.empty((256, BOX))
     total, good, looked = 0.0, 0.0, 0

@@ -7,6 +7,10 @@ or none of the doubtful are in sight (``1 - sum`` of what each leaves open)::
 
     kept >= max(G_S, on - (1 - G_P)),  broken >= max(B_P, off - (1 - B_S))
 
+and, where two are doubtful, by either of them seen and the other not, as where only one matters::
+
+    kept >= on_1 - (1 - G_S1),  broken >= off_2 - (1 - B_S1)
+
 and likewise inside a region, ``max(0, kept + inside - 1)``. A share f of the volume holds at least
 ``max(f vol w_min, m - (1 - f) vol w_max)`` of the measure m, w the density of area in latitude.
 What is neither kept nor broken nor outside is open, and split along its longest side.
@@ -23,12 +27,14 @@ import numpy as np
 from compass.core.belt import area_below
 from compass.core.certified.cuts import BROKEN, CUT, EXPANSION, KEPT, SCRATCH, cuts, gather
 from compass.core.certified.sights import (
-    BEND,
     E2,
+    FALL,
     HEIGHT,
     HIGH,
     LOW,
+    RISE,
     SQUARE,
+    USER,
     WIDTH,
     place,
     states,
@@ -93,10 +99,19 @@ def rim_parts(rows, kinds, count):
     on, off = 1.0, 1.0
     for k in range(count):
         if kinds[k] == 2:
-            r = rows[k]
-            on -= 1.0 - volume(r[BEND] - r[HIGH], r[HIGH + 1], r[HIGH + 2], r[HIGH + 3])
-            off -= 1.0 - volume(r[BEND] + r[LOW], r[LOW + 1], r[LOW + 2], r[LOW + 3])
+            seen, unseen = rim_shares(rows[k])
+            on -= 1.0 - seen
+            off -= 1.0 - unseen
     return max(on, 0.0), max(off, 0.0)
+
+
+@fused_kernel
+def rim_shares(row):
+    """Bounds of the shares of a box in which a doubtful satellite is surely seen, surely not."""
+    return (
+        volume(row[FALL] - row[HIGH], row[HIGH + 1], row[HIGH + 2], row[HIGH + 3]),
+        volume(row[RISE] + row[LOW], row[LOW + 1], row[LOW + 2], row[LOW + 3]),
+    )
 
 
 @fused_kernel
@@ -119,7 +134,31 @@ def kept_broken(rows, kinds, count, square, s, cut):
     cuts(rows, kinds, count, False, on > kept, square, s, cut)
     most = volume(cut[KEPT], cut[KEPT + 1], cut[KEPT + 2], cut[KEPT + 3])
     least = volume(cut[BROKEN], cut[BROKEN + 1], cut[BROKEN + 2], cut[BROKEN + 3])
-    return max(kept, on + most - 1.0), max(least, off + broken - 1.0)
+    kept, broken = max(kept, on + most - 1.0), max(least, off + broken - 1.0)
+    if doubtful == 2 and most > 0.0 and least < 1.0 and kept + broken < 1.0:
+        return one_of_two(rows, kinds, count, square, s, cut, kept, broken)
+    return kept, broken
+
+
+@fused_kernel
+def one_of_two(rows, kinds, count, square, s, cut, kept, broken):
+    """Raise bounds of what is kept and broken by looking at either of two doubtful satellites."""
+    first = second = -1
+    for k in range(count):
+        if kinds[k] == 2:
+            first, second = second, k
+    for _ in range(2):
+        first, second = second, first
+        on, off = rim_shares(rows[first])[0], rim_shares(rows[second])[1]
+        if on <= kept and off <= broken:
+            continue
+        kinds[first] = 1
+        cuts(rows, kinds, count, True, on > kept, square, s, cut)
+        kinds[first] = 2
+        kept = max(kept, on - 1.0 + volume(cut[KEPT], cut[KEPT + 1], cut[KEPT + 2], cut[KEPT + 3]))
+        out = volume(cut[BROKEN], cut[BROKEN + 1], cut[BROKEN + 2], cut[BROKEN + 3])
+        broken = max(broken, off - 1.0 + out)
+    return kept, broken
 
 
 @fused_kernel
@@ -191,7 +230,7 @@ def refine(leaves, eps, speed, orbits, circles, breaks, paths, normals, numbers,
         Boxes with something open, shape (k, BOX).
     """
     n = orbits.shape[0]
-    user, scratch = np.empty(25), np.zeros(SCRATCH + CUT + EXPANSION)
+    user, scratch = np.empty(USER), np.zeros(SCRATCH + CUT + EXPANSION)
     q, dq, rows = np.empty((n, 3)), np.empty((n, 3)), np.empty((n + 1, WIDTH))
     kinds = np.empty(n + 1, np.int64)
     settled, out, stack = np.zeros(4), np.empty((64, BOX)), np.empty((256, BOX))

@@ -27,8 +27,19 @@ doubled, to D2. Horizontal and vertical DOP need the local vertical to stand sti
 the frame is carried parallel, turned at ``w = n x n'``; then e' becomes ``e' - w x e``, D1 grows
 by v and D2 by ``2 v V/rm + v^2 + wn``.
 
-In sight where ``G = n.(q - p) - sin m |q - p| >= 0``; ``|G''|`` is at most
-``wn |q| + 2 v S + A ht^2 + |M - n.p| hb^2 + |sin m| (Acc + V^2/rm)``.
+In sight where ``G = F - sin m |q - p| >= 0, F = n.(q - p)``. As ``n.p' = 0``::
+
+    F'' = n''.q + 2 n'.q' + n.q'' - (n.p)'',    |(n.p)''| <= |M - n.p| hb^2
+
+The first two at the centre are a quadratic form in u, ``u'H u``, which lies between the sums of its
+negative and of its positive diagonal and twice the entries beside it; along the line they move by
+no more than ``s T, T = |n'''| |q| + 3 wn S + 2 v A ht^2``, so that G lies above its tangent by no
+more than ``(max u'H u + A ht^2 + |M - n.p| hb^2 + |sin m| (Acc + V^2/rm))/2 + T/6``, and below
+it likewise. Near a rim n.q is hardly more than 1 where |q| is many radii: ``wn |q| + 2 v S``, which
+bounds the first two anywhere, and is taken where it is less, is several times as large. With
+``e^il (cos b, .)``::
+
+    |n'''|^2 <= sm^2 (hb^3 + 3 hb hl^2)^2 + cm^2 (hl^3 + 3 hl hb^2)^2 + cm^2 hb^6
 """
 
 import math
@@ -41,11 +52,14 @@ from compass.core.kepler import eccentric_anomaly
 from compass.core.path import path_state, piece_of
 
 #: Columns of a satellite's row: line of sight, its three slopes, D1, D2, sight and its slopes for
-#: the highest and for the lowest mask that can apply, bound of the curvature of either, the fourth
-#: number of the row (1 without weights, which multiply line of sight and slopes too) and its
-#: slopes; then what a weight is found from.
-E, SLOPE, FIRST, SECOND, HIGH, LOW, BEND, LAST = 0, 3, 12, 13, 14, 18, 22, 23
-DISTANCE, BOUNDS, HEAVY, WIDTH = 27, 32, 37, 37 + WEIGHED
+#: the highest and for the lowest mask that can apply, how far either falls below and rises above
+#: its tangent, the fourth number of the row (1 without weights, which multiply line of sight and
+#: slopes too) and its slopes; then what a weight is found from.
+E, SLOPE, FIRST, SECOND, HIGH, LOW, FALL, RISE, LAST = 0, 3, 12, 13, 14, 18, 22, 23, 24
+DISTANCE, BOUNDS, HEAVY, WIDTH = 28, 33, 38, 38 + WEIGHED
+
+#: Numbers of a user, see `place`.
+USER = 26
 
 #: Columns of an orbit: semi-major axis, eccentricity, cosine and sine of inclination, node,
 #: periapsis, mean anomaly at time 0, the rates of these three, greatest speed and acceleration.
@@ -128,11 +142,11 @@ def states(orbits, circles, breaks, paths, t, q, dq):
 
 @fused_kernel
 def place(box, e2, height, user):
-    """Fill the user's up, place, their slopes and bounds; shape (25,).
+    """Fill the user's up, place, their slopes and bounds; shape (USER,).
 
     0:3 up, 3:6 place, 6:9 and 9:12 slopes of up times hb, hl, 12:15 and 15:18 of the place,
     then v, wn, wp, F v, bound of ``|M - n.p| hb^2``, largest ``|sin b|``, bound of the slope of
-    n.p by b (``N e2 sin b cos b``).
+    n.p by b (``N e2 sin b cos b``), bound of |n'''|.
     """
     b, lon, hb, hl = box[0], box[1], box[3], box[4]
     cb, sb, cl, sl = math.cos(b), math.sin(b), math.cos(lon), math.sin(lon)
@@ -166,6 +180,8 @@ def place(box, e2, height, user):
     user[22] = max(1.0 / math.sqrt(1.0 - e2) - math.sqrt(1.0 - e2), e2) * hb * hb
     user[23] = sm
     user[24] = e2
+    b3, l3 = hb * (hb * hb + 3.0 * hl * hl), hl * (hl * hl + 3.0 * hb * hb)
+    user[25] = math.sqrt((sm * b3) ** 2 + (cm * l3) ** 2 + (cm * hb * hb * hb) ** 2)
 
 
 @fused_kernel
@@ -294,7 +310,15 @@ def sights(box, user, orbits, q, dq, numbers, level, azimuths, elevations, rows,
             azimuth, half = azimuth_reach(user, ex, ey, ez, first)
             low, high = mask_range(azimuths, elevations, azimuth, half)
             sin_high, sin_low = math.sin(high), math.sin(low)
-        curve = wn * (away + speed) + 2.0 * v * speed + bend + user[22]
+        anywhere = wn * (away + speed) + 2.0 * v * speed
+        third = (user[25] * (away + speed) + 3.0 * wn * speed + 2.0 * v * bend) / 3.0
+        turn_b = -box[3] * box[3] * (up + nx * user[3] + ny * user[4] + nz * user[5])
+        turn_l = -box[4] * box[4] * (nx * q[k, 0] + ny * q[k, 1])
+        beside = abs(box[4] * (user[6] * q[k, 1] - user[7] * q[k, 0]))
+        beside += abs(user[6] * tx + user[7] * ty + user[8] * tz)
+        beside += abs(user[9] * tx + user[10] * ty + user[11] * tz)
+        fall = min(2.0 * beside - min(turn_b, 0.0) - min(turn_l, 0.0) + third, anywhere)
+        rise = min(2.0 * beside + max(turn_b, 0.0) + max(turn_l, 0.0) + third, anywhere)
         far = swing + reach * reach / nearest
         error = SIGHT_ROUNDING * away + 2.0 * slack
         row[HIGH], row[LOW] = up - sin_high * r, up - sin_low * r
@@ -305,10 +329,11 @@ def sights(box, user, orbits, q, dq, numbers, level, azimuths, elevations, rows,
             row[LOW + 1 + d] = slope - sin_low * along
             least -= abs(row[HIGH + 1 + d])
             most += abs(row[LOW + 1 + d])
-        row[BEND] = 0.5 * (curve + max(abs(sin_high), abs(sin_low)) * far) + error
-        if most + row[BEND] < 0.0:
+        rest = 0.5 * (bend + user[22] + max(abs(sin_high), abs(sin_low)) * far) + error
+        row[FALL], row[RISE] = 0.5 * fall + rest, 0.5 * rise + rest
+        if most + row[RISE] < 0.0:
             continue
-        kinds[count] = 1 if least - row[BEND] >= 0.0 else 2
+        kinds[count] = 1 if least - row[FALL] >= 0.0 else 2
         rate = 0.0
         if weighed:
             rate = min(chord(row) + second, turn + slack / nearest)

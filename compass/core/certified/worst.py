@@ -25,7 +25,7 @@ from compass.core.certified.cuts import (
     most,
 )
 from compass.core.certified.shares import region_parts, split
-from compass.core.certified.sights import E2, HEIGHT, HIGH, WIDTH, place, states
+from compass.core.certified.sights import E2, HEIGHT, HIGH, USER, WIDTH, place, states
 from compass.core.jit import kernel
 
 #: Columns of a leaf: centre and half-widths (b, l, t), bound of the square, value at the centre.
@@ -210,7 +210,7 @@ def pursue(
         What is left, shape (k, LEAF).
     """
     n = orbits.shape[0]
-    user, scratch = np.empty(25), np.zeros(SCRATCH + EXPANSION)
+    user, scratch = np.empty(USER), np.zeros(SCRATCH + EXPANSION)
     q, dq, rows = np.empty((n, 3)), np.empty((n, 3)), np.empty((n + 1, WIDTH))
     kinds = np.empty(n + 1, np.int64)
     best, corner = best.copy(), np.empty(3)
