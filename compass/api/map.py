@@ -207,9 +207,13 @@ def _attributes(certified: CertifiedGeometry | None) -> dict[str, Any]:
     if certified is None:
         return {}
     known = certified.numbers()
-    gdop = {f"gdop_p{q}_bracket": known["gdop"][f"p{q}_bracket"] for q in certified.gdop}
+    percentiles = {
+        f"{name}_p{q}_bracket": known[name][f"p{q}_bracket"]
+        for name, of in certified.dops.items()
+        for q in of
+    }
     return {
         "availability_bracket": known["availability_bracket"],
-        **gdop,
+        **percentiles,
         "certified_scope": certified.scope,
     }

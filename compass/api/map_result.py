@@ -78,7 +78,7 @@ class MapResult(Result):
         found = {}
         if self.certified:
             sure = f"between proven bounds, {self.certified.scope}"
-            found = {f"gdop.p{percent}": sure for percent in self.certified.gdop}
+            found = {f"{name}.p{q}": sure for name, of in self.certified.dops.items() for q in of}
             found |= {"availability": sure, "pdop_worst_bracket": sure}
         if self.areas:
             found["areas"] = AREAS_KNOWN
@@ -102,7 +102,8 @@ class MapResult(Result):
         numbers = statistics(self.dataset)
         if self.certified:
             known = self.certified.numbers()
-            numbers |= known | {"gdop": numbers["gdop"] | known["gdop"]}
+            percentiles = {name: numbers[name] | known[name] for name in self.certified.dops}
+            numbers |= known | percentiles
         return numbers
 
     def document(self) -> Page:
@@ -140,9 +141,9 @@ class MapResult(Result):
         """What was certified, and how, in a sentence; nothing where nothing was."""
         if not self.certified:
             return ()
-        named = listed([f"{percent}th" for percent in self.certified.gdop])
+        named = listed([quantity(name).title for name in self.certified.dops])
         return (
-            f"Availability and the {named} percentiles of GDOP lie between the bounds shown, "
+            f"Availability and the percentiles of {named} lie between the bounds shown, "
             f"everywhere and not only at cells, {self.certified.scope}.",
             *self._worst(),
         )

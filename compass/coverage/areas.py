@@ -125,19 +125,19 @@ class Area:
         ]
         return found[0].low, found[-1].high
 
-    def gdop(self, percent: int) -> Bounds:
-        """What GDOP does not exceed for so many per cent."""
+    def gdop(self, percents: Sequence[int]) -> dict[int, Bounds]:
+        """What GDOP does not exceed for so many per cent each."""
         found = [
-            self.effort.percentile(
+            self.effort.percentiles(
                 self.design.constellation,
-                float(percent),
+                percents,
                 precision=self.near.precision,
                 dop="gdop",
                 **self._asked(users),
             )
             for users in self.users
         ]
-        return _hull([(one.low, one.high) for one in found])
+        return {q: _hull([(of[q].low, of[q].high) for of in found]) for q in percents}
 
     def _asked(self, users: Users) -> dict[str, Any]:
         return asked_place(users, self.course) | {
@@ -229,7 +229,7 @@ def area_figures(
             area.fold(),
             pdop_max,
             area.share("pdop", pdop_max),
-            {percent: area.gdop(percent) for percent in PERCENTS},
+            area.gdop(PERCENTS),
             error_max,
             {name: area.share(name, error_max) for name in names},
         )

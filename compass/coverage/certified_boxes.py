@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.certified.cuts import CUT, EXPANSION, SCRATCH
-from compass.core.certified.shares import BOX, look, measure, split
+from compass.core.certified.shares import BOX, GIVEN, INSIDE, look, split, still_open
 from compass.core.certified.sights import USER, WIDTH
 from compass.coverage.certified_question import Asked, Question
 from compass.errors import ArgumentError
@@ -90,18 +90,19 @@ def boxes_at(
     stack, found = [whole], []
     while stack:
         box = stack.pop()
-        look(box, *work, *question.arrays(limit))
-        part = box[9] / measure(box, question.domain.flattening)[0]
+        look(box, *work, question.squares([limit]), *question.arrays(limit))
+        part = still_open(box, 0) / box[INSIDE]
         halves = np.zeros(BOX), np.zeros(BOX)
         if part > 0.05 and max(box[3:5]) > smallest and split(box, 1.0, *halves):
             stack += halves
             continue
         kind = BoxKind.OPEN if part > 0.3 else BoxKind.CUT
-        if part == 0.0 and min(box[6], box[7]) == 0.0:
-            kind = BoxKind.KEPT if box[6] > 0.0 else BoxKind.BROKEN
-        found.append((*box[[0, 1, 3, 4]], kind, *box[6:10]))
+        kept, broken = box[GIVEN:]
+        if part == 0.0 and min(kept, broken) == 0.0:
+            kind = BoxKind.KEPT if kept > 0.0 else BoxKind.BROKEN
+        found.append((*box[[0, 1, 3, 4]], kind, kept, broken, still_open(box, 0)))
     table = np.array(found)
-    kept, broken, _, open_ = table[:, 5:].sum(axis=0)
+    kept, broken, open_ = table[:, 5:].sum(axis=0)
     total = kept + broken + open_
     return MomentBoxes(
         table[:, :4],

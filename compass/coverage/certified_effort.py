@@ -1,7 +1,7 @@
 """How far certified figures are taken, and the file from which finer ones go on from coarser."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypedDict, Unpack
@@ -11,7 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.allowed import check_all_allowed
-from compass.coverage.certified_percentile import CertifiedPercentile, certified_percentile
+from compass.coverage.certified_distribution import Boxes
+from compass.coverage.certified_percentile import (
+    CertifiedPercentile,
+    CertifiedPercentiles,
+    certified_percentiles,
+)
 from compass.coverage.certified_question import Asked
 from compass.coverage.certified_share import CertifiedShare, certified_share
 from compass.coverage.certified_worst import (
@@ -114,37 +119,32 @@ class Effort:
         self._close(found.stopped)
         return found
 
-    def percentile(
+    def percentiles(
         self,
         constellation: Constellation,
-        percent: float,
+        percents: Sequence[float],
         *,
         precision: float,
         budget_boxes: float,
         **asked: Unpack[Asked],
-    ) -> CertifiedPercentile:
-        """As `certified_percentile`; `precision` and `budget_boxes` where nothing else was."""
-        key, start = _key("percentile", constellation, percent, asked), None
+    ) -> Mapping[float, CertifiedPercentile]:
+        """As `certified_percentiles`; `precision` and `budget_boxes` where nothing else was."""
+        key = _key("percentiles", constellation, 0.0, asked) + "-".join(f"{q:g}" for q in percents)
         if self.width is not None:
             precision = min(PERCENTILE_PER_SHARE * self.width, COARSEST)
-        if (known := self._arrays.get(f"{key}/ends")) is not None:
-            low, high = known.tolist()
-            start = CertifiedPercentile(low, high, percent, "", open=self._share(key))
-        found = certified_percentile(
+        found = certified_percentiles(
             constellation,
-            percent,
+            percents,
             precision=precision,
-            start=start,
+            start=self._percentiles(key, percents),
             workers=self.workers,
             **self._budget(budget_boxes),
             **asked,
         )
-        if not math.isinf(found.low):
-            self._arrays[f"{key}/ends"] = np.array([found.low, found.high])
-        self._put_share(key, found.open)
-        self.progress("percentile", 1.0)
-        self._close(found.stopped)
-        return found
+        self._put_percentiles(key, found)
+        self.progress("percentiles", 1.0)
+        self._close(next((one.stopped for one in found.of.values() if one.stopped), ""))
+        return found.of
 
     def worst(
         self,
@@ -220,6 +220,33 @@ class Effort:
                 f"{key}/settled": np.array(found.settled),
                 f"{key}/boxes": np.array(found.boxes),
             }
+
+    def _percentiles(self, key: str, percents: Sequence[float]) -> CertifiedPercentiles | None:
+        """Where percentiles stopped; None where they have not begun."""
+        if (ends := self._arrays.get(f"{key}/ends")) is None:
+            return None
+        of = {
+            q: CertifiedPercentile(low, high, q, "", "time" if late else "")
+            for q, (low, high, late) in zip(percents, ends.tolist(), strict=True)
+        }
+        held = [self._arrays[f"{key}/{name}"] for name in ("leaves", "settled", "sums", "eps")]
+        leaves, settled, (inside, looked), eps = held
+        boxes = Boxes(leaves, settled, float(inside), eps, int(looked))
+        return CertifiedPercentiles(of, int(looked), boxes, self._arrays[f"{key}/points"])
+
+    def _put_percentiles(self, key: str, found: CertifiedPercentiles) -> None:
+        """Keep where percentiles stopped."""
+        if (boxes := found.boxes) is None:
+            return
+        ends = [(one.low, one.high, float(bool(one.stopped))) for one in found.of.values()]
+        self._arrays |= {
+            f"{key}/ends": np.array(ends),
+            f"{key}/leaves": boxes.leaves,
+            f"{key}/settled": boxes.settled,
+            f"{key}/sums": np.array([boxes.inside, boxes.looked]),
+            f"{key}/eps": boxes.eps,
+            f"{key}/points": found.points,
+        }
 
     def _close(self, stopped: str) -> None:
         """Note why a figure stopped, and write the file."""

@@ -1,4 +1,4 @@
-"""Geometry over area and time between proven bounds: how often PDOP is good, percentiles of GDOP.
+"""Geometry over area and time between proven bounds: how often PDOP is good, percentiles of DOPs.
 
 The one place where these two are found for one constellation. What is sampled, for pictures and to
 sort many candidates, is the value of nearest rank (`compass.core.ranking`) of the same quantities.
@@ -28,7 +28,7 @@ BUDGET_BOXES, BUDGET_SIGHTS = 600_000, 40_000_000
 
 @dataclass(frozen=True)
 class CertifiedGeometry:
-    """Share of area and time with a good PDOP, and what GDOP does not exceed in parts of them.
+    """Share of area and time with a good PDOP, and what dilutions do not exceed in parts of them.
 
     Attributes
     ----------
@@ -36,15 +36,15 @@ class CertifiedGeometry:
         Largest PDOP that is good.
     availability
         The share.
-    gdop
-        Percentiles, by per cent.
+    dops
+        Percentiles by dilution, then by per cent.
     worst
         The largest PDOP anywhere and at any time; None if it was not asked for.
     """
 
     pdop_max: float
     availability: CertifiedShare
-    gdop: Mapping[int, CertifiedPercentile]
+    dops: Mapping[str, Mapping[int, CertifiedPercentile]]
     worst: CertifiedWorst | None = None
 
     def numbers(self) -> dict[str, Any]:
@@ -53,10 +53,11 @@ class CertifiedGeometry:
         found: dict[str, Any] = {
             "availability": a.value,
             "availability_bracket": [a.low, a.high],
-            "gdop": {},
         }
-        for percent, p in self.gdop.items():
-            found["gdop"] |= {f"p{percent}": p.value, f"p{percent}_bracket": [p.low, p.high]}
+        for name, of in self.dops.items():
+            found[name] = {}
+            for percent, p in of.items():
+                found[name] |= {f"p{percent}": p.value, f"p{percent}_bracket": [p.low, p.high]}
         if self.worst is not None:
             w = self.worst
             found["pdop_worst_bracket"] = [w.low, w.high]
@@ -66,7 +67,8 @@ class CertifiedGeometry:
     @property
     def scope(self) -> str:
         """For which motion and how long, and how it was found."""
-        reasons = [self.availability.stopped, *(p.stopped for p in self.gdop.values())]
+        percentiles = [p.stopped for of in self.dops.values() for p in of.values()]
+        reasons = [self.availability.stopped, *percentiles]
         late = "; ".join(dict.fromkeys(f"stopped early: {why}" for why in reasons if why))
         how = f"branch and bound, {self.availability.boxes} boxes"
         return "; ".join(part for part in (self.availability.scope, how, late) if part)
@@ -79,13 +81,14 @@ def certified_geometry(
     mask: Mask,
     pdop_max: float = PDOP_MAX,
     percents: Sequence[int] = (95,),
+    dops: Sequence[str] = ("gdop",),
     since: float = 0.0,
     duration: float | None = None,
     motion: AnyMotion = "two-body",
     worst: bool = False,
     effort: Effort | None = None,
 ) -> CertifiedGeometry:
-    """Bracket availability and percentiles of GDOP over the whole surface.
+    """Bracket availability and percentiles of dilutions over the whole surface.
 
     For all time where the motion repeats up to a turn of the figure, else over a duration.
 
@@ -95,8 +98,8 @@ def certified_geometry(
         As in `compass.coverage.certified_question.Question`.
     pdop_max
         Largest PDOP that is good, from 1.
-    percents
-        Which percentiles.
+    percents, dops
+        Which percentiles, of which dilutions.
     worst
         Whether to look for the largest PDOP too.
     effort
@@ -112,11 +115,10 @@ def certified_geometry(
         "budget_boxes": min(BUDGET_BOXES, BUDGET_SIGHTS // max(constellation.size, 1)),
     }
     availability = effort.share(constellation, pdop_max, dop="pdop", width=WIDTH, **asked)
-    gdop = {
-        percent: effort.percentile(
-            constellation, float(percent), dop="gdop", precision=PRECISION, **asked
-        )
-        for percent in percents
+    found = {
+        name: effort.percentiles(constellation, percents, dop=name, precision=PRECISION, **asked)
+        for name in dops
     }
+    ranks = {name: {q: of[q] for q in percents} for name, of in found.items()}
     largest = effort.worst(constellation, dop="pdop", **asked) if worst else None
-    return CertifiedGeometry(pdop_max, availability, gdop, largest)
+    return CertifiedGeometry(pdop_max, availability, ranks, largest)

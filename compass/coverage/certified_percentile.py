@@ -1,32 +1,50 @@
-"""What a dilution of precision does not exceed in a part of area and time: proven bounds."""
+"""What a dilution of precision does not exceed in parts of area and time: proven bounds."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from math import exp, inf, log, nan, sqrt
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import exp, inf, log, sqrt
 from time import monotonic
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
+from numpy.typing import NDArray
 
+from compass.coverage.certified_distribution import Below, Boxes, Distribution, Limit
 from compass.coverage.certified_question import Asked, Question
-from compass.coverage.certified_share import NEAREST, CertifiedShare, Search
+from compass.coverage.certified_share import NEAREST
 from compass.errors import ArgumentError
 from compass.orbits import Constellation
 
 #: Percentiles beyond this count as infinite.
 GREATEST = 1e5
 
-#: How far to either side of a limit that is too near to be told others are tried, and for which
-#: part of the boxes that bisection may take, besides these.
-ASIDE, BESIDES = (1.02, 1.1, 1.5), 1 / 2
+#: Limits to begin with where nothing is known, and how near bounds of their shares come.
+LADDER = (*(2.0 ** (0.5 * k) for k in range(-1, 12)), 128.0, GREATEST)
+COARSE = 0.04
+
+#: Where the search begins at most: shares of larger limits hardly come near, a sample puts any
+#: number on a percentile that is infinite, and a lower bound like this tells most of what is asked.
+LARGE = 50.0
+
+#: Steps after which a percentile is left as it is known.
+STEPS = 60
 
 
 @dataclass(frozen=True)
 class CertifiedPercentile:
     """A value that a share of area and time does not exceed, between proven bounds.
 
-    `open` is the share at the limit tried last where that could not be told from the percentage:
-    with the bounds, where it can go on from.
+    Attributes
+    ----------
+    low, high
+        It lies above the first, and not above the second.
+    percent
+        The share.
+    scope
+        For which motion and how long.
+    stopped
+        Empty, or why it is wider than asked: ``time``, ``boxes``, ``interrupted`` or ``nearer than
+        shares can tell``.
     """
 
     low: float
@@ -34,7 +52,6 @@ class CertifiedPercentile:
     percent: float
     scope: str
     stopped: str = ""
-    open: CertifiedShare | None = None
 
     @property
     def value(self) -> float:
@@ -42,223 +59,250 @@ class CertifiedPercentile:
         return 0.5 * (self.low + self.high)
 
 
-def certified_percentile(
+@dataclass(frozen=True, eq=False)
+class CertifiedPercentiles:
+    """Percentiles of one figure.
+
+    Attributes
+    ----------
+    of
+        By per cent.
+    looked
+        Boxes looked at.
+    boxes, points
+        Where it can go on from; see `Boxes`, and shares found so far: percentile, limit, middle
+        and half width, shape (k, 4).
+    """
+
+    of: Mapping[float, CertifiedPercentile]
+    looked: int = 0
+    boxes: Boxes | None = None
+    points: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
+
+
+def certified_percentiles(
     constellation: Constellation,
-    percent: float,
+    percents: Sequence[float],
     *,
     precision: float = 1e-3,
     budget_s: float = np.inf,
     budget_boxes: float = np.inf,
     workers: int = 1,
-    start: CertifiedPercentile | None = None,
+    guess: float | None = None,
+    limits: Sequence[float] = (),
+    start: CertifiedPercentiles | None = None,
     **asked: Unpack[Asked],
-) -> CertifiedPercentile:
-    """Bracket the dilution of precision that `percent` of area and time do not exceed.
+) -> CertifiedPercentiles:
+    """Bracket what a dilution of precision does not exceed in parts of area and time.
 
-    Bisection on the limit: each share is refined no further than it takes to tell which side of
-    `percent` it lies on; where one is too near to be told, limits on either side of it are tried,
-    in up to half as many boxes again. Infinite where limits up to 1e5 are not enough.
+    The shares below some limits, looked at in the same boxes, say where each percentile is; then
+    limits close on either side of it are, as near as it takes to tell on which side they lie.
+    Infinite where limits up to 1e5 are not enough.
 
     Parameters
     ----------
-    percent
-        Above 0 and below 100.
+    percents
+        Each above 0 and below 100.
     precision
         Stop at bounds that are so near, relative to the value.
+    guess
+        An estimate, such as a sample's, of one percentile; a wrong one costs boxes, not truth.
+    limits
+        What they are compared with: one that lies between the bounds is looked at itself.
     start
         A result of the same question to go on from.
     constellation, budget_s, budget_boxes, workers, asked
-        As in `certified_share`, ``dop`` by default ``gdop``.
+        As in `compass.coverage.certified_share.certified_share`, ``dop`` by default ``gdop``.
 
     Raises
     ------
     ArgumentError
-        As in `certified_share`, or a percentage that is not between 0 and 100.
+        As there, or a percentage that is not between 0 and 100.
     """
-    if not 0 < percent < 100:
-        raise ArgumentError(f"percent = {percent:g}: allowed above 0 and below 100")
+    for percent in percents:
+        if not 0 < percent < 100:
+            raise ArgumentError(f"percent = {percent:g}: allowed above 0 and below 100")
     if not precision > 0:
         raise ArgumentError(f"precision = {precision:g}: must be positive")
     asked.setdefault("dop", "gdop")
     question = Question(constellation, **asked)
-    search = Search(question, workers)
+    scope = question.domain.scope
     if question.satellites < 4:
-        return CertifiedPercentile(np.inf, np.inf, percent, search.scope)
-    end, level, besides = monotonic() + budget_s, percent / 100, BESIDES * budget_boxes
-    low, high, stopped = 0.0, np.inf, ""
-    still: CertifiedShare | None = None
-    if start is not None:
-        low, high, still = start.low, start.high, start.open
-    while low < GREATEST and not (high < np.inf and high - low <= precision * high):
-        tried = _between(low, high)
-        found = search.share(
-            tried,
-            NEAREST,
-            budget_s=end - monotonic(),
-            budget_boxes=budget_boxes,
-            level=level,
-            start=still,
-        )
-        budget_boxes -= found.boxes - (still.boxes if still else 0)
-        still = None
-        if found.low >= level:
-            high = tried
-        elif found.high < level:
-            low = tried
-        else:
-            still, stopped = found, found.stopped or "nearer than shares can tell"
-            if stopped not in ("time", "interrupted"):
-                nearer = _aside(search, tried, (low, high), level, besides, end)
-                still = still if nearer == (low, high) else None
-                low, high = nearer
-            break
-        if found.stopped == "interrupted":
-            stopped = found.stopped
-            break
-    return CertifiedPercentile(low, high, percent, search.scope, stopped, still)
+        return CertifiedPercentiles({q: CertifiedPercentile(inf, inf, q, scope) for q in percents})
+    sought = [_Sought(k, q, precision, guess, limits) for k, q in enumerate(percents)]
+    boxes = _go_on(sought, start) if start else None
+    found = Distribution(question, len(percents), workers, boxes)
+    found.rounds.end, found.rounds.left = monotonic() + budget_s, budget_boxes
+    _close_in(found, sought)
+    _compare(found, sought)
+    return CertifiedPercentiles(
+        {one.percent: one.result(scope, found.rounds.stopped) for one in sought},
+        found.boxes.looked,
+        found.boxes,
+        np.array([(one.index, *point) for one in sought for point in one.points]).reshape(-1, 4),
+    )
 
 
-def _aside(
-    search: Search,
-    tried: float,
-    bounds: tuple[float, float],
-    level: float,
-    boxes: float,
-    end: float,
-) -> tuple[float, float]:
-    """Bounds by limits on either side of one whose share is too near the level to be told."""
-    (low, high), each = bounds, boxes / (2 * len(ASIDE))
-    for sign in (-1.0, 1.0):
-        for ratio in ASIDE:
-            limit = max(tried * ratio**sign, 1.0)
-            if not low < limit < high:
-                break
-            seconds = end - monotonic()
-            found = search.share(limit, NEAREST, budget_s=seconds, budget_boxes=each, level=level)
-            low = limit if found.high < level else low
-            high = limit if found.low >= level else high
-            if limit in (low, high):
-                break
-    return low, high
-
-
-def _between(low: float, high: float) -> float:
-    """The limit to try next, of which all depends on the bounds known so far."""
-    if high == np.inf:
-        return 4.0 if low == 0.0 else min(4.0 * low, GREATEST)
-    return 0.25 * high if low == 0.0 else float((low * high) ** 0.5)
-
-
-#: Part of the boxes that one limit near an estimate may take before another is tried.
-TRY = 1 / 4
-
-#: Where the search begins at most: shares of larger limits hardly come near, a sample puts any
-#: number on a percentile that is infinite, and a lower bound like this tells most of what is asked.
-LARGE = 50.0
-
-
-def percentile_about(
-    constellation: Constellation,
-    percent: float,
-    guess: float,
-    *,
-    precision: float,
-    budget_boxes: float,
-    limits: Sequence[float] = (),
-    **asked: Unpack[Asked],
+def certified_percentile(
+    constellation: Constellation, percent: float, **options: Any
 ) -> CertifiedPercentile:
-    """As `certified_percentile`, begun from an estimate such as a sample's.
-
-    Limits are tried on either side of the estimate, somewhat less than half of `precision` away,
-    and the estimate moves to where the shares found put it. One whose share is too near `percent`
-    to be told from it is left for one farther out, so that whatever ends the search, there are
-    bounds.
-
-    Parameters
-    ----------
-    constellation, percent
-        As in `certified_percentile`.
-    guess
-        The estimate, above 0 or infinite; a wrong one costs boxes, not truth.
-    precision, budget_boxes
-        As in `certified_percentile`, but that it may be told from `limits` at any price.
-    limits
-        What the percentile is compared with: one that lies between the bounds is tried itself, on
-        the side of the estimate that would decide.
-    **asked
-        As in `certified_percentile`.
-    """
-    asked.setdefault("dop", "gdop")
-    question = Question(constellation, **asked)
-    search = Search(question, 1)
-    if question.satellites < 4:
-        return CertifiedPercentile(inf, inf, percent, search.scope)
-    about = _About(search, percent / 100, guess, -0.45 * log(1.0 - precision), budget_boxes)
-    while not about.within(precision) and about.left > 0:
-        tried = about.next_limit()
-        if tried is None:
-            break
-        about.go(tried, TRY * budget_boxes)
-    for limit in limits:
-        if about.low < limit < about.high and about.left > 0:
-            about.go(limit * (1.0 + (1e-9 if guess > limit else -1e-9)), about.left)
-    stopped = "" if about.within(precision) else "boxes"
-    return CertifiedPercentile(about.low, about.high, percent, search.scope, stopped)
+    """Bracket one percentile; options as of `certified_percentiles`."""
+    found = certified_percentiles(constellation, (percent,), **options)
+    return found.of[percent]
 
 
-class _About:
-    """Bounds of a percentile, an estimate between them, and how far from it limits are tried."""
+def _go_on(sought: list["_Sought"], start: CertifiedPercentiles) -> Boxes | None:
+    """Take what is known; return boxes to go on from if they still hold all that is sought."""
+    left = False
+    for one in sought:
+        of = start.of[one.percent]
+        one.low, one.high = of.low, of.high
+        one.points = [tuple(p[1:].tolist()) for p in start.points if p[0] == one.index]
+        left |= not of.stopped and not one.found
+    if left or (known := start.boxes) is None:
+        return None
+    return replace(known, settled=known.settled.copy(), eps=known.eps.copy())
+
+
+def _close_in(distribution: Distribution, sought: list["_Sought"]) -> None:
+    """Look at limits nearer and nearer to the percentiles sought, all at once."""
+    if any(not one.points and one.guess is None for one in sought):
+        ladder = [Limit(at, 0, COARSE) for at in LADDER]
+        below = distribution.shares(ladder)
+        for one in sought:
+            one.take(ladder, below)
+    for _ in range(STEPS):
+        if all(one.found for one in sought) or distribution.rounds.stopped:
+            return
+        asked = {one.index: one.limits() for one in sought if one.matters}
+        limits = [limit for ours in asked.values() for limit in ours]
+        shares = iter(distribution.shares(limits))
+        for k, ours in asked.items():
+            sought[k].take(ours, [next(shares) for _ in ours])
+        ends = {one.index: (one.low, one.high) for one in sought if one.matters}
+        distribution.close_in(limits, ends)
+
+
+def _compare(distribution: Distribution, sought: list["_Sought"]) -> None:
+    """Look at limits that lie between bounds until it is told on which side of them they are."""
+    for one in sought:
+        for limit in one.compared:
+            width = COARSE
+            while one.low < limit < one.high and width > NEAREST:
+                if distribution.rounds.stopped:
+                    return
+                width *= 0.25
+                asked = [Limit(limit, one.index, width)]
+                one.take(asked, distribution.shares(asked))
+
+
+class _Sought:
+    """A percentile: bounds, and the shares below the limits looked at so far."""
 
     def __init__(
-        self, search: Search, level: float, guess: float, reach: float, boxes: float
+        self,
+        index: int,
+        percent: float,
+        precision: float,
+        guess: float | None,
+        compared: Sequence[float],
     ) -> None:
-        self.search, self.level, self.left = search, level, boxes
-        self.low, self.high = 0.0, inf
-        self.estimate = min(max(guess, 1.0), LARGE)
-        self._beyond = [nan, nan]  # share above the lower and above the upper bound
-        self._reach = [reach, reach]  # below and above, of logarithms
+        self.index, self.percent, self.level = index, percent, percent / 100.0
+        self.low, self.high, self.precision, self.guess = 0.0, inf, precision, guess
+        self.points: list[tuple[float, float, float]] = []
+        self.finer, self.compared = 1.0, compared
 
-    def within(self, precision: float) -> bool:
+    @property
+    def found(self) -> bool:
         """Whether the bounds are near enough, or the percentile is infinite."""
-        near = self.high < inf and self.high - self.low <= precision * self.high
+        near = self.high < inf and self.high - self.low <= self.precision * self.high
         return near or self.low >= GREATEST
 
-    def next_limit(self) -> float | None:
-        """The limit to try, on the side whose bound is farther; None if none is left."""
-        down, up = (exp(reach) for reach in self._reach)
-        tried = (max(self.estimate / down, 1.0), min(self.estimate * up, GREATEST))
-        farther = self.high * self.low >= self.estimate**2
-        for above in (farther, not farther):
-            if self.low < tried[above] < self.high:
-                return tried[above]
-        return None
+    @property
+    def matters(self) -> bool:
+        """Whether boxes between the bounds are still to be looked at."""
+        return not self.found or any(self.low < limit < self.high for limit in self.compared)
 
-    def go(self, tried: float, boxes: float) -> None:
-        """Look at one limit, and move a bound and the estimate; or try farther out next time."""
-        found = self.search.share(
-            tried, NEAREST, budget_boxes=min(boxes, self.left), level=self.level
-        )
-        self.left -= max(found.boxes, 1)
-        if found.low >= self.level:
-            self.high, self._beyond[1] = tried, 1.0 - found.value
-        elif found.high < self.level:
-            self.low, self._beyond[0] = tried, 1.0 - found.value
-        else:
-            self._reach[tried > self.estimate] *= 2.0
-            return
-        self._move()
+    def result(self, scope: str, stopped: str) -> CertifiedPercentile:
+        """What is known now."""
+        late = "" if self.found else stopped or "nearer than shares can tell"
+        return CertifiedPercentile(self.low, self.high, self.percent, scope, late)
 
-    def _move(self) -> None:
-        """Put the estimate between the bounds: by both shares, or by a tail that falls as 1/x²."""
-        wanted = 1.0 - self.level
-        if self.low > 0.0 and self.high < inf:
-            first, second = self._beyond
-            part = (first - wanted) / max(first - second, 1e-12)
-            part = min(max(part, 0.1), 0.9)
-            self.estimate = self.low ** (1.0 - part) * self.high**part
-        elif self.estimate <= self.low:
-            ratio = max(sqrt(self._beyond[0] / wanted), exp(2.0 * self._reach[0]))
-            self.estimate = min(self.low * ratio, GREATEST)
-        elif self.estimate >= self.high:
-            ratio = min(sqrt(self._beyond[1] / wanted), exp(-2.0 * self._reach[1]))
-            self.estimate = max(self.high * ratio, 1.0)
+    def take(self, limits: Sequence[Limit], below: Sequence[Below]) -> None:
+        """Learn from the shares below limits."""
+        new = []
+        for limit, share in zip(limits, below, strict=True):
+            if limit.width == inf:
+                continue
+            if share.low >= self.level:
+                self.high = min(self.high, limit.at)
+            elif share.high < self.level:
+                self.low = max(self.low, limit.at)
+            new.append((limit.at, 0.5 * (share.low + share.high), 0.5 * (share.high - share.low)))
+        least = 2.0 * max((half for *_, half in new), default=inf)
+        tried = {at for at, *_ in new}
+        # what was known less well between the bounds would mislead
+        self.points = new + [
+            (at, share, half)
+            for at, share, half in self.points
+            if at not in tried and (half <= least or not self.low < at < self.high)
+        ]
+        untold = any(self.low < at < self.high for at in tried)
+        self.finer = 0.5 * self.finer if untold else 1.0
+
+    def limits(self) -> list[Limit]:
+        """Limits to look at next, and the bounds, by which boxes are set aside."""
+        inner = [] if self.found else self._nearer()
+        ends = [end for end in (self.low, self.high) if 0.0 < end < inf]
+        return [*(Limit(end, self.index) for end in ends), *inner]
+
+    def _nearer(self) -> list[Limit]:
+        coarse = 0.25 * (1.0 - self.level)
+        vague = [at for at, _, half in self.points if self.low < at < self.high and half > coarse]
+        if len(vague) > 1:  # too far from the tail's own size to estimate anything from
+            return [Limit(at, self.index, coarse) for at in sorted(vague)]
+        middle, slope, doubt = self._estimate()
+        near = -log(1.0 - min(self.precision, 0.9))
+        reach = max(0.45 * near, doubt)
+        tried = [middle * exp(-reach), min(middle * exp(reach), GREATEST)]
+        # a limit that would end the search, where there is room between it and the percentile
+        down, up = self.high * exp(-near * (1.0 - 1e-9)), self.low * exp(near * (1.0 - 1e-9))
+        room = {}
+        if self.low < down < inf:
+            room[down] = log(middle / down)
+        if 0.0 < up < self.high:
+            room[up] = log(up / middle)
+        last = max(room, key=room.__getitem__, default=0.0)
+        if room and room[last] > max(0.2 * near, doubt):
+            tried, reach = [last], room[last]
+        tried = [at for at in tried if self.low < at < self.high]
+        if not tried:  # the estimate is less sure than the bounds are near
+            tried, reach = [sqrt(self.low * self.high)], 0.25 * log(self.high / self.low)
+        width = max(slope * reach * self.finer, NEAREST)
+        return [Limit(at, self.index, width) for at in dict.fromkeys(tried)]
+
+    def _estimate(self) -> tuple[float, float, float]:
+        """Where the percentile may be, how the share grows there by logarithm, doubt of that."""
+        tail = 2.0 * (1.0 - self.level)  # of one that falls as 1/x^2
+        if not self.points:
+            assert self.guess is not None
+            return min(max(self.guess, 1e-3), LARGE), tail, 0.0
+        points = sorted(self.points)
+        x = np.log([p[0] for p in points])
+        share = np.clip(np.maximum.accumulate([p[1] for p in points]), 1e-7, 1.0 - 1e-7)
+        half = np.array([p[2] for p in points])
+        least = -2.0 * log(1.0 - min(self.precision, 0.9))
+        k = int(np.searchsorted(share, self.level))
+        if k == 0:
+            ratio = min(sqrt((1.0 - share[0]) / (1.0 - self.level)), exp(-least))
+            return float(exp(x[0]) * ratio), tail, -0.3 * log(ratio)
+        if k == share.size:
+            ratio = max(sqrt((1.0 - share[-1]) / (1.0 - self.level)), exp(least))
+            return min(float(exp(x[-1]) * ratio), GREATEST), tail, 0.3 * log(ratio)
+        y = np.log(share / (1.0 - share))[k - 1 : k + 1]
+        wide, wanted = float(x[k] - x[k - 1]), log(self.level / (1.0 - self.level))
+        slope = max(float(y[1] - y[0]), 1e-9) / wide
+        middle = float(x[k - 1]) + (wanted - float(y[0])) / slope
+        slope *= self.level * (1.0 - self.level)
+        doubt = 0.1 * wide + 0.5 * float(half[k - 1 : k + 1].max()) / slope
+        return exp(middle), slope, min(doubt, 0.5 * wide)

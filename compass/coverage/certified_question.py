@@ -5,6 +5,7 @@ their ranges' sigmas over the least of these, whose square times that variance, 
 satellites share, is the error's.
 """
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 from itertools import pairwise
@@ -13,7 +14,7 @@ from typing import TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.certified.shares import BOX, measure
+from compass.core.certified.shares import BOX, INSIDE, measure
 from compass.coverage.certified_domain import Domain, domain_of
 from compass.coverage.certified_places import Place
 from compass.coverage.certified_ranges import ERROR_DOPS, Ranges
@@ -159,6 +160,10 @@ class Question:
         """Return the value that kernels know by a dilution."""
         return float(np.sqrt(dilution * dilution * self.scale + self.shared))
 
+    def squares(self, limits: Sequence[float]) -> NDArray[np.float64]:
+        """What kernels know limits by, shape (m,)."""
+        return np.array([self.dilution(limit) ** 2 for limit in limits])
+
     def arrays(self, limit: float = 1.0) -> tuple[NDArray[np.float64], ...]:
         """What all kernels take last: orbits, circles, breaks, paths, edges, numbers, mask."""
         d, horizon = self.domain, self.horizon
@@ -194,7 +199,7 @@ class Question:
         boxes[:, :3] = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
         boxes[:, 3:6] = np.stack(np.meshgrid(*halves, indexing="ij"), axis=-1).reshape(-1, 3)
         for box in boxes:
-            box[9] = measure(box, d.flattening)[0]
+            box[INSIDE] = measure(box, d.flattening)[0]
         return boxes
 
     def _times(self, start: float, stop: float) -> list[tuple[float, float]]:

@@ -1,7 +1,6 @@
 """Shares of area and time with a good dilution of precision, between bounds that are proven."""
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from time import monotonic
 from typing import TypedDict, Unpack
@@ -9,20 +8,14 @@ from typing import TypedDict, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.certified.shares import BOX, refine
+from compass.core.certified.shares import BOX, GIVEN, INSIDE
 from compass.coverage.certified_longitudes import weighed_share
 from compass.coverage.certified_places import for_ever, sides_of
 from compass.coverage.certified_question import Asked, Question
+from compass.coverage.certified_rounds import Rounds, open_at_most
 from compass.coverage.region import Region
 from compass.errors import ArgumentError
 from compass.orbits import Constellation
-
-#: Boxes that one piece of work starts from: fixed, so that sums do not depend on who works.
-PIECE = 2048
-
-#: Satellites up to which pieces are whole: a box takes as much longer as there are more of them,
-#: and the clock is looked at between pieces.
-WHOLE = 64
 
 #: Part of the whole that a box may keep open in the first round of splitting; four times less in
 #: each that follows, but no less in the last than the width asked for needs.
@@ -51,7 +44,7 @@ class CertifiedShare:
         Empty, or why it is wider than asked: ``time``, ``boxes`` or ``interrupted``.
     leaves, settled
         Where it can go on from: boxes with something open, and sums of those that have nothing
-        (kept, broken, outside).
+        (inside, outside, kept, broken).
     """
 
     low: float
@@ -60,7 +53,7 @@ class CertifiedShare:
     scope: str
     stopped: str = ""
     leaves: NDArray[np.float64] | None = None
-    settled: tuple[float, ...] = (0.0, 0.0, 0.0)
+    settled: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
 
     @property
     def value(self) -> float:
@@ -145,11 +138,6 @@ def certified_share(
     return found
 
 
-def fewer(boxes: int, satellites: int) -> int:
-    """Boxes of a piece of work that takes as long with many satellites as `boxes` with `WHOLE`."""
-    return max(1, boxes * WHOLE // max(satellites, WHOLE))
-
-
 class Ends(TypedDict):
     """What ends a search of a weighed share."""
 
@@ -165,8 +153,7 @@ class Search:
     def __init__(self, question: Question, workers: int) -> None:
         self.question, self.workers = question, workers
         self.scope = question.domain.scope
-        if question.satellites >= 4:  # compiled before any clock runs
-            self._round(np.empty((0, BOX)), 1.0, 1.0, np.inf, np.inf)
+        self.rounds = Rounds(question, workers)
 
     def share(
         self,
@@ -194,26 +181,27 @@ class Search:
                 level=level,
                 progress=progress,
             )
-        settled, boxes = np.zeros(3), 0
+        settled, boxes = np.zeros(BOX - INSIDE), 0
         if start is not None and start.leaves is not None:
             leaves, settled, boxes = start.leaves, np.array(start.settled), start.boxes
         else:
             leaves = self.question.boxes()
-        end, stopped, most = monotonic() + budget_s, "", boxes + budget_boxes
-        total = settled.sum() + leaves[:, 6:].sum()
+        rounds = self.rounds
+        rounds.end, rounds.left, rounds.stopped = monotonic() + budget_s, budget_boxes, ""
+        total = settled[:2].sum() + leaves[:, INSIDE:GIVEN].sum()
         coarse = max(FIRST, 0.1 * width) * total
-        eps = 4.0 * min(coarse, float(leaves[:, 9].max(initial=0.0)))
-        while not stopped:
-            found = self._result(leaves, settled, boxes, stopped)
+        eps = 4.0 * min(coarse, open_at_most(leaves))
+        while not rounds.stopped:
+            found = self._result(leaves, settled, boxes, "")
             progress(found.width)
             decided = level is not None and (found.low >= level or found.high < level)
             if found.width <= width or decided or not len(leaves):
                 break
             # bounds come nearer as the root of what a box may keep open: the last round ends there
             eps *= max(0.25, (0.95 * width / found.width) ** 2)
-            leaves, sums, stopped = self._round(leaves, eps, limit, end, most - boxes)
-            settled, boxes = settled + sums[:3], boxes + int(sums[3])
-        return self._result(leaves, settled, boxes, stopped)
+            leaves, sums = rounds.refine(leaves, np.array([eps]), [limit])
+            settled, boxes = settled + sums[:-1], boxes + int(sums[-1])
+        return self._result(leaves, settled, boxes, rounds.stopped)
 
     def _weighed(
         self, polygon: Region, limit: float, width: float, **ends: Unpack[Ends]
@@ -234,54 +222,16 @@ class Search:
         low, high, boxes, stopped = known
         return CertifiedShare(max(low, 0.0), min(high, 1.0), boxes, self.scope, stopped)
 
-    def _round(
-        self, leaves: NDArray[np.float64], eps: float, limit: float, end: float, most: float
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], str]:
-        """Refine all leaves, piece by piece in their order; what the budget leaves undone stays."""
-        if most <= 0:
-            return leaves, np.zeros(4), "boxes"
-        arrays = self.question.arrays(limit)
-        size = fewer(PIECE, self.question.satellites)
-        pieces = [leaves[k : k + size] for k in range(0, max(len(leaves), 1), size)]
-        kept: list[NDArray[np.float64]] = []
-        sums, stopped = np.zeros(4), ""
-
-        def work(piece: NDArray[np.float64]) -> tuple[NDArray, NDArray] | None:
-            if monotonic() > end:
-                return None
-            return refine(piece, eps, self.question.speed, *arrays)
-
-        with ThreadPoolExecutor(self.workers) as pool:
-            results = pool.map(work, pieces)
-            try:
-                for piece in pieces:
-                    if sums[3] >= most:
-                        pool.shutdown(wait=False, cancel_futures=True)
-                        kept += pieces[len(kept) :]
-                        stopped = "boxes"
-                        break
-                    done = next(results)
-                    stopped = stopped or ("" if done else "time")
-                    kept.append(done[1] if done else piece)
-                    sums += done[0] if done else 0.0
-            except KeyboardInterrupt:
-                pool.shutdown(cancel_futures=True)
-                kept += pieces[len(kept) :]
-                stopped = "interrupted"
-        return np.concatenate(kept), sums, stopped
-
     def _result(
         self, leaves: NDArray[np.float64], settled: NDArray[np.float64], boxes: int, stopped: str
     ) -> CertifiedShare:
         """Bounds from what is kept, broken and open, rounded outwards."""
-        kept, broken, _ = settled + leaves[:, 6:9].sum(axis=0)
-        still = leaves[:, 9].sum()
-        whole = kept + broken + still
+        whole, _, kept, broken = settled + leaves[:, INSIDE:].sum(axis=0)
         if not whole > 0.0:
             raise ArgumentError("region: has no area")
         error = FLOOR + PER_BOX * boxes
         low = max(float(kept / whole) - error, 0.0)
-        high = min(float((kept + still) / whole) + error, 1.0)
+        high = min(1.0 - float(broken / whole) + error, 1.0)
         return CertifiedShare(
             low, high, boxes, self.scope, stopped, leaves, tuple(settled.tolist())
         )

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from compass.core.certified.worst import LEAF, pursue
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_question import DOPS, Asked, Question
-from compass.coverage.certified_share import fewer
+from compass.coverage.certified_rounds import fewer
 from compass.coverage.certified_witness import WorstWitness, dilution_at
 from compass.errors import ArgumentError
 from compass.frames import planetocentric_latitude

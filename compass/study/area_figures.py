@@ -183,7 +183,11 @@ def _areas(study: Study, c: Constellation, mask: float, near: Near) -> tuple[Are
 
 def _bounds(study: Study, area: Area, name: str) -> Bounds:
     percent = BETWEEN[name]
-    return area.share("pdop", study.map.pdop_max) if percent is None else area.gdop(percent)
+    return (
+        area.share("pdop", study.map.pdop_max)
+        if percent is None
+        else area.gdop((percent,))[percent]
+    )
 
 
 def _worst(name: str, each: list[Bounds]) -> Bounds:

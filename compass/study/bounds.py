@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.coverage.areas import Near
-from compass.coverage.certified_percentile import CertifiedPercentile, percentile_about
+from compass.coverage.certified_percentile import CertifiedPercentile, certified_percentile
 from compass.coverage.certified_question import Asked
 from compass.coverage.certified_share import CertifiedShare, certified_share
 from compass.inputs.study import Study
@@ -94,10 +94,10 @@ def _bound(
     """Bounds of one figure of one candidate."""
     percent, limits = BOUNDED[figure][1], _limits(study, figure)
     if percent is not None:
-        return percentile_about(
+        return certified_percentile(
             pattern,
             percent,
-            sampled,
+            guess=sampled,
             precision=level.precision,
             budget_boxes=level.boxes,
             limits=limits,

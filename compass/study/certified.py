@@ -13,8 +13,9 @@ from compass.orbits import repeat_period
 from compass.sites import Site
 from compass.study.mapping import MapOptions, option_mask
 
-#: Percentiles of GDOP that are bracketed: the usual, the seldom, and the tail samples see worst.
-PERCENTS = (50, 95, 99)
+#: Percentiles that are bracketed, as many as are sampled, and of which dilutions: bounds of those
+#: in a turning vertical take several times the boxes.
+PERCENTS, DILUTIONS = (50, 90, 95, 99), ("gdop", "pdop")
 
 
 def certified_figures(
@@ -48,6 +49,7 @@ def certified_figures(
         mask=design.mask if options.mask_deg is None else option_mask(options.mask_deg),
         pdop_max=options.pdop_max,
         percents=PERCENTS,
+        dops=DILUTIONS,
         since=since,
         duration=None if hours is None else hours * 3600.0,
         motion=motion,

@@ -13,7 +13,15 @@ from compass.core.certified.cuts import (
     cuts,
     projector,
 )
-from compass.core.certified.shares import BOX, look, measure, of_measure, region_parts
+from compass.core.certified.shares import (
+    BOX,
+    GIVEN,
+    look,
+    measure,
+    of_measure,
+    region_parts,
+    still_open,
+)
 from compass.core.certified.sights import (
     FALL,
     FIRST,
@@ -67,7 +75,7 @@ def random_orbits(generator):
 class Case:
     """A random box over a random constellation, with its bounds."""
 
-    def __init__(self, seed, level=False, weighed=False):
+    def __init__(self, seed, level=False, weighed=False, sides=None):
         self.generator = g = np.random.default_rng(seed)
         figure = FIGURES["iau-ellipsoid" if seed % 2 else "iau-sphere"]
         self.domain = domain_of(random_orbits(g), figure, duration=1e5)
@@ -79,6 +87,8 @@ class Case:
         # a box does not reach over a pole
         self.box[0] = np.clip(self.box[0], self.box[3] - np.pi / 2, np.pi / 2 - self.box[3])
         self.mask = g.uniform(0, 0.3)
+        if sides is not None:  # one side alone, and long, over a sphere without a mask
+            self.mask, self.box[3:6] = 0.0, [0.3 * (side in sides) for side in range(3)]
         self.user = np.zeros(USER)
         place(self.box, self.e2, 0.0, self.user)
         n = len(self.domain.orbits)
@@ -182,6 +192,21 @@ def test_lines_of_sight_stay_within_their_bounds(seeds):
                 assert kind == 2 or height[k] >= 0
                 seen += 1
     assert seen > 10 * seeds
+
+
+@pytest.mark.parametrize("side", range(2))
+def test_along_one_side_sight_leaves_its_tangent_as_its_slopes_there_say(side):
+    """Then the quadratic form is what it is, and what comes after it alone is bounded."""
+    seen = 0
+    for seed in range(0, 2 * FEW, 2):
+        case = Case(seed, sides=(side,))
+        for u in (-1.0, -0.7, 0.7, 1.0):
+            height = case.at(u * np.ones(3))[2]
+            for row, k in zip(case.rows[: case.count], case.names(), strict=False):
+                line = row[HIGH] + u * row[HIGH + 1 + side]
+                assert -row[FALL] <= height[k] - line <= row[RISE]
+                seen += 1
+    assert seen > 10 * FEW
 
 
 @pytest.mark.parametrize("seeds", [FEW, pytest.param(MANY, marks=pytest.mark.slow)])
@@ -320,8 +345,8 @@ def test_a_satellite_overhead_and_near_leaves_its_box_open():
     n = len(domain.orbits)
     look(
         box, np.zeros(USER), np.zeros(SCRATCH + CUT + EXPANSION), np.zeros((n, 3)), np.zeros((n, 3)),
-        np.zeros((n + 1, WIDTH)), np.zeros(n + 1, dtype=np.int64), domain.orbits, domain.circles,
-        domain.breaks, domain.paths, np.empty((0, 3)), np.array([0.0, 0.0, 0.0, 1.0, 36.0]),
-        np.zeros((2, 1)),
+        np.zeros((n + 1, WIDTH)), np.zeros(n + 1, dtype=np.int64), np.array([36.0]), domain.orbits,
+        domain.circles, domain.breaks, domain.paths, np.empty((0, 3)),
+        np.array([0.0, 0.0, 0.0, 1.0, 36.0]), np.zeros((2, 1)),
     )  # fmt: skip
-    assert box[6] == box[7] == 0.0 and box[9] > 0.0
+    assert not box[GIVEN:].any() and still_open(box, 0) > 0.0

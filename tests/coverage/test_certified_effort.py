@@ -22,9 +22,9 @@ def figures(pattern, effort, limit=6.0, **asked):
     """All figures of a place, as far as an effort goes."""
     return (
         effort.share(pattern, limit, width=0.1, budget_boxes=2000, place=PLACE, **asked),
-        effort.percentile(
-            pattern, 50.0, precision=0.1, budget_boxes=2000, place=PLACE, dop="gdop", **asked
-        ),
+        effort.percentiles(
+            pattern, (50.0,), precision=0.1, budget_boxes=2000, place=PLACE, dop="gdop", **asked
+        )[50.0],
         effort.worst(pattern, budget_boxes=200, place=PLACE, **asked),
     )
 
@@ -76,10 +76,10 @@ def test_an_interruption_ends_what_follows_with_what_is_known(monkeypatch):
     def interrupted(leaves, *_):
         if len(leaves):
             raise KeyboardInterrupt
-        return np.zeros(4), leaves
+        return np.zeros(5), leaves
 
     effort = Effort(0.5)
-    monkeypatch.setattr("compass.coverage.certified_share.refine", interrupted)
+    monkeypatch.setattr("compass.coverage.certified_rounds.refine", interrupted)
     found = figures(RING, effort)
     assert [one.stopped for one in found] == ["interrupted", "time", "time"]
     assert (found[0].low, found[0].high) == (0.0, 1.0)
@@ -93,7 +93,7 @@ def test_progress_is_told_by_what_is_open():
     figures(RING, effort)
     shares = [part for title, part in parts if title == "share"]
     assert shares == sorted(shares) and shares[0] >= 0 and shares[-1] == 1.0
-    assert [title for title, _ in parts][-2:] == ["percentile", "largest"]
+    assert [title for title, _ in parts][-2:] == ["percentiles", "largest"]
 
 
 @pytest.mark.parametrize(

@@ -55,7 +55,7 @@ def test_brackets_against_many_samples(figure):
     spread = 4 * np.sqrt(0.25 / gdop.size)
     share = (pdop <= 3.0).mean()
     assert found.availability.low - spread <= share <= found.availability.high + spread
-    for percent, known in found.gdop.items():
+    for percent, known in found.dops["gdop"].items():
         assert (gdop <= known.low).mean() <= percent / 100 + spread
         assert (gdop <= known.high).mean() >= percent / 100 - spread
         assert known.high - known.low <= 0.02 * known.high
@@ -75,8 +75,11 @@ def test_map_search_and_judge_say_the_same(seed_design):
     assert 2.0 < judged["gdop"]["p95"] < 6.0
     for name in ("availability", "availability_bracket"):
         assert mapped[name] == judged[name] == by_search[name]
-    for name in ("p95", "p95_bracket"):
-        assert mapped["gdop"][name] == judged["gdop"][name] == by_search[f"gdop_{name}"]
+    # more percentiles looked for at once split other boxes: the brackets are not the same ones
+    brackets = np.array([of["p95_bracket"] for of in (mapped["gdop"], judged["gdop"])])
+    brackets = np.vstack([brackets, by_search["gdop_p95_bracket"]])
+    assert brackets[:, 0].max() < brackets[:, 1].min()
+    assert np.all(brackets[:, 1] - brackets[:, 0] <= 0.02 * brackets[:, 1])
 
 
 def test_the_budget_is_of_boxes_times_satellites(monkeypatch):

@@ -1,114 +1,148 @@
-"""Percentiles from an estimate: whatever it is, bounds hold, come near, and tell a limit."""
+"""Percentiles: whatever is known before, bounds hold, come near, and tell a limit."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compass.coverage import certified_percentile as about
-from compass.coverage.certified_percentile import certified_percentile, percentile_about
+from compass.coverage import certified_percentile as module
+from compass.coverage.certified_distribution import Below, Boxes
+from compass.coverage.certified_percentile import certified_percentile, certified_percentiles
 from compass.coverage.certified_places import Circle
-from compass.coverage.certified_share import CertifiedShare
+from compass.coverage.certified_share import certified_share
 from compass.orbits import walker_delta
 
 RING = walker_delta(5, 5, 1, inclination_deg=50, radius_km=20000)
+PATTERN = walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
 
 
 class Known:
-    """A search whose shares are those of a law with a known percentile, as near as boxes allow."""
-
-    scope = "by a law"
+    """Shares of a law with a known 95th percentile, as near as boxes allow: 30 over their width."""
 
     def __init__(self, truth, tail):
-        self.truth, self.tail, self.asked = truth, tail, []
+        self.truth, self.tail, self.asked, self.closed = truth, tail, [], []
+        self.rounds = SimpleNamespace(stopped="", left=math.inf, end=math.inf)
+        self.boxes = Boxes(np.empty((0, 8)), np.zeros((2, 1)), 0.0, np.ones(1))
 
-    def share(self, limit, width, *, budget_boxes, level, **_):
-        """Bounds half as wide for twice the boxes, until they tell the level."""
-        beyond = 0.05 * (self.truth / limit) ** self.tail
-        share, boxes = max(1.0 - beyond, 0.0), 100
-        self.asked.append(limit)
-        while abs(share - level) <= 50.0 / boxes and boxes < budget_boxes:
-            boxes *= 2
-        ends = np.clip((share - 30.0 / boxes, share + 20.0 / boxes), 0.0, 1.0)
-        return CertifiedShare(*ends.tolist(), boxes, self.scope)
+    def shares(self, limits):
+        """Bounds of the width asked for, off their middle by a third of it."""
+        found = []
+        for limit in limits:
+            if limit.width == math.inf:
+                found.append(Below(0.0, 1.0))
+                continue
+            width = max(limit.width, 30.0 / max(self.rounds.left, 1.0))
+            cost = 30.0 / width
+            self.boxes.looked += int(cost)
+            self.rounds.left -= cost
+            self.rounds.stopped = "boxes" if self.rounds.left <= 0.0 else ""
+            share = max(1.0 - 0.05 * (self.truth / limit.at) ** self.tail, 0.0)
+            self.asked.append(limit.at)
+            found.append(Below(max(share - width / 3, 0.0), min(share + 2 * width / 3, 1.0)))
+        return found
+
+    def close_in(self, limits, ends):
+        """Each end is one of the limits, so that boxes can be told from it."""
+        values = {limit.at for limit in limits}
+        for low, high in ends.values():
+            assert low == 0.0 or low in values
+            assert high == math.inf or high in values
+        self.closed.append(ends)
 
 
 def bounds(truth, guess, monkeypatch, tail=2.0, **options):
-    """Bounds by such a search."""
-    search = Known(truth, tail)
-    monkeypatch.setattr(about, "Search", lambda *_: search)
-    wanted = {"precision": 0.05, "budget_boxes": 4_000_000, **options}
-    return percentile_about(RING, 95, guess, **wanted), search
+    """Bounds by such a law."""
+    law = Known(truth, tail)
+
+    def lay_out(question, count, workers, boxes=None):
+        return law
+
+    monkeypatch.setattr(module, "Distribution", lay_out)
+    wanted = {"precision": 0.05, **options}
+    return certified_percentile(RING, 95, guess=guess, **wanted), law
 
 
-@given(st.floats(1.5, 5e4), st.floats(-2.0, 2.0), st.floats(1.0, 8.0))
-def test_whatever_the_estimate_bounds_hold_and_come_near(truth, off, tail):
+@given(st.floats(0.6, 5e4), st.floats(-2.0, 2.0), st.floats(1.0, 8.0), st.booleans())
+def test_whatever_is_known_before_bounds_hold_and_come_near(truth, off, tail, guessed):
     with pytest.MonkeyPatch.context() as patch:
-        found, search = bounds(truth, truth * math.exp(off), patch, tail)
-        assert found.low < truth <= found.high
-        wide = 0.2 if found.stopped else 0.05  # a level may stay too near to tell
-        assert found.high - found.low <= wide * found.high
-        assert len(search.asked) <= 40
-        # a good estimate takes two limits, unless one is too near to tell, or it is large
-        good, search = bounds(truth, truth, patch, tail, precision=0.4)
-        assert good.low < truth <= good.high
-        assert truth > about.LARGE or (not good.stopped and len(search.asked) == 2)
+        guess = truth * math.exp(off) if guessed else None
+        for precision in (0.4, 0.05, 1e-3):
+            found, law = bounds(truth, guess, patch, tail, precision=precision)
+            assert found.low < truth <= found.high
+            assert not found.stopped and found.high - found.low <= precision * found.high
+            assert len(law.asked) <= 60
+            # the share that a step of the value is worth, a few times over
+            assert law.boxes.looked <= 4e4 / precision
 
 
-def test_a_level_too_near_to_tell_is_left_for_one_farther_out(monkeypatch):
-    """One of the first limits tried is the percentile itself, for ever undecided."""
-    reach = math.exp(-0.45 * math.log(1 - 0.05))
-    found, search = bounds(6.0, 6.0 / reach, monkeypatch)
-    assert any(limit == pytest.approx(6.0) for limit in search.asked)
-    assert found.low < 6.0 < found.high < 6.0 * 1.2
+def test_a_good_estimate_takes_two_limits(monkeypatch):
+    found, law = bounds(6.0, 6.0, monkeypatch)
+    assert len(law.asked) == 2 and found.low < 6.0 < found.high
 
 
-@pytest.mark.parametrize("truth", [2.0, 4.0, 4.0 * math.sqrt(2.0)])
-def test_bisection_that_meets_the_percentile_itself_looks_beside_it(truth, monkeypatch):
-    monkeypatch.setattr(about, "Search", lambda *_: Known(truth, 2.0))
-    found = certified_percentile(RING, 95, precision=1e-3, budget_boxes=4_000_000)
-    assert found.stopped == "nearer than shares can tell" and found.open is None
-    assert found.low < truth <= found.high < 1.05 * found.low
-    # with few boxes farther out, and with next to none as before
-    few = certified_percentile(RING, 95, budget_boxes=100_000)
-    assert few.low < truth <= few.high < 1.3 * few.low
-    none = certified_percentile(RING, 95, budget_boxes=1)
-    assert none.low < truth < none.high
+@pytest.mark.parametrize("truth", [2.0, 4.0, 4.0 * math.sqrt(2.0), 45.254834])
+def test_one_that_is_itself_a_limit_is_told_by_others_beside_it(truth, monkeypatch):
+    found, law = bounds(truth, None, monkeypatch, precision=1e-3)
+    assert any(limit == pytest.approx(truth) for limit in law.asked)
+    assert found.low < truth <= found.high <= found.low / (1 - 1e-3)
+    assert not found.stopped
 
 
 @pytest.mark.parametrize(("truth", "limit"), [(9.9, 10.0), (10.1, 10.0)])
 def test_a_limit_between_the_bounds_is_told(truth, limit, monkeypatch):
-    found, _ = bounds(truth, truth, monkeypatch, precision=0.4, limits=(limit,))
-    assert (found.high < limit) if truth < limit else (found.low > limit)
+    found, law = bounds(truth, truth, monkeypatch, precision=0.4, limits=(limit,))
+    assert (found.high <= limit) if truth < limit else (found.low >= limit)
     assert found.low < truth < found.high
+    assert law.closed[-1] == {0: pytest.approx(law.closed[-1][0])}  # its boxes are still there
+    # one outside takes nothing
+    free, other = bounds(truth, truth, monkeypatch, precision=0.4, limits=(20.0,))
+    assert (free.low, free.high) != (found.low, found.high) and 20.0 not in other.asked
 
 
 def test_what_boxes_end_is_said_and_infinity_found(monkeypatch):
     short, _ = bounds(6.0, 50.0, monkeypatch, budget_boxes=300)
     assert short.stopped == "boxes" and short.low < 6.0 < short.high
-    for guess in (math.inf, 5.0):
-        rare, _ = bounds(1e9, guess, monkeypatch)
+    for guess in (None, math.inf, 5.0):
+        rare, law = bounds(1e9, guess, monkeypatch)
         assert (rare.low, rare.high, rare.stopped) == (1e5, math.inf, "")
-    few = percentile_about(RING.without(range(2)), 95, 5.0, precision=0.1, budget_boxes=100)
-    assert few.low == few.high == math.inf
+        assert law.boxes.looked < 1e6
+    few = certified_percentiles(RING.without(range(2)), (50, 95), precision=0.1)
+    assert all(one.low == one.high == math.inf for one in few.of.values())
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("guess", [1.5, 4.0, math.inf])
-def test_bounds_are_those_of_bisection(guess):
-    pattern = walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
-    options = {"place": Circle(0.2), "precision": 0.02, "budget_boxes": 1e6}
-    known = certified_percentile(pattern, 95, **options)
-    found = percentile_about(pattern, 95, guess, **options)
-    assert max(found.low, known.low) < min(found.high, known.high)
-    assert not found.stopped and found.high - found.low <= 0.02 * found.high
+@pytest.mark.parametrize("dop", ["gdop", "tdop"])
+def test_all_at_once_are_those_of_shares_at_their_bounds(dop):
+    options = {"place": Circle(0.2), "dop": dop}
+    found = certified_percentiles(PATTERN, (50, 90, 99), precision=0.02, **options)
+    for percent, one in found.of.items():
+        assert not one.stopped and one.high - one.low <= 0.02 * one.high
+        above = certified_share(PATTERN, max(one.high, 1.0), width=1e-5, **options)
+        assert above.high >= percent / 100
+        if one.low >= 1.0:
+            below = certified_share(PATTERN, one.low, width=1e-5, **options)
+            assert below.low < percent / 100
+    # each by itself, from an estimate, and in two halves
+    for percent, one in found.of.items():
+        again = certified_percentile(PATTERN, percent, precision=0.02, guess=5.0, **options)
+        assert max(again.low, one.low) < min(again.high, one.high)
+    coarse = certified_percentiles(PATTERN, (50, 90, 99), precision=0.02, budget_boxes=1500,
+                                   **options)  # fmt: skip
+    assert any(one.stopped == "boxes" for one in coarse.of.values())
+    fine = certified_percentiles(PATTERN, (50, 90, 99), precision=0.02, start=coarse, **options)
+    for percent, one in fine.of.items():
+        before = coarse.of[percent]
+        assert before.low <= one.low < one.high <= before.high and not one.stopped
+    assert fine.looked > coarse.looked
 
 
-@pytest.mark.parametrize("guess", [math.inf, 1582.0])
-def test_one_as_good_as_infinite_gets_a_lower_bound_within_few_boxes(guess, monkeypatch):
-    """Shares of large limits cannot be told from the percentage: samples say anything."""
-    found, search = bounds(1e9, guess, monkeypatch, precision=0.5, budget_boxes=200_000)
-    assert found.low >= 30.0 and found.high == math.inf
-    assert search.asked[0] < 100.0
+@pytest.mark.parametrize("workers", [2, 3])
+def test_workers_change_no_number(workers):
+    options = {"place": Circle(0.2), "precision": 0.1}
+    one = certified_percentiles(RING, (20, 50), **options)
+    more = certified_percentiles(RING, (20, 50), workers=workers, **options)
+    assert [(p.low, p.high) for p in one.of.values()] == [(p.low, p.high) for p in more.of.values()]
+    assert one.boxes.leaves.tobytes() == more.boxes.leaves.tobytes()

@@ -359,12 +359,12 @@ def test_without_time_the_bracket_is_all_that_is_possible():
 
 
 def test_an_interrupted_search_gives_the_bracket_it_has(monkeypatch):
-    from compass.coverage import certified_share as module
+    from compass.coverage import certified_rounds as module
 
     def interrupted(leaves, *_):
         if len(leaves):
             raise KeyboardInterrupt
-        return np.zeros(4), leaves
+        return np.zeros(5), leaves
 
     monkeypatch.setattr(module, "refine", interrupted)
     found = certified_share(walker(5, 5, 1), 6.0, place=Circle(0.2))

@@ -35,10 +35,10 @@ def test_brackets_hold_what_an_independent_program_found(seed_design):
     # 15/5/1 at 45 deg, 20,427 km, on the sphere of 3396.2 km
     assert found.availability.low <= 0.9736178 and found.availability.high >= 0.9736164
     assert found.availability.width <= 2e-4
-    assert found.gdop[95].high - found.gdop[95].low <= 2e-2 * found.gdop[95].high
+    assert found.dops["gdop"][95].high - found.dops["gdop"][95].low <= 2e-2 * found.dops["gdop"][95].high
     sampled = compass.map(seed_design, step_deg=3, epochs=109, budget_s=0.01).dataset
     p95 = float(sampled.global_dop.sel(dop="gdop", global_percentile=95))
-    assert found.gdop[95].low == pytest.approx(p95, rel=0.03)
+    assert found.dops["gdop"][95].low == pytest.approx(p95, rel=0.03)
 
 
 def test_drifting_orbits_over_a_duration_have_brackets(seed_design, monkeypatch):
@@ -46,7 +46,7 @@ def test_drifting_orbits_over_a_duration_have_brackets(seed_design, monkeypatch)
     found = certified_figures(seed_design, MapOptions(motion="j2", duration_h=2.0))
     assert "over 2 h from the epoch, mean motion under J2" in found.scope
     assert "stopped early: boxes" in found.scope
-    assert (found.gdop[95].low, found.gdop[95].high) == (0.0, np.inf)
+    assert (found.dops["gdop"][95].low, found.dops["gdop"][95].high) == (0.0, np.inf)
     later = certified_figures(seed_design, MapOptions(start_day=2.0))
     assert "over 24.623 h from 48 h after the epoch, two-body" in later.scope
 

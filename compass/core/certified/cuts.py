@@ -296,9 +296,14 @@ def cuts(rows, kinds, count, sure, above, square, s, cut):
     cut
         Filled, shape (CUT,); a threshold of inf means nowhere.
     """
+    half_spaces(cut[CUT:], expansion(rows, kinds, count, sure, above, s, cut[CUT:]), square, cut)
+
+
+@fused_kernel
+def half_spaces(out, used, square, cut):
+    """Fill the half-spaces of a limit, as `cuts`, from an expansion and how many it is of."""
     cut[KEPT] = cut[BROKEN] = math.inf
-    out = cut[CUT:]
-    if expansion(rows, kinds, count, sure, above, s, out) < 4:
+    if used < 4:
         cut[BROKEN] = -math.inf
         return
     g, l0, l1, l2 = out[CENTRE], out[TILT], out[TILT + 1], out[TILT + 2]

@@ -14,6 +14,7 @@ and, where two are doubtful, by either of them seen and the other not, as where 
 and likewise inside a region, ``max(0, kept + inside - 1)``. A share f of the volume holds at least
 ``max(f vol w_min, m - (1 - f) vol w_max)`` of the measure m, w the density of area in latitude.
 What is neither kept nor broken nor outside is open, and split along its longest side.
+What bounds the dilution over a box serves any number of limits at once.
 
 A bound that does not hold leaves its box open. Box edges are sums of halves; midpoints may be off
 by a rounding, 1e-16, against half-widths above 1e-7. The sums err by less than ``4e-16`` a box,
@@ -25,7 +26,16 @@ import math
 import numpy as np
 
 from compass.core.belt import area_below
-from compass.core.certified.cuts import BROKEN, CUT, EXPANSION, KEPT, SCRATCH, cuts, gather
+from compass.core.certified.cuts import (
+    BROKEN,
+    CUT,
+    EXPANSION,
+    KEPT,
+    SCRATCH,
+    expansion,
+    gather,
+    half_spaces,
+)
 from compass.core.certified.sights import (
     E2,
     FALL,
@@ -33,7 +43,6 @@ from compass.core.certified.sights import (
     HIGH,
     LOW,
     RISE,
-    SQUARE,
     USER,
     WIDTH,
     place,
@@ -42,8 +51,9 @@ from compass.core.certified.sights import (
 from compass.core.certified.volumes import volume
 from compass.core.jit import fused_kernel
 
-#: Columns of a box: centre and half-widths (b, l, t), what is kept, broken, outside and open.
-BOX = 10
+#: Columns of a box: centre and half-widths (b, l, t), its measure but for what is surely outside
+#: the region, and that; then what is kept at each limit, and what is broken. BOX: with one limit.
+INSIDE, OUTSIDE, GIVEN, BOX = 6, 7, 8, 10
 
 #: Half-widths below which a box is not split.
 FINEST = 1e-7
@@ -94,18 +104,6 @@ def region_parts(user, normals):
 
 
 @fused_kernel
-def rim_parts(rows, kinds, count):
-    """Bounds of the shares of a box in which all and none of the doubtful satellites are seen."""
-    on, off = 1.0, 1.0
-    for k in range(count):
-        if kinds[k] == 2:
-            seen, unseen = rim_shares(rows[k])
-            on -= 1.0 - seen
-            off -= 1.0 - unseen
-    return max(on, 0.0), max(off, 0.0)
-
-
-@fused_kernel
 def rim_shares(row):
     """Bounds of the shares of a box in which a doubtful satellite is surely seen, surely not."""
     return (
@@ -115,75 +113,119 @@ def rim_shares(row):
 
 
 @fused_kernel
-def kept_broken(rows, kinds, count, square, s, cut):
-    """Bounds of the shares of a box's volume where a limit is kept and broken."""
-    if count < 0:
-        return 0.0, 0.0
-    if count < 4:
-        return 0.0, 1.0
-    doubtful = 0
-    for k in range(count):
-        doubtful += kinds[k] - 1
-    # the surely seen first: where they keep the limit, as nearly everywhere, that is all
-    cuts(rows, kinds, count, True, True, square, s, cut)
-    kept = volume(cut[KEPT], cut[KEPT + 1], cut[KEPT + 2], cut[KEPT + 3])
-    broken = volume(cut[BROKEN], cut[BROKEN + 1], cut[BROKEN + 2], cut[BROKEN + 3])
-    if doubtful == 0 or kept == 1.0:
-        return kept, broken
-    on, off = rim_parts(rows, kinds, count)
-    cuts(rows, kinds, count, False, on > kept, square, s, cut)
-    most = volume(cut[KEPT], cut[KEPT + 1], cut[KEPT + 2], cut[KEPT + 3])
-    least = volume(cut[BROKEN], cut[BROKEN + 1], cut[BROKEN + 2], cut[BROKEN + 3])
-    kept, broken = max(kept, on + most - 1.0), max(least, off + broken - 1.0)
-    if doubtful == 2 and most > 0.0 and least < 1.0 and kept + broken < 1.0:
-        return one_of_two(rows, kinds, count, square, s, cut, kept, broken)
-    return kept, broken
+def settle(rows, kinds, count, sure, on, off, squares, s, cut, parts):
+    """Raise bounds of the shares of a box where limits are kept and broken; return the most open.
+
+    Parameters
+    ----------
+    rows, kinds, count, sure, s
+        As of `compass.core.certified.cuts.expansion`.
+    on, off
+        Shares of the box in which no fewer satellites than these are seen, and no more.
+    squares
+        Limits squared, shape (m,).
+    cut
+        Scratch.
+    parts
+        Shares kept, then broken, shape (2 m,).
+    """
+    out, m, still = cut[CUT:], squares.size, 0.0
+    used = expansion(rows, kinds, count, sure, on > 0.0, s, out)
+    for k in range(m):
+        half_spaces(out, used, squares[k], cut)
+        kept = on - 1.0 + volume(cut[KEPT], cut[KEPT + 1], cut[KEPT + 2], cut[KEPT + 3])
+        broken = off - 1.0 + volume(cut[BROKEN], cut[BROKEN + 1], cut[BROKEN + 2], cut[BROKEN + 3])
+        parts[k] = max(parts[k], kept)
+        parts[m + k] = max(parts[m + k], broken)
+        still = max(still, 1.0 - parts[k] - parts[m + k])
+    return still
 
 
 @fused_kernel
-def one_of_two(rows, kinds, count, square, s, cut, kept, broken):
-    """Raise bounds of what is kept and broken by looking at either of two doubtful satellites."""
-    first = second = -1
+def kept_broken(rows, kinds, count, squares, s, cut, parts):
+    """Fill bounds of the shares of a box's volume where limits are kept and broken."""
+    m = squares.size
+    parts[:m] = 0.0
+    parts[m:] = 1.0 if 0 <= count < 4 else 0.0
+    if count < 4:
+        return
+    on = off = 1.0
+    doubtful, first, second = 0, -1, -1
     for k in range(count):
         if kinds[k] == 2:
-            first, second = second, k
+            seen, unseen = rim_shares(rows[k])
+            on, off = on - (1.0 - seen), off - (1.0 - unseen)
+            doubtful, first, second = doubtful + 1, second, k
+    # the surely seen first: where they keep the limit, as nearly everywhere, that is all
+    still = settle(rows, kinds, count, True, 1.0, off, squares, s, cut, parts)
+    if doubtful == 0 or still == 0.0:
+        return
+    still = settle(rows, kinds, count, False, on, 1.0, squares, s, cut, parts)
+    if doubtful != 2 or still == 0.0:
+        return
     for _ in range(2):
         first, second = second, first
         on, off = rim_shares(rows[first])[0], rim_shares(rows[second])[1]
-        if on <= kept and off <= broken:
-            continue
         kinds[first] = 1
-        cuts(rows, kinds, count, True, on > kept, square, s, cut)
+        settle(rows, kinds, count, True, on, off, squares, s, cut, parts)
         kinds[first] = 2
-        kept = max(kept, on - 1.0 + volume(cut[KEPT], cut[KEPT + 1], cut[KEPT + 2], cut[KEPT + 3]))
-        out = volume(cut[BROKEN], cut[BROKEN + 1], cut[BROKEN + 2], cut[BROKEN + 3])
-        broken = max(broken, off - 1.0 + out)
-    return kept, broken
 
 
 @fused_kernel
 def look(
-    box, user, scratch, q, dq, rows, kinds, orbits, circles, breaks, paths, normals, numbers, mask
+    box,
+    user,
+    scratch,
+    q,
+    dq,
+    rows,
+    kinds,
+    squares,
+    orbits,
+    circles,
+    breaks,
+    paths,
+    normals,
+    numbers,
+    mask,
 ):
     """Settle what a box's bounds settle: fills its columns from 6 on.
 
-    `numbers` as in `sights`, `mask` two rows: azimuths and elevations.
+    `squares` are the limits squared, `numbers` as in `sights`, `mask` two rows: azimuths and
+    elevations.
     """
     place(box, numbers[E2], numbers[HEIGHT], user)
     m, size, thin, dense = measure(box, numbers[E2])
     inside, outside = 1.0, 0.0
     if normals.shape[0]:
         inside, outside = region_parts(user, normals)
-    kept = broken = 0.0
+    parts = box[GIVEN:]
     if inside > 0.0:
         states(orbits, circles, breaks, paths, box[2], q, dq)
         count = gather(box, user, scratch, q, dq, rows, kinds, orbits, numbers, mask)
-        cut = scratch[SCRATCH:]
-        kept, broken = kept_broken(rows, kinds, count, numbers[SQUARE], scratch, cut)
-    box[6] = of_measure(kept + inside - 1.0, m, size, thin, dense)
-    box[7] = of_measure(broken + inside - 1.0, m, size, thin, dense)
-    box[8] = of_measure(outside, m, size, thin, dense)
-    box[9] = max(0.0, m - box[6] - box[7] - box[8])
+        kept_broken(rows, kinds, count, squares, scratch, scratch[SCRATCH:], parts)
+    else:
+        parts[:] = 0.0
+    box[OUTSIDE] = of_measure(outside, m, size, thin, dense)
+    box[INSIDE] = m - box[OUTSIDE]
+    for k in range(parts.size):
+        parts[k] = of_measure(parts[k] + inside - 1.0, m, size, thin, dense)
+
+
+@fused_kernel
+def still_open(box, k):
+    """Measure of a box of which a limit is neither kept nor broken."""
+    limits = (box.size - GIVEN) // 2
+    return max(0.0, box[INSIDE] - box[GIVEN + k] - box[GIVEN + limits + k])
+
+
+@fused_kernel
+def most_open(box, eps):
+    """By how much more is open at one of the limits than may be (`eps`, shape (m,))."""
+    most = -math.inf
+    for k in range(eps.size):
+        most = max(most, still_open(box, k) - eps[k])
+    return most
 
 
 @fused_kernel
@@ -208,54 +250,75 @@ def split(box, speed, left, right):
 
 
 @fused_kernel
-def refine(leaves, eps, speed, orbits, circles, breaks, paths, normals, numbers, mask):
+def refine(
+    leaves,
+    fresh,
+    whole,
+    eps,
+    speed,
+    squares,
+    orbits,
+    circles,
+    breaks,
+    paths,
+    normals,
+    numbers,
+    mask,
+):
     """Split boxes until none has more than `eps` open.
 
     Parameters
     ----------
     leaves
-        Boxes to split, shape (m, BOX).
+        Boxes to split, shape (k, GIVEN + 2 m).
+    fresh
+        Whether nothing is known of them yet at these limits.
+    whole
+        Whether boxes with nothing open are returned too, to be looked at for other limits.
     eps
-        Open measure that a box may keep.
+        Open measure that a box may keep, by limits, shape (m,).
     speed
         How much of a length a unit of time is worth when the longest side is chosen.
-    orbits, circles, breaks, paths, normals, numbers, mask
+    squares, orbits, circles, breaks, paths, normals, numbers, mask
         See `look`.
 
     Returns
     -------
     settled
-        Measure kept, broken and outside in boxes that are done with, and boxes looked at.
+        Sums of the columns from `INSIDE` on of boxes that are done with, and boxes looked at.
     open
-        Boxes with something open, shape (k, BOX).
+        Boxes with something open; or all.
     """
-    n = orbits.shape[0]
+    n, columns = orbits.shape[0], leaves.shape[1]
     user, scratch = np.empty(USER), np.zeros(SCRATCH + CUT + EXPANSION)
     q, dq, rows = np.empty((n, 3)), np.empty((n, 3)), np.empty((n + 1, WIDTH))
     kinds = np.empty(n + 1, np.int64)
-    settled, out, stack = np.zeros(4), np.empty((64, BOX)), np.empty((256, BOX))
-    box = np.empty(BOX)
+    settled, out = np.zeros(columns - INSIDE + 1), np.empty((64, columns))
+    stack, box, nothing = np.empty((256, columns)), np.empty(columns), np.zeros(eps.size)
     found = 0
     for i in range(leaves.shape[0]):
         stack[0] = leaves[i]
-        depth = 1
+        first, depth = (0 if fresh else 1), 1
         while depth > 0:
+            for k in range(first, depth):
+                look(stack[k], user, scratch, q, dq, rows, kinds, squares, orbits, circles, breaks,
+                     paths, normals, numbers, mask)  # fmt: skip
+            settled[-1] += depth - first
             depth -= 1
+            first = depth
             box[:] = stack[depth]
-            if box[9] > eps and depth < 250 and split(box, speed, stack[depth], stack[depth + 1]):
-                for k in range(depth, depth + 2):
-                    look(stack[k], user, scratch, q, dq, rows, kinds, orbits, circles, breaks,
-                         paths, normals, numbers, mask)  # fmt: skip
-                settled[3] += 2
+            if most_open(box, eps) > 0.0 and depth < 250 and split(
+                box, speed, stack[depth], stack[depth + 1]
+            ):  # fmt: skip
                 depth += 2
                 continue
-            if box[9] > 0.0:
+            if whole or most_open(box, nothing) > 0.0:
                 if found == out.shape[0]:
-                    more = np.empty((2 * found, BOX))
+                    more = np.empty((2 * found, columns))
                     more[:found] = out
                     out = more
                 out[found] = box
                 found += 1
             else:
-                settled[:3] += box[6:9]
+                settled[:-1] += box[INSIDE:]
     return settled, out[:found].copy()
