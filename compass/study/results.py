@@ -180,7 +180,9 @@ def first_front(study: Study, results: "xr.Dataset") -> list[dict[str, Any]]:
 def write_results(dataset: "xr.Dataset", path: Path) -> None:
     """Write the dataset as netCDF, and beside it as CSV, a candidate a line.
 
-    A kill leaves the old files or the new ones. What is not known is an empty cell.
+    A kill leaves the old files or the new ones. What is not known is an empty cell. Beside each
+    figure that is sampled or bracketed the CSV, which has no attributes, says which: in netCDF
+    they do.
     """
     from compass.saving import replacing, save_netcdf, write_csv
 
@@ -188,12 +190,27 @@ def write_results(dataset: "xr.Dataset", path: Path) -> None:
     made = dataset.assign({name: dataset[name].astype("i1") for name in yes_no})
     save_netcdf(path, made.assign_attrs(history=f"compass trade, version {compass.__version__}"))
     with replacing(path.with_suffix(".csv")) as temporary:
-        write_csv(temporary, [str(name) for name in made.data_vars], _lines(made))
+        write_csv(temporary, [str(name) for name in _columns(made)], _lines(made))
 
 
 def _lines(made: "xr.Dataset", piece: int = 4096) -> Iterator[list[Any]]:
     """A candidate a line, none where a number is not known; few at once, for lists take memory."""
-    columns = [made[name].values for name in made.data_vars]
     for k in range(0, made.sizes["candidate"], piece):
-        for row in zip(*(column[k : k + piece].tolist() for column in columns), strict=True):
+        columns = _columns(made.isel(candidate=slice(k, k + piece))).values()
+        for row in zip(*(column.tolist() for column in columns), strict=True):
             yield [None if x != x else x for x in row]
+
+
+def _columns(made: "xr.Dataset") -> dict[str, NDArray[Any]]:
+    """Every variable, and in words how well figures are known."""
+    found = {}
+    for name in map(str, made.data_vars):
+        found[name] = made[name].values
+        attrs = made[name].attrs
+        if {"evidence", "sampled_over"} & set(attrs):
+            proven = np.full(found[name].size, "evidence" in attrs)
+            if (end := ends(name)[0]) in made:
+                proven = np.isfinite(made[end].values)
+            words = np.where(proven, "proven bounds", "sampled")
+            found[f"{name}_evidence"] = np.where(np.isnan(found[name]), "", words)
+    return found

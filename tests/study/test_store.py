@@ -225,6 +225,11 @@ def test_results_of_all_stages_and_their_errors(tiny, tmp_path):
     assert float(lines[0]["radius_km"]) == float(results.radius_km[0])
     unknown = np.isnan(results.gdop_p95.values)
     assert [line["gdop_p95"] == "" for line in lines] == unknown.tolist() and unknown.any()
+    # what has no attributes says in words how figures are known
+    assert [line["gdop_p95_evidence"] for line in lines] == [
+        "" if none else "sampled" for none in unknown
+    ]
+    assert "radius_km_evidence" not in lines[0]
 
 
 def test_results_without_the_line_of_a_screening(tiny, tmp_path):
