@@ -33,12 +33,12 @@ def told(monkeypatch):
         asked.append(("share", options["dop"], limit, options))
         return CertifiedShare(0.5, 0.6, 1, "")
 
-    def percentile(self, c, percent, **options):
-        asked.append(("percentile", options["dop"], percent, options))
-        return CertifiedPercentile(2.0, 3.0, percent, "")
+    def percentiles(self, c, percents, **options):
+        asked.extend(("percentile", options["dop"], q, options) for q in percents)
+        return {q: CertifiedPercentile(2.0, 3.0, q, "") for q in percents}
 
     monkeypatch.setattr(module.Effort, "share", share)
-    monkeypatch.setattr(module.Effort, "percentile", percentile)
+    monkeypatch.setattr(module.Effort, "percentiles", percentiles)
     return asked
 
 
