@@ -6,11 +6,12 @@ import math
 import numpy as np
 import pytest
 
-from compass.coverage import certified_share as share_module
+from compass.coverage import certified_rounds as rounds_module
 from compass.coverage import certified_worst as worst_module
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_places import Circle, Spot, Tile
 from compass.coverage.certified_question import DOPS, Question
+from compass.coverage.certified_rounds import PIECE, Rounds
 from compass.coverage.certified_witness import dilution_at
 from compass.coverage.certified_worst import certified_always, certified_worst
 from compass.coverage.region import convex_polygon, latitude_band
@@ -151,19 +152,21 @@ def test_the_clock_is_looked_at_as_often_with_many_satellites(monkeypatch, satel
     found = certified_worst(many, place=Circle(0.3), budget_s=1.5)
     assert found.stopped == "time"
     assert 1 <= found.boxes <= worst_module.FEW * 64 / satellites + 2
-    search, leaves = share_module.Search(Question(many, place=Circle(0.3)), 1), np.ones((3000, 10))
-    monkeypatch.setattr(share_module, "refine", lambda piece, *_: (np.ones(4), piece))
-    ticking(monkeypatch, share_module)
-    open_, sums, stopped = search._round(leaves, 1e-3, 6.0, 0.5, math.inf)
-    assert (len(open_), stopped) == (3000, "time")
+    rounds, leaves = Rounds(Question(many, place=Circle(0.3)), 1), np.ones((3000, 10))
+    monkeypatch.setattr(rounds_module, "refine", lambda piece, *_: (np.ones(5), piece))
+    ticking(monkeypatch, rounds_module)
+    rounds.end = 0.5
+    open_, sums = rounds.refine(leaves, np.array([1e-3]), [6.0])
+    assert (len(open_), rounds.stopped) == (3000, "time")
     assert sums[0] == 1  # one look in time, at a piece
     sizes = []
     monkeypatch.setattr(
-        share_module, "refine", lambda piece, *_: (np.ones(4), sizes.append(len(piece)) or piece)
+        rounds_module, "refine", lambda piece, *_: (np.ones(5), sizes.append(len(piece)) or piece)
     )
-    search._round(leaves, 1e-3, 6.0, math.inf, math.inf)
+    rounds.end = math.inf
+    rounds.refine(leaves, np.array([1e-3]), [6.0])
     assert sum(sizes) == 3000
-    assert max(sizes) == max(1, min(share_module.PIECE, share_module.PIECE * 64 // satellites))
+    assert max(sizes) == max(1, min(PIECE, PIECE * 64 // satellites))
 
 
 def test_an_interrupted_search_keeps_what_it_has(monkeypatch):

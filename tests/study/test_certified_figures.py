@@ -35,7 +35,10 @@ def test_brackets_hold_what_an_independent_program_found(seed_design):
     # 15/5/1 at 45 deg, 20,427 km, on the sphere of 3396.2 km
     assert found.availability.low <= 0.9736178 and found.availability.high >= 0.9736164
     assert found.availability.width <= 2e-4
-    assert found.dops["gdop"][95].high - found.dops["gdop"][95].low <= 2e-2 * found.dops["gdop"][95].high
+    assert (
+        found.dops["gdop"][95].high - found.dops["gdop"][95].low
+        <= 2e-2 * found.dops["gdop"][95].high
+    )
     sampled = compass.map(seed_design, step_deg=3, epochs=109, budget_s=0.01).dataset
     p95 = float(sampled.global_dop.sel(dop="gdop", global_percentile=95))
     assert found.dops["gdop"][95].low == pytest.approx(p95, rel=0.03)
