@@ -27,7 +27,7 @@ TRACKED = "[tracking]\ndays = 0.1\nstep_s = 1800\nearth = { range_m = 1, time_m 
 
 
 def mapped(text):
-    return compass.map(read_design_text(text), step_deg=60, epochs=2, duration_h=2)
+    return compass.map(read_design_text(text), step_deg=60, epochs=2, duration_h=2, budget_s=0.01)
 
 
 def test_there_is_none_without_a_signal():
@@ -76,7 +76,7 @@ def test_it_is_said_why_errors_and_levels_are_infinite():
     text = DESIGN.replace("satellites = 9", "satellites = 12").replace("planes = 3", "planes = 4")
     made = compass.map(
         read_design_text(text + "[coverage]\nmask_deg = 15\n" + SIGNAL + "[integrity]\n"),
-        step_deg=30, epochs=5, duration_h=7,
+        step_deg=30, epochs=5, duration_h=7, budget_s=0.01,
     )  # fmt: skip
     known = made.to_dict()
     four = float(made.dataset.global_fold_share.sel(global_fold=4))
