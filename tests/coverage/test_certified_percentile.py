@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compass.coverage import certified_percentile as module
+from compass.coverage import certified_rounds as rounds
 from compass.coverage.certified_distribution import Below, Boxes
 from compass.coverage.certified_percentile import certified_percentile, certified_percentiles
 from compass.coverage.certified_places import Circle
@@ -139,10 +140,14 @@ def test_all_at_once_are_those_of_shares_at_their_bounds(dop):
     assert fine.looked > coarse.looked
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", [2, 3])
-def test_workers_change_no_number(workers):
-    options = {"place": Circle(0.2), "precision": 0.1}
-    one = certified_percentiles(RING, (20, 50), **options)
-    more = certified_percentiles(RING, (20, 50), workers=workers, **options)
-    assert [(p.low, p.high) for p in one.of.values()] == [(p.low, p.high) for p in more.of.values()]
+def test_workers_change_no_number(workers, monkeypatch):
+    monkeypatch.setattr(rounds, "PIECE", 16)
+    options = {"place": Circle(0.2), "precision": 0.02, "budget_boxes": 1500}
+    one = certified_percentiles(PATTERN, (50, 95), **options)
+    more = certified_percentiles(PATTERN, (50, 95), workers=workers, **options)
+    known, again = ([(p.low, p.high) for p in of.of.values()] for of in (one, more))
+    assert known == again
+    assert len(one.boxes.leaves) > 10 * rounds.PIECE
     assert one.boxes.leaves.tobytes() == more.boxes.leaves.tobytes()
