@@ -358,7 +358,7 @@ class MapResult(Result):
         """Satellites in view, and dilution of precision, over area and time."""
         numbers = self.numbers()
         threshold, fold = self.dataset.attrs["pdop_threshold"], self.dataset.attrs["wanted_fold"]
-        share, sampled = quantity("fold_share"), Sampled(how="at cells and epochs")
+        share, sampled = quantity("fold_share"), self._looked()
         step = self.dataset.attrs["gap_step_s"]
         followed = Sampled(step, f"at cells, at each to {step:.3g} s")
         count = numbers["count"]
@@ -401,12 +401,17 @@ class MapResult(Result):
 
     def _known(self, name: str, percentiles: list[str]) -> str:
         """How well the percentiles of a dilution are known, in words."""
-        sampled, evidence = str(Sampled()), self.evidence()
+        sampled, evidence = str(self._looked()), self.evidence()
         proven = [p for p in percentiles if f"{name}.{p}" in evidence]
         if not proven:
             return sampled
         rest = f"; the rest {sampled}" if len(proven) < len(percentiles) else ""
         return f"{', '.join(proven)} between proven bounds{rest}"
+
+    def _looked(self) -> Sampled:
+        """How the figures that are not certified are known: at so many epochs and cells."""
+        attrs = self.dataset.attrs
+        return Sampled(how=f"at {attrs['epochs']} epochs on {attrs['grid']}")
 
     def write(self, path: str | Path, *, time_series: bool = False, progress: bool = False) -> None:
         """Write the maps as CF netCDF; with `time_series` also every epoch's counts and DOPs.

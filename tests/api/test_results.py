@@ -209,7 +209,10 @@ def test_a_map_that_misses_the_fold_says_so(seed):
     assert "(95 % of area and time); between proven bounds" in missed
     (fewest,) = (line for line in missed.splitlines() if line.startswith("fewest satellites"))
     assert fewest.split()[-1] == "4"
-    assert "(sampled, at cells and epochs, error not known, where nothing else is said)" in missed
+    sampled = "sampled, at 6 epochs on equal-angle, 12 by 24 cells, error not known"
+    assert f"({sampled}, where nothing else is said)" in missed
+    (hdop,) = (line for line in missed.splitlines() if line.startswith("HDOP"))
+    assert hdop.endswith(f"  {sampled}")
 
 
 def test_what_show_says_of_explicit_elements(designs):
