@@ -13,8 +13,10 @@ from compass.core.fold import extreme_fold
 from compass.coverage.certificate import prove_fold
 from compass.coverage.fold import caps_of
 from compass.coverage.grid import equal_angle_grid
+from compass.coverage.margin import covering_radius
+from compass.coverage.share import mean_fold_shares
 from compass.frames import FIGURES, direction
-from compass.orbits import areosynchronous_radius, walker_delta
+from compass.orbits import areosynchronous_radius, from_elements, walker_delta
 from compass.study.search import search
 
 R, ORBIT = 3396.2e3, 20427e3
@@ -94,12 +96,32 @@ def test_a_certificate_takes_milliseconds(benchmark):
     assert benchmark.stats.stats.min < 0.02
 
 
-def test_all_patterns_to_16_satellites_in_a_minute():
-    search(1, 0.0, radius=areosynchronous_radius(), figure=FIGURES["iau-sphere"], largest=5)
+@pytest.mark.parametrize(("fold", "largest", "least_s"), [(1, 16, 7), (2, 16, 19), (4, 20, 30)])
+def test_all_patterns_up_to_a_size(fold, largest, least_s):
+    """A third of what they took on two cores before patterns were dropped by proven bounds."""
+    asked = {"radius": areosynchronous_radius(), "figure": FIGURES["iau-sphere"]}
+    search(fold, 0.0, largest=5, **asked)
     start = time.perf_counter()
-    found = search(
-        4, 0.0, radius=areosynchronous_radius(), figure=FIGURES["iau-sphere"], largest=16, beyond=16
-    )
+    found = search(fold, 0.0, largest=largest, beyond=largest, **asked)
     seconds = time.perf_counter() - start
-    print(f"\nall delta patterns to 16 satellites, fourfold: {seconds:.1f} s, {len(found)} cover")
-    assert seconds < 60
+    print(
+        f"\nall patterns to {largest} satellites, {fold}-fold: {seconds:.1f} s, {len(found)} cover"
+    )
+    assert seconds < least_s / 3
+
+
+def test_proofs_of_120_satellites_within_a_second():
+    """What took 6.8, 2.2 and, of six satellites at one place, 1.3 s, of processor time."""
+    many = walker_delta(120, 10, 1, inclination_deg=55, radius_km=6000)
+    six = from_elements(semi_major_axis_km=np.full(6, ORBIT / 1e3), inclination_deg=55)
+    for name, asked in (
+        ("shares of every fold, 120 satellites", lambda: mean_fold_shares(many, sphere_radius=R)),
+        ("covering radius, 120 satellites", lambda: covering_radius(many, 4)),
+        ("six satellites at one place", lambda: covering_radius(six, 4)),
+    ):
+        asked()
+        start = time.process_time()
+        asked()
+        seconds = time.process_time() - start
+        print(f"\n{name}: {seconds:.2f} s")
+        assert seconds < 1.0

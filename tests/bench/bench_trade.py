@@ -1,4 +1,4 @@
-"""Trade: candidates a second, share of time outside kernels, growth from 10^2 to 10^5, a cluster.
+"""Trade: candidates a second, share of time outside kernels, growth from 10^2 to 10^6, a cluster.
 
 Run: pytest tests/bench/bench_trade.py -o python_files="bench_*.py" -p no:xdist -s
 """
@@ -217,27 +217,67 @@ def test_growth(tmp_path, inclinations, patterns):
     )
 
 
-def test_one_process_two_processes_two_cluster_workers(tmp_path):
+@pytest.mark.parametrize("candidates_to_screen", [10_740, 1_074_000])
+def test_a_whole_study_killed_once(tmp_path, candidates_to_screen):
+    """The command as a user runs it, on two workers: killed half-way, given again, all in the end."""
+    psutil = pytest.importorskip("psutil")
+    inclinations = candidates_to_screen // 358
+    step = 20 / (inclinations - 1)
+    file = tmp_path / "study.toml"
+    file.write_text(TEXT.format(patterns=BOTH, most=60 + step / 2, step=step))
+    command = [sys.executable, "-m", "compass", "trade", str(file), "--workers", "2", "--json"]
+    command += ["--output", str(tmp_path / "store")]
+    wall, most = [], 0
+    for limit in (candidates_to_screen / 20_000, None):
+        began = time.perf_counter()
+        with (tmp_path / "answer").open("wb") as answer:
+            running = psutil.Popen(command, stdout=answer, stderr=subprocess.DEVNULL)
+        while running.poll() is None and (limit is None or time.perf_counter() - began < limit):
+            with contextlib.suppress(psutil.Error):
+                family = [running, *running.children(recursive=True)]
+                most = max(most, sum(part.memory_info().rss for part in family))
+            time.sleep(0.2)
+        if running.poll() is None:
+            running.kill()
+        running.wait()
+        wall.append(time.perf_counter() - began)
+    found = json.loads((tmp_path / "answer").read_text())
+    print(
+        f"\n{found['candidates']} candidates, two workers: killed after {wall[0]:.0f} s, done "
+        f"{wall[1]:.0f} s after the second start; at most {most / 1e9:.2f} GB in all processes"
+    )
+    assert found["candidates"] == candidates_to_screen
+    assert most < 2e9
+
+
+@pytest.mark.parametrize("workers", [2, 8])
+def test_one_process_some_processes_some_cluster_workers(tmp_path, workers):
+    """What more workers than cores cost, and that they all find the same to the byte."""
     pytest.importorskip("distributed")
     study = growth(60)
     warm(study)
     wall = {}
     _, wall["1 process"] = timed(study, tmp_path / "1", OneProcess(study))
-    team = Processes(study, 2)
-    list(team.run("screen", [candidates(study).rows(k, k + 1) for k in range(8)]))  # start up
-    _, wall["2 processes"] = timed(study, tmp_path / "2", team)
+    team = Processes(study, workers)
+    list(team.run("screen", [candidates(study).rows(k, k + 1) for k in range(4 * workers)]))
+    _, wall[f"{workers} processes"] = timed(study, tmp_path / "2", team)
     team.close()
-    with cluster(tmp_path) as (address, scheduler):
+    with cluster(tmp_path, workers) as (address, scheduler):
         team = Cluster(StudyJob(study), address)
-        list(team.run("screen", [candidates(study).rows(k, k + 1) for k in range(8)]))
+        list(team.run("screen", [candidates(study).rows(k, k + 1) for k in range(4 * workers)]))
         before = processor_seconds(scheduler)
-        summary, wall["2 cluster workers"] = timed(study, tmp_path / "3", team)
+        summary, wall[f"{workers} cluster workers"] = timed(study, tmp_path / "3", team)
         load = processor_seconds(scheduler) - before
         team.close()
+    stored = [sorted((tmp_path / run / FILE).read_bytes().splitlines()) for run in "123"]
+    assert stored[0] == stored[1] == stored[2]
     batch = candidates(study).rows(0, trade.BATCH["screen"])
     task = len(pickle.dumps((study, batch)))
     answer = len(pickle.dumps(evaluate("screen", study, batch)))
     tasks = sum(-(-n // trade.BATCH[stage]) for stage, n in summary.reached.items())
+    print(
+        f"\n{summary.candidates} candidates, {os.cpu_count()} cores, the same lines stored", end=""
+    )
     for name, seconds in wall.items():
         print(f"\n{name}: {seconds:.2f} s, speed-up {wall['1 process'] / seconds:.2f}", end="")
     print(
@@ -248,7 +288,7 @@ def test_one_process_two_processes_two_cluster_workers(tmp_path):
 
 
 @contextlib.contextmanager
-def cluster(folder):
+def cluster(folder, workers):
     running = []
 
     def launch(part, *options):
@@ -268,7 +308,7 @@ def cluster(folder):
     while not file.exists() and time.monotonic() < end:
         time.sleep(0.05)
     address = json.loads(file.read_text())["address"]
-    for _ in range(2):
+    for _ in range(workers):
         launch("worker", address, "--nthreads", "1", "--no-nanny")
     try:
         yield address, running[0].pid
