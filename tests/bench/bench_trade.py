@@ -305,9 +305,11 @@ def cluster(folder, workers):
     file = folder / "scheduler.json"
     launch("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file))
     end = time.monotonic() + 30
-    while not file.exists() and time.monotonic() < end:
+    address = ""
+    while not address and time.monotonic() < end:
+        with contextlib.suppress(OSError, json.JSONDecodeError):  # not there, or half written
+            address = json.loads(file.read_text())["address"]
         time.sleep(0.05)
-    address = json.loads(file.read_text())["address"]
     for _ in range(workers):
         launch("worker", address, "--nthreads", "1", "--no-nanny")
     try:

@@ -82,6 +82,7 @@ def test_map_search_and_judge_say_the_same(seed_design):
     assert np.all(brackets[:, 1] - brackets[:, 0] <= 0.02 * brackets[:, 1])
 
 
+@pytest.mark.slow
 def test_the_budget_is_of_boxes_times_satellites(monkeypatch):
     """Many satellites cost as much as few: without that a map of thousands would not end."""
     asked = []

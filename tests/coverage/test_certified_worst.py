@@ -144,6 +144,7 @@ def ticking(monkeypatch, module):
     monkeypatch.setattr(module, "monotonic", lambda: float(next(clock)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("satellites", [60, 3000])
 def test_the_clock_is_looked_at_as_often_with_many_satellites(monkeypatch, satellites):
     """One piece of work in a budget of one look: satellites times boxes are the same."""

@@ -266,7 +266,9 @@ def test_a_map_that_does_not_fit_is_refused_with_how_much_it_would_take():
 
     many = Design(walker_delta(10_000, 100, 1, inclination_deg=45, radius_km=20427))
     told = []
-    with pytest.raises(ArgumentError, match=r"3600 by 7200 cells would take .* GB, this machine"):
+    with pytest.raises(
+        ArgumentError, match=r"3600 by 7200 cells would take .* GB of memory, there are"
+    ):
         make_map(many, MapOptions(step_deg=0.05, epochs=100_000), foretell=told.append)
     assert not told  # it is not begun
 

@@ -246,7 +246,7 @@ def test_a_resonant_design_is_told_its_cost_and_another_radius(monkeypatch):
     found = outlook(design)
     assert 1.0 < found.days_proven < 60.0
     assert found.lasting_radii
-    assert found.keeping["delta_v_keeping_m_s_year"] > 5.0
+    assert found.keeping.delta_v_mean_m_s_year > 5.0
     section = lasting_section(design, found)
     said = words(section)
     for part in ("Keeping it costs", "400 km", "it keeps itself for 0.2 years", "trimmed once"):

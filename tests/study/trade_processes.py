@@ -184,9 +184,11 @@ class DaskProcesses:
             "scheduler", "--port", 0, "--scheduler-file", file, *options, around=around
         )
         end = time.monotonic() + HANGS
-        while not file.exists() and time.monotonic() < end:
+        while time.monotonic() < end:
+            with suppress(OSError, json.JSONDecodeError):  # not there, or half written
+                return process, json.loads(file.read_text())["address"]
             time.sleep(0.05)
-        return process, json.loads(file.read_text())["address"]
+        raise AssertionError(f"no scheduler in {HANGS} s")
 
     def worker(self, address, around=(), nanny=False):
         kind = "--nanny" if nanny else "--no-nanny"
