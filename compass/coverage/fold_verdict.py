@@ -171,7 +171,10 @@ def losses_of(
     turns = course.span is not None or not alike
     still = Region("places that turn with Mars", mars_fixed=turns)
     turning = all(each.alike_all_around for each in users)
-    found = unlike_subsets(c, requirement.losses, still, backwards=turning)
+    try:
+        found = unlike_subsets(c, requirement.losses, still, backwards=turning)
+    except ArgumentError as error:
+        raise ArgumentError(f"{requirement.name}: {error}") from None
     if (proofs := len(found.sets)) > 1 and proofs * c.size > MOST_LEFT:
         raise ArgumentError(
             f"{requirement.name}: losses = {requirement.losses}: {proofs} sets of lost satellites "

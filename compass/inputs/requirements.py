@@ -8,9 +8,12 @@ from pydantic import Field
 from compass.coverage.region import read_regions
 from compass.design import ERRORS, LIMITS, ErrorAs, Requirement
 from compass.errors import ArgumentError
-from compass.inputs.faults import fault, tables_in
+from compass.inputs.faults import fault, table_in, tables_in
 from compass.inputs.table import Table
 from compass.sites import Site
+from compass.words import listed
+
+_NO_STATION = "none; add a [[station]] of that name"
 
 Dilution = Annotated[float, Field(ge=1, le=1e5)]
 Metres = Annotated[float, Field(gt=0, le=1e9)]
@@ -117,21 +120,26 @@ def station_names(raw: dict[str, Any]) -> list[str]:
     return [s["name"] for s in tables_in(raw, "station") if isinstance(s.get("name"), str)]
 
 
-def requirement_faults(raw: dict[str, Any]) -> list[str]:
-    """Faults of ``[[requirement]]`` across fields, found on the raw tables, whatever is in them."""
-    tables, names = raw.get("requirement"), station_names(raw)
+def requirement_faults(raw: dict[str, Any], *others: str) -> list[str]:
+    """Faults of ``[[requirement]]`` across fields, found on the raw tables, whatever is in them.
+
+    With those of the sites and regions of other tables, of these keys.
+    """
+    tables = raw.get("requirement")
+    placed = {key: table_in(raw, key) for key in others}
     faults: list[str] = []
     told: set[str] = set()
     for k, table in enumerate(tables if isinstance(tables, list) else [], start=1):
         if isinstance(table, dict):
-            faults += _faults(table, f"requirement[{k}]", names)
+            placed[f"requirement[{k}]"] = table
+            faults += _faults(table, f"requirement[{k}]")
             faults += _error_faults(table, f"requirement[{k}]", "signal" in raw)
             name = table.get("name")
             if isinstance(name, str):
                 if name in told:
                     faults.append(fault(f"requirement[{k}].name", name, "used twice; rename one"))
                 told.add(name)
-    return faults
+    return _site_faults(placed, station_names(raw)) + _region_faults(placed) + faults
 
 
 def _error_faults(table: dict[str, Any], field: str, has_signal: bool) -> list[str]:
@@ -144,18 +152,26 @@ def _error_faults(table: dict[str, Any], field: str, has_signal: bool) -> list[s
     return []
 
 
-def where_faults(table: dict[str, Any], field: str, names: list[str]) -> list[str]:
-    """Faults of the sites and regions of a table, of stations of these names."""
+def _site_faults(placed: dict[str, dict[str, Any]], names: list[str]) -> list[str]:
+    """Sites of tables that are no stations of these names: one fault each, wherever it is named."""
+    unknown: dict[str, list[str]] = {}
+    for field, table in placed.items():
+        sites = table.get("sites")
+        for name in dict.fromkeys(_texts(sites if isinstance(sites, list) else [])):
+            if name not in names:
+                unknown.setdefault(name, []).append(field)
+    problem = f"no such [[station]]; there are {', '.join(names) or _NO_STATION}"
+    return [
+        fault(f"{first}.sites", name, problem + (f"; so in {listed(rest)}" if rest else ""))
+        for name, (first, *rest) in unknown.items()
+    ]
+
+
+def _region_faults(placed: dict[str, dict[str, Any]]) -> list[str]:
     faults = []
-    sites = table.get("sites")
-    for name in sites if isinstance(sites, list) else []:
-        if isinstance(name, str) and name not in names:
-            allowed = ", ".join(names) or "none; add a [[station]] of that name"
-            problem = f"no such [[station]]; there are {allowed}"
-            faults.append(fault(f"{field}.sites", name, problem))
-    region = table.get("region")
-    for text in region if isinstance(region, list) else [region]:
-        if isinstance(text, str):
+    for field, table in placed.items():
+        region = table.get("region")
+        for text in _texts(region if isinstance(region, list) else [region]):
             try:
                 read_regions(text)
             except ArgumentError as error:
@@ -163,8 +179,13 @@ def where_faults(table: dict[str, Any], field: str, names: list[str]) -> list[st
     return faults
 
 
-def _faults(table: dict[str, Any], field: str, names: list[str]) -> list[str]:
-    faults, sites = where_faults(table, field, names), table.get("sites")
+def _texts(values: list[Any]) -> list[str]:
+    """Those values that are texts (the model reports the others)."""
+    return [value for value in values if isinstance(value, str)]
+
+
+def _faults(table: dict[str, Any], field: str) -> list[str]:
+    faults, sites = [], table.get("sites")
     wants = [key for key in ("fold", *(f"{name}_at_most" for name in LIMITS)) if key in table]
     if not wants:
         limits = ", ".join(f"{name}_at_most" for name in LIMITS)

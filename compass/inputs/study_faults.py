@@ -8,7 +8,7 @@ from compass.frames import FIGURES
 from compass.inputs.design import place_faults
 from compass.inputs.faults import fault, table_in, tables_in
 from compass.inputs.motion import motion_faults
-from compass.inputs.requirements import requirement_faults, station_names, where_faults
+from compass.inputs.requirements import requirement_faults
 from compass.inputs.signal import signal_faults
 from compass.orbits.patterns import FARTHEST_KM
 from compass.quantities.merits import MERITS, OF_ONE
@@ -63,9 +63,8 @@ def study_faults(raw: dict[str, Any]) -> list[str]:
             if name in seen:
                 faults.append(fault(f"objective[{k}].figure", name, "is an objective already"))
             seen.add(name)
-    for key in ("map", "entry"):
-        faults += where_faults(table_in(raw, key), key, station_names(raw))
-    return faults + place_faults(raw) + requirement_faults(raw) + signal_faults(raw)
+    faults += place_faults(raw) + requirement_faults(raw, "map", "entry")
+    return faults + signal_faults(raw)
 
 
 def _number(value: object, kind: Any = int | float) -> bool:

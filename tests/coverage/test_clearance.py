@@ -409,3 +409,5 @@ def test_losses_of_many_unlike_satellites_are_refused_before_any_proof(monkeypat
         next(losses_of(c, wanted, (), course))
     monkeypatch.setattr("compass.coverage.fold_verdict.MOST_LEFT", 36)
     assert len(list(losses_of(c, wanted, (), course))) == 6
+    with pytest.raises(ArgumentError, match=r"four: losses = 7: allowed 0 to 6"):
+        next(losses_of(c, replace(wanted, losses=7), (), course))

@@ -97,6 +97,14 @@ def test_faults_name_the_field_and_the_remedy(table, message):
     assert message in faults(f"[[requirement]]\n{table}\n")
 
 
+def test_an_unknown_site_is_one_fault_wherever_it_is_named():
+    known, unknown = '["Gale", "Nowhere"]\nfold = 1', '["Nowhere", "Nowhere", "Else"]\nfold = 2'
+    said = faults("".join(f"[[requirement]]\nsites = {s}\n" for s in (known, known, unknown)))
+    first, second = said.split("\n")
+    assert first.endswith("there are Gale; so in requirement[2] and requirement[3]")
+    assert second.endswith("requirement[3].sites = 'Else': no such [[station]]; there are Gale")
+
+
 def test_a_site_without_any_station_is_told_to_add_one():
     text = DESIGN.format(orbit="radius_km = 20000", more="").partition("[[station]]")[0]
     with pytest.raises(DesignError, match=r"there are none; add a .*station.* of that name"):
