@@ -16,7 +16,6 @@ from compass.contacts.gaps import GapStatistics, ages, gap_statistics
 from compass.contacts.spans import at_least
 from compass.contacts.survey import survey
 from compass.conventions import dated, epoch_text
-from compass.core.ranking import nearest_rank
 from compass.coverage.errors import ERRORS
 from compass.coverage.moving import Mover, errors_along, in_orbit, on_route, standing
 from compass.coverage.site import site_coverage
@@ -28,6 +27,7 @@ from compass.frames import SECONDS_PER_DAY
 from compass.orbits.constellation import Constellation, keplerian
 from compass.orbits.motion import Motion, MotionModel
 from compass.quantities import quantity
+from compass.quantities.percentile import percentile
 from compass.saving import check_ending, replacing, save_netcdf, write_csv
 from compass.signal.budget import basis
 from compass.sites import Mask, Site
@@ -102,8 +102,8 @@ class SeriesResult(Result):
                     "time_average_gap_h": gaps.time_average / 3600.0,
                     "response_h": gaps.response / 3600.0,
                     "age_h": gaps.age / 3600.0,
-                    "gdop_p95": _percentile(seen["gdop"].values),
-                    "pdop_p95": _percentile(seen["pdop"].values),
+                    "gdop_p95": float(percentile(seen["gdop"].values, 95)),
+                    "pdop_p95": float(percentile(seen["pdop"].values, 95)),
                 }
             )
         return found
@@ -139,7 +139,7 @@ class SeriesResult(Result):
             row = {"user": name, "fix_share": float(fixed.mean()), "few_share": float(few.mean())}
             for each in ERRORS:
                 values = seen[each].values
-                row[each] = {f"p{q}": _percentile(values, q) for q in (50, 95)}
+                row[each] = {f"p{q}": float(percentile(values, q)) for q in (50, 95)}
                 row[each]["worst"] = float(values.max())
             found.append(row)
         return found
@@ -519,8 +519,3 @@ def _dataset(
     for name in found:
         made[name].attrs = seen[0][name].attrs
     return dated(made, "time")
-
-
-def _percentile(values: np.ndarray, percent: int = 95) -> float:
-    """The least value that so many of 100 moments do not exceed."""
-    return float(np.sort(values)[nearest_rank(values.size, percent)])

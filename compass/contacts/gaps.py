@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.contacts.spans import Spans, outside, total
-from compass.core.ranking import nearest_rank
+from compass.quantities.percentile import percentile
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def gap_statistics(spans: Spans, duration: float) -> GapStatistics:
         share=total(spans) / duration,
         longest=float(length.max(initial=0.0)),
         mean=float(length.mean()) if len(gaps) else 0.0,
-        p95=float(np.sort(length)[nearest_rank(length.size, 95)]) if len(gaps) else 0.0,
+        p95=float(percentile(length, 95)) if len(gaps) else 0.0,
         time_average=squares,
         response=0.5 * squares,
     )

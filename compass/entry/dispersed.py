@@ -19,6 +19,7 @@ from compass.entry.trajectory import watched_level
 from compass.entry.views import cartesian_of, local_axes
 from compass.errors import ArgumentError
 from compass.frames import direction
+from compass.quantities.percentile import percentile
 
 Array = NDArray[np.float64]
 
@@ -103,7 +104,7 @@ class Dispersed:
 
         Infinite where fewer come to the event at all.
         """
-        return float(np.percentile(self._misses, percent, method="inverted_cdf"))
+        return float(percentile(self._misses, percent))
 
     def within_bounds(self, percent: float) -> tuple[float, float]:
         """Bounds of that distance that so few entries leave, m: `quantile_bounds`."""

@@ -1,24 +1,21 @@
 """Percentiles of what was drawn, with the bounds that so few draws leave them."""
 
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from compass.quantities.percentile import percentile
 
 #: With this probability the bounds hold what endless draws would give.
 CONFIDENCE = 0.95
 
 
-def percentiles(
-    values: NDArray[np.float64], *, method: Literal["linear", "inverted_cdf"] = "linear"
-) -> dict[str, Any]:
-    """Median and 95th percentile of independent draws, with their bounds, ``p95_interval``.
-
-    `method` as NumPy's: of values of which some are infinite ``inverted_cdf``.
-    """
+def percentiles(values: NDArray[np.float64]) -> dict[str, Any]:
+    """Median and 95th percentile of independent draws, with their bounds, ``p95_interval``."""
     found: dict[str, Any] = {}
     for percent in (50, 95):
-        found[f"p{percent}"] = float(np.percentile(values, percent, method=method))
+        found[f"p{percent}"] = float(percentile(values, percent))
         found[f"p{percent}_interval"] = list(quantile_bounds(values, percent))
     return found
 

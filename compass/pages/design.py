@@ -7,7 +7,6 @@ it, which may be None where there is nothing to say.
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib import import_module
-from typing import Any
 
 import numpy as np
 
@@ -23,7 +22,6 @@ from compass.api.reproduce import comparison_table
 from compass.api.series import SeriesResult, series
 from compass.api.show import show
 from compass.bodies import SOLAR_DAY
-from compass.core.ranking import nearest_rank
 from compass.coverage.site import site_coverage
 from compass.design import Design
 from compass.document.blocks import (
@@ -58,6 +56,7 @@ from compass.pages.neighbours import Neighbour, neighbours
 from compass.pages.orbits import cap_picture, orbit_picture, track_picture
 from compass.pages.page import render
 from compass.quantities import quantity
+from compass.quantities.percentile import percentile
 from compass.sites import Site
 from compass.study.certified import certified_areas, certified_figures
 from compass.study.mapping import MapOptions, make_map, provenance
@@ -289,9 +288,9 @@ def _stations(results: DesignResults) -> Section | None:
             "mask_deg": float(np.degrees(site.mask.lowest)),
             "fewest": int(count.min()),
             "mean": float(count.mean()),
-            "gdop_p95": _nearest_rank(seen["gdop"].values, 95),
-            "pdop_p95": _nearest_rank(pdop.values, 95),
-            "hdop_p95": _nearest_rank(seen["hdop"].values, 95),
+            "gdop_p95": float(percentile(seen["gdop"].values, 95)),
+            "pdop_p95": float(percentile(pdop.values, 95)),
+            "hdop_p95": float(percentile(seen["hdop"].values, 95)),
             "availability": float((pdop <= mapped.dataset.attrs["pdop_threshold"]).mean()),
         }
         rows.append(values("station", known))
@@ -304,11 +303,6 @@ def _stations(results: DesignResults) -> Section | None:
     return arranged(
         "Stations", (text,), (), (Table(table.title, ("station", *table.header), named),)
     )
-
-
-def _nearest_rank(values: Any, q: int) -> float:
-    """Return the smallest value that at least q percent of the values do not exceed."""
-    return float(np.sort(values)[nearest_rank(values.size, q)])
 
 
 def _comparison(results: DesignResults, _: list[Neighbour]) -> Section | None:

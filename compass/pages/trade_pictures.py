@@ -17,6 +17,7 @@ from compass.pictures.front import draw_front, label
 from compass.pictures.maps import dilution_bar, draw_map
 from compass.pictures.style import CYCLE, INK, MARS, look, new_figure, picture
 from compass.quantities.merits import MERITS
+from compass.quantities.percentile import percentile
 from compass.sites import Mask
 from compass.study.choice import Finalist
 from compass.study.yardstick import Yardstick
@@ -180,7 +181,7 @@ def sensitivity_pictures(study: Study, results: "xr.Dataset") -> list[Picture]:
                 )
                 axes.plot(
                     at[full],
-                    [np.median(g) for g in groups if g.size],
+                    [percentile(g, 50) for g in groups if g.size],
                     "s--",
                     ms=3,
                     color=CYCLE[0],

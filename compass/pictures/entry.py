@@ -16,6 +16,7 @@ from compass.errors import ArgumentError
 from compass.frames import latitude_longitude
 from compass.pictures.rows import draw_rows
 from compass.pictures.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure, picture
+from compass.quantities.percentile import percentile
 
 KM = 1e3
 
@@ -256,7 +257,7 @@ def _navigation_picture(assessment: Assessment) -> Picture:
             ax, part = both[k], slice(3 * k, 3 * k + 3)
             errors = np.linalg.norm(mc.errors[~mc.diverged, :, part], axis=2)
             if len(errors):
-                low, high = np.percentile(errors, [5, 95], axis=0)
+                low, high = (percentile(errors, percent, axis=0) for percent in (5, 95))
                 ax.fill_between(
                     times, low, high, color=CYCLE[0], alpha=0.15, lw=0, label="5 to 95 % of runs"
                 )

@@ -17,6 +17,7 @@ from compass.quantities.coverage import CONTINUOUS, MAPS
 from compass.quantities.design import DESIGN
 from compass.quantities.geometry import GEOMETRY
 from compass.quantities.lasting import LASTING
+from compass.quantities.percentile import percentile
 from compass.quantities.record import Quantity
 
 #: What candidates go through, cheapest first.
@@ -84,11 +85,9 @@ def _error(name: str, title: str) -> Merit:
 
 
 def median_number(counts: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Median of a number that occurs ``counts[..., number]`` times, shape (...)."""
-    below = counts.cumsum(axis=-1)
-    total = below[..., -1:]
-    middle = [(below <= (total - 1 + k) // 2).sum(axis=-1) for k in (0, 1)]
-    return np.asarray((middle[0] + middle[1]) / 2, dtype=np.float64)
+    """Median (nearest rank) of a number that occurs ``counts[..., number]`` times, shape (...)."""
+    up_to = counts.cumsum(axis=-1)
+    return np.asarray((2 * up_to < up_to[..., -1:]).sum(axis=-1), dtype=np.float64)
 
 
 _SHARED = {q.name: q for q in (*DESIGN, *GEOMETRY, *CONTINUOUS, *MAPS, *LASTING)}
@@ -255,7 +254,7 @@ _ALL = (
             meaning="Cramer-Rao bound of the position in space, one sigma, over entries judged.",
         ),
         "entry",
-        lambda k: np.percentile(k["position_m"], 50, axis=1),
+        lambda k: percentile(k["position_m"], 50, axis=1),
     ),
     Merit(
         Quantity(
@@ -267,7 +266,7 @@ _ALL = (
             meaning="Cramer-Rao bound of the position in space, one sigma.",
         ),
         "entry",
-        lambda k: np.percentile(k["position_m"], 95, axis=1),
+        lambda k: percentile(k["position_m"], 95, axis=1),
     ),
     Merit(
         Quantity(
@@ -279,7 +278,7 @@ _ALL = (
             meaning="Cramer-Rao bound of the velocity, one sigma, over the entries judged.",
         ),
         "entry",
-        lambda k: np.percentile(k["velocity_m_s"], 50, axis=1),
+        lambda k: percentile(k["velocity_m_s"], 50, axis=1),
     ),
     Merit(
         Quantity(
@@ -291,7 +290,7 @@ _ALL = (
             meaning="Cramer-Rao bound of the velocity, one sigma.",
         ),
         "entry",
-        lambda k: np.percentile(k["velocity_m_s"], 95, axis=1),
+        lambda k: percentile(k["velocity_m_s"], 95, axis=1),
     ),
     Merit(
         Quantity(

@@ -168,7 +168,7 @@ def _delivery(landings: Sequence[Dispersed]) -> dict[str, Any]:
     misses = np.array([one.within(100.0) for one in landings])
     told = np.array([one.nees[0] for one in landings if one.nees is not None and one.reached[0]])
     return {
-        **percentiles(misses, method="inverted_cdf"),
+        **percentiles(misses),
         "entries": misses.size,
         "deployed": int(np.isfinite(misses).sum()),
         "nees": float(told.mean()) if told.size else np.nan,

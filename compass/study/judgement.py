@@ -11,6 +11,7 @@ from compass.entry.quantiles import percentiles, quantile_bounds, share_bounds
 from compass.entry.unknowns import Unknowns
 from compass.orbits import Constellation
 from compass.quantities.merits import median_number
+from compass.quantities.percentile import percentile
 
 Array = NDArray[np.float64]
 
@@ -65,7 +66,7 @@ class Judgement:
         """Satellite without which the 95th percentile of the position bound is largest."""
         if not self.constellation.size:
             return None
-        return int(np.argmax(np.percentile(self.sigma[:, 1:, 0], 95.0, axis=0)))
+        return int(np.argmax(percentile(self.sigma[:, 1:, 0], 95, axis=0)))
 
     def figures(self, goal: float = 10.0) -> dict[str, Any]:
         """Figures of merit as plain values, with those after the worst loss of one satellite.
@@ -155,13 +156,13 @@ class Judgement:
             **_share("share_within_goal", position <= goal),
             **_share("unobservable_share", blind),
             "fisher_log_det": {
-                "p50": float(np.percentile(log_det, 50, method="inverted_cdf")),
+                "p50": float(percentile(log_det, 50)),
                 "p50_interval": list(quantile_bounds(log_det, 50)),
-                "p5": float(np.percentile(log_det, 5, method="inverted_cdf")),
+                "p5": float(percentile(log_det, 5)),
                 "p5_interval": list(quantile_bounds(log_det, 5)),
             },
             "fisher_trace": {
-                "p50": float(np.median(trace)),
+                "p50": float(percentile(trace, 50)),
                 "p50_interval": list(quantile_bounds(trace, 50)),
             },
         }

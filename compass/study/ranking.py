@@ -4,8 +4,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-import numpy as np
-
 from compass.allowed import check_all_allowed
 from compass.coverage.areas import AreaFigures
 from compass.coverage.certified_effort import Effort
@@ -19,6 +17,7 @@ from compass.entry.quantiles import percentiles
 from compass.entry.schedule import Measurements
 from compass.errors import ArgumentError, said_of
 from compass.inputs.scenario import Scenario
+from compass.quantities.percentile import percentile
 from compass.sites import Site
 from compass.study.certified import certified_areas
 from compass.study.judge import (
@@ -232,7 +231,7 @@ def guided_words(campaign: Campaign) -> str:
     """The same in words; nothing unguided."""
     if not campaign.misses.size:
         return ""
-    half, most = (significant(float(q) / 1e3, 3) for q in np.percentile(campaign.misses, [50, 95]))
+    half, most = (significant(float(percentile(campaign.misses, q)) / 1e3, 3) for q in (50, 95))
     return (
         f" They are guided by their true state, half to within {half} km of their targets, 95 % "
         f"within {most} km.{beyond_words(campaign.beyond)} Where the filter is run it guides them "

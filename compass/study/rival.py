@@ -12,6 +12,7 @@ from compass.entry.unknowns import NOTHING, Unknowns
 from compass.errors import ArgumentError
 from compass.inputs.scenario import Scenario
 from compass.orbits import Constellation
+from compass.quantities.percentile import percentile
 from compass.study.judge import judge_entries
 from compass.study.search import closest_approach, patterns
 
@@ -82,7 +83,7 @@ def best_rival(
             unknowns=unknowns,
             threads=threads,
         )
-        return float(np.percentile(found.position_sigma, 95))
+        return float(percentile(found.position_sigma, 95))
 
     coarse = np.arange(np.radians(20), np.radians(90) + 1e-9, COARSE)
     best = []

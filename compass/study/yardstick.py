@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.gdop import dops_over
-from compass.core.ranking import nearest_rank
 from compass.coverage.certificate import prove_fold
 from compass.coverage.grid import make_grid
 from compass.coverage.margin import highest_mask
@@ -16,6 +15,7 @@ from compass.design import Design
 from compass.inputs.study import Study
 from compass.orbits import Constellation
 from compass.quantities.merits import MERITS
+from compass.quantities.percentile import percentile
 from compass.study.area_figures import of_areas
 from compass.study.bounds import LEVELS
 from compass.study.candidates import PATTERNS, ROW
@@ -193,16 +193,11 @@ def _geometry(study: Study, c: Constellation, mask: float, span: Span) -> dict[s
     columns = make_grid("equal-angle", study.map.step_deg).columns
     zones = over("equal-angle")[1].reshape(EPOCHS, -1, columns)
     return {
-        "gdop_p50": _rank(gdop, 50),
-        "gdop_p95": _rank(gdop, 95),
-        "gdop_p95_zone": max(_rank(zones[:, k], 95) for k in range(zones.shape[1])),
-        "pdop_p95": _rank(pdop, 95),
+        "gdop_p50": float(percentile(gdop, 50)),
+        "gdop_p95": float(percentile(gdop, 95)),
+        "gdop_p95_zone": float(max(percentile(zones[:, k], 95) for k in range(zones.shape[1]))),
+        "pdop_p95": float(percentile(pdop, 95)),
         "availability": float((pdop <= study.map.pdop_max).mean()),
         "count_mean": float(fold.mean()),
         **errors_over(study, c, float(np.degrees(mask)), times),
     }
-
-
-def _rank(values: NDArray[np.float64], percent: int) -> float:
-    """Smallest value that `percent` of 100 do not exceed; infinities count."""
-    return float(np.sort(values, axis=None)[nearest_rank(values.size, percent)])

@@ -15,6 +15,7 @@ from compass.frames import FIGURES, direction
 from compass.inputs.study import EntryStage, read_study_text
 from compass.orbits import positions_mci
 from compass.quantities.merits import median_number
+from compass.quantities.percentile import percentile
 from compass.sites import Mask
 from compass.study.candidates import ROW, make_constellation
 from compass.study.judge import judge
@@ -158,11 +159,17 @@ def test_the_part_that_is_mapped_stands_for_a_revolution(row, moments):
     assert [values[0] for values in found.values()] == pytest.approx(wanted, rel=limit)
 
 
-@pytest.mark.parametrize("size", [1, 2, 19, 20, 21, 400])
-@pytest.mark.parametrize("percent", [1, 50, 95, 100])
+@pytest.mark.parametrize("size", [1, 2, 19, 20, 21, 100, 400])
+@pytest.mark.parametrize("percent", [1, 7, 50, 95, 100])
 def test_nearest_rank_is_the_smallest_that_suffices(size, percent):
     enough = [k for k in range(size) if 100 * (k + 1) >= percent * size]
     assert nearest_rank(size, percent) == enough[0]
+    values = np.random.default_rng(size).permutation(np.append(np.arange(size - 1.0), np.inf))
+    wanted = np.sort(values)[enough[0]]
+    assert percentile(values, percent) == wanted
+    table = np.stack([values, -values])
+    assert np.array_equal(percentile(table, percent, axis=1), [wanted, np.sort(-values)[enough[0]]])
+    assert np.array_equal(percentile(table.T, percent, axis=0), percentile(table, percent, axis=1))
 
 
 def test_worst_zone_passes_over_no_zone():
@@ -180,7 +187,7 @@ def test_median_of_numbers():
     counts[:, 3] += 1
     found = median_number(counts)
     for row, value in zip(counts, found, strict=True):
-        assert value == np.median(np.repeat(np.arange(7), row))
+        assert value == np.percentile(np.repeat(np.arange(7), row), 50, method="inverted_cdf")
 
 
 def entry(scenario, samples=4, **unknown):
