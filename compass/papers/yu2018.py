@@ -53,7 +53,10 @@ def newton_end() -> NDArray[np.float64]:
         return np.concatenate([v, a])
 
     span = (0.0, float(paper.TIMES[-1]))
-    return solve_ivp(rate, span, start, rtol=1e-11, atol=1e-6, method="DOP853").y[:3, -1]
+    flown = solve_ivp(rate, span, start, rtol=1e-11, atol=1e-6, method="DOP853")
+    if not flown.success:  # the last state would be of an earlier moment
+        raise RuntimeError(f"Newton's law at {flown.t[-1]:g} s of {span[1]:g}: {flown.message}")
+    return flown.y[:3, -1]
 
 
 def dynamics_rows() -> list[Row]:
