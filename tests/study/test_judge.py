@@ -255,7 +255,9 @@ def test_loss_is_judging_without_the_satellite(scenario, five):
                     for name in [name for name in figures if name.endswith("_interval")]:
                         figures[f"{name}_low"], figures[f"{name}_high"] = figures.pop(name)
         assert after == {key: pytest.approx(value) for key, value in alone.items()}
-    worst = max(np.percentile(found.sigma[:, 1 + k, 0], 95, method="inverted_cdf") for k in range(5))
+    worst = max(
+        np.percentile(found.sigma[:, 1 + k, 0], 95, method="inverted_cdf") for k in range(5)
+    )
     assert found.figures()["after_loss"]["crlb_position_m"]["p95"] == pytest.approx(worst)
 
 
@@ -559,7 +561,10 @@ def test_figures_are_those_of_the_entries(scenario, five):
     )
     assert figures["share_within_goal"] == np.mean(sigma <= 1000.0)
     counts = found.seen.sum(axis=2)
-    assert figures["in_view"] == {"min": counts.min(), "median": np.sort(counts, axis=None)[(counts.size - 1) // 2]}
+    assert figures["in_view"] == {
+        "min": counts.min(),
+        "median": np.sort(counts, axis=None)[(counts.size - 1) // 2],
+    }
     f = found.information
     log_det = np.linalg.slogdet(f)[1]
     median = np.sort(log_det)[1]  # an entry's own: without measurements it would be -inf
