@@ -131,6 +131,15 @@ DILUTIONS = ("pdop", "gdop", "hdop", "vdop", "tdop")
 ERRORS = ("error_horizontal_m", "error_vertical_m", "error_position_m", "error_time_m")
 LIMITS = DILUTIONS + ERRORS
 
+#: Limits that nothing settles, and what can be asked instead.
+UNSETTLED = dict.fromkeys(
+    ("protection_horizontal_m_at_most", "protection_vertical_m_at_most"),
+    "protection levels are sampled, not proven, and no requirement; give [integrity] the limits "
+    "alert_horizontal_m and alert_vertical_m, and compass map tells the share within them, with "
+    "--each-loss after the loss of any satellite; what can be required is fold = 5, with losses: "
+    "who sees five may notice a fault",
+)
+
 #: Satellites without which a dilution of precision is infinite.
 FEWEST = 4
 
@@ -237,7 +246,8 @@ class Requirement:
         known = {f"{limit}_at_most": limit for limit in LIMITS}
         for key in at_most:
             if key not in known:
-                raise ArgumentError(f"{key}: unknown; allowed {', '.join(known)}")
+                instead = UNSETTLED.get(key, f"unknown; allowed {', '.join(known)}")
+                raise ArgumentError(f"{key}: {instead}")
         if fold is None and not at_most:
             raise ArgumentError(
                 f"requirement {name}: asks for nothing; add fold or one of {', '.join(known)}"

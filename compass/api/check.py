@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from itertools import chain
-from math import degrees
+from math import degrees, isinf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -153,7 +153,13 @@ def _value(verdict: Answer) -> str:
         which = f"{ordinal(worst.rank)} satellite at {degrees(worst.elevation):.2f} deg"
         return f"{which}; {worst.value:.0f} in view"
     wanted = verdict.requirement
-    return f"{wanted.titled(worst.of)} {worst.value:.6g}{wanted.unit(worst.of)}"
+    if not isinf(worst.value):
+        return f"{wanted.titled(worst.of)} {worst.value:.6g}{wanted.unit(worst.of)}"
+    seen, around = worst.seen, worst.around
+    why = "" if seen is None else f": {counted(seen, 'satellite')} in view"
+    if seen is not None and around is not None and around > seen:
+        why += f", and {around - seen} more outside of whose beams the place is"
+    return f"{wanted.titled(worst.of)} infinite{why}"
 
 
 @checked

@@ -68,6 +68,8 @@ class SeriesResult(Result):
     errors
         Of a design with a signal: satellites in view and errors of fixes over user and time,
         stations first, then who moves; else None.
+    beam_deg
+        Half angle of the antennas that errors are within, about the way down; None all around.
     """
 
     design: Design = field(repr=False)
@@ -78,6 +80,7 @@ class SeriesResult(Result):
     gaps: dict[str, GapStatistics]
     dataset: "xr.Dataset" = field(repr=False)
     errors: "xr.Dataset | None" = field(repr=False, default=None)
+    beam_deg: float | None = None
 
     @property
     def holds(self) -> bool:
@@ -136,7 +139,9 @@ class SeriesResult(Result):
             seen = self.errors.sel(user=name)
             fixed = np.isfinite(seen["error_position_m"].values)
             few = seen["in_view"].values < 4
+            beyond = few & (seen["in_view_all_around"].values >= 4)
             row = {"user": name, "fix_share": float(fixed.mean()), "few_share": float(few.mean())}
+            row["beyond_beam_share"] = float(beyond.mean())
             for each in ERRORS:
                 values = seen[each].values
                 row[each] = {f"p{q}": float(percentile(values, q)) for q in (50, 95)}
@@ -186,25 +191,37 @@ class SeriesResult(Result):
         rows = self.error_rows()
         if not rows:
             return ()
-        known = {name: quantity(name) for name in ERRORS}
+        known, how = {name: quantity(name) for name in ERRORS}, self.evidence()["errors"]
         header = [f"{q.heading}, {p} % below" for q in known.values() for p in (50, 95)]
-        few = "fewer than four in view, %"
+        shares = {"fix_share": "time with a fix, %", "few_share": "fewer than four in view, %"}
+        if self.beam_deg is not None:
+            shares["beyond_beam_share"] = "of that because of beams, %"
         lines = tuple(
             (
                 row["user"],
-                f"{100 * row['fix_share']:.2f}",
-                f"{100 * row['few_share']:.2f}",
+                *(f"{100 * row[share]:.2f}" for share in shares),
                 *(Value(known[name], row[name][p]) for name in ERRORS for p in ("p50", "p95")),
             )
             for row in rows
         )
         return (
-            Table("Errors of fixes over time", ("user", "time with a fix, %", few, *header), lines),
+            Table("Errors of fixes over time", ("user", *shares.values(), *header), lines),
             Sentence(
-                f"{self.evidence()['errors'].capitalize()}; infinite where four satellites are not "
-                "in view or their lines tell no fix, and that counts. An orbiter is hidden from "
+                f"{how[0].upper()}{how[1:]}; infinite where four satellites are not in view "
+                "or their lines tell no fix, and that counts. An orbiter is hidden from "
                 "them by Mars alone, has the receiver's noise of the zenith, and no ionosphere."
             ),
+            *(Sentence(words) for words in self.why_outside()),
+        )
+
+    def why_outside(self) -> tuple[str, ...]:
+        """What beams leave of errors, and that gaps know nothing of them; nothing without beams."""
+        if self.beam_deg is None:
+            return ()
+        return (
+            f"A satellite is heard within {self.beam_deg:g} deg of its way down: where four stand "
+            "over the horizon and fewer are heard, errors are infinite because of the beams. Gaps "
+            "and dilutions above are of antennas that reach all around.",
         )
 
     def _table(self) -> Table:
@@ -348,6 +365,8 @@ def series(
     wanted = given_fold(fold, read)
     if (routes or orbiters) and (others or read.signal is None):
         raise ArgumentError(f"routes, orbiters: {NO_SIGNAL}")
+    if beam_deg is not None and (others or read.signal is None):
+        raise ArgumentError(f"beam_deg = {beam_deg:g}: errors alone keep to beams, and {NO_SIGNAL}")
     floor = Mask.of(mask_deg or 0.0)
     sites = tuple(
         replace(site, mask=site.mask.or_higher(floor))
@@ -395,6 +414,7 @@ def series(
         gaps=gaps,
         dataset=made,
         errors=errors,
+        beam_deg=None if errors is None else beam_deg,
     )
 
 
@@ -471,10 +491,12 @@ def _errors(
     each = [errors_along(design, mover, times, motion, beam=beam) for mover in movers]
     both = ("user", "time")
     data: dict[str, tuple] = {
-        "in_view": (both, np.array([count for count, _ in each]), {
+        "in_view": (both, np.array([count for count, _, _ in each]), {
             "units": "1", "long_name": "satellites in view"}),
+        "in_view_all_around": (both, np.array([around for _, _, around in each]), {
+            "units": "1", "long_name": "satellites in view, did their antennas reach all around"}),
         **{
-            name: (both, np.array([errors[:, k] for _, errors in each]), {
+            name: (both, np.array([errors[:, k] for _, errors, _ in each]), {
                 "units": "m", "long_name": f"{words}, one sigma"})
             for k, (name, words) in enumerate(ERRORS.items())
         },

@@ -19,6 +19,7 @@ from compass.coverage.certified_ranges import (
     skies_of,
 )
 from compass.coverage.certified_share import CertifiedShare
+from compass.coverage.certified_witness import dilution_at
 from compass.coverage.certified_worst import CertifiedAlways
 from compass.coverage.certified_worst_place import certified_worst_place
 from compass.coverage.fold_verdict import Course, course_of, losses_of, users_of
@@ -27,6 +28,7 @@ from compass.coverage.users import Users, by_horizon, centric, geodetic
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
 from compass.orbits import Constellation
+from compass.sites import Site
 
 #: Boxes for each share, and how near its bounds are to come where the requirement leaves it open.
 SHARE_BOXES, WIDTH = 600_000, 1e-4
@@ -154,7 +156,7 @@ def geometry_verdict(
         reason = f"{title} is certified for ever for orbits of one period alone; give days"
         return undecided(requirement, f"under {design.motion.title}", reason)
     found: list[tuple[CertifiedShare, Users, tuple[str, ...], int]] = []
-    claims: list[tuple[CertifiedAlways, tuple[str, ...], int]] = []
+    claims: list[_Claim] = []
     everyone = users_of(design, requirement)
     height = max(users.height for users in everyone)
     asked = _question(design, requirement, name, limit, course.span, height)
@@ -183,7 +185,7 @@ def geometry_verdict(
                 continue
             if requirement.share == 1.0:
                 claim = asked.always(effort, left, gone, where)
-                claims.append((claim, lost, alike))
+                claims.append(_Claim(claim, users, left, lost, alike))
                 if claim.outcome != Outcome.UNDECIDED:
                     continue
             share = asked.share(effort, left, gone, where, width)
@@ -191,23 +193,42 @@ def geometry_verdict(
     scope = course.words
     if sky is not None:
         scope += "; of a fix that weighs ranges by their variances, wherever the Sun stands"
-    settled = _always(requirement, asked, scope, claims)
+    settled = _always(design, requirement, asked, scope, claims)
     return settled or _verdict(requirement, asked, scope, found)
 
 
+@dataclass(frozen=True)
+class _Claim:
+    """What came of a figure wanted always: whose, and after which loss, for how many alike."""
+
+    found: CertifiedAlways
+    users: Users
+    left: Constellation
+    lost: tuple[str, ...]
+    alike: int
+
+
 def _always(
-    requirement: Requirement,
-    asked: _Asked,
-    scope: str,
-    claims: list[tuple[CertifiedAlways, tuple[str, ...], int]],
+    design: Design, requirement: Requirement, asked: _Asked, scope: str, claims: list[_Claim]
 ) -> Verdict | None:
     """Verdict where one claim is refuted, or all are proven; None where that is open."""
-    for claim, lost, alike in claims:
-        if claim.outcome == Outcome.REFUTED and claim.witness is not None:
-            w = claim.witness
-            worst = Worst(w.time, w.latitude, w.longitude, w.value * asked.factor, asked.name)
+    for claim in claims:
+        if claim.found.outcome == Outcome.REFUTED and (w := claim.found.witness) is not None:
+            users = claim.users
+            place = Site("", w.latitude, w.longitude, users.height, users.mask, users.figure)
+            _, around = dilution_at(claim.left, place, w.time, design.motion, "gdop")
+            worst = Worst(
+                w.time,
+                w.latitude,
+                w.longitude,
+                w.value * asked.factor,
+                asked.name,
+                seen=len(w.satellites),
+                around=len(around),
+            )
+            lost, alike = claim.lost, claim.alike
             return Verdict(requirement, False, "proven", scope, None, None, worst, lost, alike)
-    if claims and all(claim.outcome == Outcome.PROVEN for claim, *_ in claims):
+    if claims and all(claim.found.outcome == Outcome.PROVEN for claim in claims):
         return Verdict(requirement, True, "proven", scope, (1.0, 1.0))
     return None
 

@@ -130,7 +130,7 @@ def errors_along(
     motion: Motion | None = None,
     *,
     beam: float | None = None,
-) -> tuple[NDArray[np.int64], Array]:
+) -> tuple[NDArray[np.int64], Array, NDArray[np.int64]]:
     """Satellites in view and errors of a fix at every epoch, one sigma.
 
     Weighted least squares with the true variances, as of maps (`compass.core.error`). An orbiter
@@ -151,9 +151,9 @@ def errors_along(
 
     Returns
     -------
-    count, errors
+    count, errors, around
         In view, shape (t,); horizontal, vertical, position and time error, m, shape (t, 4),
-        infinite without a fix.
+        infinite without a fix; how many would be in view of antennas that reach all around, (t,).
     """
     moved = motion or design.motion
     c, radius = design.constellation, design.figure.equatorial_radius
@@ -169,6 +169,7 @@ def errors_along(
         east, north, up = np.moveaxis(np.einsum("tij,tnj->tni", mover.axes, u), 2, 0)
         azimuth = np.mod(np.arctan2(east, north), 2 * np.pi)
         seen = np.arcsin(np.clip(up, -1.0, 1.0)) >= mover.mask.at(azimuth)
+    around = seen.sum(axis=1)
     if beam is not None:
         seen &= np.einsum("tni,tni->tn", r, u) / np.linalg.norm(r, axis=2) >= np.cos(beam)
     worth = range_errors(design, times, moved)
@@ -182,4 +183,4 @@ def errors_along(
         Ranges(worth.forms, worth.sun, worth.lit, worth.numbers),
         out,
     )
-    return seen.sum(axis=1), out
+    return seen.sum(axis=1), out, around

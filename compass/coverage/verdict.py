@@ -28,6 +28,9 @@ class Worst:
     rank, elevation
         Of a fold the satellite that it hangs on, counted from the best, and how high that stands
         there, radians; None where that is not told.
+    seen, around
+        Of geometry at a moment: satellites in view, and how many there were, did their antennas
+        reach all around; None where that is not told.
     """
 
     time: float | None
@@ -37,6 +40,8 @@ class Worst:
     of: str = "fold"
     rank: int | None = None
     elevation: float | None = None
+    seen: int | None = None
+    around: int | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values with degrees."""
@@ -48,6 +53,8 @@ class Worst:
             "of": self.of,
             "rank": self.rank,
             "elevation_deg": None if self.elevation is None else float(np.degrees(self.elevation)),
+            "in_view": self.seen,
+            "in_view_all_around": self.around,
         }
 
 

@@ -1,12 +1,12 @@
 """Tables ``[[requirement]]``: what must be so, checked and turned into requirements."""
 
 from collections.abc import Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
 from compass.coverage.region import read_regions
-from compass.design import ERRORS, LIMITS, ErrorAs, Requirement
+from compass.design import ERRORS, LIMITS, UNSETTLED, ErrorAs, Requirement
 from compass.errors import ArgumentError
 from compass.inputs.faults import fault, table_in, tables_in
 from compass.inputs.table import Table
@@ -23,6 +23,8 @@ RegionTexts = str | Annotated[list[str], Field(min_length=1, max_length=100)]
 
 class RequirementTable(Table):
     """What must be so at sites or in regions."""
+
+    INSTEAD: ClassVar[dict[str, str]] = UNSETTLED
 
     name: str | None = Field(None, min_length=1, max_length=200, description="what to call it")
     sites: SiteNames | None = Field(None, description="names of [[station]] entries")
@@ -186,8 +188,8 @@ def _texts(values: list[Any]) -> list[str]:
 
 def _faults(table: dict[str, Any], field: str) -> list[str]:
     faults, sites = [], table.get("sites")
-    wants = [key for key in ("fold", *(f"{name}_at_most" for name in LIMITS)) if key in table]
-    if not wants:
+    asked = ("fold", *(f"{name}_at_most" for name in LIMITS), *UNSETTLED)
+    if not any(key in table for key in asked):
         limits = ", ".join(f"{name}_at_most" for name in LIMITS)
         faults.append(f"{field}: asks for nothing; add fold or one of {limits}")
     altitude, mask = table.get("altitude_km"), table.get("mask_deg")

@@ -15,6 +15,7 @@ from compass.errors import ArgumentError
 from compass.frames import FIGURES
 from compass.orbits import positions_mcmf
 from compass.orbits.motion import Motion
+from compass.words import counted
 
 POLE = Site("pole", np.pi / 2, 0.0)
 EQUATOR = Site("equator", 0.0, 1.0)
@@ -329,7 +330,17 @@ def test_users_in_orbit_and_in_beams():
         compass.check(ring(deep))
     # geometry in a beam is a horizon's under circles over a sphere, else it is not known
     below = Requirement("g", regions=("lat:-1:1",), limits=(("pdop", 6.0),), beam=0.1)
-    assert verdict(ring(below)).met is False
+    missed = compass.check(ring(below))
+    worst = missed.verdicts[0].worst
+    assert missed.verdicts[0].met is False and np.isinf(worst.value)
+    assert worst.seen < 4 and worst.seen < worst.around
+    more = worst.around - worst.seen
+    assert (
+        f"PDOP infinite: {counted(worst.seen, 'satellite')} in view, and {more} more outside of "
+        "whose beams the place is" in " ".join(str(missed).split())
+    )
+    alone = compass.check(ring(replace(below, beam=None)))
+    assert alone.verdicts[0].worst.seen == alone.verdicts[0].worst.around
     odd = replace(ring(below), figure="iau-ellipsoid")
     assert "PDOP of these users is not certified" in verdict(odd).reason
     assert box_of(ring(replace(below, limits=(), fold=1))) is None

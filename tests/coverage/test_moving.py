@@ -40,7 +40,7 @@ def test_who_stands_in_a_cell_has_the_errors_of_the_map(design):
         for i, latitude in enumerate(grid.latitude):
             for j, longitude in enumerate(grid.longitude):
                 site = Site("s", latitude, longitude, 0.0, design.mask, design.figure)
-                count, found = errors_along(design, standing(site, 1), np.array([time]))
+                count, found, _ = errors_along(design, standing(site, 1), np.array([time]))
                 assert count[0] >= 4
                 for k, name in enumerate(ERRORS):
                     there = float(made[name].sel(percentile=50).values[i, j])
@@ -67,8 +67,8 @@ def test_an_orbiter_hears_what_mars_and_the_beams_leave(design):
     orbit = keplerian(9000e3, 0.1, 1.2, 0.3, 0.2, 0.1, satellite_names=["o"])
     c, radius, beam = design.constellation, design.figure.equatorial_radius, np.radians(35.0)
     mover = in_orbit(orbit, c.epoch, TIMES, design.figure)
-    count, found = errors_along(design, mover, TIMES, beam=beam)
-    everything, _ = errors_along(design, mover, TIMES)
+    count, found, around = errors_along(design, mover, TIMES, beam=beam)
+    plain, _, same = errors_along(design, mover, TIMES)
     r, v = states_mci(c, TIMES)
     own = states_mci(orbit, TIMES)[0][0]
     angle = prime_meridian_angle(c.epoch, TIMES)
@@ -90,7 +90,8 @@ def test_an_orbiter_hears_what_mars_and_the_beams_leave(design):
                 rac = np.append(radial_along_cross(r[s, t], v[s, t]) @ u, 1.0)
                 rows.append([*-u, 1.0])
                 weights.append(1 / (rac @ p @ rac + 1.0))
-        assert (count[t], everything[t]) == (len(rows), total)
+        assert (count[t], plain[t]) == (len(rows), total)
+        assert (around[t], same[t]) == (total, total)
         if len(rows) < 4:
             assert np.isinf(found[t]).all()
             continue
@@ -110,7 +111,7 @@ def test_lines_that_tell_no_fix_are_told_apart(design):
     d = Design(constellation=c, name="d", signal=Signal(clock_sigma=3, receiver=Receiver(0.5)))
     under = mcmf_from_mci(states_mci(c, [0.0])[0][0], prime_meridian_angle(c.epoch, [0.0]))[0]
     site = Site("s", 0.0, float(np.arctan2(under[1], under[0])), figure=d.figure)
-    count, found = errors_along(d, standing(site, 1), np.zeros(1))
+    count, found, _ = errors_along(d, standing(site, 1), np.zeros(1))
     assert count[0] == 4 and np.isinf(found).all()
 
 
@@ -126,6 +127,15 @@ def test_series_tells_errors_of_all_who_are_named(design, tmp_path):
     assert all(row["error_horizontal_m"]["p50"] <= row["error_horizontal_m"]["worst"]
                for row in rows)  # fmt: skip
     assert "Errors of fixes over time" in str(found)
+    assert "because of beams" not in " ".join(str(found).split())
+    narrow = compass.series(design, **asked, beam_deg=7.0)
+    (row,) = narrow.to_dict()["users"]
+    around = narrow.errors["in_view_all_around"].values[0]
+    heard = narrow.errors["in_view"].values[0]
+    assert row["beyond_beam_share"] == np.mean((heard < 4) & (around >= 4)) > 0.5
+    assert (around == found.errors["in_view"].values[0]).all()
+    told = " ".join(str(narrow).split())
+    assert "of that because of beams, %" in told and "within 7 deg of its way down" in told
     found.write(tmp_path / "s.nc")
     found.save_plot(tmp_path / "s.png", "error_horizontal_m")
     with xr.open_dataset(tmp_path / "s.nc", engine="h5netcdf") as data:
@@ -155,6 +165,8 @@ def test_what_nobody_can_follow_is_told(design, asked, message):
 
 def test_movers_need_a_signal(design):
     site = compass.Site.of("S", latitude_deg=12, longitude_deg=40)
+    with pytest.raises(ArgumentError, match="beam_deg = 7: errors alone keep to beams, and need"):
+        compass.series(Design(design.constellation, "bare"), stations=[site], beam_deg=7, epochs=2)
     with pytest.raises(ArgumentError, match=r"routes, orbiters: need .* table \[signal\]"):
         compass.series(
             Design(design.constellation, "bare"), stations=[site], routes=["r=0,0;1,1"], epochs=2

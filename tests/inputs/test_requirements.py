@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from compass.errors import DesignError
+from compass.design import Requirement
+from compass.errors import ArgumentError, DesignError
 from compass.inputs import read_design_text
 
 DESIGN = """
@@ -86,6 +87,10 @@ def test_tracks_close_only_if_that_is_said():
         ("pdop_at_most = 0.5", "requirement[1].pdop_at_most = 0.5: must be at least 1"),
         ("mask_deg = 5", "requirement[1]: asks for nothing; add fold or one of pdop_at_most"),
         ('sites = ["Gale"]\nfold = 1\naltitude_km = 3', "sites have their own height_km"),
+        (
+            "protection_horizontal_m_at_most = 50\nshare = 0.9",
+            "requirement[1].protection_horizontal_m_at_most = 50: protection levels are sampled",
+        ),
         ("fold = 1\nfolds = 2", "requirement[1].folds = 2: unknown key; did you mean fold?"),
         (
             'name = "a"\nfold = 1\n[[requirement]]\nname = "a"\nfold = 2',
@@ -103,6 +108,13 @@ def test_an_unknown_site_is_one_fault_wherever_it_is_named():
     first, second = said.split("\n")
     assert first.endswith("there are Gale; so in requirement[2] and requirement[3]")
     assert second.endswith("requirement[3].sites = 'Else': no such [[station]]; there are Gale")
+
+
+def test_what_nothing_settles_says_so_and_nothing_else():
+    told = faults("[[requirement]]\nprotection_vertical_m_at_most = 50\nlosses = 1\n")
+    assert "with --each-loss" in told and "asks for nothing" not in told
+    with pytest.raises(ArgumentError, match="protection_vertical_m_at_most: protection levels are"):
+        Requirement.of("a", protection_vertical_m_at_most=50.0)
 
 
 def test_a_site_without_any_station_is_told_to_add_one():
