@@ -209,7 +209,10 @@ def main() -> None:
             status = INTERRUPTED if interrupts else BROKEN
             if status == BROKEN:
                 _say(traceback.format_exc().rstrip())
-        if status == INTERRUPTED:
+        if interrupts and status in (DONE, CLAIM_FAILS):  # what was found by then is an answer
+            status = INTERRUPTED
+            _say("interrupted; what is printed is what was known by then")
+        elif status == INTERRUPTED:
             _say("interrupted; nothing half-written was left behind")
         sys.exit(_written(status))
 

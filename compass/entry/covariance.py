@@ -58,7 +58,8 @@ class Bound:
 
     def _sigma(self, first: int) -> NDArray[np.float64]:
         part = self.covariance[:, range(first, first + 3), range(first, first + 3)]
-        return np.sqrt(part.sum(axis=1))
+        with np.errstate(invalid="ignore"):  # of a covariance that rounding has spoilt, nan
+            return np.asarray(np.sqrt(part.sum(axis=1)))
 
 
 def linear_covariance(

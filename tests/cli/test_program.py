@@ -162,6 +162,22 @@ def test_what_an_interruption_turns_into_is_one_still(meets):
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+@pytest.mark.parametrize("holds", [True, False])
+def test_an_answer_cut_short_is_an_interruption_whatever_it_says(meets, holds):
+    """A search that ^C ends prints the bounds it has: that is neither done nor refuted."""
+
+    def look():
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+            signal.pause()
+        except KeyboardInterrupt:
+            if not holds:
+                raise click.exceptions.Exit(program.CLAIM_FAILS) from None
+
+    code, _, err = meets(look)
+    assert (code, err) == (130, "interrupted; what is printed is what was known by then\n")
+
+
 def test_a_home_that_cannot_be_written_is_no_matter_of_pictures(tmp_path):
     script = (
         "import sys\n"
