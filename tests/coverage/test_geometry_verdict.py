@@ -35,7 +35,7 @@ def test_always_is_proven_or_refuted_with_place_and_moment():
 
 def test_what_claims_leave_open_is_asked_of_the_share(monkeypatch):
     pattern = walker_delta(12, 3, 1, inclination_deg=55, radius_km=20427)
-    witness = SimpleNamespace(time=1.0, latitude=0.1, longitude=0.2, value=9.0)
+    witness = SimpleNamespace(time=1.0, latitude=0.1, longitude=0.2, value=9.0, satellites=())
     share = SimpleNamespace(low=0.9, high=1.0, value=0.95, stopped="boxes")
     monkeypatch.setattr(Effort, "share", lambda *_, **__: share)
     found = {}
