@@ -256,7 +256,8 @@ class Store:
         """Give the store free; a new one in which nothing is finished is not left behind."""
         if self._file < 0:
             return
-        if 0 < self._first == self._end:
+        # as long as it is: ^C may have come between writing a batch and noting that
+        if 0 < self._first == os.fstat(self._file).st_size:
             with suppress(OSError, OutputError):  # somebody else's, or not empty
                 self._check_place()
                 self.path.unlink()

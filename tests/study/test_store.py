@@ -89,6 +89,22 @@ def test_a_run_that_finishes_nothing_leaves_no_store(batch, tmp_path):
     assert (tmp_path / "b" / FILE).exists()
 
 
+def test_a_first_batch_stays_that_is_written_when_the_run_is_interrupted(
+    batch, tmp_path, monkeypatch
+):
+    study, rows, found = batch
+
+    def stop(_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt), Store(tmp_path / "a", study) as store:
+        monkeypatch.setattr(module.os, "fsync", stop)
+        store.add("screen", rows, found)
+    monkeypatch.undo()
+    with Store(tmp_path / "a", study) as store:
+        assert store.done["screen"] == set(identities(rows))
+
+
 def test_a_spoilt_line_in_the_middle_is_left_out(batch, tmp_path):
     study, rows, found = batch
     with Store(tmp_path, study) as store:

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
-from trade_processes import CANDIDATES, DaskProcesses, Trade
+from trade_processes import CANDIDATES, HANGS, DaskProcesses, Trade
 
 from compass.study.cluster import AHEAD
 from compass.study.workers import HELD
@@ -54,7 +54,7 @@ def spawned(trade):
 @pytest.mark.parametrize("begun", [False, True])
 def test_a_terminal_interrupts_the_workers_too(trade, begun):
     trade.start("--workers", 2, start_new_session=True)
-    end = time.monotonic() + 30
+    end = time.monotonic() + HANGS
     while not spawned(trade) and time.monotonic() < end:
         time.sleep(0.02)
     if begun:
