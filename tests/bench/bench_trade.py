@@ -23,6 +23,7 @@ from compass.study.store import FILE, Store
 from compass.study.trade import run_trade
 from compass.study.workers import Processes
 from tests.one_process import OneProcess
+from tests.study.trade_processes import DaskProcesses
 
 ROOT = Path(__file__).parents[2]
 
@@ -262,13 +263,19 @@ def test_one_process_some_processes_some_cluster_workers(tmp_path, workers):
     list(team.run("screen", [candidates(study).rows(k, k + 1) for k in range(4 * workers)]))
     _, wall[f"{workers} processes"] = timed(study, tmp_path / "2", team)
     team.close()
-    with cluster(tmp_path, workers) as (address, scheduler):
+    dask = DaskProcesses(tmp_path, os.environ | {"PYTHONPATH": str(ROOT)})
+    try:
+        scheduler, address = dask.scheduler("--host", "127.0.0.1")
+        for _ in range(workers):
+            dask.launch("worker", address, "--nthreads", 1, "--no-nanny")
         team = Cluster(StudyJob(study), address)
         list(team.run("screen", [candidates(study).rows(k, k + 1) for k in range(4 * workers)]))
-        before = processor_seconds(scheduler)
+        before = processor_seconds(scheduler.pid)
         summary, wall[f"{workers} cluster workers"] = timed(study, tmp_path / "3", team)
-        load = processor_seconds(scheduler) - before
+        load = processor_seconds(scheduler.pid) - before
         team.close()
+    finally:
+        dask.end()
     stored = [sorted((tmp_path / run / FILE).read_bytes().splitlines()) for run in "123"]
     assert stored[0] == stored[1] == stored[2]
     batch = candidates(study).rows(0, trade.BATCH["screen"])
@@ -285,39 +292,6 @@ def test_one_process_some_processes_some_cluster_workers(tmp_path, workers):
         f"{task} bytes, answer {answer} bytes, for {batch.size} candidates; at most "
         f"{AHEAD} tasks a worker on their way"
     )
-
-
-@contextlib.contextmanager
-def cluster(folder, workers):
-    running = []
-
-    def launch(part, *options):
-        command = [sys.executable, "-m", f"distributed.cli.dask_{part}", *options]
-        running.append(
-            subprocess.Popen(
-                [*command, "--no-dashboard"],
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-                env=os.environ | {"PYTHONPATH": str(ROOT)},
-            )
-        )
-
-    file = folder / "scheduler.json"
-    launch("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file))
-    end = time.monotonic() + 30
-    address = ""
-    while not address and time.monotonic() < end:
-        with contextlib.suppress(OSError, json.JSONDecodeError):  # not there, or half written
-            address = json.loads(file.read_text())["address"]
-        time.sleep(0.05)
-    for _ in range(workers):
-        launch("worker", address, "--nthreads", "1", "--no-nanny")
-    try:
-        yield address, running[0].pid
-    finally:
-        for process in running:
-            process.kill()
-            process.wait()
 
 
 def processor_seconds(pid):
