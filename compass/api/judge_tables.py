@@ -35,8 +35,8 @@ def _surface(row: dict[str, Any], margin: Quantity) -> tuple[object, ...]:
 
 
 def _bracketed(name: str, known: Mapping[str, Any], key: str) -> Value:
-    """One of the figures that stand between proven bounds."""
-    return Value(quantity(name), known[key], Bracket(*known[f"{key}_bracket"]))
+    """One of the figures that stand between proven bounds, where any are known."""
+    return Value(quantity(name), known.get(key, "not known"), Bracket.beside(known, key))
 
 
 def ranking_table(rows: Sequence[dict[str, Any]]) -> Table:

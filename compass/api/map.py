@@ -206,14 +206,5 @@ def _attributes(certified: CertifiedGeometry | None) -> dict[str, Any]:
     """Return the brackets as attributes of a dataset."""
     if certified is None:
         return {}
-    known = certified.numbers()
-    percentiles = {
-        f"{name}_p{q}_bracket": known[name][f"p{q}_bracket"]
-        for name, of in certified.dops.items()
-        for q in of
-    }
-    return {
-        "availability_bracket": known["availability_bracket"],
-        **percentiles,
-        "certified_scope": certified.scope,
-    }
+    known = {f"{name.replace('.', '_')}_bracket": ends for name, ends in certified.brackets.items()}
+    return known | {"certified_scope": certified.scope}

@@ -1,7 +1,7 @@
 """Figures at sites and in regions: blocks of a document, and variables of a dataset."""
 
 from collections.abc import Sequence
-from math import degrees
+from math import degrees, inf
 from typing import TYPE_CHECKING
 
 from compass.coverage.areas import PERCENTS, AreaFigures
@@ -23,7 +23,7 @@ def area_blocks(areas: Sequence[AreaFigures]) -> tuple[Block, ...]:
     """A table of the areas and what is known of them, and for when it is; nothing without any."""
     if not areas:
         return ()
-    margin, gdop = quantity("requirement_margin_deg"), quantity("gdop")
+    margin = quantity("requirement_margin_deg")
     errors = tuple(areas[0].errors)
     wanted, pdop_max = areas[0].fold.requirement.fold, areas[0].pdop_max
     header = (
@@ -40,7 +40,7 @@ def area_blocks(areas: Sequence[AreaFigures]) -> tuple[Block, ...]:
             area.fold.word,
             Value(margin, None if area.fold.margin is None else degrees(area.fold.margin)),
             _between("availability", area.availability),
-            *(Value(gdop, high, Bracket(low, high)) for low, high in area.gdop.values()),
+            *(_between("gdop", bounds, inf) for bounds in area.gdop.values()),
             *(_between("error_share", area.errors[name]) for name in errors),
         )
         for area in areas
@@ -88,5 +88,7 @@ def with_areas(dataset: "xr.Dataset", areas: Sequence[AreaFigures]) -> "xr.Datas
     return dataset.assign(found).assign_coords(coords)
 
 
-def _between(name: str, bounds: tuple[float, float]) -> Value:
-    return Value(quantity(name), bounds[1], Bracket(*bounds))
+def _between(name: str, bounds: tuple[float, float], most: float = 1.0) -> Value:
+    """A figure between its bounds; not known where those are 0 and the `most` there is."""
+    known = bounds != (0.0, most)
+    return Value(quantity(name), *((bounds[1], Bracket(*bounds)) if known else ("not known",)))

@@ -33,7 +33,6 @@ from compass.errors import ArgumentError
 from compass.quantities import QUANTITIES, quantity
 from compass.signal.budget import basis
 from compass.study.mapping import DesignMap
-from compass.words import listed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,9 +76,8 @@ class MapResult(Result):
         """How well each number of the JSON is known, by its name there; `others` is the rest."""
         found = {}
         if self.certified:
-            sure = f"between proven bounds, {self.certified.scope}"
-            found = {f"{name}.p{q}": sure for name, of in self.certified.dops.items() for q in of}
-            found |= {"availability": sure, "pdop_worst_bracket": sure}
+            names = (*self.certified.brackets, "pdop_worst_bracket")
+            found = dict.fromkeys(names, f"between proven bounds, {self.certified.scope}")
         if self.areas:
             found["areas"] = AREAS_KNOWN
         gaps = f"sampled at cells, at each to {self.dataset.attrs['gap_step_s']:.3g} s"
@@ -133,20 +131,19 @@ class MapResult(Result):
 
     def _percentile(self, name: str, numbers: dict[str, Any], percentile: str) -> Value:
         """One percentile of a dilution, with its bracket where there is one."""
-        bounds = numbers[name].get(f"{percentile}_bracket")
-        evidence = Bracket(*bounds) if bounds else None
-        return Value(quantity(name), numbers[name][percentile], evidence)
+        of = numbers[name]
+        return Value(quantity(name), of[percentile], Bracket.beside(of, percentile))
 
     def certain(self) -> tuple[str, ...]:
         """What was certified, and how, in a sentence; nothing where nothing was."""
         if not self.certified:
             return ()
-        named = listed([quantity(name).title for name in self.certified.dops])
-        return (
-            f"Availability and the percentiles of {named} lie between the bounds shown, "
-            f"everywhere and not only at cells, {self.certified.scope}.",
-            *self._worst(),
+        holds = (
+            "Figures shown between bounds hold everywhere and not only at cells"
+            if self.certified.brackets
+            else "No figures are known between bounds"
         )
+        return f"{holds}, {self.certified.scope}.", *self._worst()
 
     def _worst(self) -> tuple[str, ...]:
         """The largest PDOP, and where, in a sentence; nothing where it was not looked for."""
@@ -377,7 +374,7 @@ class MapResult(Result):
                 Value(
                     quantity("availability"),
                     numbers["availability"],
-                    Bracket(*numbers["availability_bracket"]) if self.certified else sampled,
+                    Bracket.beside(numbers, "availability") or sampled,
                     whose=f"{threshold:g} or less",
                 ),
                 *(

@@ -226,5 +226,4 @@ def _cell(name: str, known: dict[str, Any]) -> Value | str:
     """One number of a candidate, with what is known of it; nothing where it was not asked for."""
     if known[name] is None:
         return ""
-    bounds = known.get(f"{name}_bracket")
-    return Value(quantity(name), known[name], Bracket(*bounds) if bounds else Proven())
+    return Value(quantity(name), known[name], Bracket.beside(known, name) or Proven())

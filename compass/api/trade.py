@@ -308,10 +308,8 @@ def _front_table(front: list[dict[str, Any]], apart: Collection[str]) -> Table:
     names = [name for name in front[0] if not (name.endswith("_bracket") or name in apart)]
 
     def written(row: dict[str, Any], name: str) -> Any:
-        bracket = row.get(f"{name}_bracket")
-        if bracket is None:
-            return row[name]
-        return Value(MERITS[name].quantity, row[name], Bracket(*bracket))
+        bracket = Bracket.beside(row, name)
+        return row[name] if bracket is None else Value(MERITS[name].quantity, row[name], bracket)
 
     rows = tuple(tuple(written(row, name) for name in names) for row in front)
     return Table("Pareto front", tuple(names), rows, LISTED)

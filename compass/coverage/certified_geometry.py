@@ -6,6 +6,7 @@ sort many candidates, is the value of nearest rank (`compass.core.ranking`) of t
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Any
 
 from compass.coverage.certified_effort import Effort
@@ -47,21 +48,33 @@ class CertifiedGeometry:
     dops: Mapping[str, Mapping[int, CertifiedPercentile]]
     worst: CertifiedWorst | None = None
 
-    def numbers(self) -> dict[str, Any]:
-        """Plain values: the middle of every bracket, and the bracket beside it."""
+    @property
+    def brackets(self) -> dict[str, tuple[float, float]]:
+        """Bounds by name: ``availability``, ``gdop.p95``, ...
+
+        Those that say nothing, 0 and 1 of a share or 0 and infinity of a dilution, are left out:
+        what is not here is not known.
+        """
         a = self.availability
-        found: dict[str, Any] = {
-            "availability": a.value,
-            "availability_bracket": [a.low, a.high],
+        share = {"availability": (a.low, a.high)} if a.width < 1.0 else {}
+        return share | {
+            f"{name}.p{percent}": (p.low, p.high)
+            for name, of in self.dops.items()
+            for percent, p in of.items()
+            if p.low > 0.0 or p.high < inf
         }
-        for name, of in self.dops.items():
-            found[name] = {}
-            for percent, p in of.items():
-                found[name] |= {f"p{percent}": p.value, f"p{percent}_bracket": [p.low, p.high]}
-        if self.worst is not None:
-            w = self.worst
+
+    def numbers(self) -> dict[str, Any]:
+        """Plain values: the middle of every one of `brackets`, and the bracket beside it."""
+        found: dict[str, Any] = {name: {} for name in self.dops}
+        for path, (low, high) in self.brackets.items():
+            name, _, key = path.rpartition(".")
+            of = found[name] if name else found
+            of |= {key: 0.5 * (low + high), f"{key}_bracket": [low, high]}
+        w = self.worst
+        if w is not None and w.witness is not None:
             found["pdop_worst_bracket"] = [w.low, w.high]
-            found["pdop_worst_at"] = None if w.witness is None else w.witness.as_dict()
+            found["pdop_worst_at"] = w.witness.as_dict()
         return found
 
     @property

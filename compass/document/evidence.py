@@ -1,6 +1,8 @@
 """How well a number is known: proven, between proven bounds, or sampled with an error."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any, Self
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,12 @@ class Bracket:
     def __post_init__(self) -> None:
         if not self.low <= self.high:
             raise ValueError(f"bracket from {self.low} to {self.high}: the bounds are not in order")
+
+    @classmethod
+    def beside(cls, known: Mapping[str, Any], name: str, scope: str = "") -> Self | None:
+        """Bounds that stand beside a plain number as ``NAME_bracket``; None where there are none."""
+        bounds = known.get(f"{name}_bracket")
+        return None if bounds is None else cls(*bounds, scope)
 
     def __str__(self) -> str:
         return "between proven bounds" + (f", {self.scope}" if self.scope else "")

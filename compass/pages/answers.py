@@ -160,13 +160,10 @@ def _dilution(
 
 def _known(results: DesignResults, name: str, of: dict[str, Any], key: str) -> Value:
     """A figure of the map with its proven bounds, or with what it was sampled on."""
-    low, high = of.get(f"{key}_bracket", (0.0, np.inf))
-    if low > 0.0 or high < np.inf:  # bounds of nothing are none
-        scope = results.mapped.certified.scope.split(";")[0] if results.mapped.certified else ""
-        return Value(quantity(name), of[key], Bracket(low, high, scope))
-    attrs = results.mapped.dataset.attrs
+    mapped, attrs = results.mapped, results.mapped.dataset.attrs
+    scope = mapped.certified.scope.split(";")[0] if mapped.certified else ""
     sampled = Sampled(None, f"{attrs['epochs']} epochs, {attrs['grid']}")
-    return Value(quantity(name), of[key], sampled)
+    return Value(quantity(name), of[key], Bracket.beside(of, key, scope) or sampled)
 
 
 def accurate(results: DesignResults) -> str:

@@ -54,7 +54,8 @@ class Candidate:
         """Plain values with degrees."""
         pattern = self.constellation.pattern
         assert pattern is not None
-        known = self.geometry and self.geometry.numbers()
+        known = self.geometry.numbers() if self.geometry else {}
+        gdop = known.get("gdop", {})
         return {
             "pattern": pattern.kind,
             "satellites": pattern.satellites,
@@ -66,10 +67,10 @@ class Candidate:
             "mask_margin_deg": float(np.degrees(self.mask_margin)),
             "closest_approach_deg": float(np.degrees(self.closest_approach)),
             "proven": self.proven,
-            "gdop_p95": known and known["gdop"]["p95"],
-            "gdop_p95_bracket": known and known["gdop"]["p95_bracket"],
-            "availability": known and known["availability"],
-            "availability_bracket": known and known["availability_bracket"],
+            "gdop_p95": gdop.get("p95"),
+            "gdop_p95_bracket": gdop.get("p95_bracket"),
+            "availability": known.get("availability"),
+            "availability_bracket": known.get("availability_bracket"),
         }
 
 

@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import compass
 from compass import Mask, Site
+from compass.api.map_areas import area_blocks
 from compass.coverage import areas as module
 from compass.coverage.certified_percentile import CertifiedPercentile
 from compass.coverage.certified_share import CertifiedShare
@@ -81,6 +83,11 @@ def test_maps_show_areas_as_text_numbers_and_variables(told):
     assert "horizontal error at most 30 m" in text
     one, other = found.to_dict()["areas"]
     assert (one["name"], other["availability_bracket"]) == ("here", [0.5, 0.6])
+    one, other = found.areas
+    open_ = replace(other, availability=(0.0, 1.0), gdop=dict.fromkeys(other.gdop, (0.0, np.inf)))
+    table, *_ = area_blocks((one, open_))
+    assert [str(cell) for cell in table.rows[0][3:6]] == ["50 to 60", "2 to 3", "2 to 3"]
+    assert [str(cell) for cell in table.rows[1][3:6]] == ["not known"] * 3
     made = found.dataset
     assert made.area_availability.sel(area="here", bound="low") == 0.5
     assert made.area_gdop.sel(area="lat:0:30", area_percent=95, bound="high") == 3.0

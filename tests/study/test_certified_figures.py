@@ -50,8 +50,23 @@ def test_drifting_orbits_over_a_duration_have_brackets(seed_design, monkeypatch)
     assert "over 2 h from the epoch, mean motion under J2" in found.scope
     assert "stopped early: boxes" in found.scope
     assert (found.dops["gdop"][95].low, found.dops["gdop"][95].high) == (0.0, np.inf)
+    assert found.numbers() == {"gdop": {}, "pdop": {}}  # bounds that say nothing are none
     later = certified_figures(seed_design, MapOptions(start_day=2.0))
     assert "over 24.623 h from 48 h after the epoch, two-body" in later.scope
+
+
+def test_without_bounds_the_sample_is_said(seed_design, monkeypatch):
+    """As after ^C: a middle of 0 and infinity had stood for a percentile that was sampled."""
+    monkeypatch.setattr("compass.coverage.certified_geometry.BUDGET_BOXES", 0)
+    made = compass.map(seed_design, step_deg=30, epochs=2)
+    numbers, evidence = made.numbers(), made.evidence()
+    sampled = made.dataset.global_dop.sel(dop="gdop", global_percentile=95)
+    assert numbers["gdop"]["p95"] == sampled < np.inf
+    assert numbers["availability"] == made.dataset.global_availability > 0.0
+    assert not [name for name in (*numbers, *numbers["gdop"]) if name.endswith("_bracket")]
+    assert not {"availability", "gdop.p95"} & set(evidence)
+    assert "No figures are known between bounds" in str(made) and "∞" not in str(made)
+    assert "availability_bracket" not in made.dataset.attrs
 
 
 @pytest.mark.slow
