@@ -29,9 +29,11 @@ class Bracket:
 
     @classmethod
     def beside(cls, known: Mapping[str, Any], name: str, scope: str = "") -> Self | None:
-        """Bounds that stand beside a plain number as ``NAME_bracket``; None where there are none."""
-        bounds = known.get(f"{name}_bracket")
-        return None if bounds is None else cls(*bounds, scope)
+        """Bounds beside a plain number, called ``NAME_bracket``; None where there are none."""
+        if (bounds := known.get(f"{name}_bracket")) is None:
+            return None
+        low, high = bounds
+        return cls(low, high, scope)
 
     def __str__(self) -> str:
         return "between proven bounds" + (f", {self.scope}" if self.scope else "")
