@@ -177,8 +177,9 @@ def fly_dispersed(
     ArgumentError
         The planned entry without guidance does not come to the event.
     """
-    planned = cartesian_of(np.asarray(state, dtype=float)[:6])
-    drawn = np.vstack([np.zeros(8), dispersion.draws(seed)])
+    planned, drawn = cartesian_of(np.asarray(state, dtype=float)[:6]), dispersion.draws(seed)
+    if guidance is None:  # where the planned one comes to, they are measured from
+        drawn = np.vstack([np.zeros(8), drawn])
     watch, level = watched_level(truth, trigger or GROUND)
     starts, worlds = planned + drawn[:, :6], np.ascontiguousarray(drawn[:, 6:])
     count = len(drawn)
@@ -203,23 +204,22 @@ def fly_dispersed(
         )  # fmt: skip
 
     in_blocks(work, count, BLOCK, threads)
-    if guidance is None and np.isnan(times[0]):
+    event = (trigger or GROUND).name
+    if guidance is not None:
+        return Dispersed(
+            event,
+            times,
+            ends,
+            np.asarray(direction(guidance.latitude, guidance.longitude)),
+            True,
+            errors=None if carried is None else told[:, :6],
+            nees=None if carried is None else told[:, 6],
+            beyond=told[:, 7] * truth.planet_radius,
+        )
+    if np.isnan(times[0]):
         raise ArgumentError(
-            f"dispersion: the planned entry does not come to {(trigger or GROUND).name} by "
+            f"dispersion: the planned entry does not come to {event} by "
             f"{seconds:g} s; give a longer entry.duration_s or another trigger"
         )
-    centre = (
-        ends[0, :3] / np.linalg.norm(ends[0, :3])
-        if guidance is None
-        else np.asarray(direction(guidance.latitude, guidance.longitude))
-    )
-    return Dispersed(
-        (trigger or GROUND).name,
-        times[1:],
-        ends[1:],
-        centre,
-        guidance is not None,
-        errors=None if carried is None else told[1:, :6],
-        nees=None if carried is None else told[1:, 6],
-        beyond=None if guidance is None else told[1:, 7] * truth.planet_radius,
-    )
+    centre = ends[0, :3] / np.linalg.norm(ends[0, :3])
+    return Dispersed(event, times[1:], ends[1:], centre, False)
