@@ -88,15 +88,20 @@ def requirements_of(
     tables: Sequence[RequirementTable], stations: Sequence[Site]
 ) -> tuple[Requirement, ...]:
     """Requirements of checked tables; those without a name are numbered."""
+    return tuple(_requirement(table, k, stations) for k, table in enumerate(tables, start=1))
+
+
+def sites_named(names: Sequence[str] | None, stations: Sequence[Site]) -> tuple[Site, ...]:
+    """Stations by their names, in the order in which these stand; none of no names."""
     known = {site.name: site for site in stations}
-    return tuple(_requirement(table, k, known) for k, table in enumerate(tables, start=1))
+    return tuple(known[name] for name in names or ())
 
 
-def _requirement(table: RequirementTable, number: int, known: dict[str, Site]) -> Requirement:
+def _requirement(table: RequirementTable, number: int, stations: Sequence[Site]) -> Requirement:
     limits = {f"{name}_at_most": getattr(table, f"{name}_at_most") for name in LIMITS}
     return Requirement.of(
         table.name or f"requirement {number}",
-        sites=[known[name] for name in table.sites or ()],
+        sites=sites_named(table.sites, stations),
         regions=region_texts(table.region),
         fold=table.fold,
         mask_deg=table.mask_deg,

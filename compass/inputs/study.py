@@ -18,7 +18,7 @@ from compass.frames import FIGURES, Figure
 from compass.inputs.design import launching_of, read_design, site_of
 from compass.inputs.motion import motion_of_table
 from compass.inputs.reading import parse, read_text
-from compass.inputs.requirements import region_texts, requirements_of
+from compass.inputs.requirements import region_texts, requirements_of, sites_named
 from compass.inputs.scenario import Scenario, read_scenario
 from compass.inputs.signal import signal_of_table
 from compass.inputs.study_faults import study_faults
@@ -297,7 +297,7 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
             file.entry.lift_sigma,
             file.entry.goal_m,
             doubts,
-            tuple(site for site in stations if site.name in (file.entry.sites or ())),
+            sites_named(file.entry.sites, stations),
             region_texts(file.entry.region),
         )
     return Study(
@@ -328,7 +328,7 @@ def read_study_text(text: str, label: str = "study", folder: Path = Path()) -> S
         label=label,
         requirements=requirements_of(file.requirement, stations),
         signal=None if file.signal is None else signal_of_table(file.signal),
-        sites=tuple(site for site in stations if site.name in (file.map.sites or ())),
+        sites=sites_named(file.map.sites, stations),
         regions=region_texts(file.map.region),
     )
 

@@ -151,3 +151,10 @@ def test_faults_of_places_are_told(placed, tiny):
         placed(where='region = "lat:9:0"')
     with pytest.raises(DesignError, match=r"without places; add sites or region to \[map\]"):
         tiny('[[objective]]\nfigure = "area_gdop_p95"\n')
+
+
+def test_sites_stand_in_the_order_in_which_they_are_named(placed):
+    other = '[[station]]\nname = "F"\nlatitude_deg = 0\nlongitude_deg = 0\n'
+    study = placed(other, where='sites = ["F", "E"]')
+    assert [site.name for site in study.sites] == ["F", "E"]
+    assert "F" in area_columns(study)["area_1_met"]["long_name"]
