@@ -89,7 +89,7 @@ def _netcdf(path: Path, figure: Figure, variable: str | None, kind: str) -> Terr
                 f"{path}: {heights.name}: units = {heights.attrs.get('units')!r}; allowed m and km"
             )
         _check_size(path, heights.size)
-        lat, lon = (np.radians(_degrees(axis, path)) for axis in (latitude, longitude))
+        lat, lon = np.radians(_latitudes(latitude, path)), np.radians(_longitudes(longitude, path))
         values = heights.values.astype(float) * scale
     if kind == "planetographic":
         lat = planetocentric_latitude(lat, figure)
@@ -133,13 +133,27 @@ def _axis(
     )
 
 
-def _degrees(axis: "xr.DataArray", path: Path) -> NDArray[np.float64]:
-    """Values of a coordinate, which must be degrees north or east, all known, in one order.
+def _latitudes(axis: "xr.DataArray", path: Path) -> NDArray[np.float64]:
+    """Values of a coordinate, which must be degrees north, in one order."""
+    values = _degrees(axis, path, -90.0, 90.0)
+    _check_order(axis, path, np.diff(values))
+    return values
 
-    Longitudes may go on from 180 with -180, or from 360 with 0.
+
+def _longitudes(axis: "xr.DataArray", path: Path) -> NDArray[np.float64]:
+    """Values of a coordinate, which must be degrees east, in one order.
+
+    They may go on from 180 with -180, or from 360 with 0.
     """
+    values = _degrees(axis, path, -360.0, 720.0)
+    steps = np.diff(values)
+    _check_order(axis, path, steps - 360.0 * np.round(steps / 360.0))
+    return values
+
+
+def _degrees(axis: "xr.DataArray", path: Path, least: float, most: float) -> NDArray[np.float64]:
+    """Values of a coordinate, which must be degrees north or east in a range, all known."""
     units = str(axis.attrs.get("units", "degrees")).lower()
-    least, most = (-90.0, 90.0) if _is_latitude(axis) else (-360.0, 720.0)
     values = axis.values.astype(float)
     if not units.startswith("deg") or units.endswith(("west", "south")):
         raise ArgumentError(
@@ -152,18 +166,14 @@ def _degrees(axis: "xr.DataArray", path: Path) -> NDArray[np.float64]:
         raise ArgumentError(
             f"{path}: {axis.name} = {span}: allowed {least:g} to {most:g} degrees, none unknown"
         )
-    steps = np.diff(values)
-    if not _is_latitude(axis):
-        steps -= 360.0 * np.round(steps / 360.0)
+    return values
+
+
+def _check_order(axis: "xr.DataArray", path: Path, steps: NDArray[np.float64]) -> None:
     if not (np.all(steps > 0) or np.all(steps < 0)):
         raise ArgumentError(
             f"{path}: {axis.name}: neither rises nor falls all along; sort the grid by it"
         )
-    return values
-
-
-def _is_latitude(axis: "xr.DataArray") -> bool:
-    return axis.attrs.get("standard_name") == "latitude" or str(axis.name).lower() in _LATITUDES
 
 
 def _check_heights(path: Path, heights: NDArray[np.float64]) -> None:
