@@ -2,24 +2,22 @@
 
 import sys
 
-#: Bytes of address space below which libraries end the program in ways of their own.
-LEAST = 500_000_000
+#: Bytes of address space and of data below which libraries end the program in ways of their own.
+LEAST = {"-v": 500_000_000, "-d": 200_000_000}
 
 
 def check_room() -> None:
     """End with one line where the user's limit of memory leaves no room for the libraries."""
-    try:
-        from resource import RLIM_INFINITY, RLIMIT_AS, getrlimit
-    except ImportError:  # not on Windows
-        return
-    most = getrlimit(RLIMIT_AS)[0]
-    if most != RLIM_INFINITY and most < LEAST:
-        print(
-            f"not enough memory: a limit of {most / 1e9:.2g} GB (ulimit -v) is less than the "
-            f"{LEAST / 1e9:g} GB with which this begins; allow more",
-            file=sys.stderr,
-        )
-        sys.exit(2)
+    from compass.memory import user_limits
+
+    for option, most in user_limits().items():
+        if most < LEAST[option]:
+            print(
+                f"not enough memory: a limit of {most / 1e9:.2g} GB (ulimit {option}) is less than "
+                f"the {LEAST[option] / 1e9:g} GB with which this begins; allow more",
+                file=sys.stderr,
+            )
+            sys.exit(2)
 
 
 def main() -> None:

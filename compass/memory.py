@@ -24,12 +24,18 @@ def limits() -> Iterator[float]:
     for file in CONTAINER:
         with suppress(OSError, ValueError):
             yield int(file.read_text())
-    with suppress(ImportError):  # not on Windows
-        import resource
+    yield from user_limits().values()
 
-        for kind in (resource.RLIMIT_AS, resource.RLIMIT_DATA):
-            if (most := resource.getrlimit(kind)[0]) != resource.RLIM_INFINITY:
-                yield most
+
+def user_limits() -> dict[str, float]:
+    """What the user lets a process have at most, bytes, by the option of `ulimit` that says so."""
+    try:
+        import resource
+    except ImportError:  # not on Windows
+        return {}
+    found = {"-v": resource.getrlimit(resource.RLIMIT_AS)[0]}
+    found["-d"] = resource.getrlimit(resource.RLIMIT_DATA)[0]
+    return {option: most for option, most in found.items() if most != resource.RLIM_INFINITY}
 
 
 def check_fits(needed: float, asked: str, advice: str) -> None:

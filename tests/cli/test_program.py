@@ -228,15 +228,18 @@ def test_what_the_system_refuses_is_one_line(meets, error, said):
     assert (code, out) == (2, "") and err.startswith(said) and err.count("\n") == 1
 
 
-def test_no_room_for_the_libraries_is_one_line():
+@pytest.mark.parametrize(("kind", "option"), [("RLIMIT_AS", "-v"), ("RLIMIT_DATA", "-d")])
+def test_no_room_for_the_libraries_is_one_line(kind, option):
     """OpenBLAS would end the program with 1, which means "refuted", LLVM's threads with 127."""
 
     def small():
-        resource.setrlimit(resource.RLIMIT_AS, (100_000_000, 100_000_000))
+        resource.setrlimit(getattr(resource, kind), (100_000_000, 100_000_000))
 
     done = subprocess.run([*PROGRAM, "show", "no.toml"], preexec_fn=small, capture_output=True)
     assert (done.returncode, done.stdout) == (2, b"")
-    assert done.stderr.startswith(b"not enough memory: a limit of 0.1 GB (ulimit -v)")
+    assert done.stderr.startswith(
+        f"not enough memory: a limit of 0.1 GB (ulimit {option})".encode()
+    )
     assert done.stderr.count(b"\n") == 1
 
 
