@@ -137,8 +137,6 @@ def assess(
         stage(name, np.unique(rows[going]))
         figures = known.figures([keys[k] for k in going])
         keep = passing(study, name, figures)
-        if name == "screen":
-            keep &= passing(study, "cost", figures)
         failed = going[~keep]
         missed = [
             sum(not c.holds(float(figures[c.figure][k])) for c in study.constraints)

@@ -116,17 +116,12 @@ def figures_of(stage: str, study: Study) -> tuple[str, ...]:
 
 
 def passing(study: Study, stage: str, figures: dict[str, NDArray[np.float64]]) -> NDArray[np.bool_]:
-    """Which candidates meet every constraint on a stage's figures, shape (n,).
+    """Which candidates break no constraint on a stage's figures for sure, shape (n,).
 
-    Bounds of areas come nearer later: of these, who may meet it.
+    The screen's figures are costs too.
     """
-    if stage == "areas":
-        return may_hold(study.constraints_of(stage), figures)
-    size = next(iter(figures.values())).size
-    keep = np.ones(size, dtype=bool)
-    for constraint in study.constraints_of(stage):
-        keep &= constraint.holds(figures[constraint.figure])
-    return keep
+    stages = ("cost", stage) if stage == "screen" else (stage,)
+    return may_hold([c for name in stages for c in study.constraints_of(name)], figures)
 
 
 def screen(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:

@@ -235,8 +235,6 @@ def _passed(study: Study, store: Store, stage: str) -> NDArray:
     for batch in store.batches(stage):
         figures = batch.found.figures
         keep = passing(study, stage, figures)
-        if stage == "screen":
-            keep &= passing(study, "cost", figures)
         keep[list(batch.found.errors)] = False
         found.append(batch.rows[keep])
     return np.unique(np.concatenate(found))
