@@ -169,7 +169,9 @@ class SeriesResult(Result):
         }
 
     def document(self) -> Page:
-        """Whether there are gaps, then a table of them and of the dilutions."""
+        """Whether there are gaps, then a table of them and of the dilutions; then errors."""
+        if not self.gaps:
+            return Page(self.design.name, (self._verdict_of_movers(), *self.error_blocks()))
         lacking = [name for name, one in self.gaps.items() if one.count]
         span = counted(self.days, "day")
         claim = f"{counted(self.fold, 'satellite')} in view at all times over {span}"
@@ -185,6 +187,13 @@ class SeriesResult(Result):
         )
         blocks = (Verdict("" if not lacking else "gaps", claim, not lacking), self._table())
         return Page(self.design.name, (*blocks, Sentence(how), *self.error_blocks()))
+
+    def _verdict_of_movers(self) -> Verdict:
+        """Whether users who move have a fix at every moment looked at; no gaps were asked for."""
+        without = [row["user"] for row in self.error_rows() if row["fix_share"] < 1.0]
+        moments = f"at all {self.dataset.sizes['time']} moments over {counted(self.days, 'day')}"
+        claim = f"a fix {moments}" if not without else f"no fix at times for {', '.join(without)}"
+        return Verdict("", f"{claim}; {self.motion}", None)
 
     def error_blocks(self) -> tuple[Table | Sentence, ...]:
         """Errors of fixes in metres over time, of a design with a signal."""
@@ -250,7 +259,7 @@ class SeriesResult(Result):
             The name has another ending, or the file cannot be written.
         """
         chosen = Path(path)
-        check_ending(chosen, SUFFIXES)
+        check_ending(chosen, SUFFIXES if self.gaps else SUFFIXES[:1])
         if chosen.suffix == ".nc":
             every = self.dataset if self.errors is None else self.dataset.merge(self.errors)
             save_netcdf(chosen, every.assign_attrs(self.dataset.attrs, history=command))
@@ -286,6 +295,8 @@ class SeriesResult(Result):
             raise ArgumentError(f"name = {name!r}: {NO_SIGNAL}")
         if name not in (*NAMES, *ERRORS):
             raise ArgumentError(f"name = {name!r}: allowed {', '.join((*NAMES, *ERRORS))}")
+        if name in NAMES and not self.gaps:
+            raise ArgumentError(f"{name}: is of stations; add one, or draw an error in metres")
         from compass.pictures.series import draw_errors, draw_series
         from compass.pictures.style import axes_or_new
 
@@ -352,7 +363,7 @@ def series(
     Raises
     ------
     ArgumentError, DesignError
-        An option or a design is not allowed, or there is no station.
+        An option or a design is not allowed, or there is neither a station nor a user who moves.
 
     Examples
     --------
@@ -372,7 +383,7 @@ def series(
         replace(site, mask=site.mask.or_higher(floor))
         for site in (*read.stations, *(given_site(station, read) for station in stations))
     )
-    if not sites:
+    if not (sites or routes or orbiters):
         raise ArgumentError("station: none; add a [[station]], or --station NAME=LAT,LON")
     lit, _ = given_places(beacons, (), replace(read, stations=sites))
     moving, c = read.motion.or_of(motion), read.constellation
@@ -382,16 +393,18 @@ def series(
         options["model"] = moving.model
     else:
         options["path"] = moving.trajectory(c, start, start + duration)
-    found = survey(c, sites, duration, figure=read.figure, **options)
-    whole = np.array([[0.0, duration]])
-    covered = {
-        site.name: at_least(
-            wanted,
-            [w.spans for w in found.of(site.name)]
-            + [whole for beacon in _heard(site, lit) if site.sees(beacon.r_mcmf)],
-        )
-        for site in sites
-    }
+    covered = {}
+    if sites:
+        found = survey(c, sites, duration, figure=read.figure, **options)
+        whole = np.array([[0.0, duration]])
+        covered = {
+            site.name: at_least(
+                wanted,
+                [w.spans for w in found.of(site.name)]
+                + [whole for beacon in _heard(site, lit) if site.sees(beacon.r_mcmf)],
+            )
+            for site in sites
+        }
     gaps = {name: gap_statistics(spans, duration) for name, spans in covered.items()}
     since = duration * np.arange(epochs) / epochs
     sited = replace(read, stations=sites)
@@ -402,7 +415,7 @@ def series(
         errors = _errors(in_metres(sited), start + since, moving, movers, beam_deg)
     made["age_h"] = (
         ("station", "time"),
-        np.array([ages(spans, since) / 3600.0 for spans in covered.values()]),
+        np.array([ages(spans, since) / 3600.0 for spans in covered.values()]).reshape(-1, epochs),
         {"units": "h", "long_name": f"time since {wanted} satellites were last in view"},
     )
     return SeriesResult(
@@ -526,12 +539,15 @@ def _dataset(
     """Counts and dilutions over station and time."""
     import xarray as xr
 
+    # without stations one place still gives the coordinates and attributes
+    places = design.stations or (Site("", 0.0, 0.0, figure=design.figure),)
     seen = [
         site_coverage(design.constellation, site, times, motion, _heard(site, beacons))
-        for site in design.stations
+        for site in places
     ]
     found = list(NAMES[:-1])
     together = xr.concat([one[found] for one in seen], "station", combine_attrs="drop")
+    together = together.isel(station=slice(len(design.stations)))
     made = together.assign_coords(station=[site.name for site in design.stations]).assign_attrs(
         title=f"What stations see of {design.name}",
         source=f"compass {compass.__version__}",

@@ -10,7 +10,7 @@ from compass.coverage.grid import make_grid
 from compass.coverage.moving import errors_along, in_orbit, on_route, standing
 from compass.coverage.view import view
 from compass.design import Design
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, OutputError
 from compass.frames import figure_of, mcmf_from_mci, prime_meridian_angle
 from compass.orbits import keplerian, states_mci, walker_delta
 from compass.ranging import Receiver, Signal
@@ -141,6 +141,26 @@ def test_series_tells_errors_of_all_who_are_named(design, tmp_path):
     with xr.open_dataset(tmp_path / "s.nc", engine="h5netcdf") as data:
         assert data["error_position_m"].dims == ("user", "time") and data.sizes["user"] == 3
     assert "users" not in compass.series(Design(design.constellation, "bare"), **asked).to_dict()
+
+
+def test_who_moves_needs_no_station(design, tmp_path):
+    """The same errors as beside a station; there is nothing of stations to draw or to write."""
+    site = compass.Site.of("S", latitude_deg=12, longitude_deg=40, figure=design.figure)
+    asked = {"orbiters": ["low=3800,0,90,0,0,0"], "days": 0.2, "epochs": 5}
+    alone, beside = (compass.series(design, stations=given, **asked) for given in ((), (site,)))
+    assert alone.holds and alone.to_dict()["stations"] == []
+    np.testing.assert_array_equal(
+        alone.errors["error_position_m"].sel(user="low"),
+        beside.errors["error_position_m"].sel(user="low"),
+    )
+    assert "a fix at all 5 moments over 0.2 days" in str(alone)
+    unheard = compass.series(design, **asked, beam_deg=2.0)
+    assert "no fix at times for low" in str(unheard)
+    alone.write(tmp_path / "s.nc")
+    with pytest.raises(OutputError, match=r"must end in \.nc"):
+        alone.write(tmp_path / "s.csv")
+    with pytest.raises(ArgumentError, match="count: is of stations; add one"):
+        alone.plot()
 
 
 @pytest.mark.parametrize(
