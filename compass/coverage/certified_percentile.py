@@ -29,6 +29,10 @@ LARGE = 50.0
 #: Steps after which a percentile is left as it is known.
 STEPS = 60
 
+#: How far beside a limit shares are looked at that tell on which side of it a percentile lies,
+#: relative to it: a bound that is the limit itself tells not whether it is below or at most that.
+BESIDE = 1e-9
+
 
 @dataclass(frozen=True)
 class CertifiedPercentile:
@@ -108,7 +112,7 @@ def certified_percentiles(
     guess
         An estimate, such as a sample's, of one percentile; a wrong one costs boxes, not truth.
     limits
-        What they are compared with: one that lies between the bounds is looked at itself.
+        What they are compared with: bounds come nearer until none is between them, or one of them.
     start
         A result of the same question to go on from.
     constellation, budget_s, budget_boxes, workers, asked
@@ -184,15 +188,15 @@ def _close_in(distribution: Distribution, sought: list["_Sought"]) -> None:
 
 
 def _compare(distribution: Distribution, sought: list["_Sought"]) -> None:
-    """Look at limits that lie between bounds until it is told on which side of them they are."""
+    """Look beside limits that lie between bounds until it is told on which side of them they are."""
     for one in sought:
         for limit in one.compared:
             width = COARSE
-            while one.low < limit < one.high and width > NEAREST:
+            while (beside := one.beside(limit)) and width > NEAREST:
                 if distribution.rounds.stopped:
                     return
                 width *= 0.25
-                asked = [Limit(limit, one.index, width)]
+                asked = [Limit(at, one.index, width) for at in beside]
                 one.take(asked, distribution.shares(asked))
 
 
@@ -221,7 +225,14 @@ class _Sought:
     @property
     def matters(self) -> bool:
         """Whether boxes between the bounds are still to be looked at."""
-        return not self.found or any(self.low < limit < self.high for limit in self.compared)
+        return not self.found or any(self.beside(limit) for limit in self.compared)
+
+    def beside(self, limit: float) -> list[float]:
+        """Limits to look at that tell on which side of one it lies; none once that is told."""
+        if not self.low <= limit <= self.high:
+            return []
+        sides = limit * (1.0 - BESIDE), limit * (1.0 + BESIDE)
+        return [at for at in sides if self.low < at < self.high]
 
     def result(self, scope: str, stopped: str) -> CertifiedPercentile:
         """What is known now."""

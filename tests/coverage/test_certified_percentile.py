@@ -14,6 +14,7 @@ from compass.coverage.certified_distribution import Below, Boxes
 from compass.coverage.certified_percentile import certified_percentile, certified_percentiles
 from compass.coverage.certified_places import Circle
 from compass.coverage.certified_share import certified_share
+from compass.inputs.study import Constraint
 from compass.orbits import walker_delta
 
 RING = walker_delta(5, 5, 1, inclination_deg=50, radius_km=20000)
@@ -95,12 +96,26 @@ def test_one_that_is_itself_a_limit_is_told_by_others_beside_it(truth, monkeypat
 @pytest.mark.parametrize(("truth", "limit"), [(9.9, 10.0), (10.1, 10.0)])
 def test_a_limit_between_the_bounds_is_told(truth, limit, monkeypatch):
     found, law = bounds(truth, truth, monkeypatch, precision=0.4, limits=(limit,))
-    assert (found.high <= limit) if truth < limit else (found.low >= limit)
+    assert (found.high < limit) if truth < limit else (found.low > limit)
     assert found.low < truth < found.high
+    for strict in (False, True):  # either end of the bounds says the same of a study's limit
+        allowed = Constraint("gdop_p95", -math.inf, limit, strict)
+        assert allowed.holds([found.low, found.high]).tolist() == 2 * [truth < limit]
     assert law.closed[-1] == {0: pytest.approx(law.closed[-1][0])}  # its boxes are still there
     # one outside takes nothing
     free, other = bounds(truth, truth, monkeypatch, precision=0.4, limits=(20.0,))
-    assert (free.low, free.high) != (found.low, found.high) and 20.0 not in other.asked
+    assert (free.low, free.high) != (found.low, found.high) and max(other.asked) < 19.0
+
+
+@pytest.mark.parametrize("above", [True, False])
+def test_a_limit_that_is_itself_a_bound_is_told(above, monkeypatch):
+    """A percentile known to be at most 4 may be 4, which is not below it."""
+    free, _ = bounds(6.0, 6.0, monkeypatch, precision=0.4)
+    limit = free.high if above else free.low
+    found, _ = bounds(6.0, 6.0, monkeypatch, precision=0.4, limits=(limit,))
+    for strict in (False, True):
+        allowed = Constraint("gdop_p95", -math.inf, limit, strict)
+        assert allowed.holds([found.low, found.high]).tolist() == 2 * [above]
 
 
 def test_what_boxes_end_is_said_and_infinity_found(monkeypatch):
