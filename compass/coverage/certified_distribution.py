@@ -29,10 +29,11 @@ class Limit:
 
 @dataclass(frozen=True)
 class Below:
-    """Bounds of the share below a limit."""
+    """Bounds of the share below a limit; `finest` where they come no nearer at any cost."""
 
     low: float
     high: float
+    finest: bool = False
 
 
 @dataclass(eq=False)
@@ -175,6 +176,7 @@ class Distribution:
             )
             self.boxes.looked += known.boxes
             rounds.left -= known.boxes
-            rounds.stopped = known.stopped
-            found.append(Below(known.low, known.high))
+            finest = known.stopped == "resolution"
+            rounds.stopped = "" if finest else known.stopped
+            found.append(Below(known.low, known.high, finest))
         return found

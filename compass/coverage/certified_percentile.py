@@ -176,7 +176,7 @@ def _close_in(distribution: Distribution, sought: list["_Sought"]) -> None:
         for one in sought:
             one.take(ladder, below)
     for _ in range(STEPS):
-        if all(one.found for one in sought) or distribution.rounds.stopped:
+        if all(one.ended for one in sought) or distribution.rounds.stopped:
             return
         asked = {one.index: one.limits() for one in sought if one.matters}
         limits = [limit for ours in asked.values() for limit in ours]
@@ -198,6 +198,8 @@ def _compare(distribution: Distribution, sought: list["_Sought"]) -> None:
                 width *= 0.25
                 asked = [Limit(at, one.index, width) for at in beside]
                 one.take(asked, distribution.shares(asked))
+                if one.untold:
+                    break
 
 
 class _Sought:
@@ -214,7 +216,7 @@ class _Sought:
         self.index, self.percent, self.level = index, percent, percent / 100.0
         self.low, self.high, self.precision, self.guess = 0.0, inf, precision, guess
         self.points: list[tuple[float, float, float]] = []
-        self.finer, self.compared = 1.0, compared
+        self.finer, self.compared, self.untold = 1.0, compared, False
 
     @property
     def found(self) -> bool:
@@ -223,9 +225,14 @@ class _Sought:
         return near or self.low >= GREATEST
 
     @property
+    def ended(self) -> bool:
+        """Whether it is found, or no nearer than shares come."""
+        return self.found or self.untold
+
+    @property
     def matters(self) -> bool:
         """Whether boxes between the bounds are still to be looked at."""
-        return not self.found or any(self.beside(limit) for limit in self.compared)
+        return not self.ended or any(self.beside(limit) for limit in self.compared)
 
     def beside(self, limit: float) -> list[float]:
         """Limits to look at that tell on which side of one it lies; none once that is told."""
@@ -241,15 +248,14 @@ class _Sought:
 
     def take(self, limits: Sequence[Limit], below: Sequence[Below]) -> None:
         """Learn from the shares below limits."""
-        new = []
-        for limit, share in zip(limits, below, strict=True):
-            if limit.width == inf:
-                continue
+        asked = zip(limits, below, strict=True)
+        looked = [(limit.at, share) for limit, share in asked if limit.width < inf]
+        for at, share in looked:
             if share.low >= self.level:
-                self.high = min(self.high, limit.at)
+                self.high = min(self.high, at)
             elif share.high < self.level:
-                self.low = max(self.low, limit.at)
-            new.append((limit.at, 0.5 * (share.low + share.high), 0.5 * (share.high - share.low)))
+                self.low = max(self.low, at)
+        new = [(at, 0.5 * (of.low + of.high), 0.5 * (of.high - of.low)) for at, of in looked]
         least = 2.0 * max((half for *_, half in new), default=inf)
         tried = {at for at, *_ in new}
         # what was known less well between the bounds would mislead
@@ -258,12 +264,13 @@ class _Sought:
             for at, share, half in self.points
             if at not in tried and (half <= least or not self.low < at < self.high)
         ]
-        untold = any(self.low < at < self.high for at in tried)
+        untold = [share.finest for at, share in looked if self.low < at < self.high]
         self.finer = 0.5 * self.finer if untold else 1.0
+        self.untold = any(untold)
 
     def limits(self) -> list[Limit]:
         """Limits to look at next, and the bounds, by which boxes are set aside."""
-        inner = [] if self.found else self._nearer()
+        inner = [] if self.ended else self._nearer()
         ends = [end for end in (self.low, self.high) if 0.0 < end < inf]
         return [*(Limit(end, self.index) for end in ends), *inner]
 

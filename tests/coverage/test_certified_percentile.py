@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 
 from compass.coverage import certified_percentile as module
 from compass.coverage import certified_rounds as rounds
-from compass.coverage.certified_distribution import Below, Boxes
+from compass.coverage.certified_distribution import Below, Boxes, Limit
 from compass.coverage.certified_percentile import certified_percentile, certified_percentiles
 from compass.coverage.certified_places import Circle
-from compass.coverage.certified_share import certified_share
+from compass.coverage.certified_share import Search, certified_share
+from compass.coverage.region import convex_polygon
 from compass.inputs.study import Constraint
 from compass.orbits import walker_delta
 
@@ -166,3 +167,20 @@ def test_workers_change_no_number(workers, monkeypatch):
     assert known == again
     assert len(one.boxes.leaves) > 10 * rounds.PIECE
     assert one.boxes.leaves.tobytes() == more.boxes.leaves.tobytes()
+
+
+def test_a_polygon_s_limit_that_no_belts_tell_ends_no_other_percentile(monkeypatch):
+    """Shares below 3, where the median is, are known to within 0.2; all others as wanted."""
+    law = Known(10.0, 2.0)
+
+    def share(search, limit, width, **ends):
+        if limit < 5.0:
+            return SimpleNamespace(low=0.4, high=0.6, boxes=1, stopped="resolution")
+        (below,) = law.shares([Limit(limit, 0, width)])
+        return SimpleNamespace(low=below.low, high=below.high, boxes=1, stopped="")
+
+    monkeypatch.setattr(Search, "share", share)
+    place = convex_polygon([0.0, 0.0, 1.0], [0.0, 1.5, 0.7])
+    found = certified_percentiles(RING, (50, 95), place=place, precision=0.05).of
+    assert found[95].low < 10.0 <= found[95].high <= found[95].low / 0.95 and not found[95].stopped
+    assert found[50].stopped == "nearer than shares can tell"
