@@ -6,6 +6,7 @@ import numpy as np
 
 from compass.coverage.fold_verdict import users_of
 from compass.coverage.region import GLOBE, Region, convex_polygon, read_regions
+from compass.coverage.users import Users
 from compass.design import Design, Requirement
 from compass.sites import Site
 
@@ -19,8 +20,8 @@ class Claim:
 
     Attributes
     ----------
-    name
-        What to call it.
+    users
+        Who stand there.
     radius
         Of the sphere, or of the equator, m.
     lowest, highest
@@ -30,20 +31,27 @@ class Claim:
         The part.
     stretch
         Ratio of the equatorial radius to the polar one: 1 for a sphere.
-    mask
-        The highest of what was asked for, radians.
     ground
         What its users stand on, in words, where that is not the design's figure.
     """
 
-    name: str
+    users: Users
     radius: float
     lowest: float
     highest: float
     region: Region = GLOBE
     stretch: float = 1.0
-    mask: float = 0.0
     ground: str = ""
+
+    @property
+    def name(self) -> str:
+        """What to call it."""
+        return self.users.name
+
+    @property
+    def mask(self) -> float:
+        """The highest of what was asked for, radians."""
+        return self.users.mask.highest
 
 
 def claims_of(design: Design, requirement: Requirement) -> tuple[Claim, ...]:
@@ -53,27 +61,22 @@ def claims_of(design: Design, requirement: Requirement) -> tuple[Claim, ...]:
     from the radius by a known angle, which the mask is raised by to prove and lowered by to refute.
     A mask that depends on azimuth proves with its highest all around and refutes with its lowest.
     """
-    mask = requirement.mask
-    low, high = (design.mask.lowest, design.mask.highest) if mask is None else (mask, mask)
+    users, sites = users_of(design, requirement), len(requirement.sites)
     radius = design.figure.equatorial_radius + requirement.altitude
+    regions = [region for text in requirement.areas for region in read_regions(text)]
     claims = [
-        Claim(text, radius, low, high, region, design.figure.stretch, high)
-        for text in requirement.areas
-        for region in read_regions(text)
+        Claim(each, radius, each.mask.lowest, each.mask.highest, region, design.figure.stretch)
+        for region, each in zip(regions, users[sites:], strict=True)
     ]
-    users = users_of(design, requirement)
-    for site, each in zip(requirement.sites, users, strict=False):
+    for site, each in zip(requirement.sites, users[:sites], strict=True):
         lean = abs(each.south - site.latitude) + 2 * SQUARE
-        low, high = each.mask.lowest - lean, each.mask.highest + lean
-        distance = float(np.linalg.norm(site.r_mcmf))
         claims.append(
             Claim(
-                site.name,
-                distance,
-                low,
-                high,
+                each,
+                float(np.linalg.norm(site.r_mcmf)),
+                each.mask.lowest - lean,
+                each.mask.highest + lean,
                 square(site),
-                mask=each.mask.highest,
                 ground="the place at its height, over its own vertical",
             )
         )

@@ -63,11 +63,9 @@ def fold_verdict_over_days(
         return _by_boxes(path, users_of(design, requirement), requirement, course, effort)
     # whichever are lost: so many are left if so many more are there
     fold = requirement.fold + requirement.losses
-    claims, users = claims_of(design, requirement), users_of(design, requirement)
-    sites = len(requirement.sites)  # of which claims are the last, users the first
     found = [
-        (claim_lasts(path, fold, claim, start, stop), each)
-        for claim, each in zip(claims, (*users[sites:], *users[:sites]), strict=True)
+        (claim_lasts(path, fold, claim, start, stop), claim.users)
+        for claim in claims_of(design, requirement)
     ]
     return _verdict(path, requirement, scope, found)
 
