@@ -5,7 +5,9 @@ For orbits of one period that is no fraction of Mars's rotation the circle and t
 claim for ever: longitude and phase together come arbitrarily near every pair of values.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from math import inf, log
 from time import perf_counter
@@ -207,26 +209,22 @@ def clear_share(
     most
         Boxes to look at; `MOST_BOXES` if left out; fewer with many satellites.
     seconds
-        Look at as many boxes as that takes, about, instead.
+        Look at as many boxes as that takes, about, instead, by a trial of some.
     """
     check_users(constellation, users, fold)
     if constellation.size < fold:
         return Share(0.0, 0.0, 0)
-    laid = lay_out(constellation, users, span)
-    began, left = perf_counter(), _affordable(most, constellation.size)
+    run = partial(_in_parts, lay_out(constellation, users, span), fold)
+    left = _boxes(run, constellation.size, most, seconds)
     finest, total, low, high, before = 1e-2, 0, 0.0, 1.0, 0
     while True:
-        started = perf_counter()
-        found = _in_parts(laid, fold, finest, left)
+        found = run(finest, left)
         total, left = total + found.boxes, left - found.boxes
         # a pass that is cut short says less than the one before
         low, high = max(low, found.low), min(high, found.high)
         told = level is not None and (low >= level or high < level)
         if told or high - low <= width:
             return Share(low, high, total)
-        if seconds is not None:
-            now = perf_counter()
-            left = int((began + seconds - now) * found.boxes / max(now - started, 1e-6))
         growth = max(found.boxes / before, 1.5) if before else GROWTH
         before = found.boxes
         if growth * before <= left:
@@ -266,7 +264,8 @@ def polygon_share(
         return share.low, share.high, share.boxes, "boxes" if short else ""
 
     low, high, boxes = 0.0, 1.0, 0
-    left = _boxes(lay_out(constellation, everyone, None), fold, most, seconds)
+    run = partial(_in_parts, lay_out(constellation, everyone, None), fold)
+    left = _boxes(run, constellation.size, most, seconds)
     for near in (*(one for one in FIRST_WIDTHS if one > width), width):
         below, above, looked, _ = weighed_share(
             users.region.normals,
@@ -345,10 +344,8 @@ def worst_share(
     check_users(constellation, users, fold)
     if constellation.size < fold:
         return Share(0.0, 0.0, 0), users.south
-    most, places = (
-        _boxes(lay_out(constellation, users, span), fold, most, seconds),
-        span is not None,
-    )
+    run = partial(_share, lay_out(constellation, users, span), fold, 0)
+    most, places = _boxes(run, constellation.size, most, seconds), span is not None
 
     def at(latitude: float, longitude: float) -> tuple[float, int]:
         here = replace(users, south=latitude, north=latitude, region=GLOBE)
@@ -380,13 +377,18 @@ def _affordable(most: int | None, satellites: int) -> int:
     return min(MOST_BOXES if most is None else most, MOST_SIGHTS // satellites)
 
 
-def _boxes(laid: Laid, fold: int, most: int | None, seconds: float | None) -> int:
-    """Boxes to look at: so many, or as many as so many seconds take by a trial of some."""
+def _boxes(
+    run: Callable[[float, int], Share], satellites: int, most: int | None, seconds: float | None
+) -> int:
+    """Boxes to look at: so many, or as many as so many seconds take by a trial of some.
+
+    A trial is a run down to a measure, within a number of boxes.
+    """
     if seconds is None:
-        return _affordable(most, laid.orbits.shape[0])
-    _share(laid, fold, 0, 1e-6, 1)  # its kernel is there then
+        return _affordable(most, satellites)
+    run(1e-6, TIMES)  # its kernel is there then
     began = perf_counter()
-    tried = _share(laid, fold, 0, 1e-6, TRIAL_BOXES).boxes
+    tried = run(1e-6, TRIAL_BOXES).boxes
     return max(int(tried * seconds / max(perf_counter() - began, 1e-6)), 1)
 
 
