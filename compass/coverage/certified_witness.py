@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.coverage.certified_ranges import Ranges
 from compass.frames import mcmf_from_mci, prime_meridian_angle
@@ -45,6 +46,16 @@ class WorstWitness:
         }
 
 
+def in_view(
+    constellation: Constellation, site: Site, time: float, motion: Motion
+) -> tuple[NDArray[np.float64], tuple[str, ...]]:
+    """Mars-fixed places of the satellites in view of a site at a moment, and their names."""
+    angle = prime_meridian_angle(constellation.epoch, time)
+    r = mcmf_from_mci(motion.states(constellation, [time])[0][:, 0], angle)
+    seen = site.sees(r)
+    return r[seen], tuple(np.array(constellation.satellite_names)[seen].tolist())
+
+
 def dilution_at(
     constellation: Constellation,
     site: Site,
@@ -57,11 +68,8 @@ def dilution_at(
 
     With ranges of rows over their sigmas: an error in metres, without what all satellites share.
     """
-    angle = prime_meridian_angle(constellation.epoch, time)
-    r = mcmf_from_mci(motion.states(constellation, [time])[0][:, 0], angle)
-    seen = site.sees(r)
-    names = tuple(np.array(constellation.satellite_names)[seen].tolist())
-    sights = r[seen] - site.r_mcmf
+    r, names = in_view(constellation, site, time, motion)
+    sights = r - site.r_mcmf
     units = sights / np.linalg.norm(sights, axis=1, keepdims=True)
     rows = np.column_stack([units, np.ones(len(units))])
     if len(rows) < 4:

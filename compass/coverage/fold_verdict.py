@@ -246,7 +246,7 @@ def _always(
     low = min(clearance.low for clearance, *_ in found)
     tightest, whose, lost, alike, left = min(found, key=lambda one: one[0].high)
     met = True if low >= 0.0 else False if tightest.high < 0.0 else None
-    worst = worst_of(tightest, left, whose, fold)
+    worst = _worst_of(tightest, left, whose, fold)
     margin = low if met or met is None else tightest.high
     verdict = Verdict(
         requirement,
@@ -272,7 +272,7 @@ def _always(
     return replace(verdict, share=share if share is None or alone else (0.0, share[1]))
 
 
-def worst_of(tightest: Clearance, c: Moving, users: Users, fold: int) -> Worst | None:
+def _worst_of(tightest: Clearance, c: Moving, users: Users, fold: int) -> Worst | None:
     """Where and when users have their least clearance; None where that is not known."""
     if not np.isfinite(tightest.high):
         return None

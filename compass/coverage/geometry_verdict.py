@@ -19,7 +19,7 @@ from compass.coverage.certified_ranges import (
     skies_of,
 )
 from compass.coverage.certified_share import CertifiedShare
-from compass.coverage.certified_witness import dilution_at
+from compass.coverage.certified_witness import in_view
 from compass.coverage.certified_worst import CertifiedAlways
 from compass.coverage.certified_worst_place import certified_worst_place
 from compass.coverage.fold_verdict import Course, course_of, losses_of, users_of
@@ -216,7 +216,7 @@ def _always(
         if claim.found.outcome == Outcome.REFUTED and (w := claim.found.witness) is not None:
             users = claim.users
             place = Site("", w.latitude, w.longitude, users.height, users.mask, users.figure)
-            _, around = dilution_at(claim.left, place, w.time, design.motion, "gdop")
+            _, around = in_view(claim.left, place, w.time, design.motion)
             worst = Worst(
                 w.time,
                 w.latitude,
