@@ -1,7 +1,7 @@
 """How many threads to work with, and work shared among them."""
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
@@ -39,9 +39,17 @@ def in_blocks(
         list(pool.map(work, parts))
 
 
-def shared(work: Callable[[Item], Found], items: Iterable[Item]) -> Iterator[Found]:
-    """Yield what comes of each item, in order, one thread a core; ^C begins no further one."""
-    pool = ThreadPoolExecutor(cores())
+def shared(
+    work: Callable[[Item], Found], items: Iterable[Item], threads: int | None = None
+) -> Generator[Found, None, None]:
+    """Yield what comes of each item, in order; ^C, or who asks no more, begins no further one.
+
+    A single thread is the one at hand.
+    """
+    if cores(threads) == 1:
+        yield from map(work, items)
+        return
+    pool = ThreadPoolExecutor(cores(threads))
     try:
         yield from pool.map(work, items)
     finally:

@@ -90,7 +90,7 @@ def boxes_at(
     stack, found = [whole], []
     while stack:
         box = stack.pop()
-        look(box, *work, question.squares([limit]), *question.arrays(limit))
+        look(box, *work, question.squares([limit]), *question.arrays())
         part = still_open(box, 0) / box[INSIDE]
         halves = np.zeros(BOX), np.zeros(BOX)
         if part > 0.05 and max(box[3:5]) > smallest and split(box, 1.0, *halves):

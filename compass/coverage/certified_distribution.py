@@ -113,7 +113,7 @@ class Distribution:
                 part = (0.95 * near / (high - low))[wide & (np.array(of) == k)].max() ** 2
                 b.eps[k] *= max(0.25, float(part))
             eps = np.where(wide, b.eps[of], np.inf)
-        self._leaves = leaves
+        self._values, self._leaves = values, leaves
         b.leaves = leaves[:, :GIVEN].copy()
         return [Below(*ends) for ends in zip(low.tolist(), high.tolist(), strict=True)]
 
@@ -129,20 +129,18 @@ class Distribution:
         high = 1.0 - (above + sums[2 + count :]) / whole + error
         return np.maximum(low, 0.0), np.minimum(high, 1.0)
 
-    def close_in(self, limits: Sequence[Limit], ends: Mapping[int, tuple[float, float]]) -> None:
-        """Set aside boxes that no longer matter, once limits were looked at.
+    def close_in(self, ends: Mapping[int, tuple[float, float]]) -> None:
+        """Set aside boxes that no longer matter.
 
         Parameters
         ----------
-        limits
-            What `shares` was asked.
         ends
-            Between which limits percentiles lie that are still looked for: 0, infinity or of
-            `limits`.
+            Between which limits percentiles lie that are still looked for: 0, infinity or of those
+            that `shares` was asked for last.
         """
         if self._polygon is not None or self.rounds.stopped:
             return
-        count, columns = len(limits), [limit.at for limit in limits]
+        count, columns = len(self._values), self._values
         inside, matters = self._leaves[:, INSIDE], np.zeros(len(self._leaves), dtype=bool)
         of: dict[int, tuple[NDArray[np.bool_], NDArray[np.bool_]]] = {}
         for k, (low, high) in ends.items():

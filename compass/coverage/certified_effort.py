@@ -232,7 +232,7 @@ class Effort:
         held = [self._arrays[f"{key}/{name}"] for name in ("leaves", "settled", "sums", "eps")]
         leaves, settled, (inside, looked), eps = held
         boxes = Boxes(leaves, settled, float(inside), eps, int(looked))
-        return CertifiedPercentiles(of, int(looked), boxes, self._arrays[f"{key}/points"])
+        return CertifiedPercentiles(of, boxes, self._arrays[f"{key}/points"])
 
     def _put_percentiles(self, key: str, found: CertifiedPercentiles) -> None:
         """Keep where percentiles stopped."""

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import exp, inf, log, sqrt
-from time import monotonic
 from typing import Any, Unpack
 
 import numpy as np
@@ -71,15 +70,12 @@ class CertifiedPercentiles:
     ----------
     of
         By per cent.
-    looked
-        Boxes looked at.
     boxes, points
         Where it can go on from; see `Boxes`, and shares found so far: percentile, limit, middle
         and half width, shape (k, 4).
     """
 
     of: Mapping[float, CertifiedPercentile]
-    looked: int = 0
     boxes: Boxes | None = None
     points: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
 
@@ -136,12 +132,11 @@ def certified_percentiles(
     sought = [_Sought(k, q, precision, guess, limits) for k, q in enumerate(percents)]
     boxes = _go_on(sought, start) if start else None
     found = Distribution(question, len(percents), workers, boxes)
-    found.rounds.end, found.rounds.left = monotonic() + budget_s, budget_boxes
+    found.rounds.begin(budget_s, budget_boxes)
     _close_in(found, sought)
     _compare(found, sought)
     return CertifiedPercentiles(
         {one.percent: one.result(scope, found.rounds.stopped) for one in sought},
-        found.boxes.looked,
         found.boxes,
         np.array([(one.index, *point) for one in sought for point in one.points]).reshape(-1, 4),
     )
@@ -184,11 +179,11 @@ def _close_in(distribution: Distribution, sought: list["_Sought"]) -> None:
         for k, ours in asked.items():
             sought[k].take(ours, [next(shares) for _ in ours])
         ends = {one.index: (one.low, one.high) for one in sought if one.matters}
-        distribution.close_in(limits, ends)
+        distribution.close_in(ends)
 
 
 def _compare(distribution: Distribution, sought: list["_Sought"]) -> None:
-    """Look beside limits that lie between bounds until it is told on which side of them they are."""
+    """Look beside limits that lie between bounds until it is told on which side each is."""
     for one in sought:
         for limit in one.compared:
             width = COARSE

@@ -164,11 +164,10 @@ class Question:
         """What kernels know limits by, shape (m,)."""
         return np.array([self.dilution(limit) ** 2 for limit in limits])
 
-    def arrays(self, limit: float = 1.0) -> tuple[NDArray[np.float64], ...]:
+    def arrays(self) -> tuple[NDArray[np.float64], ...]:
         """What all kernels take last: orbits, circles, breaks, paths, edges, numbers, mask."""
         d, horizon = self.domain, self.horizon
-        square = self.dilution(limit) ** 2
-        numbers = np.array([d.flattening, d.slack, d.height, float(self.dop), square])
+        numbers = np.array([d.flattening, d.slack, d.height, float(self.dop)])
         if self.ranges is not None:
             numbers = np.append(numbers, self.ranges.shared_row(self.scale))
         rows = (

@@ -1,12 +1,13 @@
 """Boxes split round by round, by threads and within a budget; who works changes no sum."""
 
-from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from time import monotonic
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.certified.shares import BOX, GIVEN, INSIDE, refine
+from compass.cores import shared
 from compass.coverage.certified_question import Question
 
 #: Boxes that one piece of work starts from: fixed, so that sums do not depend on who works.
@@ -42,6 +43,10 @@ class Rounds:
         self.end, self.left, self.stopped = np.inf, np.inf, ""
         if question.satellites >= 4:  # compiled before any clock runs
             self.refine(np.empty((0, BOX)), np.ones(1), [1.0])
+
+    def begin(self, budget_s: float, budget_boxes: float) -> None:
+        """Begin a budget: so many seconds from now, and boxes."""
+        self.end, self.left, self.stopped = monotonic() + budget_s, budget_boxes, ""
 
     def refine(
         self,
@@ -80,13 +85,10 @@ class Rounds:
                 return None
             return refine(piece, fresh, whole, eps, self.question.speed, *arrays)
 
-        with ThreadPoolExecutor(self.workers) as pool:
-            results = pool.map(work, pieces)
+        with closing(shared(work, pieces, self.workers)) as results:
             try:
                 for piece in pieces:
                     if sums[-1] >= self.left:
-                        pool.shutdown(wait=False, cancel_futures=True)
-                        kept += pieces[len(kept) :]
                         self.stopped = "boxes"
                         break
                     done = next(results)
@@ -94,11 +96,9 @@ class Rounds:
                     kept.append(done[1] if done else piece)
                     sums += done[0] if done else 0.0
             except KeyboardInterrupt:
-                pool.shutdown(cancel_futures=True)
-                kept += pieces[len(kept) :]
                 self.stopped = "interrupted"
         self.left -= sums[-1]
-        return np.concatenate(kept), sums
+        return np.concatenate(kept + pieces[len(kept) :]), sums
 
 
 def open_at_most(leaves: NDArray[np.float64]) -> float:

@@ -187,7 +187,7 @@ class Search:
         else:
             leaves = self.question.boxes()
         rounds = self.rounds
-        rounds.end, rounds.left, rounds.stopped = monotonic() + budget_s, budget_boxes, ""
+        rounds.begin(budget_s, budget_boxes)
         total = settled[:2].sum() + leaves[:, INSIDE:GIVEN].sum()
         coarse = max(FIRST, 0.1 * width) * total
         eps = 4.0 * min(coarse, open_at_most(leaves))

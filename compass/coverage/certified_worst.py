@@ -1,8 +1,9 @@
 """The largest dilution of precision over a place and time, between proven bounds, and where."""
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from time import monotonic
 from typing import Unpack
 
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.certified.worst import LEAF, pursue
+from compass.cores import shared
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_question import DOPS, Asked, Question
 from compass.coverage.certified_rounds import fewer
@@ -231,29 +233,23 @@ class _Pursuit:
         while len(pending) and not self.stopped and self.best[0] <= halt:
             pieces = [pending[k : k + self.size] for k in range(0, len(pending), self.size)]
             left: list[NDArray[np.float64]] = []
-            with ThreadPoolExecutor(self.workers) as pool:
-                results = pool.map(lambda piece: self._work(piece, ratio, enough, beyond), pieces)
-                best = self.best
+            best, work = self.best, partial(self._work, ratio=ratio, enough=enough, beyond=beyond)
+            with closing(shared(work, pieces, self.workers)) as results:
                 try:
-                    for piece, result in zip(pieces, results, strict=True):
-                        if result is None or self.stopped or best[0] > halt:
-                            late = "" if best[0] > halt else "time"
-                            self.stopped = self.stopped or late
-                            left.append(piece)
-                            continue
+                    while len(left) < len(pieces) and not self.stopped and best[0] <= halt:
                         if self.boxes >= self.most:
                             self.stopped = "boxes"
-                            left.append(piece)
-                            continue
-                        found, looked, stuck, open_ = result
-                        best = found if found[0] > best[0] else best
-                        self.stopped = self.stopped or ("resolution" if stuck else "")
-                        self.boxes += int(looked)
-                        left.append(open_)
+                        elif (result := next(results)) is None:
+                            self.stopped = "time"
+                        else:
+                            found, looked, stuck, open_ = result
+                            best = found if found[0] > best[0] else best
+                            self.stopped = "resolution" if stuck else ""
+                            self.boxes += int(looked)
+                            left.append(open_)
                 except KeyboardInterrupt:
-                    pool.shutdown(cancel_futures=True)
-                    left += pieces[len(left) :]
                     self.stopped = "interrupted"
+            left += pieces[len(left) :]
             self.best, self.few = best, min(2 * self.few, self.many)
             leaves = np.concatenate(left)
             leaves = leaves[leaves[:, 6] > max(best[0], enough * enough)]

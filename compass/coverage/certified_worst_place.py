@@ -67,7 +67,8 @@ def certified_worst_place(
     question.check(limit)
     first = question.boxes()[:, :6]
     first = first[(first[:, 0] == first[0, 0]) & ((first[:, 1] == first[0, 1]) | (not places))]
-    orbits, circles, breaks, paths, _, numbers, mask = question.arrays(limit)
+    orbits, circles, breaks, paths, _, numbers, mask = question.arrays()
+    (square,) = question.squares([limit])
 
     def bound(tile: Sides) -> tuple[float, int]:
         boxes = first.copy()
@@ -75,7 +76,7 @@ def certified_worst_place(
             boxes[:, axis] = 0.5 * (low + high)
             boxes[:, 3 + axis] = 0.5 * (high - low) * (1 + 1e-15)
         share, looked = kept_everywhere(
-            boxes, places, question.speed, orbits, circles, breaks, paths, numbers, mask
+            boxes, places, square, question.speed, orbits, circles, breaks, paths, numbers, mask
         )
         return max(0.0, float(share) - ROUNDING), int(looked)
 

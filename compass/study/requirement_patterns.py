@@ -1,13 +1,13 @@
 """Every pattern of a size at every inclination and turn, and those that random moments leave."""
 
 from collections.abc import Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.cores import shared
 from compass.coverage.certified_ranges import ranges_wanted
 from compass.coverage.fold_verdict import users_of
 from compass.orbits import Pattern
@@ -63,8 +63,7 @@ def sampled(
         for wanted in question.requirements
         for users in users_of(design, wanted)
     ]
-    with ThreadPoolExecutor(workers) as pool:
-        kept = list(pool.map(lambda grid: _kept(question, grid, moments, bare), tried))
+    kept = list(shared(lambda grid: _kept(question, grid, moments, bare), tried, workers))
     return [one for some, _ in kept for one in some], [one for _, some in kept for one in some]
 
 

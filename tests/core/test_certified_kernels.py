@@ -347,6 +347,6 @@ def test_a_satellite_overhead_and_near_leaves_its_box_open():
         box, np.zeros(USER), np.zeros(SCRATCH + CUT + EXPANSION), np.zeros((n, 3)), np.zeros((n, 3)),
         np.zeros((n + 1, WIDTH)), np.zeros(n + 1, dtype=np.int64), np.array([36.0]), domain.orbits,
         domain.circles, domain.breaks, domain.paths, np.empty((0, 3)),
-        np.array([0.0, 0.0, 0.0, 1.0, 36.0]), np.zeros((2, 1)),
+        np.array([0.0, 0.0, 0.0, 1.0]), np.zeros((2, 1)),
     )  # fmt: skip
     assert not box[GIVEN:].any() and still_open(box, 0) > 0.0

@@ -16,7 +16,6 @@ from compass.core.certified.sights import (
     FALL,
     HEIGHT,
     HIGH,
-    SQUARE,
     USER,
     WIDTH,
     place,
@@ -61,7 +60,7 @@ def kept(rows, kinds, count, square, s, cut, places):
 
 
 @kernel
-def kept_everywhere(boxes, places, speed, orbits, circles, breaks, paths, numbers, mask):
+def kept_everywhere(boxes, places, square, speed, orbits, circles, breaks, paths, numbers, mask):
     """Share of longitude and time, or of time, of which no place of the boxes keeps a limit less.
 
     Parameters
@@ -70,6 +69,8 @@ def kept_everywhere(boxes, places, speed, orbits, circles, breaks, paths, number
         Which together fill the sides that are split; shape (m, BOX). All have the same others.
     places
         Whether longitudes are places: then time alone is split.
+    square
+        The limit squared.
     speed, orbits, circles, breaks, paths, numbers, mask
         As in `compass.core.certified.shares.refine`.
 
@@ -98,7 +99,7 @@ def kept_everywhere(boxes, places, speed, orbits, circles, breaks, paths, number
             place(box, numbers[E2], numbers[HEIGHT], user)
             states(orbits, circles, breaks, paths, box[2], q, dq)
             count = gather(box, user, scratch, q, dq, rows, kinds, orbits, numbers, mask)
-            share = kept(rows, kinds, count, numbers[SQUARE], scratch, scratch[SCRATCH:], places)
+            share = kept(rows, kinds, count, square, scratch, scratch[SCRATCH:], places)
             low, high = box[0] - box[3], box[0] + box[3]
             ring = 1.0 if low <= 0.0 <= high else max(math.cos(low), math.cos(high))
             across, later = ring * box[4], speed * box[5]

@@ -68,9 +68,9 @@ USER = 26
 ORBIT = 12
 
 #: What the kernels take in one array: eccentricity squared of the ellipsoid, error of the
-#: satellites' places, height of users, which dilution (as `compass.core.dop`), its limit squared;
-#: then what all ranges share.
-E2, SLACK, HEIGHT, DOP, SQUARE, NUMBERS = 0, 1, 2, 3, 4, 5
+#: satellites' places, height of users, which dilution (as `compass.core.dop`); then
+#: what all ranges share.
+E2, SLACK, HEIGHT, DOP, NUMBERS = 0, 1, 2, 3, 4
 
 #: What rounding can move a sight by, relative to the satellite's distance.
 SIGHT_ROUNDING = 1e-12
