@@ -6,11 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core import error
+from compass.core.runs import HIGH, OUT, UP_OUT, UP_Z
 from compass.coverage.errors import ERRORS
 from compass.coverage.grid import make_grid
 from compass.coverage.view import View
 from compass.design import Design
-from compass.frames import direction, east_north_up, planetographic_latitude
+from compass.frames import east_north_up
 from compass.signal.budget import TERMS
 from compass.signal.ranges import RangeErrors
 
@@ -86,12 +87,15 @@ def fix_budget(design: Design, seen: View, ranges: RangeErrors) -> FixBudget:
 def _users(design: Design) -> tuple[Array, Array]:
     """Places on the ground, in units of the equatorial radius, and up; each of the same area."""
     figure = design.figure
-    polar = figure.polar_radius / figure.equatorial_radius
-    grid = make_grid("equal-area", STEP_DEG, polar)
-    latitude, longitude = (x.ravel() for x in np.meshgrid(grid.latitude, grid.longitude))
-    radius = polar / np.hypot(polar * np.cos(latitude), np.sin(latitude))
-    up = east_north_up(planetographic_latitude(latitude, figure), longitude)[:, 2]
-    return radius[:, None] * direction(latitude, longitude), up
+    grid = make_grid("equal-area", STEP_DEG, figure.polar_radius / figure.equatorial_radius)
+    longitude = np.repeat(grid.longitude, grid.rows)[:, None]
+    around = np.cos(longitude), np.sin(longitude), np.ones_like(longitude)
+    row = np.tile(grid.places, (grid.columns, 1))
+    places, ups = (
+        np.hstack(around) * row[:, columns]
+        for columns in ([OUT, OUT, HIGH], [UP_OUT, UP_OUT, UP_Z])
+    )
+    return places, ups
 
 
 def variances_by_part(
@@ -161,8 +165,6 @@ def _mask(seen: View, u: Array, ups: Array) -> Array:
     """Elevation of the horizon under each line of sight, rad."""
     if seen.elevations.size == 1:
         return np.broadcast_to(seen.elevations[0], u.shape[:3])
-    east = np.cross([0.0, 0.0, 1.0], ups)
-    east /= np.maximum(np.linalg.norm(east, axis=-1, keepdims=True), 1e-300)
-    north = np.cross(ups, east)
-    azimuth = np.arctan2(np.einsum("tuni,ui->tun", u, east), np.einsum("tuni,ui->tun", u, north))
+    axes = east_north_up(np.arcsin(ups[:, 2]), np.arctan2(ups[:, 1], ups[:, 0]))
+    azimuth = np.arctan2(*(np.einsum("tuni,ui->tun", u, axes[:, k]) for k in (0, 1)))
     return np.interp(azimuth, seen.azimuths, seen.elevations, period=2.0 * np.pi)
