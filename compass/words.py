@@ -15,8 +15,19 @@ def counted(number: float, noun: str) -> str:
 
 
 def days_words(days: float) -> str:
-    """Days that something lasts, never more than it does: whole ones, of few two decimals."""
+    """Days that something lasts, never more than it does.
+
+    Whole ones, of few two decimals, and minutes where those would say 0.
+    """
+    if days < 0.01:
+        minutes = floor(1440 * days)
+        return counted(minutes, "minute") if minutes else "less than a minute"
     return counted(floor(days) if days >= 10 else floor(100 * days) / 100, "day")
+
+
+def capital(words: str) -> str:
+    """Words as a sentence begins; what follows the first letter stays, names and signs in it."""
+    return words[:1].upper() + words[1:]
 
 
 def listed(words: list[str]) -> str:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from compass.words import counted, days_words
+from compass.words import capital, counted, days_words
 
 
 @pytest.mark.parametrize(
@@ -15,7 +15,21 @@ def test_one_is_one_and_all_others_are_many(noun, many):
 
 @pytest.mark.parametrize(
     ("days", "said"),
-    [(0.7, "0.7 days"), (1.02996, "1.02 days"), (1.0, "1 day"), (31.99, "31 days")],
+    [
+        (0.7, "0.7 days"),
+        (1.02996, "1.02 days"),
+        (1.0, "1 day"),
+        (31.99, "31 days"),
+        (0.0099, "14 minutes"),
+        (0.0007, "1 minute"),
+        (0.0005, "less than a minute"),
+    ],  # fmt: skip,
 )
 def test_days_that_something_lasts_are_never_more_than_it_does(days, said):
     assert days_words(days) == said
+
+
+def test_a_sentence_begins_with_a_capital_and_keeps_its_names():
+    assert [capital(words) for words in ("", "a DSAC in Gale", "PDOP")] == [
+        "", "A DSAC in Gale", "PDOP",
+    ]  # fmt: skip

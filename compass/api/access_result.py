@@ -18,7 +18,7 @@ from compass.errors import ArgumentError
 from compass.orbits.motion import Motion
 from compass.quantities import quantity
 from compass.saving import check_ending, replacing, save_netcdf, write_csv
-from compass.words import counted
+from compass.words import capital, counted
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -122,7 +122,7 @@ class AccessResult(Result):
 
     def notes(self) -> tuple[str, ...]:
         """How well it is known, what is left out, and the Sun's part in links to the Earth."""
-        notes = [f"{EVIDENCE[0].upper()}{EVIDENCE[1:]}."]
+        notes = [f"{capital(EVIDENCE)}."]
         notes += [] if self.record["motion"] == TWO_BODY else [f"Under {self.record['motion']}."]
         if self.record["latency"] is None:
             notes.append("Store and forward between stations is left out: there is too much of it.")

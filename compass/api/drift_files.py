@@ -48,7 +48,7 @@ def drift_dataset(result: "DriftResult") -> "xr.Dataset":
         "satellite": ("satellite", list(names), {"long_name": "satellite"}),
     }
     attributes = {
-        "title": f"Margin and room of {result.design.name}, left alone",
+        "title": f"Margin and room of {result.design.name}",
         "epoch_tdb": epoch_text(result.design.constellation.epoch),
         "motion": result.motion,
         "fold": found.lasting.fold,

@@ -11,6 +11,7 @@ from compass.entry.faults import Fault
 from compass.entry.fused_kinds import Kind
 from compass.entry.quantiles import share_bounds
 from compass.study.fusion import SETTLING, TITLES, FusionRuns
+from compass.words import capital
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,7 +34,7 @@ def fusion_words(fused: FusionRuns) -> tuple[str, ...]:
     words = list(case.visibility_report())
     if words and fused.plan.see_through:
         words.append("as in the source, ranges are let through the planet all the same")
-    said = [". ".join(word[0].upper() + word[1:] for word in words) + "."] if words else []
+    said = [". ".join(capital(word) for word in words) + "."] if words else []
     vain = too_sure(fused)
     if vain:
         said.insert(0, f"Not to be believed: {'; '.join(vain)}.")

@@ -21,13 +21,14 @@ from compass.coverage.lasting import Lasting, prove_span
 from compass.coverage.promises import Promise, promises_of
 from compass.coverage.room import has_slots
 from compass.design import Design
+from compass.document import Answer
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.kept import kept
 from compass.orbits.trajectory import Trajectory
 from compass.orbits.trimming import beat_of
-from compass.words import days_words
+from compass.words import capital, days_words
 
 #: A Mars year, days: how far a page looks ahead, and the look before that.
 HORIZON, GLANCE = 687.0, 40.0
@@ -187,35 +188,56 @@ def outlook(design: Design) -> Outlook:
     )
 
 
+def left_words(design: Design) -> str:
+    """How the satellites fly where nobody corrects them, to go on with "it lasts"."""
+    return "left alone on real orbits" if design.motion.table is None else "on its given paths"
+
+
+def lasts_words(design: Design, days: float) -> str:
+    """Days that are proven to the end of what was looked at, and whether its paths end there."""
+    table = design.motion.table
+    ends = table is not None and days * SECONDS_PER_DAY >= table.stop
+    return days_words(days) + (", all they are given for" if ends else " and more")
+
+
 @dataclass(frozen=True)
 class Glance:
     """How long a design left alone keeps what is asked of it, as far as a glance goes.
 
     Attributes
     ----------
+    design
+        The design.
     days_proven, looked_days
         For how long it is proven, of how long was looked at.
     lost
         Where it is lost, in words; empty where it is not.
     """
 
+    design: Design
     days_proven: float
     looked_days: float
     lost: str
 
     @property
     def words(self) -> str:
-        """The days, whole ones that are proven."""
+        """The days that are proven, as `compass.words.days_words`; of none why."""
         if self.days_proven >= self.looked_days:
-            return f"{days_words(self.looked_days)} and more"
+            return lasts_words(self.design, self.looked_days)
         if self.days_proven == 0.0:
-            return f"not at the epoch: {self.lost}" if self.lost else "nothing proven"
+            return f"no time: at the epoch {self.lost}" if self.lost else "no time that is proven"
         return days_words(self.days_proven)
 
-    def command(self, design: Design) -> str:
-        """The command line that proves it."""
+    @property
+    def sentence(self) -> str:
+        """How long it lasts, in a sentence."""
+        return f"{capital(left_words(self.design))} it lasts {self.words}."
+
+    def answer(self, who: str = "it") -> Answer:
+        """The same as one of the first lines of a page, with the command that proves it."""
         days = min(self.looked_days, ceil(self.days_proven) + 1)
-        return f"compass drift {shlex.quote(design.label)} --days {days:g}"
+        proven = f"proven: compass drift {shlex.quote(self.design.label)} --days {days:g}"
+        return Answer(f"{capital(left_words(self.design))} {who} lasts", self.words, None, proven)
 
 
 def glance(design: Design) -> Glance:
@@ -233,7 +255,7 @@ def glance(design: Design) -> Glance:
             "lost": claim.loss,
         }
 
-    return Glance(**kept(question, look)[0])
+    return Glance(design, **kept(question, look)[0])
 
 
 def commands(design: Design, found: Outlook) -> dict[str, str]:

@@ -79,7 +79,7 @@ def promise_blocks(promises: Sequence[Promise]) -> list[Block]:
 def promise_table(rows: Sequence[dict[str, Any]]) -> Table:
     """Requirements as `promise_dict` has them: how long each is proven, and where it is lost."""
     header = ("", "wanted", "first lost at", *(quantity(name).heading for name in _FIGURES))
-    return Table("Requirements, left alone", header, tuple(_row(each) for each in rows))
+    return Table("Requirements, and how long they last", header, tuple(_row(each) for each in rows))
 
 
 def _row(row: dict[str, Any]) -> tuple[str | Value, ...]:

@@ -31,7 +31,7 @@ from compass.quantities.percentile import percentile
 from compass.saving import check_ending, replacing, save_netcdf, write_csv
 from compass.signal.budget import basis
 from compass.sites import Mask, Site
-from compass.words import counted
+from compass.words import capital, counted
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -216,7 +216,7 @@ class SeriesResult(Result):
         return (
             Table("Errors of fixes over time", ("user", *shares.values(), *header), lines),
             Sentence(
-                f"{how[0].upper()}{how[1:]}; infinite where four satellites are not in view "
+                f"{capital(how)}; infinite where four satellites are not in view "
                 "or their lines tell no fix, and that counts. An orbiter is hidden from "
                 "them by Mars alone, has the receiver's noise of the zenith, and no ionosphere."
             ),

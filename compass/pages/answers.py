@@ -297,7 +297,7 @@ def what_to_do(results: DesignResults, neighbours: Sequence[Neighbour]) -> list[
     """Recommend in a sentence; name the rival, and what would change the advice."""
     result, c = results.fold, results.design.constellation
     wanted = f"{result.fold}-fold coverage above {result.mask_deg:g}°"
-    real = lasting_advice(results.outlook) if results.outlook else ""
+    real = lasting_advice(results.design, results.outlook) if results.outlook else ""
     if results.checked is not None:
         fix = accurate(results).replace("GDOP is below", "Over all of Mars GDOP is below")
         return [f"{_of_requirements(results.checked, real)} {fix}".strip()]

@@ -10,6 +10,7 @@ from compass.document.blocks import Picture
 from compass.pictures.maps import LARGE, dilution_bar, draw_map, map_figure
 from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, look, new_figure, picture
 from compass.quantities import quantity
+from compass.words import capital
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -118,7 +119,7 @@ def _parts(mapped: MapResult) -> Picture:
 
 def _title(name: str) -> str:
     title = quantity(name).title
-    return f"{title[0].upper()}{title[1:]}, 95th percentile over time"
+    return f"{capital(title)}, 95th percentile over time"
 
 
 def _range(mapped: MapResult, name: str) -> str:

@@ -25,6 +25,7 @@ from compass.pages.landing import scenario_provenance
 from compass.pages.page import render
 from compass.pictures.judge import bound_distributions, bound_map
 from compass.study.ranking import Ranking, ground_words, judge_more
+from compass.words import capital
 
 #: How many of the best are mapped, and on how many times the ranking's entries.
 MAPPED, BATCHES = 4, 4
@@ -58,20 +59,17 @@ def answer_section(record: dict[str, Any], designs: Sequence[Design], carrying: 
         f"place to {significant(best['crlb_position_m']['p95'], 3)} m in 95 % of "
         f"{record['samples']:,} entries, at {record['deployment']}; {goal:g} m are wanted"
         f"{_filter_words(best) if best['believed'] else ''}. "
-        f"Left alone on real orbits it lasts {lasting[0].words}."
+        f"{lasting[0].sentence}"
     )
     if len(rows) > 1:
         ratio = rows[1]["crlb_position_m"]["p95"] / best["crlb_position_m"]["p95"]
         lead += f" Its rival {rows[1]['design']} has {significant(ratio, 3)} times as much."
-    lead += "".join(f" {words[0].upper()}{words[1:]}." for words in not_told_apart(rows))
+    lead += "".join(f" {capital(words)}." for words in not_told_apart(rows))
     if best["nees"] is not None and not best["believed"]:
         lead += (
             " That is the bound: the filter flown on it is inconsistent, so no accuracy is claimed."
         )
-    for row, seen in zip(rows, lasting, strict=False):
-        design = designs[row["given"] - 1]
-        left = f"Left alone on real orbits {row['design']} lasts"
-        answers.append(Answer(left, seen.words, None, f"proven: {seen.command(design)}"))
+    answers += [seen.answer(row["design"]) for row, seen in zip(rows, lasting, strict=False)]
     title = f"Within {goal:g} m at {record['deployment']}, {ground_words(record)} and at any time?"
     return Section("The answer", (Sentence(lead), Answers(title, tuple(answers)), carrying))
 

@@ -5,7 +5,7 @@ from math import inf
 
 from compass.api.land import LandResult
 from compass.api.land_flight import delivered, entry_tables, findings
-from compass.api.outlook import glance
+from compass.api.outlook import glance, left_words
 from compass.document import Answer, Answers, Section, Sentence
 from compass.document.blocks import Picture, arranged
 from compass.document.numbers import significant
@@ -79,7 +79,7 @@ def rests_on(found: LandResult) -> str:
     for design in (o.design for o in scenario.orbiters):
         if design is not None:
             words.append(
-                f"Its beacons are {design.name} ({what_flies(design)}); left alone on real orbits "
+                f"Its beacons are {design.name} ({what_flies(design)}); {left_words(design)} "
                 f"that lasts {glance(design).words}."
             )
     return " ".join(words)
@@ -96,11 +96,9 @@ def beacon_answers(scenario: Scenario) -> tuple[Answer, ...]:
         rows.append(Answer("Its beacons", f"{counted(own, 'orbiter')} of its own", None))
     for design in (o.design for o in scenario.orbiters):
         if design is not None:
-            seen = glance(design)
-            left = f"Left alone on real orbits {design.name} lasts"
             rows += [
                 Answer("Its beacons", design.name, None, what_flies(design)),
-                Answer(left, seen.words, None, f"proven: {seen.command(design)}"),
+                glance(design).answer(design.name),
             ]
     return tuple(rows)
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.api.outlook import KeepingCost, Outlook, commands
+from compass.api.outlook import KeepingCost, Outlook, commands, lasts_words, left_words
 from compass.api.promises import promise_table
 from compass.api.radii import RadiusLasts
 from compass.design import Design
@@ -15,7 +15,7 @@ from compass.frames import SECONDS_PER_DAY
 from compass.orbits import areosynchronous_radius
 from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, look, new_figure, picture
 from compass.quantities import quantity
-from compass.words import days_words
+from compass.words import capital, days_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,9 +25,6 @@ DAYS_PER_YEAR = 365.25
 
 #: Growth of the largest step between moments that may be a leap to another fit, degrees.
 LEAP = 2.0
-
-#: How a design is that nobody corrects.
-LEFT = "Left alone on real orbits"
 
 
 def lasting_verdicts(design: Design, outlook: Outlook) -> tuple[Verdict, ...]:
@@ -46,13 +43,12 @@ def lasting_verdicts(design: Design, outlook: Outlook) -> tuple[Verdict, ...]:
 def lasting_answers(design: Design, outlook: Outlook) -> list[Answer]:
     """The same as rows of the first lines: question, answer, how sure."""
     shown = commands(design, outlook)
-    left = _left(design)
+    left = f"{capital(left_words(design))} it lasts"
     proven = f"proven: {shown['lasts']}"
     if outlook.lasts:
-        more = ", all they are given for" if design.motion.table else " and more"
-        rows = [Answer(left, days_words(outlook.horizon_days) + more, None, proven)]
+        rows = [Answer(left, lasts_words(design, outlook.horizon_days), None, proven)]
     elif outlook.days_proven == 0.0:
-        rows = [Answer(left, "not held at the epoch", None, proven)]
+        rows = [Answer(left, f"no time: at the epoch {outlook.loss}", None, proven)]
     else:
         rows = [Answer(left, days_words(outlook.days_proven), None, proven)]
     if outlook.keeping is not None:
@@ -68,11 +64,6 @@ def lasting_answers(design: Design, outlook: Outlook) -> list[Answer]:
     return rows
 
 
-def _left(design: Design) -> str:
-    """The question how long it lasts."""
-    return f"{'On its given paths' if design.motion.table else LEFT} it lasts"
-
-
 def lasting_promise(design: Design, outlook: Outlook | None) -> str:
     """How long what was found at the epoch holds, in a sentence, of orbits that last."""
     if outlook is None or not outlook.lasts:
@@ -81,11 +72,11 @@ def lasting_promise(design: Design, outlook: Outlook | None) -> str:
     return f"{row.question} {row.written}."
 
 
-def lasting_advice(outlook: Outlook) -> str:
+def lasting_advice(design: Design, outlook: Outlook) -> str:
     """What to do about orbits that do not last, in a sentence; empty for those that do."""
     if outlook.lasts or outlook.days_proven == 0.0:
         return ""
-    said = f"{LEFT} it loses that after {days_words(outlook.days_proven)}: "
+    lost = f"it loses that after {days_words(outlook.days_proven)}"
     ways = []
     if good := outlook.lasting_radii:
         ways.append(f"fly it {_shift(outlook, good[0])}, where it keeps itself once trimmed")
@@ -94,7 +85,8 @@ def lasting_advice(outlook: Outlook) -> str:
             "keep every satellite in its slot for "
             f"{outlook.keeping.delta_v_mean_m_s_year:.3g} m/s a year"
         )
-    return said + (", or ".join(ways) or "renew its orbits before") + "."
+    remedy = ", or ".join(ways) or "renew its orbits before"
+    return f"{capital(left_words(design))} {lost}: {remedy}."
 
 
 def lasting_section(design: Design, outlook: Outlook | None) -> Section | None:
@@ -116,15 +108,14 @@ def lasting_section(design: Design, outlook: Outlook | None) -> Section | None:
 
 
 def _lasts(design: Design, outlook: Outlook) -> Verdict:
-    command = commands(design, outlook)["lasts"]
+    command, left = commands(design, outlook)["lasts"], left_words(design)
     if outlook.lasts:
         years = outlook.horizon_days / DAYS_PER_YEAR
         long = f" ({years:.1f} years)" if years >= 1.0 else ""
-        days, paths = days_words(outlook.horizon_days), design.motion.table is not None
         return Verdict(
-            f"Lasts {days} {'on its given paths' if paths else 'left alone'}",
-            f"{outlook.asked}, proven on {'its paths' if paths else 'real orbits'} for the {days} "
-            f"{'given' if paths else 'looked at'}{long} ({command})",
+            f"Lasts {lasts_words(design, outlook.horizon_days)}",
+            f"{outlook.asked}, proven {left} for the {days_words(outlook.horizon_days)} looked "
+            f"at{long} ({command})",
             True,
         )
     if outlook.first_loss_days is not None and outlook.days_proven * SECONDS_PER_DAY < 1.0:
@@ -133,13 +124,13 @@ def _lasts(design: Design, outlook: Outlook) -> Verdict:
         )
     proven = Value(quantity("days_proven"), outlook.days_proven)
     if outlook.first_loss_days is None:
-        word, end = f"Lasts at least {proven} days left alone", "undecided after that"
+        word, end = f"Lasts at least {days_words(outlook.days_proven)}", "undecided after that"
     else:
-        word = f"Lasts {days_words(outlook.days_proven)} left alone"
+        word = f"Lasts {days_words(outlook.days_proven)}"
         when = Value(quantity("first_loss_days"), outlook.first_loss_days)
         end = f"lost on day {when}: {outlook.loss}"
     return Verdict(
-        word, f"{outlook.asked}, proven on real orbits for {proven} days, {end} ({command})", False
+        word, f"{outlook.asked}, proven {left} for {proven} days, {end} ({command})", False
     )
 
 
@@ -220,7 +211,7 @@ def _margin_picture(outlook: Outlook) -> Picture:
             )
         axes.set(xlabel="days after the epoch", ylabel="degrees", xlim=(0, days[-1]))
         axes.set_ylim(bottom=max(lowest - 1.0, -10.0))
-        axes.set_title(f"{what}, left alone")
+        axes.set_title(f"{what} over time")
         axes.legend(frameon=False, loc="lower left")
     return picture(
         figure,

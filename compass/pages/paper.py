@@ -8,6 +8,7 @@ from compass.document import Answer, Answers, Section, Sentence
 from compass.document.blocks import Block
 from compass.pages.page import render
 from compass.papers.verdict import Row, Verdict
+from compass.words import capital
 
 #: What each verdict means, in the order of what a reader asks, and the words for its table.
 MEANINGS = {
@@ -101,7 +102,7 @@ def _errors(wrong: Sequence[Row]) -> list[str]:
     for row in wrong:
         assert row.erratum is not None
         spoilt.setdefault(row.erratum.reason, []).append(f"{row.item} ({row.where})")
-    return [f"{reason[0].upper()}{reason[1:]}: {'; '.join(r)}." for reason, r in spoilt.items()]
+    return [f"{capital(reason)}: {'; '.join(r)}." for reason, r in spoilt.items()]
 
 
 def _told(row: Row) -> str:
@@ -109,5 +110,5 @@ def _told(row: Row) -> str:
     unit = "" if row.unit in ("", "1") else f" {row.unit}"
     made = row.computed if isinstance(row.computed, str) else f"{row.computed:.6g}"
     return f"{row.where}, {row.item}: {row.published}{unit} published, {made}{unit} computed. " + (
-        f"{row.reason[0].upper()}{row.reason[1:]}" + "." * (not row.reason.endswith("."))
+        f"{capital(row.reason)}" + "." * (not row.reason.endswith("."))
     )

@@ -42,6 +42,7 @@ from compass.study.requirement_figures import required
 from compass.study.results import known_figures, read_results
 from compass.study.sampling import front_known, sampled_over
 from compass.study.yardstick import Yardstick, yardstick
+from compass.words import capital
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -213,7 +214,7 @@ def _fronts(study: Study, results: "xr.Dataset", pictures: Sequence[Picture]) ->
             "the bounds."
         )
     known = front_known(study, int((~front.decided.values).sum()))
-    text += f" {known[0].upper()}{known[1:]}."
+    text += f" {capital(known)}."
     return arranged("Pareto fronts", (text,), pictures, (table,))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from compass.api.check import verdict_sentences, verdict_table
 from compass.api.keep import keep
-from compass.api.outlook import glance
+from compass.api.outlook import glance, left_words
 from compass.cores import cores
 from compass.coverage.certificate import prove_fold
 from compass.coverage.requirement_verdict import verdict_of
@@ -34,7 +34,7 @@ from compass.study.ranking import Ranking, ground_words, rank_designs
 from compass.study.results import known_figures
 from compass.study.sampling import sampled_over, sampling_of
 from compass.study.yardstick import Yardstick, compared_mask_deg
-from compass.words import counted
+from compass.words import capital, counted
 
 #: The figure that is of a quick law, and simulated for finalists.
 LAW = "delta_v_keeping_m_s_year"
@@ -140,7 +140,7 @@ def recommendation(
         paragraphs.append(
             f"Does a lander {ground_words(ranking)} and at any time know its position to "
             f"{ranking['goal_m']:g} m at {ranking['deployment']}? "
-            f"{row['answer'][0].upper()}{row['answer'][1:]}."
+            f"{capital(row['answer'])}."
         )
     tables = [_objective_table(study, chosen, measure), _figure_table(study, chosen, measure)]
     if settled := chosen[0].verdicts:
@@ -192,7 +192,7 @@ def answer_section(
             if ordered(o, first, measure) is None:
                 sure += ", which is not told apart"
         title = MERITS[o.figure].title
-        rows.append(Answer(title[0].upper() + title[1:], with_unit(value), None, sure))
+        rows.append(Answer(capital(title), with_unit(value), None, sure))
     rows.insert(1 + len(chosen[0].verdicts), lasts)
     if judged is not None:
         rows.append(judged)
@@ -209,12 +209,11 @@ def _exactly(objective: Objective) -> str:
 
 def _lasts(one: Entrant) -> Answer:
     """How long it lasts left alone, as the study found it; else as far as a glance goes."""
-    left, days = "Left alone on real orbits it lasts", one.finalist.figures.get("days_proven")
-    if days is not None and np.isfinite(days):
-        value = Value(MERITS["days_proven"].quantity, days)
-        return Answer(left, with_unit(value), None, "proven")
-    seen = glance(one.design)
-    return Answer(left, seen.words, None, f"proven: {seen.command(one.design)}")
+    days = one.finalist.figures.get("days_proven")
+    if days is None or not np.isfinite(days):
+        return glance(one.design).answer()
+    question = f"{capital(left_words(one.design))} it lasts"
+    return Answer(question, with_unit(Value(MERITS["days_proven"].quantity, days)), None, "proven")
 
 
 def _worth_building(study: Study, one: Entrant, lasts: Answer) -> str:
@@ -224,7 +223,8 @@ def _worth_building(study: Study, one: Entrant, lasts: Answer) -> str:
         met = sum(verdict.met is True for verdict in one.verdicts)
         words = f"It meets {met} of its {counted(len(one.verdicts), 'requirement')}. "
     fold = f"{study.fold} in view above {one.finalist.mask_deg:g}° everywhere"
-    return f"{words}{fold}: {one.certificate} for all time; left alone it lasts {lasts.written}."
+    left = f"{left_words(one.design)} it lasts {lasts.written}"
+    return f"{words}{fold}: {one.certificate} for all time; {left}."
 
 
 def _build(one: Entrant) -> str:

@@ -18,6 +18,7 @@ from compass.study.choice import Finalist, notation, rows_in
 from compass.study.results import known_figures
 from compass.study.sampling import front_known
 from compass.study.yardstick import Yardstick
+from compass.words import capital
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -98,7 +99,7 @@ def beside(study: Study, results: "xr.Dataset", chosen: Sequence[Finalist]) -> s
     return (
         "Ringed: the recommended one."
         + " Bars: how far another sampling may move it." * bars
-        + f" {known[0].upper()}{known[1:]}."
+        + f" {capital(known)}."
     )
 
 

@@ -21,6 +21,7 @@ from compass.quantities.percentile import percentile
 from compass.sites import Mask
 from compass.study.choice import Finalist
 from compass.study.yardstick import Yardstick
+from compass.words import capital
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -78,7 +79,7 @@ def front_pictures(
                     label=measure.role,
                 )
             figure.legend(frameon=False, fontsize=8, loc="outside lower center", ncols=2)
-        title = f"{MERITS[b].title[0].upper()}{MERITS[b].title[1:]} against {MERITS[a].title}"
+        title = f"{capital(MERITS[b].title)} against {MERITS[a].title}"
         made.append(
             picture(
                 figure,
@@ -190,7 +191,7 @@ def sensitivity_pictures(study: Study, results: "xr.Dataset") -> list[Picture]:
                 axes.set_ylabel(label(objective.figure, 30), fontsize=8)
             panels[0].legend(frameon=False, fontsize=8)
             title = MERITS[objective.figure].title
-            figure.suptitle(f"{title[0].upper()}{title[1:]}, by variable", weight="bold")
+            figure.suptitle(f"{capital(title)}, by variable", weight="bold")
         made.append(
             picture(
                 figure,

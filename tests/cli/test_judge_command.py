@@ -182,7 +182,7 @@ def test_options_are_refused_before_a_rival_is_looked_for(run, files, monkeypatc
 
 
 def test_page_on_request(run, files, monkeypatch):
-    monkeypatch.setattr("compass.pages.judge.glance", lambda _: Glance(0.0, 40.0, "3 in view"))
+    monkeypatch.setattr("compass.pages.judge.glance", lambda d: Glance(d, 0.0, 40.0, "3 in view"))
     folder = files / "pages" / "judged"
     status, out, err = run(
         "judge", files / "2.toml", files / "3.toml", "-s", files / "lander.toml",
@@ -191,7 +191,7 @@ def test_page_on_request(run, files, monkeypatch):
     assert status == 0 and f"report: {folder / 'index.html'}" in err
     page = (folder / "index.html").read_text()
     assert "Users on the surface" in page and "no mask has it" in page
-    assert "not at the epoch: 3 in view" in page
+    assert "no time: at the epoch 3 in view" in page
     assert json.loads(out)["designs"][0]["answer"] in page
     assert (folder / "judge-map.png").read_bytes().startswith(b"\x89PNG")
 

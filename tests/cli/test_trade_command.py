@@ -41,7 +41,7 @@ def coarse(monkeypatch):
     """Coarse maps, no orbits followed: what they look like is not tested here."""
     monkeypatch.setattr(trade_pictures, "EPOCHS", 3)
     monkeypatch.setattr(trade_pictures, "CELL_DEG", 30.0)
-    monkeypatch.setattr("compass.pages.trade_finalists.glance", lambda _: Glance(31.7, 40.0, ""))
+    monkeypatch.setattr("compass.pages.trade_finalists.glance", lambda d: Glance(d, 31.7, 40.0, ""))
 
 
 @pytest.fixture

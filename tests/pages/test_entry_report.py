@@ -73,8 +73,7 @@ def test_the_page_names_its_beacons_and_how_long_their_orbits_last(coarse, monke
     assert ground.written == f"{len(coarse.surface_names)} beacons on the ground"
     (own,) = beacon_answers(read_scenario(DESIGNS / "entry-orbiters.toml"))
     assert own.written.endswith("orbiters of its own")
-    looked = Glance(31.7, 40.0, "")
-    monkeypatch.setattr("compass.pages.landing.glance", lambda design: looked)
+    monkeypatch.setattr("compass.pages.landing.glance", lambda d: Glance(d, 31.7, 40.0, ""))
     who, lasts = beacon_answers(read_scenario(DESIGNS / "landing.toml"))
     assert who.written == "COMPASS 15/5/1"
     assert who.sure == "15 satellites in 5 planes: delta 45°: 15/5/1, 20427 km"

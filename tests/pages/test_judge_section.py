@@ -133,9 +133,9 @@ def test_bounds_of_any_width_have_numbers_along_their_axis(widest):
 
 
 def test_the_answer_says_which_is_best_and_whether_to_believe_it(monkeypatch):
-    lasting = {"1.toml": Glance(31.69, 40.0, "3 in view"), "2.toml": Glance(40.0, 40.0, ""),
-               "3.toml": Glance(0.0, 40.0, "0 in view"), "4.toml": Glance(1.2, 40.0, "gone")}  # fmt: skip
-    monkeypatch.setattr(module, "glance", lambda design: lasting[design.label])
+    lasting = {"1.toml": (31.69, 40.0, "3 in view"), "2.toml": (40.0, 40.0, ""),
+               "3.toml": (0.0, 40.0, "0 in view"), "4.toml": (1.2, 40.0, "gone")}  # fmt: skip
+    monkeypatch.setattr(module, "glance", lambda design: Glance(design, *lasting[design.label]))
     monkeypatch.setattr(module, "flown", lambda design: f"orbits of {design.label}")
     designs = designs_of(1, 2, 3, 4)
 
@@ -169,7 +169,7 @@ def test_the_answer_says_which_is_best_and_whether_to_believe_it(monkeypatch):
     assert [(a.written, a.evidence) for a in answers.rows[4:]] == [
         ("31 days", "proven: compass drift 1.toml --days 33"),
         ("40 days and more", "proven: compass drift 2.toml --days 40"),
-        ("not at the epoch: 0 in view", "proven: compass drift 3.toml --days 1"),
+        ("no time: at the epoch 0 in view", "proven: compass drift 3.toml --days 1"),
         ("1.2 days", "proven: compass drift 4.toml --days 3"),
     ]
     easier = module.answer_section({**record, "goal_m": 16.0}, designs, picture)

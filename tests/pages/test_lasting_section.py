@@ -7,7 +7,15 @@ import pytest
 
 import compass
 from compass.api import outlook as module
-from compass.api.outlook import KeepingCost, Outlook, Settled, SlotHistory, commands, outlook
+from compass.api.outlook import (
+    Glance,
+    KeepingCost,
+    Outlook,
+    Settled,
+    SlotHistory,
+    commands,
+    outlook,
+)
 from compass.api.radii import RadiusLasts
 from compass.bodies import SOLAR_DAY
 from compass.coverage.certificate import Outcome
@@ -107,7 +115,7 @@ def test_what_is_proven_for_the_horizon_needs_no_more(near):
     assert (found.days_proven, found.radii, found.keeping) == (2.0, (), None)
     section = lasting_section(design, found)
     assert section.title == TITLE
-    assert words(section).startswith("Lasts 2 days left alone 1 or more satellites above 0 deg")
+    assert words(section).startswith("Lasts 2 days and more 1 or more satellites above 0 deg")
     assert [p.stem for p in section.pictures] == ["lasting-margin", "lasting-slots"]
     again = outlook(design)
     assert again.known
@@ -167,7 +175,7 @@ def told(first_loss=31.7, radii=((-400.0, 687.0), (400.0, 687.0)), **changed):
 def test_the_first_lines_say_how_long_at_what_cost_and_where_not():
     design = ring()
     lasts, cost, radius = lasting_verdicts(design, told())
-    assert lasts.word == "Lasts 31 days left alone"
+    assert lasts.word == "Lasts 31 days" and "proven left alone on real orbits for" in lasts.claim
     assert cost.word == "Keeping it costs 16 m/s a year a satellite"
     assert cost.claim.startswith("12 to 20 by slot")
     assert radius.word == "400 km lower it keeps itself for 1.9 years"
@@ -191,12 +199,12 @@ def test_the_page_asks_and_advises():
         "31 days", "16 m/s a year a satellite", "20027 km, 400 km lower, for 1.9 years",
     ]  # fmt: skip
     assert [row.mark for row in rows] == ["", "", ""]  # nobody asked for a number of days
-    assert lasting_advice(told()) == (
+    assert lasting_advice(ring(), told()) == (
         "Left alone on real orbits it loses that after 31 days: fly it 400 km lower, where it keeps "
         "itself once trimmed, or keep every satellite in its slot for 16 m/s a year."
     )
     held = told(None, (), outcome="proven", days_proven=687.0, keeping=None)
-    assert lasting_advice(held) == ""
+    assert lasting_advice(ring(), held) == ""
     assert [row.written for row in lasting_answers(ring(), held)] == ["687 days and more"]
 
 
@@ -205,13 +213,13 @@ def test_of_paths_known_for_days_no_years_and_no_slots_are_spoken_of():
     short = {"days_proven": 1.25, "horizon_days": 1.25, "radii": (), "keeping": None}
     found = told(None, outcome="proven", drift=drift, **short)
     (lasts,) = lasting_verdicts(ring(), found)
-    assert lasts.word == "Lasts 1.25 days left alone"
+    assert lasts.word == "Lasts 1.25 days and more"
     assert "for the 1.25 days looked at (compass drift" in lasts.claim
     (margin,) = lasting_section(ring(), found).pictures
     assert margin.title == "Margin over time" and "slot" not in margin.caption
     lost = told(days_proven=1.7)
-    assert "it loses that after 1.7 days: " in lasting_advice(lost)
-    assert lasting_verdicts(ring(), lost)[0].word == "Lasts 1.7 days left alone"
+    assert "it loses that after 1.7 days: " in lasting_advice(ring(), lost)
+    assert lasting_verdicts(ring(), lost)[0].word == "Lasts 1.7 days"
     path = Motion().trajectory(ring().constellation, 0.0, 1.25 * 86400.0)
     given = replace(ring(), motion=Motion("ephemeris", table=path))
     (row,) = lasting_answers(given, found)
@@ -220,13 +228,25 @@ def test_of_paths_known_for_days_no_years_and_no_slots_are_spoken_of():
     )  # fmt: skip
     assert lasting_promise(given, found) == f"{row.question} {row.written}."
     assert lasting_promise(given, lost) == lasting_promise(given, None) == ""
-    assert lasting_verdicts(given, found)[0].word == "Lasts 1.25 days on its given paths"
+    assert lasting_verdicts(given, found)[0].word == "Lasts 1.25 days, all they are given for"
+    assert Glance(given, 1.25, 1.25, "").sentence.endswith("1.25 days, all they are given for.")
+    # looked at for less than they are given for, or lost there: nobody leaves given paths alone
+    longer = replace(
+        given, motion=Motion("ephemeris", table=replace(path, breaks=2.0 * path.breaks))
+    )
+    (verdict,) = lasting_verdicts(longer, found)
+    assert verdict.word == "Lasts 1.25 days and more"
+    assert "proven on its given paths for the 1.25 days looked at" in verdict.claim
+    assert lasting_answers(longer, found)[0].written == "1.25 days and more"
+    assert Glance(longer, 1.25, 1.25, "").words == "1.25 days and more"
+    assert "proven on its given paths for" in lasting_verdicts(given, lost)[0].claim
+    assert lasting_advice(given, lost).startswith("On its given paths it loses that after 1.7 days")
 
 
 def test_what_is_open_or_nowhere_better_is_said():
     design = ring()
     lasts, _, radius = lasting_verdicts(design, told(None, ((-400.0, 20.0), (0.0, 55.0))))
-    assert lasts.word == "Lasts at least 31.7 days left alone"
+    assert lasts.word == "Lasts at least 31 days"
     assert radius.word == "No radius tried does without keeping"
     assert "the best, 20427 km, is proven for 55 days" in radius.claim
     own = lasting_verdicts(design, told(radii=((0.0, 687.0),)))[-1]

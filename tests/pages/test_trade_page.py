@@ -15,6 +15,7 @@ from compass.pages import trade_pictures
 from compass.pages.page import write_page
 from compass.pages.trade import _asked, trade_report
 from compass.pages.trade_finalists import Entrant, _lasts, against, verdict
+from compass.quantities.merits import MERITS
 from compass.study import ranking
 from compass.study.candidates import ROW
 from compass.study.choice import Finalist
@@ -52,7 +53,7 @@ def coarse(monkeypatch):
     """Coarse maps, no orbits followed: what they look like is not tested here."""
     monkeypatch.setattr(trade_pictures, "EPOCHS", 3)
     monkeypatch.setattr(trade_pictures, "CELL_DEG", 30.0)
-    monkeypatch.setattr("compass.pages.trade_finalists.glance", lambda _: Glance(31.7, 40.0, ""))
+    monkeypatch.setattr("compass.pages.trade_finalists.glance", lambda d: Glance(d, 31.7, 40.0, ""))
 
 
 def finalist(satellites, gdop):
@@ -96,7 +97,11 @@ def test_recommendation_names_file_and_units(landing, tmp_path, coarse):
         "(finalist-1.toml)" in answered.paragraphs[0] and "Its rival is" in answered.paragraphs[0]
     )
     lead = answered.paragraphs[0]
-    for part in ("1 in view above", "proven for all time; left alone it lasts", "Landing: place"):
+    for part in (
+        "1 in view above",
+        "proven for all time; left alone on real orbits it lasts",
+        "Landing: place",
+    ):
         assert part in lead
     (answers,) = (block for block in answered.blocks if isinstance(block, Answers))
     assert answers.rows[0].holds and answers.rows[0].answer == "proven"
@@ -108,8 +113,8 @@ def test_recommendation_names_file_and_units(landing, tmp_path, coarse):
     assert "Beside Three areostationary relays it is " in section.paragraphs[3]
     # two masks, so that the tables say which
     tables = {t.title: t for s in made.sections for t in s.tables}
-    said = [str(row) for row in tables["Every figure of the finalists"].rows]
-    assert any("±" in row or "Sampled" in row for row in said)
+    figures = {row[0]: row[1:] for row in tables["Every figure of the finalists"].rows}
+    assert "±" in str(figures[MERITS["gdop_p50"].quantity.heading][0])
     (front,) = answered.interactive
     assert "Bars: how far another sampling may move it." in front.caption
     assert "Who is on the front: decided." in front.caption
