@@ -27,8 +27,9 @@ from compass.study.bounds import bounded_figures
 from compass.study.candidates import check_space
 from compass.study.clocks import errors_by_clock
 from compass.study.cluster import Cluster, Tls
+from compass.study.columns import Shown, shown
 from compass.study.judge import check_lander, doubts_of
-from compass.study.requirement_figures import required, requirement_columns
+from compass.study.requirement_figures import requirement_columns, shown_requirements
 from compass.study.results import first_front, read_results, write_results
 from compass.study.sampling import front_known, rests_on_samples, sampled_over, sampling_of
 from compass.study.stages import StudyJob
@@ -131,7 +132,12 @@ class TradeResult(Result):
             goals = {objective.figure for objective in self.study.objectives}
             apart = {*requirement_columns(self.study), *area_columns(self.study)} - goals
             blocks.append(_front_table(front, apart))
-            blocks += [*self._area_table(), *self._required_table()]
+            blocks += _each_table(
+                "At sites and in regions, on the front", front, shown_areas(self.study)
+            )
+            blocks += _each_table(
+                "Requirements on the front", front, shown_requirements(self.study)
+            )
             blocks += [Sentence(words) for words in self._evidence()]
             blocks += clock_blocks(self.study, self.by_clock)
         stages = tuple(
@@ -182,30 +188,6 @@ class TradeResult(Result):
         if how := sampled_over(self.study, list(dict.fromkeys(rest))):
             said.append(f"sampled: {how}")
         return tuple(said)
-
-    def _area_table(self) -> list[Block]:
-        """How those on the front do at each site and in each region; nothing without any."""
-        front = self.front
-        columns = {name: [one.get(name) for one in front] for name in area_columns(self.study)}
-        shown = shown_areas(self.study, columns)
-        if not shown:
-            return []
-        header = ("identity", *(heading for heading, _ in shown))
-        cells = zip(*(values for _, values in shown), strict=True)
-        rows = tuple((one["identity"], *row) for one, row in zip(front, cells, strict=True))
-        return [Table("At sites and in regions, on the front", header, rows, LISTED)]
-
-    def _required_table(self) -> list[Block]:
-        """How those on the front do by each requirement; nothing where there are none."""
-        front = self.front
-        columns = {name: [one[name] for one in front] for name in requirement_columns(self.study)}
-        shown = required(self.study, columns)
-        if not shown:
-            return []
-        header = ("identity", *(one.heading for one in shown))
-        cells = zip(*(one.values for one in shown), strict=True)
-        rows = tuple((one["identity"], *row) for one, row in zip(front, cells, strict=True))
-        return [Table("Requirements on the front", header, rows, LISTED)]
 
     def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw the front in the first two objectives; of one objective against the satellites.
@@ -301,6 +283,16 @@ def _clock_against_satellites(study: Study, rows: Sequence[dict[str, Any]]) -> t
         f"{best}, makes that {written[1]} m, {sizes[1] - sizes[0]} more with {clock} make it "
         f"{written[2]} m: here a better clock buys {buys}",
     )
+
+
+def _each_table(title: str, front: list[dict[str, Any]], asked: list[Shown]) -> list[Block]:
+    """How those on the front do by each of several things; nothing where none is known."""
+    columns = {name: [one[name] for one in front] for *_, names in asked for name in names}
+    if not (found := shown(asked, columns)):
+        return []
+    cells = zip(*(values for _, values in found), strict=True)
+    rows = tuple((one["identity"], *row) for one, row in zip(front, cells, strict=True))
+    return [Table(title, ("identity", *(heading for heading, _ in found)), rows, LISTED)]
 
 
 def _front_table(front: list[dict[str, Any]], apart: Collection[str]) -> Table:

@@ -38,7 +38,8 @@ from compass.study.bounds import bounded_figures, bracketed_figures, ends
 from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, finalists_of, notation, rows_in
 from compass.study.clocks import errors_by_clock
-from compass.study.requirement_figures import required
+from compass.study.columns import shown
+from compass.study.requirement_figures import shown_requirements
 from compass.study.results import known_figures, read_results
 from compass.study.sampling import front_known, sampled_over
 from compass.study.yardstick import Yardstick, yardstick
@@ -223,7 +224,7 @@ def _candidate_table(title: str, study: Study, some: "xr.Dataset") -> Table:
     if isinstance(study.space.mask_deg, Free) or len(study.space.mask_deg) > 1:
         names = ["mask_deg", *names]
     labels = [_quantity(name).heading for name in names]
-    each = [*shown_areas(study, some), *((r.heading, r.values) for r in required(study, some))]
+    each = shown([*shown_areas(study), *shown_requirements(study)], some)
     labels += [heading for heading, _ in each]
     rows = [
         (

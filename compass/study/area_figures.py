@@ -5,7 +5,9 @@ its place among the sites and then the regions of ``[map]``. Shares and percenti
 proven bounds; a figure is the middle of its own.
 """
 
+from collections.abc import Iterable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,14 +16,13 @@ from numpy.typing import NDArray
 from compass.coverage.areas import Area, Bounds, Near, areas_of
 from compass.coverage.verdict import Verdict
 from compass.design import Design, Requirement
-from compass.document import Bracket, Value
 from compass.frames import SECONDS_PER_DAY
 from compass.inputs.study import Study
 from compass.orbits import Constellation
 from compass.quantities import Quantity, quantity
-from compass.quantities.merits import WORST, merits_of, worked_out
+from compass.quantities.merits import WORST, merits_of
 from compass.sites import Mask
-from compass.study.candidates import make_constellation
+from compass.study.columns import Shown, each_placed, placed
 
 #: Figures between bounds, and per cent of area and time of those that are percentiles of GDOP.
 BETWEEN: dict[str, int | None] = {
@@ -71,21 +72,15 @@ def _attributes(known: Quantity, end: str) -> dict[str, Any]:
 
 
 def area_figures(study: Study, rows: NDArray, near: Near) -> dict[str, NDArray[np.float64]]:
-    """Figures of candidates at a study's sites and in its regions, shape (n,) each.
-
-    Tracks of orbits that the study names are closed, their nodes as candidates stand at the epoch.
-    """
-    found = [of_areas(study, *_placed(study, row), near) for row in rows]
-    columns = area_columns(study)
-    names = (*merits_of("areas"), *columns)
-    known = {name: np.array([one[name] for one in found], dtype=float) for name in names}
-    return worked_out("areas", known) | {name: known[name] for name in columns}
+    """Figures of candidates at a study's sites and in its regions, shape (n,) each."""
+    find = partial(of_areas, study, near=near)
+    return each_placed(study, "areas", area_columns(study), rows, find)
 
 
 def area_bounds(study: Study, row: np.void, names: list[str], near: Near) -> dict[str, Bounds]:
     """Bounds of some of the figures between bounds, of one candidate."""
-    areas = _areas(study, *_placed(study, row), near)
-    return {name: _worst(name, [_bounds(study, area, name) for area in areas]) for name in names}
+    each = [_bounds(study, area, names) for area in _areas(study, *placed(study, row), near)]
+    return {name: _worst(name, [of[name] for of in each]) for name in names}
 
 
 def of_areas(study: Study, c: Constellation, mask: float, near: Near) -> dict[str, float]:
@@ -105,12 +100,13 @@ def of_areas(study: Study, c: Constellation, mask: float, near: Near) -> dict[st
         found |= {f"area_{number}_{part}": value for part, value in _fold_parts(verdict).items()}
     if demands_fold(study) and False in outcomes:
         return found
+    each = [_bounds(study, area, BETWEEN) for area in areas]
     for name in BETWEEN:
-        each = [_bounds(study, area, name) for area in areas]
-        low, high = _worst(name, each)
+        low, high = _worst(name, [of[name] for of in each])
         found |= {name: 0.5 * (low + high), f"{name}_low": low, f"{name}_high": high}
         part = name.removeprefix("area_")
-        for number, (low, high) in enumerate(each, start=1):
+        for number, of in enumerate(each, start=1):
+            low, high = of[name]
             found |= {f"area_{number}_{part}_low": low, f"area_{number}_{part}_high": high}
     return found
 
@@ -131,43 +127,15 @@ def demanded_folds(study: Study) -> tuple[Requirement, ...]:
     )
 
 
-def shown_areas(study: Study, figures: Any) -> list[tuple[str, tuple[Value, ...]]]:
-    """For each area and figure a heading and the candidates' values; those that nobody has are out.
-
-    Parameters
-    ----------
-    study
-        Whose areas.
-    figures
-        A mapping, or a dataset, of values of `area_columns` by name, shape (n,) each.
-    """
-    shown = []
+def shown_areas(study: Study) -> list[Shown]:
+    """What is shown of each site and region: the margin of its fold, and what lies in bounds."""
+    asked: list[Shown] = []
     for number, area in enumerate(area_names(study), start=1):
-        margins = np.asarray(figures[f"area_{number}_margin_deg"], dtype=float)
-        columns = {"area_margin_deg": [_value("area_margin_deg", x, x) for x in margins]}
-        for name in BETWEEN:
-            part = name.removeprefix("area_")
-            low, high = (
-                np.asarray(figures[f"area_{number}_{part}_{end}"], dtype=float)
-                for end in ("low", "high")
-            )
-            columns[name] = [_value(name, *pair) for pair in zip(low, high, strict=True)]
-        for name, values in columns.items():
-            if any(value.value is not None for value in values):
-                shown.append((f"{area}: {_of_one(name).heading}", tuple(values)))
-    return shown
-
-
-def _value(name: str, low: float, high: float) -> Value:
-    known = quantity(name)
-    if np.isnan(low) or np.isnan(high):
-        return Value(known, None)
-    return Value(known, float(high), Bracket(float(low), float(high)) if low < high else None)
-
-
-def _placed(study: Study, row: np.void) -> tuple[Constellation, float]:
-    repeat = study.space.repeat(float(row["radius_km"]))
-    return replace(make_constellation(row), repeat=repeat), float(np.radians(row["mask_deg"]))
+        for name in ("area_margin_deg", *BETWEEN):
+            column = f"area_{number}_{name.removeprefix('area_')}"
+            columns = (f"{column}_low", f"{column}_high") if name in BETWEEN else (column,)
+            asked.append((f"{area}: {_of_one(name).heading}", quantity(name), columns))
+    return asked
 
 
 def _areas(study: Study, c: Constellation, mask: float, near: Near) -> tuple[Area, ...]:
@@ -181,13 +149,14 @@ def _areas(study: Study, c: Constellation, mask: float, near: Near) -> tuple[Are
     )
 
 
-def _bounds(study: Study, area: Area, name: str) -> Bounds:
-    percent = BETWEEN[name]
-    return (
-        area.share("pdop", study.map.pdop_max)
-        if percent is None
-        else area.gdop((percent,))[percent]
-    )
+def _bounds(study: Study, area: Area, names: Iterable[str]) -> dict[str, Bounds]:
+    """Bounds of some figures of one area, percentiles from one search."""
+    percents = {name: percent for name in names if (percent := BETWEEN[name]) is not None}
+    gdop = area.gdop(list(percents.values())) if percents else {}
+    return {
+        name: gdop[percents[name]] if name in percents else area.share("pdop", study.map.pdop_max)
+        for name in names
+    }
 
 
 def _worst(name: str, each: list[Bounds]) -> Bounds:

@@ -32,6 +32,9 @@ LEVELS = {
     "bounds-3": Near(2e-4, 0.004, 4_000_000),
 }
 
+#: How near the stage of areas comes.
+AREAS_NEAR = LEVELS["bounds-1"]
+
 
 def ends(figure: str) -> tuple[str, str]:
     """Names of the columns of a figure's bounds; a requirement's share is its lower one itself."""
@@ -40,10 +43,14 @@ def ends(figure: str) -> tuple[str, str]:
     return f"{figure}_low", f"{figure}_high"
 
 
-def bound_columns(study: Study) -> tuple[str, ...]:
-    """Columns that every level stores: of the globe all, of areas those that it brings nearer."""
-    areas = [figure for figure in BETWEEN if figure in study.named]
-    return tuple(name for figure in (*BOUNDED, *areas) for name in ends(figure))
+def bound_columns(study: Study, near: Near | None = None) -> tuple[str, ...]:
+    """Columns that all levels store, or one does: of areas those that it brings nearer."""
+    return tuple(name for figure in (*BOUNDED, *_nearer(study, near)) for name in ends(figure))
+
+
+def _nearer(study: Study, near: Near | None) -> list[str]:
+    """Figures of areas that the study names; none where their stage has been so near already."""
+    return [figure for figure in BETWEEN if figure in study.named and near != AREAS_NEAR]
 
 
 def bounded_figures(study: Study) -> list[str]:
@@ -70,9 +77,9 @@ def bounds(level: Near, study: Study, rows: NDArray) -> dict[str, NDArray[np.flo
     The search for them begins at what is sampled, and a limit of the study's between them is
     looked at itself.
     """
-    found = {name: np.full(rows.size, np.nan) for name in bound_columns(study)}
+    found = {name: np.full(rows.size, np.nan) for name in bound_columns(study, level)}
     everywhere = [figure for figure in bounded_figures(study) if figure in BOUNDED]
-    areas = [figure for figure in bounded_figures(study) if figure in BETWEEN]
+    areas = _nearer(study, level)
     sampled = map_figures(study, rows) if everywhere else {}
     for k, row in enumerate(rows):
         pattern = make_constellation(row)
@@ -82,7 +89,7 @@ def bounds(level: Near, study: Study, rows: NDArray) -> dict[str, NDArray[np.flo
             known = _bound(level, study, figure, float(sampled[figure][k]), pattern, asked)
             low, high = ends(figure)
             found[low][k], found[high][k] = known.low, known.high
-        for figure, pair in area_bounds(study, row, areas, level).items():
+        for figure, pair in area_bounds(study, row, areas, level).items() if areas else ():
             for end, bound in zip(ends(figure), pair, strict=True):
                 found[end][k] = bound
     return found

@@ -4,7 +4,8 @@ Of all together figures of merit, and of each by itself columns ``requirement_K_
 ``requirement[K]`` of messages about files.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,13 +15,11 @@ from compass.coverage.certified_effort import Effort
 from compass.coverage.requirement_verdict import verdict_of
 from compass.coverage.verdict import Verdict
 from compass.design import Design, Requirement
-from compass.document import Bracket, Proven, Value
 from compass.inputs.study import Study
 from compass.orbits import Constellation
 from compass.quantities import quantity
-from compass.quantities.merits import merits_of, worked_out
 from compass.sites import Mask
-from compass.study.candidates import make_constellation
+from compass.study.columns import Shown, each_placed
 
 #: How near bounds of shares of geometry come at first; most candidates are told apart by that.
 COARSE = 2e-3
@@ -48,65 +47,22 @@ def requirement_columns(study: Study) -> dict[str, dict[str, Any]]:
     return columns
 
 
-@dataclass(frozen=True)
-class Required:
-    """How candidates do by one part of one requirement: a heading, and a value for each."""
-
-    heading: str
-    values: tuple[Value, ...]
-
-
-def required(study: Study, figures: Any) -> list[Required]:
-    """For each requirement the margins and shares of candidates; nothing where none is known.
-
-    Parameters
-    ----------
-    study
-        Whose requirements.
-    figures
-        A mapping, or a dataset, of values of `requirement_columns` by name, shape (n,) each.
-    """
-    shown = []
+def shown_requirements(study: Study) -> list[Shown]:
+    """What is shown of each requirement: its margin, and the bounds of its share."""
+    asked: list[Shown] = []
     for number, wanted in enumerate(study.requirements, start=1):
-        margin, low, high = (
-            np.asarray(figures[f"requirement_{number}_{part}"], dtype=float)
-            for part in ("margin_deg", "share", "share_most")
-        )
-        for name, values in (
-            ("requirement_margin_deg", [_value("requirement_margin_deg", x) for x in margin]),
-            ("requirement_share", [_share(*pair) for pair in zip(low, high, strict=True)]),
-        ):
-            if any(value.value is not None for value in values):
-                heading = f"{wanted.name}: {quantity(name).heading}"
-                shown.append(Required(heading, tuple(values)))
-    return shown
-
-
-def _value(name: str, value: float) -> Value:
-    return Value(quantity(name), None if np.isnan(value) else float(value))
-
-
-def _share(low: float, high: float) -> Value:
-    known = quantity("requirement_share")
-    if np.isnan(low) or np.isnan(high):
-        return Value(known, None)
-    return Value(known, float(low), Proven() if low == high else Bracket(float(low), float(high)))
+        for name in ("requirement_margin_deg", "requirement_share"):
+            column = f"requirement_{number}_{name.removeprefix('requirement_')}"
+            columns = (column, f"{column}_most") if name == "requirement_share" else (column,)
+            known = quantity(name)
+            asked.append((f"{wanted.name}: {known.heading}", known, columns))
+    return asked
 
 
 def requirement_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
-    """Verdicts on every requirement of a study, candidate by candidate, shape (n,) each.
-
-    Tracks of orbits that the study names are closed, their nodes as candidates stand at the epoch.
-    """
-    found = []
-    for row in rows:
-        repeat = study.space.repeat(float(row["radius_km"]))
-        c = replace(make_constellation(row), repeat=repeat)
-        found.append(settled(study, c, float(np.radians(row["mask_deg"]))))
-    names = (*merits_of("requirements"), *requirement_columns(study))
-    known = {name: np.array([one[name] for one in found], dtype=float) for name in names}
-    own = {name: known[name] for name in requirement_columns(study)}
-    return worked_out("requirements", known) | own
+    """Verdicts on every requirement of a study, candidate by candidate, shape (n,) each."""
+    columns = requirement_columns(study)
+    return each_placed(study, "requirements", columns, rows, partial(settled, study))
 
 
 def settled(study: Study, c: Constellation, mask: float) -> dict[str, float]:

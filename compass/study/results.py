@@ -15,6 +15,7 @@ from compass.quantities.merits import MERITS, STAGES, merits_of
 from compass.study.area_figures import BETWEEN, area_columns
 from compass.study.bounds import BOUNDED, bound_columns, bounded_figures, bracketed_figures, ends
 from compass.study.candidates import PATTERNS, ROW, identities
+from compass.study.clocks import clock_columns
 from compass.study.order import order_of
 from compass.study.record import Batch
 from compass.study.requirement_figures import requirement_columns
@@ -71,7 +72,8 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
     keys = identities(rows)
     place = {key: k for k, key in enumerate(keys)}
     each = requirement_columns(study)
-    names = (*MERITS, *bound_columns(study), *area_columns(study), *each)
+    clocks = clock_columns(study)
+    names = (*MERITS, *bound_columns(study), *area_columns(study), *each, *clocks)
     figures = {name: np.full(rows.size, np.nan) for name in names}
     stage, error = np.zeros(rows.size, "i1"), np.full(rows.size, "", dtype=object)
     for name in FINDERS:
@@ -107,11 +109,13 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
             title = f"{attrs['long_name']}, proven {side} bound"
             attrs |= {"long_name": title, "evidence": "proven bound"}
             data[end] = ("candidate", figures[end], attrs)
-    for name, attrs in (area_columns(study) | each).items():
+    for name, attrs in (area_columns(study) | each | clocks).items():
         data[name] = ("candidate", figures[name], attrs)
-    if study.requirements:
-        for name in (*merits_of("requirements"), *each):
-            data[name][2]["evidence"] = "proven, or of a share a proven bound"
+    for bracketed in {"areas", "requirements"} & set(study.stages):
+        for name in merits_of(bracketed):
+            data[name][2]["evidence"] = "proven, or between proven bounds"
+    for name in each:
+        data[name][2]["evidence"] = "proven, or of a share a proven bound"
     data |= {
         "stage": ("candidate", np.array(STAGES, dtype=object)[stage]),
         "error": ("candidate", error),

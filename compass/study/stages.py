@@ -8,6 +8,7 @@
 5. ``orbits``: how long the fold is proven on real orbits, where the study asks for it.
 6. ``entry``: landing navigation, for the best of those that pass all before.
 7. ``bounds-1``, ...: proven bounds of geometry, as near as it takes to decide the order.
+8. ``clocks``: errors in metres with each named clock, for the best of the front.
 
 Every function takes candidates and the study, and nothing else decides its numbers: neither the
 batch a candidate is in nor the worker.
@@ -26,8 +27,9 @@ from compass.coverage.cap import cap_radius, mask_for_cap
 from compass.inputs.study import Study
 from compass.quantities.merits import merits_of, worked_out
 from compass.study.area_figures import area_columns, area_figures
-from compass.study.bounds import LEVELS, bound_columns, bounds
+from compass.study.bounds import AREAS_NEAR, LEVELS, bound_columns, bounds
 from compass.study.candidates import patterns_of
+from compass.study.clocks import clock_columns, clock_figures
 from compass.study.cost import cost_figures
 from compass.study.lasting import keeping_law, orbits_figures
 from compass.study.order import may_hold
@@ -105,9 +107,11 @@ class StudyJob:
 def figures_of(stage: str, study: Study) -> tuple[str, ...]:
     """Names of the figures that a stage of a study stores."""
     if stage in LEVELS:
-        return bound_columns(study)
+        return bound_columns(study, LEVELS[stage])
     if stage == "areas":
         return (*merits_of(stage), *area_columns(study))
+    if stage == "clocks":
+        return tuple(clock_columns(study))
     if stage == "screen":
         return (*merits_of("cost"), *merits_of("screen"))
     if stage == "requirements":
@@ -160,9 +164,10 @@ def screen(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
 FINDERS: dict[str, Callable[[Study, NDArray], dict[str, NDArray[np.float64]]]] = {
     "screen": screen,
     "map": map_figures,
-    "areas": partial(area_figures, near=LEVELS["bounds-1"]),
+    "areas": partial(area_figures, near=AREAS_NEAR),
     "requirements": requirement_figures,
     "orbits": orbits_figures,
     "entry": entry_figures,
     **{name: partial(bounds, level) for name, level in LEVELS.items()},
+    "clocks": clock_figures,
 }

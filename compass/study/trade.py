@@ -16,8 +16,10 @@ from compass.inputs.study import Study
 from compass.quantities.merits import MERITS
 from compass.study.bounds import LEVELS, bound_columns, limited_figures
 from compass.study.candidates import ROW, batches, candidates, described, identities
+from compass.study.clocks import best_by_errors, clock_columns
 from compass.study.order import bound_limits, may_hold, settle
 from compass.study.pareto import best
+from compass.study.results import read_results
 from compass.study.stages import FINDERS, figures_of, passing
 from compass.study.store import Store
 from compass.study.workers import Workers
@@ -33,6 +35,7 @@ BATCH = {
     "requirements": 4,
     "orbits": 1,
     "entry": 96,
+    "clocks": 1,
 } | dict.fromkeys(LEVELS, 8)
 
 #: Figure of the map that tells most about a lander's bound before it is judged: over the patterns
@@ -86,6 +89,8 @@ class Summary:
 def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summary:
     """Bring a study to its end: screen, map, orbits, entry; or generation by generation (NSGA-II).
 
+    Then bounds decide the order, and the best of the front are looked at with other clocks.
+
     Limits on geometry are told by proven bounds, right behind the map; NSGA-II, which looks at
     many that are given up again, goes by samples until its end.
 
@@ -111,21 +116,23 @@ def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summa
             bars,
         )
         summary.candidates = store.finished
-        _settle(study, store, refine)
-        return summary
-    found = candidates(study)
-    summary.candidates = len(found)
-    _stage("screen", batches(found, BATCH["screen"]), store, workers, bars, summary, len(found))
-    before = "screen"
-    for stage in ("map", "areas", "requirements", "orbits"):
-        if stage in study.stages:
-            _stage(stage, passed(study, store, before), store, workers, bars, summary)
-            if stage == "map" and limited_figures(study):
-                bound_limits(mapped(study, store), refine)
-            before = stage
-    if study.entry is not None:
-        _stage("entry", finalists(study, store), store, workers, bars, summary)
+    else:
+        found = candidates(study)
+        summary.candidates = len(found)
+        _stage("screen", batches(found, BATCH["screen"]), store, workers, bars, summary, len(found))
+        before = "screen"
+        for stage in ("map", "areas", "requirements", "orbits"):
+            if stage in study.stages:
+                _stage(stage, passed(study, store, before), store, workers, bars, summary)
+                if stage == "map" and limited_figures(study):
+                    bound_limits(mapped(study, store), refine)
+                before = stage
+        if study.entry is not None:
+            _stage("entry", finalists(study, store), store, workers, bars, summary)
     _settle(study, store, refine)
+    if clock_columns(study) and store.finished:
+        some = best_by_errors(study, read_results(study, store.path.parent))
+        _stage("clocks", some, store, workers, bars, summary)
     return summary
 
 

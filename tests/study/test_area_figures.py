@@ -7,15 +7,16 @@ import numpy as np
 import pytest
 
 from compass.api.trade import TradeResult
-from compass.coverage.areas import Near
+from compass.coverage.areas import Area, Near
 from compass.coverage.areas import area_figures as coverage_areas
 from compass.design import Design
 from compass.errors import DesignError
 from compass.inputs.study import read_study_text
 from compass.sites import Mask
 from compass.study.area_figures import area_bounds, area_columns, area_figures, shown_areas
-from compass.study.bounds import bound_columns, bracketed_figures
+from compass.study.bounds import LEVELS, bound_columns, bounds, bracketed_figures
 from compass.study.candidates import batches, candidates, make_constellation
+from compass.study.columns import shown
 from compass.study.evolve import Known
 from compass.study.results import first_front, read_results
 from compass.study.stages import FINDERS
@@ -115,6 +116,7 @@ def test_areas_are_a_stage_and_sorted_by_bounds_that_come_nearer(placed, tmp_pat
         assert one["area_1_margin_deg"] >= one["area_margin_deg"]
     found = TradeResult(study, tmp_path, summary, results)
     assert unknown(found.to_dict()) == [] and unknown_variables(results) == []
+    assert results.area_availability.attrs["evidence"] == "proven, or between proven bounds"
     said = " ".join(str(found).split())
     assert "E: GDOP, 95th percentile" in said and "lat:-10:10: horizon may rise by, deg" in said
     assert results.area_2_met.attrs["long_name"] == "lat:-10:10: fold always in view"
@@ -128,7 +130,7 @@ def test_geometry_is_not_looked_at_where_the_fold_demanded_is_refuted(placed):
     assert found["area_fold_met"][0] == 0.0
     assert np.isnan([found["area_availability"][0], found["area_1_gdop_p95_low"][0]]).all()
     columns = {name: [found[name][0]] for name in area_columns(study)}
-    assert all("GDOP" not in heading for heading, _ in shown_areas(study, columns))
+    assert all("GDOP" not in heading for heading, _ in shown(shown_areas(study), columns))
 
 
 @pytest.mark.slow
@@ -158,3 +160,20 @@ def test_sites_stand_in_the_order_in_which_they_are_named(placed):
     study = placed(other, where='sites = ["F", "E"]')
     assert [site.name for site in study.sites] == ["F", "E"]
     assert "F" in area_columns(study)["area_1_met"]["long_name"]
+
+
+def test_the_first_level_leaves_areas_as_their_stage_left_them(placed, monkeypatch):
+    """Which has come as near; both percentiles of an area are from one search."""
+    asked = []
+
+    def percentiles(area, percents):
+        asked.append(tuple(percents))
+        return dict.fromkeys(percents, (1.0, 2.0))
+
+    monkeypatch.setattr(Area, "gdop", percentiles)
+    study = placed("".join(f'[[objective]]\nfigure = "area_gdop_p{q}"\n' for q in (50, 95)))
+    row = first(study)
+    assert not [name for name in bounds(LEVELS["bounds-1"], study, row) if "area" in name]
+    assert not asked
+    assert bounds(LEVELS["bounds-2"], study, row)["area_gdop_p50_high"] == 2.0
+    assert asked == [(50, 95)] * 2

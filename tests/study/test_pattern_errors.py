@@ -15,7 +15,7 @@ from compass.frames import prime_meridian_angle
 from compass.inputs.study import Objective, read_study_text
 from compass.ranging import Receiver, Signal
 from compass.study.candidates import batches, candidates, make_constellation
-from compass.study.clocks import errors_by_clock
+from compass.study.clocks import best_by_errors, clock_columns, clock_figures, errors_by_clock
 from compass.study.pattern_errors import NAMES, pattern_errors
 from compass.study.pattern_judging import entry_figures, judged
 from compass.study.results import known_figures
@@ -118,8 +118,17 @@ def front_of(rows, figures):
     return xr.Dataset(columns)
 
 
+def unknown_clocks(study, rows):
+    """Columns of clocks that no stage has filled."""
+    return {name: np.full(len(rows), np.nan) for name in clock_columns(study)}
+
+
 def test_a_better_clock_is_put_beside_more_satellites(study, rows):
     found = pattern_errors(study, rows)
+    assert errors_by_clock(study, front_of(rows, found | unknown_clocks(study, rows))) == []
+    assert best_by_errors(study, front_of(rows, found)).tolist() == rows[:1].tolist()
+    found |= clock_figures(study, rows)
+    assert "error_horizontal_m.p95.csac" not in found and set(clock_columns(study)) < set(found)
     (one,) = errors_by_clock(study, front_of(rows, found))
     assert (one["identity"], one["satellites"]) == ("a", 15)
     better = replace(study, signal=replace(study.signal, clock=clock_named("dsac")))
@@ -127,7 +136,8 @@ def test_a_better_clock_is_put_beside_more_satellites(study, rows):
     assert one["m"]["dsac"] == by_hand < one["m"]["csac"]
     assert one["m"]["csac"] == one["own"] == found["error_horizontal_m.p95"][0]
     still = replace(study, signal=replace(study.signal, clock=None, clock_sigma=3.0))
-    assert errors_by_clock(still, front_of(rows, found)) == []
+    assert errors_by_clock(still, front_of(rows, found)) == [*clock_columns(still)] == []
+    assert not best_by_errors(still, front_of(rows, found)).size
 
 
 def test_it_is_said_what_a_clock_buys_against_satellites(study):
@@ -175,7 +185,7 @@ def test_a_lander_gains_by_a_better_clock(tiny, study, rows):
     name = "crlb_position_m.p50"
     entry = replace(tiny(entry=True).entry, samples=8)
     asked = replace(study, entry=entry, objectives=(Objective(name, 1),))
-    own = entry_figures(asked, rows)
+    own = entry_figures(asked, rows) | clock_figures(asked, rows)
     (one,) = errors_by_clock(asked, front_of(rows, own))
     better = replace(asked, signal=replace(asked.signal, clock=clock_named("rafs")))
     by_hand = judged(better, make_constellation(rows[0]), 0.0)[name]

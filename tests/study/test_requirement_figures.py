@@ -12,8 +12,9 @@ from compass.errors import DesignError
 from compass.sites import Mask
 from compass.study import requirement_figures as module
 from compass.study.candidates import batches, candidates, make_constellation
+from compass.study.columns import shown
 from compass.study.evolve import Known
-from compass.study.requirement_figures import required
+from compass.study.requirement_figures import shown_requirements
 from compass.study.results import first_front, read_results
 from compass.study.store import Store
 from compass.study.trade import _Silent, run_trade
@@ -68,8 +69,8 @@ def test_requirements_are_a_stage_a_constraint_and_columns(tiny, tmp_path):
         known = [one[f"requirement_{number}_share"].item() for number in (1, 2)]
         assert one.requirement_share.item() == np.nanmin(known)
     assert results.requirement_2_share.attrs["long_name"].startswith("two at times: share")
-    told = required(study, results)
-    assert [one.heading.split(":")[0] for one in told] == [
+    told = shown(shown_requirements(study), results)
+    assert [heading.split(":")[0] for heading, _ in told] == [
         "one in view", "one in view", "two at times",
     ]  # fmt: skip
 
