@@ -459,6 +459,7 @@ class MapResult(Result):
             known.heading if known else str(values.attrs["long_name"]),
             figure_name=self.design.figure.name,
             scale=_scale(name, values),
+            of=name,
             wanted=self.design.fold,
         )
         return drawn

@@ -7,7 +7,7 @@ from matplotlib.ticker import MaxNLocator
 
 from compass.api.map_result import MapResult
 from compass.document.blocks import Picture
-from compass.pictures.maps import LARGE, dilution_bar, draw_map, map_figure
+from compass.pictures.maps import LARGE, draw_map, map_figure, ranged_bar
 from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, look, new_figure, picture
 from compass.quantities import quantity
 from compass.words import capital
@@ -105,7 +105,7 @@ def _parts(mapped: MapResult) -> Picture:
     with look():
         threshold = mapped.dataset.attrs["pdop_threshold"]
         label = f"dilution of precision (grey: none; line: PDOP {threshold:g})"
-        dilution_bar(list(panels), chart.mesh, label, threshold)
+        ranged_bar(list(panels), chart.mesh, label, threshold)
     said = "; ".join(f"{name.upper()} {_range(mapped, name)}" for name in names)
     return picture(
         figure,
@@ -142,6 +142,7 @@ def percentile_map(mapped: MapResult, name: str, caption: str, *, wide: bool = F
         _title(name),
         quantity(name).heading,
         figure_name=mapped.design.figure.name,
+        of=name,
         named=wide,
     )
     return picture(

@@ -14,7 +14,7 @@ from compass.document.blocks import Picture
 from compass.inputs.study import Study
 from compass.orbits import repeat_period
 from compass.pictures.front import draw_front, label
-from compass.pictures.maps import dilution_bar, draw_map
+from compass.pictures.maps import draw_map, ranged_bar
 from compass.pictures.style import CYCLE, INK, MARS, look, new_figure, picture
 from compass.quantities.merits import MERITS
 from compass.quantities.percentile import percentile
@@ -237,7 +237,7 @@ def map_comparison(study: Study, shown: Sequence[Finalist | Yardstick]) -> Pictu
                 bar=False,
             )
             axes.set_title(axes.get_title(), fontsize=8)
-        dilution_bar(
+        ranged_bar(
             list(panels), chart.mesh, "GDOP, 95th percentile over the ground tracks' repeat period"
         )
     return picture(

@@ -47,6 +47,7 @@ def draw_map(
     *,
     figure_name: str,
     scale: Scale = "dilution",
+    of: str = "gdop",
     wanted: int = 0,
     threshold: float | None = None,
     named: bool = True,
@@ -69,12 +70,14 @@ def draw_map(
     figure_name
         Reference figure.
     scale
-        ``dilution``: logarithmic, on one range for every map, infinities in grey; ``counts``: whole
-        numbers, one colour each; ``share``: from 0 to 1; ``linear``.
+        ``dilution``: logarithmic, on one range for every map of a quantity, infinities in grey;
+        ``counts``: whole numbers, one colour each; ``share``: from 0 to 1; ``linear``.
+    of
+        The quantity whose range that is: all dilutions share one.
     wanted
         Counts below it are red.
     threshold
-        Of a dilution: marked on the colour bar.
+        Of that quantity: marked on the colour bar.
     named
         Whether places have names.
     shapes
@@ -82,7 +85,7 @@ def draw_map(
     satellites
         Sub-satellite longitudes and latitudes, degrees.
     bar
-        Whether a map of a dilution has a colour bar of its own.
+        Whether a map on such a range has a colour bar of its own.
     """
     with look():
         chart = MarsMap(axes, figure_name)
@@ -98,11 +101,11 @@ def draw_map(
             mesh = chart.field(lon, lat, values, cmap="viridis", vmin=ends[0], vmax=ends[1])
             colour_bar(axes, mesh, label)
         else:
-            mesh = _dop_field(chart, lon, lat, values, label)
+            mesh = _ranged_field(chart, lon, lat, values, label, of)
             missing = 1 - np.isfinite(values).sum() / values.size
             note = f" (grey: none, {missing:.1%} of cells)" if missing else ""
             if bar:
-                dilution_bar(axes, mesh, label + note, threshold)
+                ranged_bar(axes, mesh, label + note, threshold, of=of)
         chart.relief()
         chart.shapes(shapes, facecolor="none", edgecolor="white", linewidth=1.3)
         chart.graticule()
@@ -114,24 +117,29 @@ def draw_map(
     return chart
 
 
-def _dop_field(
-    chart: MarsMap, lon: NDArray[Any], lat: NDArray[Any], values: NDArray[Any], label: str
+def _ranged_field(
+    chart: MarsMap, lon: NDArray[Any], lat: NDArray[Any], values: NDArray[Any], label: str, of: str
 ) -> Any:
-    """Logarithmic colours over the range that all dilutions share; infinity is grey."""
-    dilution = quantity("gdop")
-    assert dilution.limits is not None
+    """Logarithmic colours over the range that all maps of a quantity share; infinity is grey."""
+    limits = quantity(of).limits
+    assert limits is not None
     colours = colormaps["magma_r"].with_extremes(bad="#8a8f98")
     shown = np.ma.masked_invalid(values)
-    return chart.field(lon, lat, shown, label, cmap=colours, norm=LogNorm(*dilution.limits))
+    return chart.field(lon, lat, shown, label, cmap=colours, norm=LogNorm(*limits))
 
 
-def dilution_bar(
-    axes: "Axes | Sequence[Axes]", mesh: Any, label: str, threshold: float | None = None
+def ranged_bar(
+    axes: "Axes | Sequence[Axes]",
+    mesh: Any,
+    label: str,
+    threshold: float | None = None,
+    *,
+    of: str = "gdop",
 ) -> None:
-    """Draw the colour bar that maps of dilutions share, with round ticks, the threshold marked."""
-    dilution = quantity("gdop")
+    """Draw the colour bar that maps of a quantity share, with its ticks, the threshold marked."""
+    ticks = quantity(of).ticks
     bar = colour_bar(axes, mesh, label, extend="both")
-    bar.set_ticks(dilution.ticks, labels=[f"{tick:g}" for tick in dilution.ticks])
+    bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     bar.ax.minorticks_off()
     if threshold is not None:
         bar.ax.axvline(threshold, color="white", lw=3)

@@ -14,7 +14,7 @@ from compass.pictures.mars_map import MarsMap
 from compass.pictures.reading import POINTS
 from compass.pictures.rows import draw_rows, within
 from compass.pictures.style import look, new_figure, picture
-from compass.quantities import quantity
+from compass.quantities import QUANTITIES, quantity
 
 STEP = 10.0
 
@@ -42,6 +42,17 @@ def test_a_map_says_the_value_of_each_cell_that_it_keeps():
     assert 0 < left < right < 1 and 0 < top < bottom < 1
     width, height = (right - left) * 5.5, (bottom - top) * 3.7
     assert width / height == pytest.approx(2.0, rel=1e-3)  # Mollweide's rim
+
+
+@pytest.mark.parametrize("name", [name for name, one in QUANTITIES.items() if one.ticks])
+def test_a_map_runs_over_the_range_of_its_quantity(name):
+    """Errors and levels in metres had dilutions' colours: black wherever they were over 30 m."""
+    grid = equal_angle_grid(np.radians(30.0))
+    figure = map_figure(np.ones((6, 12)), grid, "", name, figure_name="iau-sphere", of=name)
+    axes, bar = figure.axes
+    low, high = quantity(name).limits
+    assert any((m.norm.vmin, m.norm.vmax) == (low, high) for m in axes.collections)
+    assert tuple(bar.get_xticks()) == quantity(name).ticks
 
 
 def test_a_fine_map_is_thinned_and_keeps_its_own_cells():
