@@ -46,6 +46,10 @@ def check_writable(path: Path, inputs: Sequence[Path] = ()) -> None:
         raise OutputError(f"{path}: not writable; choose another place or change its permissions")
 
 
+#: Endings of the files that a command writes in several forms.
+ENDINGS = {"access": (".nc", ".csv", ".json"), "series": (".nc", ".csv")}
+
+
 def check_ending(path: Path, among: Sequence[str]) -> None:
     """Refuse a path whose ending does not say in which form to write.
 

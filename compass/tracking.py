@@ -12,6 +12,9 @@ Considered = Literal["schmidt", "blind"]
 #: The kinds of trackers, in order.
 TRACKERS = ("earth", "stations", "moons", "crosslinks")
 
+#: What of a determination is drawn: sigma by tracking, by component, who is measured when.
+PICTURES = ("tracking", "components", "schedule")
+
 
 @dataclass(frozen=True)
 class Tracker:

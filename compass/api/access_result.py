@@ -17,7 +17,7 @@ from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.orbits.motion import Motion
 from compass.quantities import quantity
-from compass.saving import check_ending, replacing, save_netcdf, write_csv
+from compass.saving import ENDINGS, check_ending, replacing, save_netcdf, write_csv
 from compass.words import capital, counted
 
 if TYPE_CHECKING:
@@ -34,9 +34,6 @@ WINDOWS_GOOD_TO = "1 ms of the motion modelled"
 EVIDENCE = (
     f"rise and set are found to {WINDOWS_GOOD_TO}; shares, gaps and waits are of this span alone"
 )
-
-#: Kinds of files that windows are written to.
-SUFFIXES = (".nc", ".csv", ".json")
 
 
 class Window(NamedTuple):
@@ -165,7 +162,7 @@ class AccessResult(Result):
             The name has another ending, or the file cannot be written.
         """
         chosen = Path(path)
-        check_ending(chosen, SUFFIXES)
+        check_ending(chosen, ENDINGS["access"])
         if chosen.suffix == ".nc":
             save_netcdf(chosen, self.dataset.assign_attrs(history=command))
             return

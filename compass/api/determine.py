@@ -31,7 +31,7 @@ from compass.signal.determination import (
 )
 from compass.signal.links import NEAREST
 from compass.signal.unknown_forces import DEGREE, forces_of
-from compass.tracking import Tracking, titled
+from compass.tracking import PICTURES, Tracking, titled
 from compass.words import counted, listed
 
 if TYPE_CHECKING:
@@ -39,9 +39,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COMPONENTS = ("radial", "along", "cross", "clock")
-
-#: What `DetermineResult.plot` draws.
-PICTURES = ("tracking", "components", "schedule")
 
 #: How well the sigmas are known.
 EVIDENCE = (
@@ -182,7 +179,7 @@ class DetermineResult(Result):
             values = (float(each.min()), float(each.mean()), float(each.max()))
             rows.append(
                 (
-                    kind,
+                    titled(kind),
                     str(self.determination.counts[kind]),
                     *(Value(share, value) for value in values),
                 )
@@ -408,9 +405,9 @@ def determine(
             alone = whole.tracking.only(name)
             assert left is not None
             assert alone is not None
-            others[f"without {name}"] = determine_orbits(read, left, motion=moved)
+            others[f"without {titled(name)}"] = determine_orbits(read, left, motion=moved)
             if len(kinds) > 2:
-                others[f"{name} alone"] = determine_orbits(read, alone, motion=moved)
+                others[f"{titled(name)} alone"] = determine_orbits(read, alone, motion=moved)
     for name, exact in _if_known(whole.tracking).items():
         others[name] = determine_orbits(read, exact, motion=moved)
     signal = implied_signal(whole, read, update_h * HOUR)

@@ -28,7 +28,7 @@ from compass.orbits.constellation import Constellation, keplerian
 from compass.orbits.motion import Motion, MotionModel
 from compass.quantities import quantity
 from compass.quantities.percentile import percentile
-from compass.saving import check_ending, replacing, save_netcdf, write_csv
+from compass.saving import ENDINGS, check_ending, replacing, save_netcdf, write_csv
 from compass.signal.budget import basis
 from compass.sites import Mask, Site
 from compass.words import capital, counted
@@ -41,10 +41,7 @@ if TYPE_CHECKING:
 NAMES = ("count", "gdop", "pdop", "hdop", "vdop", "tdop", "age_h")
 
 #: Why there are no errors in metres.
-NO_SIGNAL = "need the errors of ranges; give one design with a table [signal]"
-
-#: Kinds of files that series are written to.
-SUFFIXES = (".nc", ".csv")
+NO_SIGNAL = "needs the errors of ranges; give one design with a table [signal]"
 
 
 @dataclass(frozen=True, repr=False)
@@ -204,7 +201,7 @@ class SeriesResult(Result):
         header = [f"{q.heading}, {p} % below" for q in known.values() for p in (50, 95)]
         shares = {"fix_share": "time with a fix, %", "few_share": "fewer than four in view, %"}
         if self.beam_deg is not None:
-            shares["beyond_beam_share"] = "of that because of beams, %"
+            shares["beyond_beam_share"] = "fewer because of beams alone, %"
         lines = tuple(
             (
                 row["user"],
@@ -259,7 +256,7 @@ class SeriesResult(Result):
             The name has another ending, or the file cannot be written.
         """
         chosen = Path(path)
-        check_ending(chosen, SUFFIXES if self.gaps else SUFFIXES[:1])
+        check_ending(chosen, ENDINGS["series"] if self.gaps else [".nc"])
         if chosen.suffix == ".nc":
             every = self.dataset if self.errors is None else self.dataset.merge(self.errors)
             save_netcdf(chosen, every.assign_attrs(self.dataset.attrs, history=command))
@@ -374,10 +371,10 @@ def series(
     """
     read = joined_designs((design, *others))
     wanted = given_fold(fold, read)
-    if (routes or orbiters) and (others or read.signal is None):
-        raise ArgumentError(f"routes, orbiters: {NO_SIGNAL}")
-    if beam_deg is not None and (others or read.signal is None):
-        raise ArgumentError(f"beam_deg = {beam_deg:g}: errors alone keep to beams, and {NO_SIGNAL}")
+    in_metres_too = read.signal is not None and not others
+    of_errors = {"routes": routes, "orbiters": orbiters, "beam_deg": beam_deg is not None}
+    if not in_metres_too and (asked := [name for name, given in of_errors.items() if given]):
+        raise ArgumentError(f"{', '.join(asked)}: {NO_SIGNAL}")
     floor = Mask.of(mask_deg or 0.0)
     sites = tuple(
         replace(site, mask=site.mask.or_higher(floor))
@@ -410,7 +407,7 @@ def series(
     sited = replace(read, stations=sites)
     made = _dataset(sited, start + since, moving, lit)
     errors = None
-    if not others and read.signal is not None:
+    if in_metres_too:
         movers = _movers(sited, start + since, routes, orbiters, floor)
         errors = _errors(in_metres(sited), start + since, moving, movers, beam_deg)
     made["age_h"] = (
@@ -427,7 +424,7 @@ def series(
         gaps=gaps,
         dataset=made,
         errors=errors,
-        beam_deg=None if errors is None else beam_deg,
+        beam_deg=beam_deg,
     )
 
 
@@ -441,10 +438,9 @@ def _movers(
     ArgumentError
         A text that cannot be read, or a name that is used twice.
     """
-    found = [standing(site, times.size) for site in design.stations]
+    found, mask = [standing(s, times.size) for s in design.stations], design.mask.or_higher(floor)
     for text in routes:
         name, places = _read_route(text, design)
-        mask = design.mask.or_higher(floor)
         found.append(on_route(name, places, design.figure, mask, times.size))
     for text in orbiters:
         orbit = _read_orbit(text, design)

@@ -29,6 +29,8 @@ from compass.cli.parameters import (
     text,
     whole,
 )
+from compass.saving import ENDINGS
+from compass.tracking import PICTURES
 
 _DRAWING = ("picture", "a picture; add --figure FILE.png")
 _PRIME = "a prime number meets moments of symmetry least."
@@ -180,15 +182,13 @@ OPTIONS: dict[str, Told] = {
     "years": real("Time to simulate; else the design's, 1."),
     # what one command means by a name
     "access.duration_sols": real("Span from the design's epoch.  [default: the design's, else 10]"),
-    "access.output": output(
-        "Write all windows to a file: .nc, .csv or .json.", endings=(".nc", ".csv", ".json")
-    ),
+    "access.output": output("Write all windows to a file", ENDINGS["access"]),
     "check.days": real("Days to settle it for, at the places; else for ever."),
     "determine.days": real("Arc of tracking from the epoch; else the design's."),
     "determine.output": output("Design file to write, with the [signal] that follows."),
     "determine.picture": output("PNG of sigma against time, or of who tracks whom when."),
     "determine.drawn": choice(
-        ["tracking", "components", "schedule"],
+        PICTURES,
         "What the picture shows: sigma by tracking, by component, or the schedule.",
         "tracking",
         flags="--of",
@@ -279,9 +279,7 @@ OPTIONS: dict[str, Told] = {
     "series.mask_deg": real(
         "Elevation mask, degrees; the higher of it and a station's own horizon."
     ),
-    "series.output": output(
-        "Write counts and dilutions over time: .nc or .csv.", endings=(".nc", ".csv")
-    ),
+    "series.output": output("Write counts and dilutions over time", ENDINGS["series"]),
     "series.picture": output("PNG curve to draw."),
     "trade.output": path("Folder of the store; by default trades/NAME-OF-THE-FILE."),
     "trade.workers": whole("Processes on this machine; by default one a core."),

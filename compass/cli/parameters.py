@@ -72,8 +72,13 @@ def path(help: str, **more: Any) -> Told:
     return text(help, type=click.Path(path_type=Path), **more)
 
 
-def output(help: str, **more: Any) -> Told:
-    """Tell of a file to write: that it can be is looked at before any work is done."""
+def output(help: str, endings: Sequence[str] = (), **more: Any) -> Told:
+    """Tell of a file to write, with one of some endings if any are told.
+
+    That it can be written is looked at before any work is done.
+    """
+    if endings:
+        help, more = f"{help}: {', '.join(endings)}.", {"endings": endings, **more}
     return path(help, writes="file", **more)
 
 

@@ -10,11 +10,11 @@ from compass.api.show_signal import signal_blocks, signal_facts
 from compass.design import Design
 from compass.document.blocks import Block, Picture, Section, Sentence, Table, Verdict
 from compass.pages.coverage import percentile_map
-from compass.pictures.determine import SIZE, schedule_height
 from compass.pictures.series import draw_errors
 from compass.pictures.style import CYCLE, look, new_figure, picture
 from compass.quantities import quantity
 from compass.signal.budget import TERMS
+from compass.tracking import PICTURES
 
 #: The maps of a fix, and of its protection where one is promised; the first takes the width.
 MAPS = ("error_horizontal_m", "error_vertical_m", "error_time_m")
@@ -182,28 +182,25 @@ def tracking_section(design: Design) -> Section | None:
         Sentence(f"{block.claim}.") if isinstance(block, Verdict) else block
         for block in result.document().blocks
     ]
-    shown = [drawn(result, *one) for one in TRACKING]
+    shown = [drawn(result, name, *one) for name, one in zip(PICTURES, TRACKING, strict=True)]
     return Section("Who tracks them", (told[0], *shown, *told[1:]))
 
 
-#: Pictures of a determination: which, its title, what it shows.
+#: Pictures of a determination, as `PICTURES` has them: title, caption, what it shows.
 TRACKING = (
     (
-        "tracking",
         "How well the orbits are known over time",
         "Root mean square over satellites of the position's sigma, with all tracking and without "
         "each kind; grey: predicted, not tracked.",
         "Curves of sigma against time, one a set of trackers.",
     ),
     (
-        "components",
         "How well orbits and clocks are known over time, with all tracking",
         "One sigma: lines are root mean squares over satellites, bands hold all of them; grey: "
         "predicted, not tracked.",
         "Curves of radial, along, cross and clock sigma against time.",
     ),
     (
-        "schedule",
         "Who tracks whom when",
         "A row a satellite, a colour a kind of tracking; grey: predicted, not tracked.",
         "Bars of time, a row a satellite: who measures it.",
@@ -213,9 +210,7 @@ TRACKING = (
 
 def drawn(result: DetermineResult, name: str, title: str, caption: str, alt: str) -> Picture:
     """One of the pictures of a determination."""
-    height = SIZE[1] if name != "schedule" else schedule_height(result.design.constellation.size)
-    figure = new_figure(SIZE[0], height)
-    with look():
-        result.plot(name=name, axes=figure.add_subplot())
+    figure = result.plot(name=name).get_figure(root=True)
+    assert figure is not None
     stem = "tracking-sigma" if name == "tracking" else f"tracking-{name}"
     return picture(figure, stem, title, caption, wide=True, alt=alt)

@@ -5,8 +5,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from compass.pictures.style import CYCLE, FAINT, axes_or_new, look
+from compass.pictures.rows import draw_rows, runs
+from compass.pictures.style import CYCLE, INK, axes_or_new, look
 from compass.signal.determination import Determination
+from compass.tracking import titled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -78,49 +80,37 @@ def draw_components(
     return drawn
 
 
-def schedule_height(satellites: int) -> float:
-    """Height of a picture of a schedule, inches."""
-    return 1.6 + 0.24 * min(satellites, MOST)
-
-
 def draw_schedule(
     axes: "Axes | None", name: str, determination: Determination, satellites: Sequence[str]
 ) -> "Axes":
-    """Draw whom each kind of tracker measures when: a row a satellite, a lane a kind."""
-    shown = satellites[:MOST]
-    drawn = axes_or_new(axes, SIZE[0], schedule_height(len(satellites)))
-    kinds = determination.tracked
-    step = determination.tracking.step / 3600.0
-    lane = 0.8 / len(kinds)
+    """Draw whom each kind of tracker measures when: a lane a satellite and kind, in its colour."""
+    shown, kinds = satellites[:MOST], determination.tracked
+    drawn = axes_or_new(axes, SIZE[0], 1.6 + 0.24 * len(shown))
+    step, count = determination.tracking.step / 3600.0, len(kinds)
+    lanes = [
+        (f"{satellite}: {titled(kind)}", step * (runs(tracked[k]) - 0.5), colour)
+        for k, satellite in enumerate(shown)
+        for colour, (kind, tracked) in zip(CYCLE, kinds.items(), strict=False)
+    ]
     with look():
-        for k, (colour, (kind, tracked)) in enumerate(zip(CYCLE, kinds.items(), strict=False)):
-            for row in range(len(shown)):
-                spans = step * (_runs(tracked[row]) - 0.5)
-                across = np.column_stack([spans, np.full(len(spans), np.nan)]).ravel()
-                level = np.full(across.size, row - 0.4 + lane * (k + 0.5))
-                drawn.plot(across, level, color=colour, lw=12.0 * lane, solid_capstyle="butt")
-            drawn.plot([], [], color=colour, lw=4.0, label=kind)
-        for row in range(len(shown) - 1):
-            drawn.axhline(row + 0.5, color=FAINT, lw=0.4, alpha=0.5)
+        names, spans, colours = zip(*lanes, strict=True)
+        ends = (0.0, determination.times[-1] / 3600.0)
+        draw_rows(drawn, names, spans, colours, ends, width=10.0 / count)
+        for colour, kind in zip(CYCLE, kinds, strict=False):
+            drawn.plot([], [], color=colour, lw=4.0, label=titled(kind))
         _shade_prediction(drawn, determination)
-        drawn.set_yticks(range(len(shown)), list(shown), fontsize=8)
-        drawn.set_ylim(len(shown) - 0.4, -0.6)
-        drawn.set_xlim(0.0, determination.times[-1] / 3600.0)
-        drawn.tick_params(axis="y", length=0)
+        above = count * np.arange(len(shown)) - 0.5
+        for level in above[1:]:
+            drawn.axhline(level, color=INK, lw=0.6)
+        drawn.set_yticks(above + count / 2, list(shown), fontsize=8)
         drawn.set_xlabel("time, h")
         some = f" (the first {MOST} of {len(satellites)})" if len(satellites) > MOST else ""
         drawn.set_title(f"{name}: who tracks whom when{some}; grey: not tracked")
         drawn.legend(
-            fontsize=8, frameon=False, ncols=len(kinds), loc="upper center",
+            fontsize=8, frameon=False, ncols=count, loc="upper center",
             bbox_to_anchor=(0.5, -0.7 / (0.24 * len(shown) + 1.0)),
         )  # fmt: skip
     return drawn
-
-
-def _runs(on: np.ndarray) -> np.ndarray:
-    """First and past-the-last number of every run of truths, shape (runs, 2)."""
-    edges = np.diff(np.concatenate([[0], on.astype(np.int8), [0]]))
-    return np.column_stack([np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)])
 
 
 def _shade_prediction(axes: "Axes", determination: Determination) -> None:

@@ -14,7 +14,7 @@ from compass.entry.views import local_axes
 from compass.entry.visible_area import VisibleArea, horizon
 from compass.errors import ArgumentError
 from compass.frames import latitude_longitude
-from compass.pictures.rows import draw_rows
+from compass.pictures.rows import draw_rows, runs
 from compass.pictures.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure, picture
 from compass.quantities.percentile import percentile
 
@@ -198,9 +198,9 @@ def _view_picture(assessment: Assessment) -> Picture:
         step = times[1] - times[0]
         spans = []
         for seen in assessment.seen.T:
-            runs = np.flatnonzero(np.diff(np.concatenate([[0], seen, [0]]))).reshape(-1, 2)
-            start = times[runs[:, 0]]
-            spans.append(np.column_stack([start, np.maximum(times[runs[:, 1] - 1], start + step)]))
+            first, past = runs(seen).T
+            start = times[first]
+            spans.append(np.column_stack([start, np.maximum(times[past - 1], start + step)]))
         ends = float(times[0]), float(times[-1])
         draw_rows(axes, names, spans, [SKY] * len(names), ends, width=11.0)
         axes.set_xlabel("time after entry, s")

@@ -54,6 +54,12 @@ def draw_rows(
         figure.rows.append(Rows(axes, tuple(names), tuple(kept)))
 
 
+def runs(on: ArrayLike) -> np.ndarray:
+    """First and past-the-last place of every run of truths, shape (runs, 2)."""
+    edges = np.diff(np.concatenate([[False], np.asarray(on, bool), [False]]))
+    return np.flatnonzero(edges).reshape(-1, 2)
+
+
 def within(spans: ArrayLike, ends: tuple[float, float]) -> np.ndarray:
     """Spans, or what of them lies between two ends."""
     some = np.asarray(spans, float).reshape(-1, 2)

@@ -135,7 +135,7 @@ def test_series_tells_errors_of_all_who_are_named(design, tmp_path):
     assert row["beyond_beam_share"] == np.mean((heard < 4) & (around >= 4)) > 0.5
     assert (around == found.errors["in_view"].values[0]).all()
     told = " ".join(str(narrow).split())
-    assert "of that because of beams, %" in told and "within 7 deg of its way down" in told
+    assert "fewer because of beams alone, %" in told and "within 7 deg of its way down" in told
     found.write(tmp_path / "s.nc")
     found.save_plot(tmp_path / "s.png", "error_horizontal_m")
     with xr.open_dataset(tmp_path / "s.nc", engine="h5netcdf") as data:
@@ -185,9 +185,9 @@ def test_what_nobody_can_follow_is_told(design, asked, message):
 
 def test_movers_need_a_signal(design):
     site = compass.Site.of("S", latitude_deg=12, longitude_deg=40)
-    with pytest.raises(ArgumentError, match="beam_deg = 7: errors alone keep to beams, and need"):
+    with pytest.raises(ArgumentError, match="beam_deg: needs the errors of ranges; give one"):
         compass.series(Design(design.constellation, "bare"), stations=[site], beam_deg=7, epochs=2)
-    with pytest.raises(ArgumentError, match=r"routes, orbiters: need .* table \[signal\]"):
+    with pytest.raises(ArgumentError, match=r"routes: needs .* table \[signal\]"):
         compass.series(
             Design(design.constellation, "bare"), stations=[site], routes=["r=0,0;1,1"], epochs=2
         )

@@ -1,5 +1,7 @@
 """Sections in metres: what they show, and that they are not there without a signal."""
 
+import json
+
 import pytest
 
 import compass
@@ -102,6 +104,9 @@ def test_the_tracking_stands_on_the_page():
     section = tracking_section(read_design_text(DESIGN + SIGNAL + TRACKED))
     stems = ["tracking-sigma", "tracking-components", "tracking-schedule"]
     assert [p.stem for p in section.pictures] == stems
+    (lanes,) = json.loads(section.pictures[2].reading)  # who points at one is told whose it is
+    assert [row["name"] for row in lanes["rows"][:2]] == ["P1S1: Earth", "P2S1: Earth"]
+    assert lanes["rows"][0]["to"][-1] >= 0.1 * 24.0
     assert any(t.title.startswith("Who measures when") for t in section.tables)
     assert any(" of tracking by Earth" in text for text in section.paragraphs)
     assert len(list(walk(section.blocks))) > 3

@@ -547,8 +547,8 @@ def test_the_command_tells_sigmas_and_writes_the_signal(tmp_path):
     path.write_text(TEXT.format(text=RICH, more=f"[access]\nearth = true # kept\n{STATION}"))
     found = compass.determine(path, update_h=1.0)
     told = found.to_dict()
-    assert set(told["by_tracking"]) >= {"without earth", "earth alone"}
-    assert told["by_tracking"]["earth alone"]["clock_sigma_m"] is None
+    assert set(told["by_tracking"]) >= {"without Earth", "Earth alone"}
+    assert told["by_tracking"]["Earth alone"]["clock_sigma_m"] is None
     known = ("were gravity known", "were sunlight's push known", "were trackers without bias")
     assert all(
         told["by_tracking"][name]["along_sigma_m"] <= told["along_sigma_m"] for name in known
