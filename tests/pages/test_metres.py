@@ -105,7 +105,7 @@ def test_the_tracking_stands_on_the_page():
     stems = ["tracking-sigma", "tracking-components", "tracking-schedule"]
     assert [p.stem for p in section.pictures] == stems
     (lanes,) = json.loads(section.pictures[2].reading)  # who points at one is told whose it is
-    assert [row["name"] for row in lanes["rows"][:2]] == ["P1S1: Earth", "P2S1: Earth"]
+    assert [row["name"] for row in lanes["rows"][:2]] == ["P1S1: Earth", "P1S2: Earth"]
     assert lanes["rows"][0]["to"][-1] >= 0.1 * 24.0
     assert any(t.title.startswith("Who measures when") for t in section.tables)
     assert any(" of tracking by Earth" in text for text in section.paragraphs)
