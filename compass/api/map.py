@@ -8,6 +8,7 @@ from typing import Any
 from compass.api.cluster import check_cluster
 from compass.api.given import given_design, given_places, in_metres
 from compass.api.map_result import MapResult
+from compass.api.map_statistics import epochs_on
 from compass.api.progress import bar, foretell, parts_bar
 from compass.arguments import checked
 from compass.cores import cores
@@ -186,13 +187,13 @@ def add_losses(
     """Add to a map which shares are protected without each satellite, looked at by `options`."""
     assert design.integrity is not None
     rows = MapRows(design, options)
-    names, count = design.constellation.satellite_names, rows.grid.latitude.size
-    with bar(progress, "losses", unit="row", total=len(names) * count) as done:
+    names, grid = design.constellation.satellite_names, rows.grid
+    with bar(progress, "losses", unit="row", total=len(names) * grid.rows) as done:
         shares = protection_after_losses(
-            rows.view, rows.grid, rows.ranges, design.integrity, workers=workers,
+            rows.view, grid, rows.ranges, design.integrity, workers=workers,
             progress=done.update,
         )  # fmt: skip
-    looked = f"{options.epochs} epochs on {rows.grid.kind}, {count} by {rows.grid.columns} cells"
+    looked = epochs_on(options.epochs, grid.title)
     made.dataset["loss_protection_share"] = (
         ("lost", "protected"),
         shares,

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,7 @@ import numpy as np
 from compass.api.map_areas import AREAS_KNOWN, area_blocks, with_areas
 from compass.api.map_statistics import (
     ROVER,
+    epochs_on,
     error_statistics,
     protection_statistics,
     statistics,
@@ -37,6 +39,9 @@ from compass.study.mapping import DesignMap
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+
+#: Shares of area and time that are no larger are rounding of the sums that they are made of.
+ROUNDING = 5e-7
 
 
 @dataclass(frozen=True, repr=False)
@@ -89,8 +94,8 @@ class MapResult(Result):
         """What the figures that are not certified are of, and how well that says them."""
         attrs = self.dataset.attrs
         return (
-            f"sampled at {attrs['epochs']} epochs over {attrs['period_s'] / 3600:.6g} h on "
-            f"{attrs['grid']} of the {attrs['figure']}, {attrs['motion_model']} motion: "
+            f"sampled {self.looked.how} of the {attrs['figure']}, over "
+            f"{attrs['period_s'] / 3600:.6g} h of {attrs['motion_model']} motion: "
             "what lies between is not seen, and by how much that moves them is not known; "
             "weighted by area and time, infinities count"
         )
@@ -150,10 +155,19 @@ class MapResult(Result):
         worst = self.certified.worst if self.certified else None
         return () if worst is None else (f"The largest PDOP is {worst.sentence}.",)
 
+    @cached_property
+    def errors(self) -> dict[str, Any]:
+        """Numbers of the errors of fixes, as `compass.api.map_statistics.error_statistics`."""
+        return error_statistics(self.made.dataset)
+
     def error_blocks(self) -> tuple[Table | Sentence, ...]:
-        """Errors of fixes over area and time, with what sampling leaves of doubt."""
-        if "global_error" not in self.dataset:
+        """Errors of fixes over area and time, what they mean, and what they are made of."""
+        if not self.errors:
             return ()
+        return self.error_table(), *self.error_words(), *self.budget_blocks()
+
+    def error_table(self) -> Table:
+        """Errors of fixes over area and time, with what sampling leaves of doubt."""
         made, attrs = self.dataset, self.dataset.attrs
         percentiles = made.global_percentile.values.tolist()
         rows = []
@@ -181,7 +195,11 @@ class MapResult(Result):
             f"% within {attrs['error_limit_m']:g} m",
         )
         title = "Errors of a fix, m, one sigma: percentiles over area and time"
-        found = error_statistics(made)
+        return Table(title, header, tuple(rows))
+
+    def error_words(self) -> tuple[Sentence, ...]:
+        """What a rover anywhere knows of its place, and why there is no fix where there is none."""
+        found, attrs = self.errors, self.dataset.attrs
         horizontal, vertical = (Value(quantity(q), found[q]) for q in ROVER.values())
         known = "their variances" if attrs["error_weights"] == "variance" else "nothing: all alike"
         rover = (
@@ -195,18 +213,13 @@ class MapResult(Result):
                 f"shape of the error ellipse), with {basis(self.design)}; it weighs ranges by "
                 f"{known}; ± is a standard error of sampling"
             )
-        return (
-            Table(title, header, tuple(rows)),
-            Sentence(rover),
-            *(Sentence(words) for words in self.why_no_fix()),
-            *self._budget_blocks(found.get("fix_budget")),
-        )
+        return tuple(Sentence(words) for words in (rover, *self.why_no_fix()))
 
     def why_no_fix(self) -> tuple[str, ...]:
         """Where errors are infinite: in how much of area and time, and why; nothing where never."""
-        found = error_statistics(self.dataset)
+        found = self.errors
         none = 1.0 - found["fix_share"]
-        if none < 5e-7:
+        if none < ROUNDING:
             return ()
         few, masked, singular = (
             Value(quantity("part_share"), found[name])
@@ -221,7 +234,7 @@ class MapResult(Result):
         )
         lines = (
             f"; in {singular} % four or more, whose lines of sight tell no fix"
-            if found["singular_share"] > 5e-7
+            if found["singular_share"] > ROUNDING
             else ""
         )
         return (
@@ -233,7 +246,7 @@ class MapResult(Result):
         """As `why_no_fix`, of protection levels."""
         found = protection_statistics(self.dataset)
         none = 1.0 - found["level_share"]
-        if none < 5e-7:
+        if none < ROUNDING:
             return ()
         share, reasons = quantity("part_share"), []
         for name, words in (
@@ -241,14 +254,15 @@ class MapResult(Result):
             ("unchecked_share", "a range is there that the others cannot check"),
             ("two_faults_share", "so many are in view that two faults use up the risk allowed"),
         ):
-            if found[name] > 5e-7:
+            if found[name] > ROUNDING:
                 reasons.append(f"in {Value(share, found[name])} % {words}")
         return (
             f"levels are infinite in {Value(share, none)} % of area and time: {'; '.join(reasons)}",
         )
 
-    def _budget_blocks(self, budget: dict[str, Any] | None) -> tuple[Table | Sentence, ...]:
+    def budget_blocks(self) -> tuple[Table | Sentence, ...]:
         """What ranges and fixes are made of: parts of their variance, and geometry's factor."""
+        budget = self.errors.get("fix_budget")
         if budget is None:
             return ()
         made_of = (budget["range_parts"], *(budget[name]["parts"] for name in ERRORS))
@@ -355,7 +369,7 @@ class MapResult(Result):
         """Satellites in view, and dilution of precision, over area and time."""
         numbers = self.numbers()
         threshold, fold = self.dataset.attrs["pdop_threshold"], self.dataset.attrs["wanted_fold"]
-        share, sampled = quantity("fold_share"), self._looked()
+        share, sampled = quantity("fold_share"), self.looked
         step = self.dataset.attrs["gap_step_s"]
         followed = Sampled(step, f"at cells, at each to {step:.3g} s")
         count = numbers["count"]
@@ -398,17 +412,18 @@ class MapResult(Result):
 
     def _known(self, name: str, percentiles: list[str]) -> str:
         """How well the percentiles of a dilution are known, in words."""
-        sampled, evidence = str(self._looked()), self.evidence()
+        sampled, evidence = str(self.looked), self.evidence()
         proven = [p for p in percentiles if f"{name}.{p}" in evidence]
         if not proven:
             return sampled
         rest = f"; the rest {sampled}" if len(proven) < len(percentiles) else ""
         return f"{', '.join(proven)} between proven bounds{rest}"
 
-    def _looked(self) -> Sampled:
+    @property
+    def looked(self) -> Sampled:
         """How the figures that are not certified are known: at so many epochs and cells."""
         attrs = self.dataset.attrs
-        return Sampled(how=f"at {attrs['epochs']} epochs on {attrs['grid']}")
+        return Sampled(how=f"at {epochs_on(attrs['epochs'], attrs['grid'])}")
 
     def write(self, path: str | Path, *, time_series: bool = False, progress: bool = False) -> None:
         """Write the maps as CF netCDF; with `time_series` also every epoch's counts and DOPs.
@@ -448,7 +463,7 @@ class MapResult(Result):
         from compass.pictures.style import axes_or_new
 
         values, title = self._layer(name, percentile)
-        title += self._why_nowhere(name, values)
+        title += self._why_nowhere(name, percentile)
         known = QUANTITIES.get(name)
         drawn = axes_or_new(axes, *LARGE)
         draw_map(
@@ -464,9 +479,15 @@ class MapResult(Result):
         )
         return drawn
 
-    def _why_nowhere(self, name: str, values: "xr.DataArray") -> str:
+    def nowhere(self, name: str, percentile: int = 95) -> bool:
+        """Whether a map of errors or levels is infinite at every cell, and shows nothing."""
+        if name not in (*ERRORS, *LEVELS):
+            return False
+        return not np.isfinite(self._layer(name, percentile)[0].values).any()
+
+    def _why_nowhere(self, name: str, percentile: int) -> str:
         """Why a map of errors or levels is infinite everywhere, for its title; else nothing."""
-        if name not in (*ERRORS, *LEVELS) or np.isfinite(values.values).any():
+        if not self.nowhere(name, percentile):
             return ""
         why = self.why_no_fix() if name in ERRORS else self.why_no_level()
         return "".join("\n" + fill(words, 90) for words in why)

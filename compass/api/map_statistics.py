@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.ranging import FACTOR_95
+from compass.words import counted
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -14,6 +15,11 @@ ROVER = {
     "error_horizontal_m": "rover_horizontal_m",
     "error_vertical_m": "rover_vertical_m",
 }
+
+
+def epochs_on(epochs: int, grid: str) -> str:
+    """At how many epochs and on which cells a map was looked at."""
+    return f"{counted(epochs, 'epoch')} on {grid}"
 
 
 def statistics(dataset: "xr.Dataset") -> dict[str, Any]:

@@ -14,6 +14,7 @@ from compass.api.map_areas import AREAS_KNOWN
 from compass.api.progress import bar
 from compass.api.results import Result
 from compass.arguments import checked
+from compass.clocks import clock_named
 from compass.cores import cores
 from compass.document import Bracket, Page, Sampled, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block
@@ -36,7 +37,7 @@ from compass.study.stages import StudyJob
 from compass.study.store import Store
 from compass.study.trade import Summary, run_trade
 from compass.study.workers import Processes, Workers
-from compass.words import counted
+from compass.words import capital, counted
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -259,8 +260,10 @@ def clock_blocks(study: Study, by_clock: Sequence[dict[str, Any]]) -> list[Block
             )
             for one in rows
         )
-        header = ("identity", "satellites", "the study's own", *rows[0]["m"])
-        blocks.append(Table(f"With each clock: {known.heading}", header, cells, LISTED))
+        titles = (clock_named(name).title for name in rows[0]["m"])
+        header = ("identity", "satellites", "the study's own", *titles)
+        sure = f"sampled over {sampling_of(study, figure)}, with every clock the same samples"
+        blocks.append(Table(f"With each clock: {known.heading} ({sure})", header, cells, LISTED))
         blocks += [Sentence(words) for words in _clock_against_satellites(study, rows)]
     return blocks
 
@@ -274,14 +277,15 @@ def _clock_against_satellites(study: Study, rows: Sequence[dict[str, Any]]) -> t
     if len(sizes) < 2:
         return ()
     few, more = (next(one for one in finite if one["satellites"] == n) for n in sizes[:2])
-    known, clock = MERITS[few["figure"]].quantity, study.signal.clock.name
+    known, clock = MERITS[few["figure"]].quantity, study.signal.clock.title
     best = min(few["m"], key=few["m"].__getitem__)
     written = [Value(known, x) for x in (few["own"], few["m"][best], more["own"])]
     buys = "more" if few["m"][best] < more["own"] else "less"
     return (
-        f"{known.title}: {sizes[0]} satellites with {clock} have {written[0]} m; the best clock, "
-        f"{best}, makes that {written[1]} m, {sizes[1] - sizes[0]} more with {clock} make it "
-        f"{written[2]} m: here a better clock buys {buys}",
+        f"{capital(known.title)}, sampled: {sizes[0]} satellites with {clock} have {written[0]} m; "
+        f"the best clock, {clock_named(best).title}, makes that {written[1]} m, "
+        f"{sizes[1] - sizes[0]} more with {clock} make it {written[2]} m: here a better clock buys "
+        f"{buys}",
     )
 
 

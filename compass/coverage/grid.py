@@ -30,6 +30,11 @@ class Grid:
     polar: float = 1.0
 
     @property
+    def title(self) -> str:
+        """Kind and number of its cells, in words."""
+        return f"{self.kind}, {self.rows} by {self.columns} cells"
+
+    @property
     def rows(self) -> int:
         """Number of latitude rows."""
         return self.latitude_edges.size - 1

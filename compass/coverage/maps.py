@@ -271,7 +271,7 @@ def _dataset(
         "wanted_fold": fold,
         "pdop_threshold": pdop_threshold,
         "epochs": view.times.size,
-        "grid": f"{grid.kind}, {grid.rows} by {grid.columns} cells",
+        "grid": grid.title,
     }
     if gaps is not None:
         attrs |= {"gap_step_s": gaps.step, "gap_span_repeats": int(gaps.ring)}

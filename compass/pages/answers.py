@@ -160,10 +160,9 @@ def _dilution(
 
 def _known(results: DesignResults, name: str, of: dict[str, Any], key: str) -> Value:
     """A figure of the map with its proven bounds, or with what it was sampled on."""
-    mapped, attrs = results.mapped, results.mapped.dataset.attrs
+    mapped = results.mapped
     scope = mapped.certified.scope.split(";")[0] if mapped.certified else ""
-    sampled = Sampled(None, f"{attrs['epochs']} epochs, {attrs['grid']}")
-    return Value(quantity(name), of[key], Bracket.beside(of, key, scope) or sampled)
+    return Value(quantity(name), of[key], Bracket.beside(of, key, scope) or mapped.looked)
 
 
 def accurate(results: DesignResults) -> str:

@@ -217,7 +217,7 @@ def _accuracy(results: DesignResults, _: list[Neighbour]) -> Section:
     """How good the geometry of a fix is."""
     d = results.mapped.dataset.attrs
     text = (
-        f"Maps: {d['epochs']} epochs over {d['period_s'] / 3600:.4f} h on {d['grid']}; numbers are "
+        f"Maps {results.mapped.looked.how}, over {d['period_s'] / 3600:.4f} h; numbers are "
         "weighted by area and time. With fewer than four satellites or singular geometry a "
         "dilution of precision is infinite, and counts as such in every percentile."
     )

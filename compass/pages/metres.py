@@ -4,11 +4,10 @@ import numpy as np
 
 from compass.api.determine import DetermineResult, determine
 from compass.api.map_result import MapResult
-from compass.api.map_statistics import error_statistics
 from compass.api.series import SeriesResult
 from compass.api.show_signal import signal_blocks, signal_facts
 from compass.design import Design
-from compass.document.blocks import Block, Picture, Section, Sentence, Table, Verdict
+from compass.document.blocks import Block, Picture, Section, Sentence, Verdict
 from compass.pages.coverage import percentile_map
 from compass.pictures.series import draw_errors
 from compass.pictures.style import CYCLE, look, new_figure, picture
@@ -41,31 +40,22 @@ def metres_section(mapped: MapResult, followed: SeriesResult | None = None) -> S
     if design.signal is None:
         return None
     names = (*MAPS, *(LEVELS if design.integrity is not None else ()))
-    table, *said = mapped.error_blocks()
-    rover = [block for block in said if isinstance(block, Sentence)]
-    tables = [k for k, block in enumerate(said) if isinstance(block, Table)]
-    made_of = said[tables[0] :] if tables else []
     told: list[Block] = [
-        *(block for block in rover if block not in made_of),
-        table,
+        *mapped.error_words(),
+        mapped.error_table(),
         *(
             error_picture(mapped, name, wide=name == MAPS[0])
             for name in names
-            if drawable(mapped, name)
+            if not mapped.nowhere(name)
         ),
         *mapped.protection_blocks(),
         *over_time(followed),
         *fix_budget_picture(mapped),
-        *made_of,
+        *mapped.budget_blocks(),
         budget_picture(design),
         *signal_blocks(design),
     ]
     return Section("Errors in metres", tuple(told))
-
-
-def drawable(mapped: MapResult, name: str) -> bool:
-    """Whether a map shows anything: one that is infinite everywhere is said, not drawn."""
-    return bool(np.isfinite(mapped.dataset[name].sel(percentile=95).values).any())
 
 
 def error_picture(mapped: MapResult, name: str, *, wide: bool = False) -> Picture:
@@ -102,7 +92,7 @@ def over_time(followed: SeriesResult | None) -> list[Block]:
 
 def fix_budget_picture(mapped: MapResult) -> list[Picture]:
     """Bars of errors of a range and of fixes, each by its parts; nothing where there is no fix."""
-    budget = error_statistics(mapped.dataset).get("fix_budget")
+    budget = mapped.errors.get("fix_budget")
     if budget is None:
         return []
     dataset, sigma = mapped.dataset, budget["range_error_m"]

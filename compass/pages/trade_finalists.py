@@ -244,6 +244,16 @@ def known(study: Study, name: str, one: Finalist | Yardstick) -> Value:
     return Value(MERITS[name].quantity, one.figures[name], evidence)
 
 
+def doubt(one: Finalist | Yardstick, name: str) -> float:
+    """By how much another sampling may move a figure, as a bar shows it.
+
+    0 where it is exact, where proven bounds say instead between what it lies, and where no number
+    says it.
+    """
+    error = 0.0 if name in one.brackets else one.errors.get(name, 0.0)
+    return error if np.isfinite(error) else 0.0
+
+
 def with_unit(value: Value) -> str:
     """A value with its unit, for a sentence."""
     return f"{value} {value.quantity.shown_unit}".strip()

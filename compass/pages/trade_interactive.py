@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from compass.document.blocks import Interactive, Picture
 from compass.inputs.study import Study
 from compass.pages.page import script, templates
-from compass.pages.trade_finalists import known, with_unit
+from compass.pages.trade_finalists import doubt, known, with_unit
 from compass.pictures.style import CYCLE, FAINT, MARS
 from compass.quantities.merits import MERITS
 from compass.study.candidates import make_constellation
@@ -95,7 +95,7 @@ def interactive_front(
 def beside(study: Study, results: "xr.Dataset", chosen: Sequence[Finalist]) -> str:
     """What to know beside a front: which is recommended, how sure it is, what the bars are."""
     known = front_known(study, int((~results.decided.values & (results.front.values == 0)).sum()))
-    bars = any(np.isfinite(e) and e for one in chosen for e in one.errors.values())
+    bars = any(doubt(one, name) for one in chosen for name in one.errors)
     return (
         "Ringed: the recommended one."
         + " Bars: how far another sampling may move it." * bars
@@ -136,11 +136,10 @@ def _single(
 ) -> dict[str, Any]:
     """One design by name: its number on every axis, how it is written, and what is in doubt."""
     values = {**one.figures, **one.variables}
-    doubt = [0.0 if axis in one.brackets else one.errors.get(axis, 0.0) for axis in axes]
     return {
         "names": [name],
         "columns": [_column(np.array([values[axis]], float)) for axis in axes],
-        "doubt": [float(f"{each:.3g}") if np.isfinite(each) else 0.0 for each in doubt],
+        "doubt": [float(f"{doubt(one, axis):.3g}") for axis in axes],
         "told": [
             with_unit(known(study, axis, one)) if axis in one.figures else None for axis in axes
         ],

@@ -13,6 +13,7 @@ from compass.coverage.view import view
 from compass.document.blocks import Picture
 from compass.inputs.study import Study
 from compass.orbits import repeat_period
+from compass.pages.trade_finalists import doubt
 from compass.pictures.front import draw_front, label
 from compass.pictures.maps import draw_map, ranged_bar
 from compass.pictures.style import CYCLE, INK, MARS, look, new_figure, picture
@@ -56,7 +57,7 @@ def front_pictures(
             draw_front(axes, results, a, b)
             drawn: list[Finalist | Yardstick] = [*chosen, *([measure] if measure else [])]
             for one in drawn:
-                across, up = (0.0 if n in one.brackets else one.errors.get(n, 0.0) for n in (a, b))
+                across, up = doubt(one, a), doubt(one, b)
                 axes.errorbar(
                     one.figures[a], one.figures[b], up, across,
                     fmt="none", ecolor=INK, elinewidth=1, capsize=3,

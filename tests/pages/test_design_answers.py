@@ -10,6 +10,7 @@ import pytest
 
 import compass
 from compass.api.map_result import MapResult
+from compass.document import Sampled
 from compass.inputs import read_design_text
 from compass.pages.answers import (
     ANSWERS,
@@ -166,7 +167,10 @@ def mapped(**numbers):
     attrs = {"epochs": 2, "grid": "cells", "pdop_threshold": 6.0}
     numbers = {"gdop": {"p50": np.inf, "p95": np.inf}, "availability": 0.5, **numbers}
     shown = SimpleNamespace(
-        numbers=lambda: numbers, dataset=SimpleNamespace(attrs=attrs), certified=None
+        numbers=lambda: numbers,
+        dataset=SimpleNamespace(attrs=attrs),
+        certified=None,
+        looked=Sampled(how="at 2 epochs on cells"),
     )
     design = read_design_text(FILE.format(fold=1, inclination=43.7))
     return SimpleNamespace(design=design, mapped=shown)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from compass.api.outlook import Glance
 from compass.document import Answers
@@ -14,7 +15,8 @@ from compass.inputs.study import Constraint, read_study_text
 from compass.pages import trade_pictures
 from compass.pages.page import write_page
 from compass.pages.trade import _asked, trade_report
-from compass.pages.trade_finalists import Entrant, _lasts, against, verdict
+from compass.pages.trade_finalists import Entrant, _lasts, against, doubt, verdict
+from compass.pages.trade_interactive import beside
 from compass.quantities.merits import MERITS
 from compass.study import ranking
 from compass.study.candidates import ROW
@@ -88,6 +90,18 @@ def test_words():
     assert against(study, finalist(9, np.nan), finalist(9, 3.0)) == (
         f"equal in number of satellites; not comparable in {gdop}"
     )
+
+
+def test_bars_are_of_what_another_sampling_moves_alone():
+    """Half the width of proven bounds is no bar, nor is an error that no number says."""
+    errors = {"gdop_p50": 0.2, "gdop_p95": 0.5, "availability": np.inf}
+    one = replace(finalist(9, 3.0), errors=errors, brackets={"gdop_p95": (3.0, 4.0)})
+    names = ("gdop_p50", "gdop_p95", "availability", "satellites")
+    assert [doubt(one, name) for name in names] == [0.2, 0.0, 0.0, 0.0]
+    front = xr.Dataset({"decided": ("candidate", [True]), "front": ("candidate", [0])})
+    sure = replace(one, errors={"gdop_p95": 0.5})
+    study = read_study_text(TEXT)
+    assert "Bars" in beside(study, front, [one]) and "Bars" not in beside(study, front, [sure])
 
 
 def test_recommendation_names_file_and_units(landing, tmp_path, coarse):

@@ -148,7 +148,9 @@ def test_it_is_said_what_a_clock_buys_against_satellites(study):
     rows = [row(16, 9.0, 5.0), row(15, 20.0, 6.0), row(18, 3.0, 2.0)]
     table, words = clock_blocks(study, rows)
     assert table.rows[1][:2] == ("x", 15) and "time error" in table.title
-    assert "15 satellites with csac have 20" in words.text and "1 more with csac" in words.text
+    assert "(sampled over " in table.title and table.header[-2:] == ("CSAC", "DSAC")
+    assert "15 satellites with CSAC have 20" in words.text and "1 more with CSAC" in words.text
+    assert "sampled" in words.text and "the best clock, DSAC, makes" in words.text
     assert words.text.endswith("a better clock buys more")
     rows[1]["m"]["dsac"] = 12.0
     assert clock_blocks(study, rows)[1].text.endswith("a better clock buys less")
