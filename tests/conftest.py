@@ -62,6 +62,7 @@ def little_to_certify():
             patch.setattr("compass.coverage.certified_geometry.BUDGET_BOXES", 0)
             patch.setattr("compass.coverage.clearance.MARGIN_BOXES", 100)
             patch.setattr("compass.coverage.clearance.MOST_BOXES", 500)
+            patch.setattr("compass.coverage.fold_verdict.MARGIN_BOXES", 100)
             patch.setattr("compass.coverage.fold_verdict.MISSED_BOXES", 100)
             patch.setattr("compass.coverage.fold_verdict.SHARE_BOXES", 300)
         yield

@@ -34,8 +34,8 @@ MOST_BOXES, MARGIN_BOXES = 4_000_000, 200_000
 #: How near bounds of the share of a polygon come, one after the other.
 FIRST_WIDTHS = (0.3, 0.1, 0.03, 0.01)
 
-#: Parts of the least clearance seen that are tried as bounds where boxes do not suffice for more.
-PARTS = (0.25, 0.5, 0.8)
+#: Part of the boxes for a margin that one bound of it may take: others are to be tried after it.
+ONE_BOUND = 0.25
 
 #: Equal parts of the time in which shares over a span are looked for, several at once.
 TIMES = 4
@@ -161,14 +161,11 @@ def least_clearance(
         )
     most = _affordable(most, constellation.size)
     laid = lay_out(constellation, users, span)
-    found = _least(laid, fold, enough, tolerance, min(most, MARGIN_BOXES))
+    found = _least(laid, fold, 0.0, tolerance, min(most, MARGIN_BOXES))
     if found[0] < 0.0 <= found[1]:
         found = _least(laid, fold, 0.0, FINEST, most)
-        for part in PARTS if found[0] >= 0.0 else ():
-            again = _least(laid, fold, part * found[1], FINEST, min(most, MARGIN_BOXES))
-            if again[0] <= found[0]:
-                break
-            found = again
+    if found[0] >= 0.0:
+        found = _margin(laid, fold, found, enough, tolerance, min(most, MARGIN_BOXES))
     low, high, worst, seen, boxes = found
     low -= laid.missed
     if not np.isfinite(high):
@@ -390,6 +387,30 @@ def _boxes(
     began = perf_counter()
     tried = run(1e-6, TRIAL_BOXES).boxes
     return max(int(tried * seconds / max(perf_counter() - began, 1e-6)), 1)
+
+
+def _margin(
+    laid: Laid, fold: int, found: tuple, enough: float, tolerance: float, most: int
+) -> tuple:
+    """Bring the bounds of what is clear together by halves, as near as so many boxes suffice for.
+
+    That all is clear by half of what is seen takes few boxes to prove, and shows what is less
+    clear; all that is to be told apart at once would be looked at over and over at a high guess.
+    """
+    low, high, worst, seen, boxes = found
+    top, looked = enough, 0
+    while min(high, top) - low > tolerance and looked < most:
+        middle = 0.5 * (low + min(high, top))
+        least, seen_least, *where, few = _least(
+            laid, fold, middle, tolerance, int(ONE_BOUND * most)
+        )
+        looked += few
+        if seen_least < high:
+            high, (worst, seen) = seen_least, where
+        if least <= low:
+            top = middle  # more than boxes suffice for
+        low = max(low, least)
+    return low, high, worst, seen, boxes + looked
 
 
 def _least(

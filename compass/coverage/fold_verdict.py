@@ -10,6 +10,7 @@ from compass.bodies import MARS_ROTATION_RATE
 from compass.cores import shared
 from compass.coverage.certified_effort import Effort
 from compass.coverage.clearance import (
+    MARGIN_BOXES,
     Clearance,
     Share,
     always_clear,
@@ -163,12 +164,16 @@ def losses_of(
 ) -> Iterator[tuple[tuple[str, ...], int, Constellation]]:
     """Names of lost satellites, how many sets they stand for, and what is left without them.
 
-    Unless satellites are `alike` in all but their places, every set stands for itself.
+    Unless satellites are `alike` in all but their places, every set stands for itself. Belts see at
+    one moment or another what turns and delays carry into one another, wherever Mars stands, but
+    for the share of time at the worst of their places.
     """
     if not requirement.losses:
         yield (), 1, c
         return
-    turns = course.span is not None or not alike
+    by_place = requirement.share < 1.0 and requirement.share_of == "time"
+    belts = course.for_ever and all(each.is_belt for each in users) and not by_place
+    turns = not alike or not (course.span is None or belts)
     still = Region("places that turn with Mars", mars_fixed=turns)
     turning = all(each.alike_all_around for each in users)
     try:
@@ -189,8 +194,7 @@ def ask(c: Moving, users: Users, fold: int, course: Course) -> Clearance:
     """Least clearance of users on a course.
 
     Who stands at every longitude sees in one revolution what he ever sees. What all on the
-    latitudes of a polygon have, its own users have too; how near they come to losing it, and
-    where, is not known then.
+    latitudes of a polygon have, its own users have too.
     """
     if course.span is None:
         return least_clearance(c, users.belt(), fold)
@@ -200,7 +204,8 @@ def ask(c: Moving, users: Users, fold: int, course: Course) -> Clearance:
             return _from(course.span[0], c, least_clearance(c, users, fold))
         belt = least_clearance(c, users.belt(), fold)
         if belt.low >= 0.0:
-            return replace(belt, high=np.inf)
+            own = least_clearance(c, users, fold, span=course.span, most=MARGIN_BOXES)
+            return replace(own, low=max(belt.low, own.low))
     return least_clearance(c, users, fold, span=course.span)
 
 

@@ -284,11 +284,37 @@ def test_the_worst_over_days_lies_in_them_and_among_the_users():
     assert there.sees(seen).sum() == missed.worst.value < 8
     elevation, _ = there.elevation_azimuth(seen)
     assert np.sort(elevation)[-8] == pytest.approx(missed.margin, abs=1e-6)
-    # all around its latitudes one is in view, of the polygon's own worst nothing is known
+    # all around its latitudes one is in view: the polygon's own users have more
     part = Requirement("p", regions=("polygon:0,0;0,10;10,10;10,0",), fold=1)
     met = verdict(Design(c, requirements=(part,)), days=2, start_day=3)
-    assert (met.met, met.worst) == (True, None)
-    assert met.margin > 0
+    w = met.worst
+    assert met.met is True and 3 * 86400 <= w.time <= 5 * 86400
+    assert -1e-9 <= min(w.latitude, w.longitude) <= max(w.latitude, w.longitude) < np.radians(10.01)
+    elevation, _ = Site("w", w.latitude, w.longitude).elevation_azimuth(
+        positions_mcmf(c, [w.time])[:, 0]
+    )
+    assert 0 < met.margin <= elevation.max() == pytest.approx(w.elevation, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_margins_come_near_for_bands_and_polygons_and_are_alike_for_losses_that_are():
+    """A band whose first look shows 18 degrees where 16.2 are, a part of it, and any loss."""
+    c = walker_delta(18, 6, 2, inclination_deg=50, orbit="areosynchronous")
+    band = Requirement("band", regions=("lat:-30:30",), fold=4)
+    part = Requirement("part", regions=("polygon:10,60;10,100;25,100;25,60",), fold=4)
+    lost = replace(band, name="lost", losses=1)
+    asked = [band, part, lost, replace(lost, name="again", regions=("lat:-30:30", "lat:-30:30"))]
+    found = compass.check(Design(c, requirements=tuple(asked))).verdicts
+    for one in found:
+        assert 0.0 <= one.worst.elevation - one.margin < 1.1e-4
+    assert found[0].margin <= found[1].margin + 1.1e-4
+    assert (found[2].alike, found[2].margin) == (18, found[3].margin)
+    # all moments and places of the band, from the whole of a sol
+    times = np.random.default_rng(3).uniform(0, DAY, 300)
+    for latitude in np.radians([-30, -12.4, 0, 12.4, 30]):
+        seen = np.moveaxis(positions_mcmf(c, times), 1, 0)
+        elevation, _ = Site("x", latitude, 0.3).elevation_azimuth(seen)
+        assert np.sort(elevation, axis=-1)[..., -4].min() >= found[0].margin
 
 
 @pytest.mark.slow
