@@ -39,7 +39,7 @@ def check_writable(path: Path, inputs: Sequence[Path] = ()) -> None:
         raise OutputError(f"{path}: is a device or the like, which would be lost; give a file name")
     for source in inputs:
         if path.exists() and source.exists() and path.samefile(source):
-            raise OutputError(f"{path}: is the input itself; choose another output name")
+            raise OutputError(f"{path}: is an input itself; choose another output name")
     if not folder.is_dir():
         raise OutputError(f"{path}: folder {folder} does not exist; create it first")
     if not os.access(folder, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):

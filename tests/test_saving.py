@@ -93,7 +93,7 @@ def test_impossible_outputs_are_refused(tmp_path, case):
     path, message = {
         "folder": (tmp_path, "is a directory"),
         "missing": (tmp_path / "no" / "x.nc", "does not exist"),
-        "input": (source, "is the input itself"),
+        "input": (source, "is an input itself"),
     }[case]
     with pytest.raises(OutputError, match=message):
         check_writable(path, [source])

@@ -10,7 +10,8 @@ from compass.arguments import checked
 from compass.document import Page, Sentence
 from compass.errors import OutputError
 from compass.inputs.commented import commented
-from compass.inputs.shipped import companions, model_of, source, tables
+from compass.inputs.reading import tables
+from compass.inputs.shipped import companions, model_of, source
 from compass.saving import check_writable, write_files
 
 _HEAD = """\

@@ -26,6 +26,7 @@ from compass.cli.parameters import (
     radius,
     real,
     several,
+    source,
     text,
     whole,
 )
@@ -133,8 +134,8 @@ OPTIONS: dict[str, Told] = {
     "repeat": whole(
         "Revolutions and rotations of Mars after which the ground track closes.", nargs=2
     ),
-    "require": path("File with [[requirement]], or a design."),
-    "rival": path("Find the best Walker delta of the first design's size, and write it there."),
+    "require": source("File with [[requirement]], or a design."),
+    "rival": output("Find the best Walker delta of the first design's size, and write it there."),
     "rival_radius_km": real("Its orbits' radius; the first design's if left out."),
     "routes": several(
         "--route NAME=LAT,LON;...",
@@ -165,14 +166,14 @@ OPTIONS: dict[str, Told] = {
     "step_days": real("Between the moments that are listed."),
     "store": path("Folder of a study's store; by default trades/NAME-OF-THE-FILE."),
     "strict": flag("Exit with 1 if a filter is inconsistent."),
-    "terrain": path("GeoTIFF or netCDF grid of heights.", required=True),
+    "terrain": source("GeoTIFF or netCDF grid of heights.", required=True),
     "time_series": flag(
         "Also write every epoch's counts and DOPs.",
         needs=("output", "a file to write to; add -o FILE.nc"),
     ),
-    "tls_ca": path("Certificate of the cluster's authority (PEM)."),
-    "tls_cert": path("Own certificate (PEM)."),
-    "tls_key": path("Own key (PEM)."),
+    "tls_ca": source("Certificate of the cluster's authority (PEM)."),
+    "tls_cert": source("Own certificate (PEM)."),
+    "tls_key": source("Own key (PEM)."),
     "trimmed": flag("Trim the initial axes first.", flags="--trim"),
     "update_h": real("Hours between uploads, the prediction; else the design's."),
     "variable": text("Name of the heights in a netCDF file that has several."),
@@ -223,7 +224,7 @@ OPTIONS: dict[str, Told] = {
         flags="-o --report",
     ),
     "judge.runs": whole("Filter runs of each.", 512),
-    "judge.scenario": path("Scenario file of the lander.", flags="-s --scenario", required=True),
+    "judge.scenario": source("Scenario file of the lander.", flags="-s --scenario", required=True),
     "judge.seed": whole("Of sites, times and noise.", 0),
     "land.output": output("netCDF file to write."),
     "land.runs": whole("Monte Carlo runs."),

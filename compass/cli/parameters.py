@@ -12,9 +12,9 @@ from compass.cli.shared import check_outputs
 from compass.errors import SHORT, ArgumentError, near
 from compass.saving import check_ending, check_new_folder
 
-#: What is told of an option that click does not know: whether it is a file or folder to write, and
-#: with which endings; what else must be given for it to say anything.
-OURS = ("writes", "endings", "needs")
+#: What is told of an option that click does not know: whether it is a file to read, or a file or
+#: folder to write, and with which endings; what else must be given for it to say anything.
+OURS = ("reads", "writes", "endings", "needs")
 
 #: Names that are not made of the library's.
 _FLAGS = {"output": "-o --output", "picture": "--figure"}
@@ -42,7 +42,7 @@ def meant(word: str, known: Iterable[str]) -> str:
 
 def argument(**more: Any) -> Told:
     """Tell of what is given without a name: the path of a file, or what is said."""
-    return {"type": click.Path(path_type=Path), "flags": None, **more}
+    return {"type": click.Path(path_type=Path), "flags": None, "reads": True, **more}
 
 
 def text(help: str, default: Any = None, **more: Any) -> Told:
@@ -70,6 +70,11 @@ def whole(help: str, default: int | None = None, **more: Any) -> Told:
 def path(help: str, **more: Any) -> Told:
     """Tell of the path of a file or folder."""
     return text(help, type=click.Path(path_type=Path), **more)
+
+
+def source(help: str, **more: Any) -> Told:
+    """Tell of a file to read: nothing that is written may be it."""
+    return path(help, reads=True, **more)
 
 
 def output(help: str, endings: Sequence[str] = (), **more: Any) -> Told:
@@ -149,8 +154,8 @@ def guarded(function: Callable[..., object], told: dict[str, Told]) -> Callable[
                 _check_needed(name, given, *told[name]["needs"])
             if given[name] is not None and "endings" in told[name]:
                 check_ending(given[name], told[name]["endings"])
-        files = [given[name] for name in told if told[name].get("flags", "") is None]
-        inputs = [path for file in files for path in (file if isinstance(file, tuple) else (file,))]
+        files = [given[name] for name in told if given[name] and "reads" in told[name]]
+        inputs = [Path(f) for file in files for f in (file if isinstance(file, tuple) else [file])]
         check_outputs(*those("file", given), folders=those("folder", given), inputs=inputs)
         for new in those("new folder", given):
             check_new_folder(new)

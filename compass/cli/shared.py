@@ -63,6 +63,8 @@ def check_outputs(
 ) -> None:
     """Refuse files to write before any work is spent on them; those that are None are not wanted.
 
+    Neither the inputs may be written over, nor files that they name: a scenario's constellation.
+
     Raises
     ------
     ArgumentError
@@ -71,10 +73,16 @@ def check_outputs(
         As `compass.saving.check_writable` and, of folders, `compass.pictures.files.check_folder`.
     """
     asked = [output for output in outputs if output is not None]
+    read = list(inputs)
+    if any(output.is_file() for output in asked):
+        from compass.inputs.reading import named_files
+
+        files = (source for source in inputs if source.suffix == ".toml" and source.is_file())
+        read += [other for source in files for other in named_files(source)]
     for output in asked:
         if asked.count(output) > 1:
             raise ArgumentError(f"{output}: is two outputs at once; give another name")
-        check_writable(output, inputs)
+        check_writable(output, read)
     for folder in folders:
         if folder is not None:
             from compass.pictures.files import check_folder

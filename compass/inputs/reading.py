@@ -104,6 +104,46 @@ def tables_of(text: str) -> dict[str, Any]:
     return raw
 
 
+def tables(path: Path) -> dict[str, Any]:
+    """Raw tables of a file; none if it is no TOML.
+
+    Raises
+    ------
+    DesignError
+        It cannot be read.
+    """
+    try:
+        return tables_of(read_text(path))
+    except ValueError:
+        return {}
+
+
+def named_files(path: Path) -> list[Path]:
+    """Return the files that a file names, and those that these name in turn: none if it is no TOML.
+
+    A name is any text of the file that is the path of a file, seen from the folder it is in.
+    """
+    found: list[Path] = []
+    waiting = [path]
+    while waiting:
+        here = waiting.pop()
+        for text in _texts(tables(here)):
+            other = here.parent / text
+            a_name = len(text) < 200 and "\n" not in text
+            if a_name and other not in (path, *found) and other.is_file():
+                found.append(other)
+                waiting += [other] if other.suffix == ".toml" else []
+    return sorted(found)
+
+
+def _texts(value: Any) -> list[str]:
+    if isinstance(value, dict):
+        return [text for inner in value.values() for text in _texts(inner)]
+    if isinstance(value, list):
+        return [text for inner in value for text in _texts(inner)]
+    return [value] if isinstance(value, str) else []
+
+
 def parse(
     text: str, label: str, model: type[Model], cross_faults: Callable[[dict[str, Any]], list[str]]
 ) -> Model:

@@ -1,13 +1,12 @@
 """The designs, scenarios and studies that come with the package, and the starters of each kind."""
 
 from pathlib import Path
-from typing import Any
 
 from pydantic import BaseModel
 
 from compass.errors import ArgumentError, near
 from compass.inputs.models import DesignFile
-from compass.inputs.reading import KINDS, read_text, tables_of
+from compass.inputs.reading import KINDS, named_files, tables
 from compass.inputs.scenario_models import ScenarioFile
 from compass.inputs.study_models import StudyFile
 
@@ -77,38 +76,6 @@ def names(kind: str) -> list[str]:
     return [path.stem for path in found if _TABLES[kind] in tables(path)]
 
 
-def tables(path: Path) -> dict[str, Any]:
-    """Raw tables of a file; none if it is no TOML.
-
-    Raises
-    ------
-    DesignError
-        It cannot be read.
-    """
-    try:
-        return tables_of(read_text(path))
-    except ValueError:
-        return {}
-
-
 def companions(path: Path) -> list[Path]:
     """Return the files beside `path` that it names, and those that these name in turn."""
-    found: list[Path] = []
-    waiting = [path]
-    while waiting:
-        here = waiting.pop()
-        for text in _texts(tables(here)):
-            other = here.parent / text
-            a_name = len(text) < 200 and not set(text) & set("/\n")
-            if a_name and other not in (path, *found) and other.is_file():
-                found.append(other)
-                waiting += [other] if other.suffix == ".toml" else []
-    return sorted(found)
-
-
-def _texts(value: Any) -> list[str]:
-    if isinstance(value, dict):
-        return [text for inner in value.values() for text in _texts(inner)]
-    if isinstance(value, list):
-        return [text for inner in value for text in _texts(inner)]
-    return [value] if isinstance(value, str) else []
+    return [other for other in named_files(path) if other.parent == path.parent]

@@ -143,7 +143,7 @@ def test_infinite_percentiles_are_null(run, designs):
         (["--pdop-max", "0"], "--pdop-max = 0: allowed 1 to"),
         (["--grid", "hex"], "is not one of"),
         (["--time-series"], "needs a file to write to"),
-        (["-o", "{design}"], "is the input itself"),
+        (["-o", "{design}"], "is an input itself"),
         (["-o", "{folder}"], "is a directory"),
         (["-o", "{folder}/no/x.nc"], "does not exist"),
         (["-o", "{folder}/x", "--figure", "{folder}/x"], "give another name"),
@@ -263,6 +263,30 @@ def test_unwritable_output_is_refused_before_any_work(run, seed, tmp_path, monke
     code, _, err = run("map", seed, *SMALL, "-o", tmp_path / "x.nc")
     assert code == 2
     assert "not writable" in err
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "search --require {wanted} --max-satellites 4 --radius-km 20427 -o {wanted}",
+        "horizon {design} --terrain {heights} -o {heights}",
+        "judge {design} -s {scenario} --rival {scenario}",
+        "judge {design} -s {scenario} --rival {named}",
+        "land {scenario} -o {named}",
+    ],
+)
+def test_what_is_read_is_not_written_over(run, designs, tmp_path, line):
+    """By options, and by files that those given name: a scenario's constellation was lost."""
+    kept = {"wanted": "five-landing-sites.toml", "design": "draim-four.toml",
+            "scenario": "landing.toml", "named": "compass-15-5-1.toml"}  # fmt: skip
+    files = {key: tmp_path / name for key, name in kept.items()} | {"heights": tmp_path / "h.nc"}
+    for key, file in files.items():
+        file.write_text((designs / kept[key]).read_text() if key in kept else "heights")
+    before = {file: file.read_text() for file in files.values()}
+    code, out, err = run(*line.format(**files).split())
+    assert (code, out) == (2, "")
+    assert "is an input itself; choose another output name" in err
+    assert {file: file.read_text() for file in tmp_path.iterdir()} == before
 
 
 def test_compilation_is_announced_once_and_only_while_the_command_runs(run, monkeypatch):

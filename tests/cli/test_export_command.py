@@ -92,7 +92,7 @@ def test_bad_options(run, seed, tmp_path, arguments, message):
 def test_bad_outputs(run, seed, tmp_path):
     cases = [
         ("czml", tmp_path, "is a directory"),
-        ("czml", seed, "is the input itself"),
+        ("czml", seed, "is an input itself"),
         ("toml", tmp_path / "no" / "x.toml", "does not exist"),
         ("oem", seed, "is a file"),
         ("oem", tmp_path / "no" / "oem", "does not exist"),

@@ -165,7 +165,7 @@ def test_mistakes_are_told(tmp_path, coarse):
     assert "does not exist; create it first" in str(result.exception)
     path = coarse()
     result = run("land", path, "-o", path)
-    assert "is the input itself" in str(result.exception)
+    assert "is an input itself" in str(result.exception)
 
 
 @pytest.mark.slow

@@ -9,7 +9,8 @@ import pytest
 import compass
 from compass.errors import ArgumentError, DesignError, OutputError, near
 from compass.inputs.commented import Key
-from compass.inputs.shipped import MODELS, companions, names, starter, tables
+from compass.inputs.reading import tables
+from compass.inputs.shipped import MODELS, companions, names, starter
 from compass.inputs.study import read_study
 
 READERS = {
