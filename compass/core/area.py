@@ -81,7 +81,7 @@ def _add_arc(u, frame, cosine, start, stop, level, swept, turned, before, after)
         product = (
             turned[level] * corner(pole, before, after) * corner(centre, before, after).conjugate()
         )
-        size = abs(product)
+        size = abs(product.real) + abs(product.imag)  # only the angle matters, not the length
         if size > 0.0:
             turned[level] = product / size
         before[:] = after

@@ -194,7 +194,9 @@ def covering_radius(satellites, k, least, most, p_best):
 
 
 @kernel
-def worst_radius(orbits, poles, gm, spin, k, start, stop, known, tolerance, limit, max_nodes):
+def worst_radius(
+    orbits, poles, gm, spin, k, start, stop, first, known, tolerance, limit, max_nodes
+):
     """Greatest `covering_radius` over [start, stop], bracketed to `tolerance`.
 
     The covering radius changes no faster than the satellites move in a frame that turns with
@@ -207,6 +209,9 @@ def worst_radius(orbits, poles, gm, spin, k, start, stop, known, tolerance, limi
         As in `caps_at`.
     k, start, stop
         Fold; seconds.
+    first
+        Moment in [start, stop] that is looked at first: the worst one of a like constellation,
+        if known, spares most of the others.
     known
         A radius that is reached at another time: only greater ones matter; -1 if there is none.
     tolerance, limit
@@ -223,19 +228,25 @@ def worst_radius(orbits, poles, gm, spin, k, start, stop, known, tolerance, limi
     parts = 8
     stack = np.empty((parts + 128, 3))  # intervals, and the radius that is not exceeded in each
     point, candidate = np.zeros(3), np.zeros(3)
-    least, most, when = known, 0.0, start
+    least, most, when = known, 0.0, first
     if orbits.shape[1] < k:
-        return math.inf, math.inf, start, point, 0
+        return math.inf, math.inf, first, point, 0
     sphere = 1e-9 * orbits[0].min()  # caps do not matter here, only directions
     ceiling = math.pi
-    for time in (start, stop):
+    nodes = 0
+    for time in (first, start, stop):
+        if nodes > 0 and time == first:
+            continue
         u, _, stray = caps_at(orbits, poles, gm, sphere, 0.0, spin, math.nan, time, stop - start)
         value = covering_radius(u, k, least, ceiling, candidate)
         ceiling = min(ceiling, value + stray.max())
         if value > least:
             least, when = value, time
             point[:] = candidate
-    depth, nodes = 0, 2
+        nodes += 1
+        if least > limit:
+            return least, math.inf, when, point, nodes
+    depth = 0
     if stop > start:
         for part in range(parts):
             stack[part, 0] = start + (stop - start) * part / parts

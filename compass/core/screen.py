@@ -106,8 +106,12 @@ def screen_patterns(patterns, cap, fold, reject, tolerance, fine, least, most, c
         raan, u = pattern_angles(star[m], satellites[m], planes[m], phasing[m])
         start, stop = deciding_phases(star[m], satellites[m], planes[m], phasing[m])
         limit = cap[m] if reject else math.inf
-        low, high = pattern_radius(raan, u, inclination[m], fold, start, stop, tolerance, limit)
+        low, high, when = pattern_radius(
+            raan, u, inclination[m], fold, start, stop, start, tolerance, limit
+        )
         if low <= cap[m] < high and math.isfinite(high):
-            low, high = pattern_radius(raan, u, inclination[m], fold, start, stop, fine, limit)
+            low, high, _ = pattern_radius(
+                raan, u, inclination[m], fold, start, stop, when, fine, limit
+            )
         least[m], most[m] = low, high
         closest[m] = closest_pair(raan, u, inclination[m])

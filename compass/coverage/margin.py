@@ -70,6 +70,7 @@ def covering_radius(
             fold,
             start,
             stop,
+            start,
             least,
             0.9 * tolerance,
             np.inf,

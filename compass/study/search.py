@@ -186,19 +186,15 @@ def _best(
 ) -> Candidate | None:
     """Optimise the inclination of a pattern; None if it cannot cover with caps of radius `cap`."""
     start = make(0.0)
-    inclination = optimal_inclination(start, fold, cap)
+    inclination = optimal_inclination(start, fold, cap, resolution=np.radians(0.01))
     if inclination is None:
         return None
-    degrees = np.round(np.degrees(inclination) + np.array([-0.01, 0.0, 0.01]), 2)
-    rounded = np.radians(degrees)
-    tried = [make(float(i)) for i in rounded if 0 <= i <= np.pi / 2]
-    radii = [covering_radius(c, fold).radius for c in tried]
-    chosen = int(np.argmin(radii))
-    if radii[chosen] > cap:
+    c = make(float(np.radians(np.round(np.degrees(inclination), 2))))
+    radius = covering_radius(c, fold).radius
+    if radius > cap:
         return None
-    c = tried[chosen]
-    margin = float(mask_for_cap(radii[chosen], c.semi_major_axis[0], sphere_radius))
-    return Candidate(c, radii[chosen], margin, closest_approach(c))
+    margin = float(mask_for_cap(radius, c.semi_major_axis[0], sphere_radius))
+    return Candidate(c, radius, margin, closest_approach(c))
 
 
 def optimal_inclination(
@@ -207,8 +203,8 @@ def optimal_inclination(
     """Inclination (radians, 0 to pi/2) at which a pattern needs the smallest caps for a fold.
 
     Only the pattern of the constellation matters, not its inclination. The caps are proven to
-    be within 0.07 degree of the smallest at any inclination, and lie at a local minimum to
-    `resolution` (radians; by default 0.003 degree) in inclination. None if they must be larger
+    be within 0.07 degree of the smallest at any inclination, and are the smallest of a neighbourhood
+    among multiples of `resolution` (radians; by default 0.003 degree). None if they must be larger
     than `limit` everywhere, or come within 0.07 degree of it and no more.
     """
     span = shortest_span(constellation)

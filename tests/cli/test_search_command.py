@@ -33,7 +33,7 @@ def one_pattern(monkeypatch):
     monkeypatch.setattr(
         module,
         "optimal_inclination",
-        lambda _c, _fold, limit: None if limit < 1.2 else np.radians(43.66),
+        lambda _c, _fold, limit, **_: None if limit < 1.2 else np.radians(43.66),
     )
     cheaper = partial(module.covering_radius, tolerance=1e-3)
     monkeypatch.setattr(module, "covering_radius", cheaper)

@@ -142,7 +142,9 @@ def test_the_result_does_not_depend_on_the_number_of_threads():
 
 def test_the_phase_stands_for_time():
     c = five(0.8)
-    least, most = pattern_radius(c.raan, c.mean_anomaly, 0.8, 1, 0.0, np.pi / 10, 1e-3, np.inf)
+    least, most, _ = pattern_radius(
+        c.raan, c.mean_anomaly, 0.8, 1, 0.0, np.pi / 10, 0.0, 1e-3, np.inf
+    )
     found = covering_radius(c, 1, tolerance=1e-3)
     assert most >= found.at_least - 1e-9
     assert least <= found.radius + 1e-9

@@ -103,7 +103,7 @@ def test_brackets_hold_the_covering_radius_of_the_whole_period(pattern, fold):
     motion, period = motion_of(c, shortest_span(c)), 2 * np.pi / c.mean_motion[0]
     times = np.linspace(0, period, 60)
     values = [
-        worst_radius(motion.orbits, motion.poles, motion.gm, motion.spin, fold, x, x, -1.0, 1, np.inf, 2)[0]
+        worst_radius(motion.orbits, motion.poles, motion.gm, motion.spin, fold, x, x, x, -1.0, 1, np.inf, 2)[0]
         for x in times
     ]  # fmt: skip
     assert max(values) <= most + 1e-9
