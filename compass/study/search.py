@@ -203,8 +203,8 @@ def optimal_inclination(
     """Inclination (radians, 0 to pi/2) at which a pattern needs the smallest caps for a fold.
 
     Only the pattern of the constellation matters, not its inclination. The caps are proven to
-    be within 0.07 degree of the smallest at any inclination, and are the smallest of a neighbourhood
-    among multiples of `resolution` (radians; by default 0.003 degree). None if they must be larger
+    be within 0.07 degree of the smallest at any inclination, and are the smallest nearby among
+    multiples of `resolution` (radians; by default 0.003 degree). None if they must be larger
     than `limit` everywhere, or come within 0.07 degree of it and no more.
     """
     span = shortest_span(constellation)
