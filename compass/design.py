@@ -126,19 +126,12 @@ class Radio:
         return sorted(self.between) == sorted((one, two))
 
 
-#: What a requirement may limit from above: dilutions of precision, and errors of a fix in metres.
+#: What a requirement may limit from above: dilutions of precision, errors of a fix in metres, and
+#: protection levels, which are sampled.
 DILUTIONS = ("pdop", "gdop", "hdop", "vdop", "tdop")
 ERRORS = ("error_horizontal_m", "error_vertical_m", "error_position_m", "error_time_m")
-LIMITS = DILUTIONS + ERRORS
-
-#: Limits that nothing settles, and what can be asked instead.
-UNSETTLED = dict.fromkeys(
-    ("protection_horizontal_m_at_most", "protection_vertical_m_at_most"),
-    "protection levels are sampled, not proven, and no requirement; give [integrity] the limits "
-    "alert_horizontal_m and alert_vertical_m, and compass map tells the share within them, with "
-    "--each-loss after the loss of any satellite; what can be required is fold = 5, with losses: "
-    "who sees five may notice a fault",
-)
+PROTECTIONS = ("protection_horizontal_m", "protection_vertical_m")
+LIMITS = DILUTIONS + ERRORS + PROTECTIONS
 
 #: Satellites without which a dilution of precision is infinite.
 FEWEST = 4
@@ -230,7 +223,8 @@ class Requirement:
         **at_most
             ``pdop_at_most``, ``gdop_at_most``, ...: the largest dilutions allowed, from 1;
             ``error_horizontal_m_at_most``, ...: the largest errors of a fix, above 0 m, of designs
-            with a signal.
+            with a signal; ``protection_horizontal_m_at_most``, ...: the largest protection levels,
+            of designs with integrity besides.
 
         Raises
         ------
@@ -246,8 +240,7 @@ class Requirement:
         known = {f"{limit}_at_most": limit for limit in LIMITS}
         for key in at_most:
             if key not in known:
-                instead = UNSETTLED.get(key, f"unknown; allowed {', '.join(known)}")
-                raise ArgumentError(f"{key}: {instead}")
+                raise ArgumentError(f"{key}: unknown; allowed {', '.join(known)}")
         if fold is None and not at_most:
             raise ArgumentError(
                 f"requirement {name}: asks for nothing; add fold or one of {', '.join(known)}"
@@ -304,13 +297,15 @@ class Requirement:
         """One of its limits' names in words."""
         if limited in DILUTIONS:
             return limited.upper()
+        if limited in PROTECTIONS:
+            return f"{limited.split('_')[1]} protection level"
         way = "" if self.error_as == "one-sigma" else ", 95 %"
         return f"{limited.split('_')[1]} error{way}"
 
     @staticmethod
     def unit(limited: str) -> str:
         """Unit of one of its limits, behind a number."""
-        return " m" if limited in ERRORS else ""
+        return "" if limited in DILUTIONS else " m"
 
     @property
     def when(self) -> str:

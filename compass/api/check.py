@@ -214,7 +214,7 @@ def check(
     wanted = read.requirements or (Requirement("coverage", fold=read.fold),)
 
     def settle(each: Requirement) -> Answer:
-        return verdict_of(read, each, days=days, start_day=start_day, effort=effort)
+        return verdict_of(read, each, days=days, start_day=start_day, effort=effort, sampled=True)
 
     # geometry shares its own boxes among threads, and can be interrupted in this one alone
     last = sorted(range(len(wanted)), key=lambda k: bool(wanted[k].limits))

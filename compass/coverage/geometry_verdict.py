@@ -23,10 +23,12 @@ from compass.coverage.certified_witness import in_view
 from compass.coverage.certified_worst import CertifiedAlways
 from compass.coverage.certified_worst_place import certified_worst_place
 from compass.coverage.fold_verdict import Course, course_of, losses_of, users_of
+from compass.coverage.protection import LEVELS
 from compass.coverage.region import latitude_band
+from compass.coverage.sampled_verdict import sampled_verdict
 from compass.coverage.users import Users, by_horizon, centric, geodetic
 from compass.coverage.verdict import Verdict, Worst, undecided
-from compass.design import Design, Requirement
+from compass.design import DILUTIONS, Design, Requirement
 from compass.orbits import Constellation
 from compass.sites import Site
 
@@ -132,6 +134,7 @@ def geometry_verdict(
     start_day: float = 0.0,
     effort: Effort | None = None,
     width: float = WIDTH,
+    sampled: bool = False,
 ) -> Verdict:
     """Verdict on a dilution of precision, or an error, of at most a limit, by certified shares.
 
@@ -143,6 +146,9 @@ def geometry_verdict(
         One of `compass.design.LIMITS` and the largest value allowed.
     width
         How near the bounds of each share are to come where `effort` does not say.
+    sampled
+        Whether what nothing certifies, protection levels and users in orbit or in beams over no
+        level horizon, is settled by samples (`compass.coverage.sampled_verdict`), or left open.
 
     Raises
     ------
@@ -158,6 +164,14 @@ def geometry_verdict(
     found: list[tuple[CertifiedShare, Users, tuple[str, ...], int]] = []
     claims: list[_Claim] = []
     everyone = users_of(design, requirement)
+    if not _is_certified(c, name, everyone):
+        if sampled:
+            sets = losses_of(c, requirement, everyone, course, alike=name in DILUTIONS)
+            return sampled_verdict(
+                design, requirement, name, limit, everyone, [one[:2] for one in sets], course
+            )
+        reason = f"{requirement.titled(name)} of these users is not certified yet"
+        return undecided(requirement, course.words, reason)
     height = max(users.height for users in everyone)
     asked = _question(design, requirement, name, limit, course.span, height)
     sky = asked.skies[0]
@@ -166,9 +180,7 @@ def geometry_verdict(
         gone = [c.satellite_names.index(satellite) for satellite in lost]
         for users in everyone:
             seen = by_horizon(users, c)
-            if seen is None or (sky is not None and seen.mask.lowest < 0.0):
-                reason = f"{asked.title} of these users is not certified yet"
-                return undecided(requirement, course.words, reason)
+            assert seen is not None
             by_place = requirement.share < 1.0 and requirement.share_of == "time"
             among = by_place and users.south != users.north
             where = _worst_asked(seen, course) if among else asked_place(seen, course)
@@ -195,6 +207,13 @@ def geometry_verdict(
         scope += "; of a fix that weighs ranges by their variances, wherever the Sun stands"
     settled = _always(design, requirement, asked, scope, claims)
     return settled or _verdict(requirement, asked, scope, found)
+
+
+def _is_certified(c: Constellation, name: str, everyone: Sequence[Users]) -> bool:
+    """Whether bounds of a figure are known: of errors not below the level, of levels never."""
+    seen = [by_horizon(users, c) for users in everyone]
+    level = name in DILUTIONS or all(users.mask.lowest >= 0.0 for users in everyone)
+    return name not in LEVELS and None not in seen and level
 
 
 @dataclass(frozen=True)

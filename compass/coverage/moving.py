@@ -48,6 +48,11 @@ class Mover:
     axes: Array
     mask: Mask | None = None
 
+    @property
+    def aloft(self) -> bool:
+        """Whether it is in orbit: looks down, over no horizon of the ground."""
+        return self.mask is None or self.mask.lowest < 0.0
+
 
 def standing(site: Site, epochs: int) -> Mover:
     """Return a site as a user over so many epochs."""
@@ -123,6 +128,59 @@ def in_orbit(orbit: Constellation, epoch: float, times: Array, figure: Figure) -
     return Mover(name, fixed, east_north_up(*latitude_longitude(fixed)))
 
 
+@dataclass(frozen=True)
+class Sights:
+    """The satellites over time, and which of them a user has in view.
+
+    Attributes
+    ----------
+    r
+        Mars-fixed positions, in equatorial radii, shape (t, n, 3).
+    seen
+        Who is in view, shape (t, n).
+    around
+        How many would be, did their antennas reach all around, shape (t,).
+    ranges
+        What their ranges are worth.
+    """
+
+    r: Array
+    seen: NDArray[np.bool_]
+    around: NDArray[np.int64]
+    ranges: Ranges
+
+
+def sights_along(
+    design: Design,
+    mover: Mover,
+    times: Array,
+    motion: Motion | None = None,
+    *,
+    beam: float | None = None,
+) -> Sights:
+    """Who is in view of a user at every epoch; parameters as of `errors_along`."""
+    moved = motion or design.motion
+    c, radius = design.constellation, design.figure.equatorial_radius
+    angle = prime_meridian_angle(c.epoch, times)
+    r = np.moveaxis(mcmf_from_mci(moved.states(c, times)[0], angle), 0, 1)
+    line = r - mover.r[:, None]
+    u = line / np.linalg.norm(line, axis=2)[..., None]
+    if mover.mask is None:
+        closest = np.einsum("tni,ti->tn", u, mover.r)
+        miss2 = np.einsum("ti,ti->t", mover.r, mover.r)[:, None] - closest**2
+        seen = (closest >= 0.0) | (miss2 > radius**2)
+    else:
+        east, north, up = np.moveaxis(np.einsum("tij,tnj->tni", mover.axes, u), 2, 0)
+        azimuth = np.mod(np.arctan2(east, north), 2 * np.pi)
+        seen = np.arcsin(np.clip(up, -1.0, 1.0)) >= mover.mask.at(azimuth)
+    around = seen.sum(axis=1)
+    if beam is not None:
+        seen &= np.einsum("tni,tni->tn", r, u) / np.linalg.norm(r, axis=2) >= np.cos(beam)
+    worth = range_errors(design, times, moved)
+    ranges = Ranges(worth.forms, worth.sun, worth.lit, worth.numbers)
+    return Sights(np.ascontiguousarray(r / radius), seen, around, ranges)
+
+
 def errors_along(
     design: Design,
     mover: Mover,
@@ -155,32 +213,20 @@ def errors_along(
         In view, shape (t,); horizontal, vertical, position and time error, m, shape (t, 4),
         infinite without a fix; how many would be in view of antennas that reach all around, (t,).
     """
-    moved = motion or design.motion
-    c, radius = design.constellation, design.figure.equatorial_radius
-    angle = prime_meridian_angle(c.epoch, times)
-    r = np.moveaxis(mcmf_from_mci(moved.states(c, times)[0], angle), 0, 1)
-    line = r - mover.r[:, None]
-    u = line / np.linalg.norm(line, axis=2)[..., None]
-    if mover.mask is None:
-        closest = np.einsum("tni,ti->tn", u, mover.r)
-        miss2 = np.einsum("ti,ti->t", mover.r, mover.r)[:, None] - closest**2
-        seen = (closest >= 0.0) | (miss2 > radius**2)
-    else:
-        east, north, up = np.moveaxis(np.einsum("tij,tnj->tni", mover.axes, u), 2, 0)
-        azimuth = np.mod(np.arctan2(east, north), 2 * np.pi)
-        seen = np.arcsin(np.clip(up, -1.0, 1.0)) >= mover.mask.at(azimuth)
-    around = seen.sum(axis=1)
-    if beam is not None:
-        seen &= np.einsum("tni,tni->tn", r, u) / np.linalg.norm(r, axis=2) >= np.cos(beam)
-    worth = range_errors(design, times, moved)
-    out = np.empty((times.size, 4))
+    sights = sights_along(design, mover, times, motion, beam=beam)
+    return sights.seen.sum(axis=1), fix_errors(design, mover, sights), sights.around
+
+
+def fix_errors(design: Design, mover: Mover, sights: Sights) -> Array:
+    """Horizontal, vertical, position and time error of a user's fixes, m, shape (t, 4)."""
+    out = np.empty((len(mover.r), 4))
     errors_over_time(
-        np.ascontiguousarray(mover.r / radius),
+        np.ascontiguousarray(mover.r / design.figure.equatorial_radius),
         np.ascontiguousarray(mover.axes[:, 2]),
-        np.ascontiguousarray(r / radius),
-        seen,
-        mover.mask is None,
-        Ranges(worth.forms, worth.sun, worth.lit, worth.numbers),
+        sights.r,
+        sights.seen,
+        mover.aloft,
+        sights.ranges,
         out,
     )
-    return seen.sum(axis=1), out, around
+    return out

@@ -50,6 +50,15 @@ def promise_numbers(integrity: Integrity, satellites: int) -> NDArray[np.float64
     return numbers
 
 
+def promise_of(integrity: Integrity, satellites: int) -> Promise:
+    """What users of so many satellites are promised, as kernels take it."""
+    return Promise(
+        promise_numbers(integrity, satellites),
+        np.array([integrity.unmonitored(n) for n in range(satellites + 1)]) / integrity.hazard,
+        np.array([integrity.alert_horizontal, integrity.alert_vertical]),
+    )
+
+
 def protection_map(
     view: View,
     grid: Grid,
@@ -196,12 +205,7 @@ def protection_rows(
     users, cell_share = view.rows(grid), grid.cell_share
     worth = Ranges(ranges.forms, ranges.sun, ranges.lit, ranges.numbers)
     ranks = nearest_ranks(epochs)
-    promise = Promise(
-        promise_numbers(integrity, count),
-        np.array([integrity.unmonitored(n) for n in range(count + 1)]) / integrity.hazard,
-        np.array([integrity.alert_horizontal, integrity.alert_vertical]),
-    )
-
+    promise = promise_of(integrity, count)
     histograms, total = empty_level_histograms(), np.zeros(len(SHARES))
     levels = np.empty((2, grid.columns, epochs), np.float32)
     within = np.empty((2, grid.columns))

@@ -17,6 +17,7 @@ def verdict_of(
     days: float | None = None,
     start_day: float = 0.0,
     effort: Effort | None = None,
+    sampled: bool = False,
 ) -> Verdict:
     """Settle a requirement on a design.
 
@@ -32,6 +33,8 @@ def verdict_of(
     effort
         How far to go with each share of geometry, and seconds for those of satellites in view; by
         default so many boxes, which is the same on any machine.
+    sampled
+        Whether what nothing certifies is settled by samples, or left open.
 
     Raises
     ------
@@ -47,7 +50,14 @@ def verdict_of(
     for name, limit in requirement.limits:
         verdicts.append(
             geometry_verdict(
-                design, requirement, name, limit, days=days, start_day=start_day, effort=effort
+                design,
+                requirement,
+                name,
+                limit,
+                days=days,
+                start_day=start_day,
+                effort=effort,
+                sampled=sampled,
             )
         )
     if not verdicts:

@@ -146,7 +146,8 @@ def both(first: Verdict, second: Verdict) -> Verdict:
     reason = worse.reason or (other.reason if met is None else "")
     if met is None and not reason:
         reason = "each of its parts holds for long enough, both together may not"
-    evidence = worse.evidence if worse.evidence == other.evidence else "bracket"
+    kinds = {worse.evidence, other.evidence}
+    evidence = worse.evidence if len(kinds) == 1 else "sampled" if "sampled" in kinds else "bracket"
     return replace(
         worse,
         met=met,

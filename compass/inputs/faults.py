@@ -69,8 +69,6 @@ def _sentence(error: ErrorDetails, model: type[BaseModel]) -> str:
     if kind == "missing":
         return f"{path}: missing{hint or '; add it'}"
     if kind == "extra_forbidden":
-        if instead := getattr(owner, "INSTEAD", {}).get(path.rpartition(".")[2]):
-            return fault(path, value, instead)
         return fault(path, value, f"unknown key; {_guess(path, owner, model)}")
     if kind == "union_tag_not_found":
         name = str(context["discriminator"]).strip("'")

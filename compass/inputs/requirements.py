@@ -1,12 +1,12 @@
 """Tables ``[[requirement]]``: what must be so, checked and turned into requirements."""
 
 from collections.abc import Sequence
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from compass.coverage.region import read_regions
-from compass.design import ERRORS, LIMITS, UNSETTLED, ErrorAs, Requirement
+from compass.design import ERRORS, LIMITS, PROTECTIONS, ErrorAs, Requirement
 from compass.errors import ArgumentError
 from compass.inputs.faults import fault, table_in, tables_in
 from compass.inputs.table import Table
@@ -23,8 +23,6 @@ RegionTexts = str | Annotated[list[str], Field(min_length=1, max_length=100)]
 
 class RequirementTable(Table):
     """What must be so at sites or in regions."""
-
-    INSTEAD: ClassVar[dict[str, str]] = UNSETTLED
 
     name: str | None = Field(None, min_length=1, max_length=200, description="what to call it")
     sites: SiteNames | None = Field(None, description="names of [[station]] entries")
@@ -54,6 +52,12 @@ class RequirementTable(Table):
         None, description="largest error of the place in three dimensions, m"
     )
     error_time_m_at_most: Metres | None = Field(None, description="largest error of the time, m")
+    protection_horizontal_m_at_most: Metres | None = Field(
+        None, description="largest horizontal protection level, m, of designs with [integrity]"
+    )
+    protection_vertical_m_at_most: Metres | None = Field(
+        None, description="largest vertical protection level, m; sampled, by compass check alone"
+    )
     error_as: ErrorAs = Field(
         "one-sigma",
         description="what errors are meant as: one-sigma, or 95-percent (1.96 sigma, below which "
@@ -140,7 +144,7 @@ def requirement_faults(raw: dict[str, Any], *others: str) -> list[str]:
         if isinstance(table, dict):
             placed[f"requirement[{k}]"] = table
             faults += _faults(table, f"requirement[{k}]")
-            faults += _error_faults(table, f"requirement[{k}]", "signal" in raw)
+            faults += _error_faults(table, f"requirement[{k}]", raw)
             name = table.get("name")
             if isinstance(name, str):
                 if name in told:
@@ -149,11 +153,17 @@ def requirement_faults(raw: dict[str, Any], *others: str) -> list[str]:
     return _site_faults(placed, station_names(raw)) + _region_faults(placed) + faults
 
 
-def _error_faults(table: dict[str, Any], field: str, has_signal: bool) -> list[str]:
-    wanted = [f"{name}_at_most" for name in ERRORS if f"{name}_at_most" in table]
-    if wanted and not has_signal:
+def _error_faults(table: dict[str, Any], field: str, raw: dict[str, Any]) -> list[str]:
+    wanted, levels = (
+        [f"{name}_at_most" for name in names if f"{name}_at_most" in table]
+        for names in (ERRORS, PROTECTIONS)
+    )
+    if (wanted or levels) and "signal" not in raw:
         problem = "follows from the errors of ranges; add a [signal], or ask for a dilution"
-        return [fault(f"{field}.{key}", table[key], problem) for key in wanted]
+        return [fault(f"{field}.{key}", table[key], problem) for key in (*wanted, *levels)]
+    if levels and "integrity" not in raw:
+        problem = "follows from what users are promised; add an [integrity], in a design"
+        return [fault(f"{field}.{key}", table[key], problem) for key in levels]
     if "error_as" in table and not wanted:
         return [fault(f"{field}.error_as", table["error_as"], "is of errors; add one, or leave it")]
     return []
@@ -193,7 +203,7 @@ def _texts(values: list[Any]) -> list[str]:
 
 def _faults(table: dict[str, Any], field: str) -> list[str]:
     faults, sites = [], table.get("sites")
-    asked = ("fold", *(f"{name}_at_most" for name in LIMITS), *UNSETTLED)
+    asked = ("fold", *(f"{name}_at_most" for name in LIMITS))
     if not any(key in table for key in asked):
         limits = ", ".join(f"{name}_at_most" for name in LIMITS)
         faults.append(f"{field}: asks for nothing; add fold or one of {limits}")

@@ -1,7 +1,7 @@
 """What all tables of files have in common."""
 
 import unicodedata
-from typing import Any, ClassVar
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator
 
@@ -14,9 +14,6 @@ class Table(BaseModel):
     """
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
-
-    #: Keys that one might look for here, and what to do instead.
-    INSTEAD: ClassVar[dict[str, str]] = {}
 
     @field_validator("*", mode="after")
     @classmethod

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from compass.coverage.verdict import Verdict
-from compass.design import Design, Requirement
+from compass.design import PROTECTIONS, Design, Requirement
+from compass.errors import ArgumentError
 from compass.frames import Figure
 from compass.orbits import Constellation
 from compass.ranging import Signal
@@ -131,6 +132,17 @@ class Question:
     budget_s: float | None = None
     signal: Signal | None = None
     days: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what bounds cannot settle: nothing would be left out for sure."""
+        for each in self.requirements:
+            for name, _ in each.limits:
+                if name in PROTECTIONS:
+                    raise ArgumentError(
+                        f"requirement {each.name}: {name}_at_most: is sampled, by compass check "
+                        "alone; to search ask for fold = 5, with losses: who sees five may notice "
+                        "a fault"
+                    )
 
     @property
     def always(self) -> tuple[Requirement, ...]:

@@ -13,11 +13,10 @@ from compass.bodies import MARS_ROTATION_RATE
 from compass.core.pattern_samples import sample_pattern
 from compass.coverage.certified_question import DOPS
 from compass.coverage.certified_ranges import ERROR_DOPS, Ranges, sigma_allowed
-from compass.coverage.region import Region
+from compass.coverage.samples import points_in, stand
 from compass.coverage.users import Users
 from compass.design import Requirement
 from compass.frames import (
-    direction,
     east_north_up,
     latitude_longitude,
     planetographic_latitude,
@@ -119,7 +118,7 @@ def moments_of(
     phase = times * c.mean_motion[0]
     rows = np.column_stack(
         [
-            _stand(users, latitude, axes[:, 2]),
+            stand(users, latitude, axes[:, 2]),
             axes.reshape(len(times), 9),
             np.cos(phase),
             np.sin(phase),
@@ -162,37 +161,7 @@ def _moments(
     if users.longitude is not None:
         longitude = np.full(SAMPLES, users.longitude)
     else:
-        centric, longitude = latitude_longitude(points_in(users.region, rng))
+        centric, longitude = latitude_longitude(points_in(users.region, rng, SAMPLES))
         latitude = planetographic_latitude(centric, users.figure)
     turned = prime_meridian_angle(c.epoch, 0.0) + MARS_ROTATION_RATE.value * times
     return times, latitude, longitude + turned
-
-
-def points_in(region: Region, rng: np.random.Generator) -> NDArray[np.float64]:
-    """`SAMPLES` unit vectors in a convex polygon, of equal chance everywhere, shape (s, 3).
-
-    Those of the circle around it that lie inside; of a sliver some stand for several.
-    """
-    normals = region.normals
-    corners = np.cross(normals, np.roll(normals, -1, axis=0))
-    corners *= np.sign((corners @ normals.T).sum(axis=1))[:, np.newaxis]
-    corners /= np.linalg.norm(corners, axis=1, keepdims=True)
-    middle = corners.sum(axis=0)
-    middle /= np.linalg.norm(middle)
-    latitude, longitude = latitude_longitude(middle)
-    east, north, up = east_north_up(latitude, longitude)
-    reach = float((corners @ middle).min())
-    rise, turn = rng.uniform([reach, 0.0], [1.0, 2 * np.pi], (40 * SAMPLES, 2)).T
-    around = direction(np.arcsin(rise), turn) @ np.stack([east, north, up])
-    inside = around[region.contains(around)]
-    return np.resize(inside if len(inside) else middle, (SAMPLES, 3))
-
-
-def _stand(
-    users: Users, latitude: NDArray[np.float64], up: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Places over the figure at geodetic latitudes, metres, shape (t, 3)."""
-    a, b = users.figure.equatorial_radius, users.figure.polar_radius
-    across = a * a / np.hypot(a * np.cos(latitude), b * np.sin(latitude))
-    radii = np.stack([across, across, across * (b / a) ** 2], axis=-1)
-    return (radii + users.height) * up

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from compass.design import Requirement
-from compass.errors import ArgumentError, DesignError
+from compass.errors import DesignError
 from compass.inputs import read_design_text
 
 DESIGN = """
@@ -89,7 +88,7 @@ def test_tracks_close_only_if_that_is_said():
         ('sites = ["Gale"]\nfold = 1\naltitude_km = 3', "sites have their own height_km"),
         (
             "protection_horizontal_m_at_most = 50\nshare = 0.9",
-            "requirement[1].protection_horizontal_m_at_most = 50: protection levels are sampled",
+            "requirement[1].protection_horizontal_m_at_most = 50: follows from the errors of ranges",
         ),
         ("fold = 1\nfolds = 2", "requirement[1].folds = 2: unknown key; did you mean fold?"),
         (
@@ -110,11 +109,15 @@ def test_an_unknown_site_is_one_fault_wherever_it_is_named():
     assert second.endswith("requirement[3].sites = 'Else': no such [[station]]; there are Gale")
 
 
-def test_what_nothing_settles_says_so_and_nothing_else():
-    told = faults("[[requirement]]\nprotection_vertical_m_at_most = 50\nlosses = 1\n")
-    assert "with --each-loss" in told and "asks for nothing" not in told
-    with pytest.raises(ArgumentError, match="protection_vertical_m_at_most: protection levels are"):
-        Requirement.of("a", protection_vertical_m_at_most=50.0)
+def test_levels_follow_from_what_is_promised():
+    wanted = "[[requirement]]\nprotection_vertical_m_at_most = 50\nlosses = 1\n"
+    signal = "[signal]\nclock_m = 3\nephemeris_m = [2, 8, 5]\nreceiver = { noise_m = 0.5 }\n"
+    told = faults(wanted + signal)
+    assert "follows from what users are promised; add an [integrity]" in told
+    six = DESIGN.replace("satellites = 3", "satellites = 6")
+    text = six.format(more=wanted + signal + "[integrity]\n", orbit="radius_km = 20000")
+    (read,) = read_design_text(text).requirements
+    assert read.limits == (("protection_vertical_m", 50.0),)
 
 
 def test_a_site_without_any_station_is_told_to_add_one():

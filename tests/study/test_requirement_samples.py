@@ -8,6 +8,7 @@ import pytest
 from compass import Requirement, walker_delta
 from compass.coverage.certified_witness import dilution_at
 from compass.coverage.region import read_region
+from compass.coverage.samples import points_in, stand
 from compass.coverage.users import Users, region_users, site_users
 from compass.frames import FIGURES, direction, planetocentric_latitude, prime_meridian_angle
 from compass.orbits import areosynchronous_radius, keplerian
@@ -35,8 +36,8 @@ def fifteen(**orbit):
 def test_a_place_over_the_figure_is_that_of_a_site(figure):
     latitude = np.linspace(-1.5, 1.5, 7)
     users = Users("", -1.5, 1.5, figure, Mask(), height=3e3)
-    stand = module._stand(users, latitude, direction(latitude, np.zeros(7)))
-    for b, place in zip(latitude, stand, strict=True):
+    places = stand(users, latitude, direction(latitude, np.zeros(7)))
+    for b, place in zip(latitude, places, strict=True):
         centric = float(planetocentric_latitude(b, figure))
         assert Site("", centric, 0.0, 3e3, figure=figure).r_mcmf == pytest.approx(place, abs=1e-6)
 
@@ -58,7 +59,7 @@ def test_users_of_a_polygon_are_sampled_inside_it_alone(monkeypatch):
     """Six that hang over it are in view of all of it, and of nobody on the other side."""
     text = "polygon:-20,-30;-20,30;20,30;20,-30"
     region = read_region(text)
-    points = module.points_in(region, np.random.default_rng(1))
+    points = points_in(region, np.random.default_rng(1), module.SAMPLES)
     assert len(points) == module.SAMPLES
     assert region.contains(points).all()
     # of equal chance: halves by the middle meridian and the equator
