@@ -118,9 +118,13 @@ def _guess(path: str, owner: type[BaseModel] | None, model: type[BaseModel]) -> 
 
 
 def _written(name: str, owner: type[BaseModel] | None) -> str:
-    """Write a key as it stands in a file: ``[table]``, ``[[one of several]]`` or its name."""
+    """Write a key as it stands in a file: ``[table]``, ``[[one of several]]`` or its name.
+
+    By its name, too, what may be a table but mostly is a list or a number.
+    """
     annotation = owner.model_fields[name].annotation if owner else None
-    if not _models(annotation):
+    models = _models(annotation)
+    if not models or any(hasattr(model, "IMPLIED") for model in models):
         return name
     return f"[[{name}]]" if get_origin(annotation) is list else f"[{name}]"
 

@@ -16,7 +16,7 @@ from compass.arguments import checked
 from compass.design import Design
 from compass.document import Page, Section, Verdict
 from compass.document.plain import plain
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, near
 from compass.inputs.reading import read_text, tables_of
 from compass.inputs.scenario import Scenario
 from compass.inputs.study import Study
@@ -192,8 +192,11 @@ def _kind(path: Path) -> str:
 
     A paper is known by its name, where there is no file of it.
     """
-    if str(path) in PAPERS and not path.exists():
-        return "paper"
+    if not path.exists():
+        if str(path) in PAPERS:
+            return "paper"
+        if meant := near(str(path), PAPERS):
+            raise ArgumentError(f"{path}: no file and no paper; did you mean {meant[0]}?")
     text = read_text(path)
     try:
         tables = set(tables_of(text))

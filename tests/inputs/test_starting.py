@@ -82,6 +82,15 @@ def test_files_that_a_new_one_names_are_beside_it(tmp_path):
     assert companions(tmp_path / "landing.toml") == []  # no TOML names nothing
 
 
+def test_what_is_mostly_no_table_is_offered_by_its_name(tmp_path):
+    path = tmp_path / "s.toml"
+    path.write_text('name = "x"\n[study]\nsatelites = [4]\n[objectve]\n')
+    with pytest.raises(DesignError) as error:
+        compass.read_study(path)
+    assert "study.satelites = [4]: unknown key; did you mean satellites?" in str(error.value)
+    assert "did you mean [[objective]]?" in str(error.value)
+
+
 def test_schemas_beside_the_shipped_files_are_those_of_the_models():
     from compass.inputs.shipped import folder
 

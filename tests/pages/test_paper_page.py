@@ -4,6 +4,7 @@ import pytest
 
 import compass
 from compass.api.reproduce import ReproduceResult
+from compass.errors import ArgumentError
 from compass.pages.page import write_page
 from compass.pages.paper import paper_report, paper_sections
 from compass.papers.verdict import Erratum, claim, compare, computed
@@ -60,3 +61,10 @@ def test_a_paper_reproduced_whole_says_so():
         "1 of 1 published numbers and statements are reproduced; none differs without that.",
     )
     assert "made from Python" in page and len(sections) == 2
+
+
+def test_a_paper_of_nearly_that_name_is_offered(tmp_path):
+    with pytest.raises(
+        ArgumentError, match=r"^kelly2081: no file and no paper; did you mean kelly"
+    ):
+        compass.report("kelly2081", output=tmp_path / "page")
