@@ -3,6 +3,7 @@
 Further answers join `ANSWERS` in the order of the page: a function from `DesignResults` to rows.
 """
 
+import shlex
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
@@ -18,6 +19,7 @@ from compass.design import Design
 from compass.document import Answer, Answers, Bracket, Proven, Sampled, Section, Sentence, Value
 from compass.document.blocks import Block
 from compass.document.numbers import significant
+from compass.orbits.symmetry import one_circle
 from compass.pages.design_results import DesignResults
 from compass.pages.lasting import lasting_advice, lasting_answers, lasting_promise
 from compass.pages.neighbours import Neighbour
@@ -280,8 +282,8 @@ def _of_requirements(checked: CheckResult, real: str) -> str:
         which = (
             f"its requirement {listed}" if count == 1 else f"{listed} of its {count} requirements"
         )
-        remedy = f"What meets {'it' if count == 1 else 'all'} is found by compass search --require "
-        remedy += f"{checked.design.label}."
+        line = search_line(checked.design, f"--require {shlex.quote(checked.design.label)}")
+        remedy = f"What meets {'it' if count == 1 else 'all'} is found by {line}."
         return " ".join(
             part for part in (f"Do not build it as it is: it misses {which}.", remedy, real) if part
         )
@@ -290,6 +292,17 @@ def _of_requirements(checked: CheckResult, real: str) -> str:
         return f"Decide after a finer look: {listed} cannot be told yet. {real}"
     said = f"it meets {'its requirement' if count == 1 else f'all of its {count} requirements'}"
     return f"Build it as it is: {said}." if not real else f"On undisturbed orbits {said}. {real}"
+
+
+def search_line(design: Design, wanted: str) -> str:
+    """The command line that finds what has what is `wanted`, of twice the size at most.
+
+    At the design's own radius, where its orbits are circles of one, else at the areosynchronous.
+    """
+    axes = design.constellation.semi_major_axis / 1e3
+    own = axes.size and one_circle(design.constellation)
+    orbit = f"--radius-km {axes[0]:.6g}" if own else "--orbit areosynchronous"
+    return f"compass search {wanted} {orbit} --max-satellites {max(2 * axes.size, 8)}"
 
 
 def what_to_do(results: DesignResults, neighbours: Sequence[Neighbour]) -> list[str]:
@@ -327,8 +340,9 @@ def what_to_do(results: DesignResults, neighbours: Sequence[Neighbour]) -> list[
         said.append(f"Build {best.notation} in its place: as many satellites, with {there}.")
     elif not room:
         others = "No other phasing or inclination of as many satellites has it. " if best else ""
-        search = f"compass search --fold {result.fold} --mask-deg {result.mask_deg:g}"
-        said.append(f"{others}How many it takes is found by {search}.")
+        wanted = f"--fold {result.fold} --mask-deg {result.mask_deg:g}"
+        line = search_line(results.design, wanted)
+        said.append(f"{others}How many it takes is found by {line}.")
     if room:
         said.append(f"A mask above {sure}° would change this.")
     if room and result.coverage.losses and c.size > 1:

@@ -83,7 +83,7 @@ def lasting_advice(design: Design, outlook: Outlook) -> str:
     if outlook.keeping is not None:
         ways.append(
             "keep every satellite in its slot for "
-            f"{outlook.keeping.delta_v_mean_m_s_year:.3g} m/s a year"
+            f"{outlook.keeping.delta_v_mean_m_s_year:.3g} m/s a year each"
         )
     remedy = ", or ".join(ways) or "renew its orbits before"
     return f"{capital(left_words(design))} {lost}: {remedy}."

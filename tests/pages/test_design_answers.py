@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -10,6 +11,7 @@ import pytest
 
 import compass
 from compass.api.map_result import MapResult
+from compass.cli.search import command as search
 from compass.document import Sampled
 from compass.inputs import read_design_text
 from compass.pages.answers import (
@@ -23,6 +25,7 @@ from compass.pages.answers import (
     latitude_words,
     losses,
     moment_words,
+    search_line,
     what_to_do,
 )
 from compass.pages.design_results import DesignResults
@@ -107,7 +110,8 @@ def test_what_is_missed_is_not_to_be_built():
     assert "instead" not in words
     (words,) = what_to_do(found, beside(found, -80.0, -70.0))  # no rival: its mask is lower still
     assert "No other phasing or inclination" in words and "rival" not in words
-    assert "compass search --fold 4 --mask-deg 0" in words
+    line = "compass search --fold 4 --mask-deg 0 --radius-km 20427.7"
+    assert line in words and words.endswith(" --max-satellites 10.")
     assert losses(found) == []
     assert "missed" in compass.document.text(compass.document.Page("x", section.blocks))
 
@@ -116,6 +120,19 @@ def test_what_is_missed_is_not_to_be_built():
 def test_no_loss_changes_a_refusal():
     found = look(4, lost=1)
     assert found.fold.coverage.losses and "loss of one" not in what_to_do(found, [])[0]
+
+
+def test_the_search_that_is_advised_is_one_that_runs():
+    """Without a radius and a largest size it had been refused."""
+    circles, ovals = (
+        read_design_text(text)
+        for text in (FILE.format(fold=1, inclination=50), ELLIPSES.format(0.5))
+    )
+    lines = [search_line(circles, "--fold 1"), search_line(ovals, "--require 'my file.toml'")]
+    for line, option in zip(lines, ("--radius-km 20427.7", "--orbit areosynchronous"), strict=True):
+        assert option in line
+        with search.make_context("search", shlex.split(line)[2:]) as context:
+            assert context.params["max_satellites"] >= 8
 
 
 def test_latitudes_are_north_or_south():

@@ -201,7 +201,7 @@ def test_the_page_asks_and_advises():
     assert [row.mark for row in rows] == ["", "", ""]  # nobody asked for a number of days
     assert lasting_advice(ring(), told()) == (
         "Left alone on real orbits it loses that after 31 days: fly it 400 km lower, where it keeps "
-        "itself once trimmed, or keep every satellite in its slot for 16 m/s a year."
+        "itself once trimmed, or keep every satellite in its slot for 16 m/s a year each."
     )
     held = told(None, (), outcome="proven", days_proven=687.0, keeping=None)
     assert lasting_advice(ring(), held) == ""
