@@ -54,6 +54,7 @@ def test_bounds_are_those_of_clopper_and_pearson(design, kept, count):
     assert (asked.low, asked.high) == pytest.approx((known.low, known.high), rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "limit"), [("gdop", 3.0), ("error_position_m", 10.0)])
 def test_shares_of_samples_are_those_between_proven_bounds(monkeypatch, design, name, limit):
     """The ground and its ionosphere too: the Sun is somewhere between overhead and set."""
@@ -84,6 +85,7 @@ def test_levels_at_places_are_those_of_the_map(design):
                 assert module._values(design, name, mover, sights) == pytest.approx(there, rel=2e-5)
 
 
+@pytest.mark.slow
 def test_orbiters_errors_are_the_inverse_of_their_normal_matrix(design):
     """A shell at 400 km that looks down to 20 degrees below its level; the worst, by hand."""
     wanted = Requirement("low", altitude=4e5, mask=np.radians(-20), limits=(("pdop", 1.5),))
@@ -107,6 +109,7 @@ def test_orbiters_errors_are_the_inverse_of_their_normal_matrix(design):
     assert "as of orbiters" in found.scope
 
 
+@pytest.mark.slow
 def test_samples_refute_an_always_and_prove_none(monkeypatch, design):
     monkeypatch.setattr(module, "MOST", 2 * module.FIRST)
     wanted = Requirement("h", regions=("lat:-5:5",))
@@ -118,6 +121,7 @@ def test_samples_refute_an_always_and_prove_none(monkeypatch, design):
     assert "0 of 8192 samples break it" in left.reason and "no always" in left.reason
 
 
+@pytest.mark.slow
 def test_of_every_place_of_an_area_samples_tell_too_little(design):
     """The mean of all places refutes the worst; at a site the moments are of it alone."""
     wanted = Requirement("v", regions=("lat:-30:30",), share=0.5)
@@ -130,6 +134,7 @@ def test_of_every_place_of_an_area_samples_tell_too_little(design):
     assert sampled(design, replace(wanted, share_of="area-time"), level, 1e9).met is True
 
 
+@pytest.mark.slow
 def test_parts_of_an_area_make_its_mean_and_halves_of_a_requirement_are_no_better(design):
     """Two bands: where one falls short the mean may not; what is sampled stays sampled."""
     level = "protection_vertical_m"
@@ -142,6 +147,7 @@ def test_parts_of_an_area_make_its_mean_and_halves_of_a_requirement_are_no_bette
     assert both(proven, each[0]).evidence == "sampled"
 
 
+@pytest.mark.slow
 def test_a_lost_satellite_is_not_seen(design):
     """As without it from the start; covariances stay those of the satellites that are left."""
     wanted = Requirement("h", share=0.5, share_of="area-time", losses=1)
