@@ -95,6 +95,12 @@ def joined_designs(designs: Sequence[Design | str | Path]) -> Design:
     names = [name for each in read for name in each.constellation.satellite_names]
     parts = [each.constellation for each in read]
     if len(set(names)) < len(names):
+        called = [each.name for each in read]
+        if alike := next((name for name in called if called.count(name) > 1), None):
+            raise ArgumentError(
+                f"name = {alike!r}: two designs of this name have satellites of the same names; "
+                "give each design its own name, and name none twice"
+            )
         parts = [
             replace(c, satellite_names=tuple(f"{each.name} {s}" for s in c.satellite_names))
             for each, c in zip(read, parts, strict=True)

@@ -76,6 +76,23 @@ class Survey:
         return [w for w in self.windows if w.first not in out and w.second not in out]
 
 
+def _check_names(nodes: Sequence[Node]) -> None:
+    """Refuse two nodes of one name, with what each is."""
+    called: dict[str, list[str]] = {}
+    for node in nodes:
+        called.setdefault(node.name, []).append(node.kind)
+    twice = [
+        f"two nodes named {name}, a {' and a '.join(kinds)}"
+        for name, kinds in called.items()
+        if len(kinds) > 1
+    ]
+    if twice:
+        raise ArgumentError(
+            f"access: {'; '.join(twice)}; stations have their names from [[station]] and --station "
+            "(stations): give each another"
+        )
+
+
 def survey(
     constellation: Constellation,
     sites: Sequence[Site],
@@ -128,10 +145,7 @@ def survey(
     moons = [moon_node(name, epoch, duration, moon_model) for name in wanted.moons]
     earth = [earth_node(epoch, duration)] if wanted.earth else []
     nodes = [*stations, *moons, *earth, *satellites]
-    names = [node.name for node in nodes]
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise ArgumentError(f"access: two nodes named {', '.join(twice)}; give each its own name")
+    _check_names(nodes)
     pairs = [
         *product(stations, [*satellites, *moons, *earth]),
         *product(moons, [*satellites, *earth]),

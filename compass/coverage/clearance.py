@@ -35,7 +35,7 @@ MOST_BOXES, MARGIN_BOXES = 4_000_000, 200_000
 FIRST_WIDTHS = (0.3, 0.1, 0.03, 0.01)
 
 #: Part of the boxes for a margin that one bound of it may take: others are to be tried after it.
-ONE_BOUND = 0.25
+ONE_BOUND = 0.5
 
 #: Equal parts of the time in which shares over a span are looked for, several at once.
 TIMES = 4
@@ -164,7 +164,7 @@ def least_clearance(
     found = _least(laid, fold, 0.0, tolerance, min(most, MARGIN_BOXES))
     if found[0] < 0.0 <= found[1]:
         found = _least(laid, fold, 0.0, FINEST, most)
-    if found[0] >= 0.0:
+    if found[0] >= 0.0 or found[1] < 0.0:
         found = _margin(laid, fold, found, enough, tolerance, min(most, MARGIN_BOXES))
     low, high, worst, seen, boxes = found
     low -= laid.missed
@@ -392,7 +392,7 @@ def _boxes(
 def _margin(
     laid: Laid, fold: int, found: tuple, enough: float, tolerance: float, most: int
 ) -> tuple:
-    """Bring the bounds of what is clear together by halves, as near as so many boxes suffice for.
+    """Bring bounds of a clearance together by halves, as near as so many boxes suffice for.
 
     That all is clear by half of what is seen takes few boxes to prove, and shows what is less
     clear; all that is to be told apart at once would be looked at over and over at a high guess.

@@ -33,7 +33,7 @@ from compass.coverage.users import (
 )
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import Design, Requirement
-from compass.errors import ArgumentError
+from compass.errors import ArgumentError, said_of
 from compass.frames import SECONDS_PER_DAY, prime_meridian_angle
 from compass.orbits import Constellation
 from compass.orbits.symmetry import one_circle, one_period
@@ -109,8 +109,9 @@ def users_of(design: Design, requirement: Requirement) -> tuple[Users, ...]:
         for region in read_regions(text):
             users = region_users(region, design.figure, mask, height=requirement.altitude)
             places.append(replace(users, name=text))
-    for users in places:
-        check_limb(users)
+    with said_of(requirement.name):
+        for users in places:
+            check_limb(users)
     return tuple(replace(users, beam=requirement.beam) for users in places)
 
 
@@ -176,10 +177,8 @@ def losses_of(
     turns = not alike or not (course.span is None or belts)
     still = Region("places that turn with Mars", mars_fixed=turns)
     turning = all(each.alike_all_around for each in users)
-    try:
+    with said_of(requirement.name):
         found = unlike_subsets(c, requirement.losses, still, backwards=turning)
-    except ArgumentError as error:
-        raise ArgumentError(f"{requirement.name}: {error}") from None
     if (proofs := len(found.sets)) > 1 and proofs * c.size > MOST_LEFT:
         raise ArgumentError(
             f"{requirement.name}: losses = {requirement.losses}: {proofs} sets of lost satellites "
@@ -272,6 +271,9 @@ def _always(
         return replace(verdict, reason=reason)
     if met:
         return verdict
+    if left.size < fold:
+        few = counted(left.size, "satellite")
+        return replace(verdict, share=(0.0, 0.0), reason=f"{few} in all, {fold} wanted")
     share = _missed_share(left, whose, tightest, fold, course)
     alone = len(found) == 1 and whose.longitude is not None
     return replace(verdict, share=share if share is None or alone else (0.0, share[1]))

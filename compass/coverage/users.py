@@ -111,19 +111,21 @@ def by_horizon(users: Users, constellation: Constellation) -> Users | None:
     """Users over the horizon that stands for the antennas' beam; None where none does.
 
     Under circles of one radius r, on a sphere, a user at radius u stands at the edge of a beam at
-    the elevation ``acos(r sin(beam) / u)``, and above that inside it if his horizon is level.
+    the elevation ``acos(r sin(beam) / u)``, and above that inside it; as far below the level, where
+    he looks through to who is beyond the limb, it takes him in again.
     """
     if users.beam is None:
         return users
-    level = users.figure.is_sphere and users.mask.lowest >= 0.0
-    if not (level and one_circle(constellation)):
+    if not (users.figure.is_sphere and one_circle(constellation)):
         return None
     reach = float(constellation.semi_major_axis[0]) * np.sin(users.beam)
     edge = reach / (users.figure.equatorial_radius + users.height)
     if users.beam >= 0.5 * np.pi or edge >= 1.0:
         return replace(users, beam=None)
-    narrowed = users.mask.or_higher(Mask.constant(float(np.arccos(edge))))
-    return replace(users, beam=None, mask=narrowed)
+    least = float(np.arccos(edge))
+    if users.mask.lowest <= -least:
+        return None
+    return replace(users, beam=None, mask=users.mask.or_higher(Mask.constant(least)))
 
 
 def geodetic(latitude: float, figure: Figure) -> float:

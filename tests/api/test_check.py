@@ -346,12 +346,14 @@ def test_users_in_orbit_and_in_beams():
     over = {"altitude": 4e7, "mask": np.radians(-85), "regions": ("lat:-1:1",)}
     seen = Requirement("past Mars", fold=3, **over)
     narrow = replace(seen, name="narrow", beam=np.radians(10))
-    found = compass.check(ring(seen, narrow, satellites=12))
-    assert [verdict.met for verdict in found.verdicts] == [True, False]
+    many = replace(seen, name="many", fold=13)
+    found = compass.check(ring(seen, narrow, many, satellites=12))
+    assert [verdict.met for verdict in found.verdicts] == [True, False, False]
+    assert "many: 12 satellites in all, 13 wanted" in str(found)
     assert "40000 km above the ground, in beams of 10 deg" in str(found)
     deep = replace(seen, altitude=4e5, fold=None, limits=(("pdop", 6.0),))
     with pytest.raises(
-        ArgumentError, match=r"below the limb of Mars as seen from 400 km; allowed from -26.5389"
+        ArgumentError, match=r"past Mars: mask_deg = -85: below the limb of Mars as seen from 400 km; allowed from -26.5389"
     ):
         compass.check(ring(deep))
     # geometry in a beam is a horizon's under circles over a sphere, else it is sampled

@@ -186,7 +186,7 @@ def test_an_equatorial_ring_is_eclipsed_near_the_equinox():
 def test_nothing_to_link_and_too_much_are_refused(monkeypatch):
     with pytest.raises(ArgumentError, match="nothing to link"):
         survey(RELAY, (), DURATION)
-    with pytest.raises(ArgumentError, match="two nodes named P1S2"):
+    with pytest.raises(ArgumentError, match="two nodes named P1S2, a station and a satellite; st"):
         survey(RELAY, (Site("P1S2", 0.0, 0.0),), DURATION)
     monkeypatch.setattr("compass.contacts.survey.MAX_PAIRS", 5)
     with pytest.raises(ArgumentError, match="6 pairs; at most 5"):
