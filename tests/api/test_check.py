@@ -353,7 +353,8 @@ def test_users_in_orbit_and_in_beams():
     assert "40000 km above the ground, in beams of 10 deg" in str(found)
     deep = replace(seen, altitude=4e5, fold=None, limits=(("pdop", 6.0),))
     with pytest.raises(
-        ArgumentError, match=r"past Mars: mask_deg = -85: below the limb of Mars as seen from 400 km; allowed from -26.5389"
+        ArgumentError,
+        match=r"past Mars: mask_deg = -85: below the limb of Mars as seen from 400 km; allowed from -26.5389",
     ):
         compass.check(ring(deep))
     # geometry in a beam is a horizon's under circles over a sphere, else it is sampled

@@ -129,7 +129,10 @@ def test_windows_are_written(design, tmp_path, monkeypatch, capsys, suffix):
         (["--station", "x=91,0"], "latitude_deg = 91: allowed -90 to 90"),
         (["--station", "x=1,0,90"], "mask_deg = 90: allowed 0 up to below 90"),
         (["--station", "x=north,0"], "not NAME=LAT,LON or NAME=LAT,LON,MASK"),
-        (["--station", "Base=1,2"], "Base, a station and a station; stations have their names from [[station]] and"),
+        (
+            ["--station", "Base=1,2"],
+            "Base, a station and a station; stations have their names from [[station]] and",
+        ),
         (["-o", "x.xls"], "must end in .nc, .csv, .json"),
         (["-o", "/no/such/folder/x.nc"], "does not exist"),
     ],

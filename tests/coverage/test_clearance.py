@@ -205,6 +205,13 @@ def test_users_above_a_ring_see_a_ring():
         one, other = (clear_share(c, users, k, width=1e-3) for users in (under, raised))
         assert max(one.low, other.low) <= min(one.high, other.high)
     assert by_horizon(replace(under, beam=1.0), c).mask == Mask()
+    # who looks down from above the ground loses nothing by it, down to where beams end past the limb
+    above = replace(under, height=4e5, mask=Mask.constant(np.radians(-20)))
+    edge = np.arccos(r * np.sin(under.beam) / (R + 4e5))
+    assert by_horizon(above, c).mask.lowest == pytest.approx(edge, abs=1e-12)
+    exact, same = (clear_share(c, one, 1, width=1e-3) for one in (above, by_horizon(above, c)))
+    assert exact.low <= same.high and same.low <= exact.high
+    assert by_horizon(replace(above, beam=np.radians(10.4)), c) is None
     assert by_horizon(here, c) is None and by_horizon(raised, c) is raised
 
 
