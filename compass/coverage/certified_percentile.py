@@ -25,6 +25,10 @@ COARSE = 0.04
 #: number on a percentile that is infinite, and a lower bound like this tells most of what is asked.
 LARGE = 50.0
 
+#: Percentiles above this wait for the others, which they would cut short: about singular geometry
+#: boxes have to be as small as their reciprocals.
+HARD = 20.0
+
 #: Steps after which a percentile is left as it is known.
 STEPS = 60
 
@@ -127,7 +131,7 @@ def certified_percentiles(
     asked.setdefault("dop", "gdop")
     question = Question(constellation, **asked)
     scope = question.domain.scope
-    if question.satellites < 4:
+    if question.no_fix:
         return CertifiedPercentiles({q: CertifiedPercentile(inf, inf, q, scope) for q in percents})
     sought = [_Sought(k, q, precision, guess, limits) for k, q in enumerate(percents)]
     boxes = _go_on(sought, start) if start else None
@@ -173,7 +177,10 @@ def _close_in(distribution: Distribution, sought: list["_Sought"]) -> None:
     for _ in range(STEPS):
         if all(one.ended for one in sought) or distribution.rounds.stopped:
             return
-        asked = {one.index: one.limits() for one in sought if one.matters}
+        easy = any(not one.ended and one.low < HARD for one in sought)
+        asked = {
+            one.index: one.limits(waits=easy and one.low >= HARD) for one in sought if one.matters
+        }
         limits = [limit for ours in asked.values() for limit in ours]
         shares = iter(distribution.shares(limits))
         for k, ours in asked.items():
@@ -263,9 +270,9 @@ class _Sought:
         self.finer = 0.5 * self.finer if untold else 1.0
         self.untold = any(untold)
 
-    def limits(self) -> list[Limit]:
-        """Limits to look at next, and the bounds, by which boxes are set aside."""
-        inner = [] if self.ended else self._nearer()
+    def limits(self, waits: bool) -> list[Limit]:
+        """Limits to look at next, unless it waits, and the bounds, by which boxes are set aside."""
+        inner = [] if self.ended or waits else self._nearer()
         ends = [end for end in (self.low, self.high) if 0.0 < end < inf]
         return [*(Limit(end, self.index) for end in ends), *inner]
 
@@ -273,8 +280,9 @@ class _Sought:
         coarse = 0.25 * (1.0 - self.level)
         vague = [at for at, _, half in self.points if self.low < at < self.high and half > coarse]
         if len(vague) > 1:  # too far from the tail's own size to estimate anything from
-            return [Limit(at, self.index, coarse) for at in sorted(vague)]
-        middle, slope, doubt = self._estimate()
+            # but the largest: boxes about singular geometry settle it only when they are small
+            return [Limit(at, self.index, coarse) for at in sorted(vague)[:-1]]
+        middle, slope, doubt = self._estimate([p for p in self.points if p[0] not in vague])
         near = -log(1.0 - min(self.precision, 0.9))
         reach = max(0.45 * near, doubt)
         tried = [middle * exp(-reach), min(middle * exp(reach), GREATEST)]
@@ -294,13 +302,13 @@ class _Sought:
         width = max(slope * reach * self.finer, NEAREST)
         return [Limit(at, self.index, width) for at in dict.fromkeys(tried)]
 
-    def _estimate(self) -> tuple[float, float, float]:
+    def _estimate(self, points: Sequence[tuple[float, float, float]]) -> tuple[float, float, float]:
         """Where the percentile may be, how the share grows there by logarithm, doubt of that."""
         tail = 2.0 * (1.0 - self.level)  # of one that falls as 1/x^2
-        if not self.points:
+        if not points:
             assert self.guess is not None
             return min(max(self.guess, 1e-3), LARGE), tail, 0.0
-        points = sorted(self.points)
+        points = sorted(points)
         x = np.log([p[0] for p in points])
         share = np.clip(np.maximum.accumulate([p[1] for p in points]), 1e-7, 1.0 - 1e-7)
         half = np.array([p[2] for p in points])

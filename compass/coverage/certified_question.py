@@ -14,7 +14,7 @@ from typing import TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.certified.shares import BOX, INSIDE, measure
+from compass.core.certified.shares import BOX, FOLD, INSIDE, measure
 from compass.coverage.certified_domain import Domain, domain_of
 from compass.coverage.certified_places import Place
 from compass.coverage.certified_ranges import ERROR_DOPS, Ranges
@@ -56,7 +56,8 @@ class Question:
     constellation
         The orbits.
     dop
-        ``gdop``, ``pdop``, ``hdop``, ``vdop`` or ``tdop``; or an error of `ERROR_DOPS`.
+        ``gdop``, ``pdop``, ``hdop``, ``vdop`` or ``tdop``; an error of `ERROR_DOPS`; or ``fold``,
+        of which limits are kept by so many satellites in view, or more.
     ranges
         The ranges that errors are of; of no use to dilutions.
     figure
@@ -90,8 +91,8 @@ class Question:
         duration: float | None = None,
         symmetric: bool = True,
     ) -> None:
-        if dop not in (*DOPS, *ERROR_DOPS):
-            raise ArgumentError(f"dop = {dop!r}: allowed {', '.join((*DOPS, *ERROR_DOPS))}")
+        if dop not in (known := (*DOPS, *ERROR_DOPS, "fold")):
+            raise ArgumentError(f"dop = {dop!r}: allowed {', '.join(known)}")
         if dop in ERROR_DOPS and ranges is None:
             raise ArgumentError(f"{dop}: needs the errors of ranges")
         self.constellation, self.figure, self.height = constellation, figure, height
@@ -109,12 +110,14 @@ class Question:
             since=since,
             duration=duration,
         )
-        self.name, self.dop = dop, DOPS.index(ERROR_DOPS.get(dop, dop))
+        self.name, self.folds = dop, dop == "fold"
+        self.dop = FOLD if self.folds else DOPS.index(ERROR_DOPS.get(dop, dop))
         self.scale, self.shared = 1.0, 0.0
         if self.ranges is not None:
             self._weigh(self.ranges)
         self.speed = 0.5 * float(self.domain.orbits[:, 10].mean())
         self.satellites = constellation.size
+        self.no_fix = self.satellites < 4 and not self.folds
 
     def _weigh(self, ranges: Ranges) -> None:
         """Give orbits the columns of their ranges; variances count in that of the best range."""
@@ -138,13 +141,15 @@ class Question:
         return part
 
     def check(self, limit: float) -> None:
-        """Refuse a limit that nothing keeps.
+        """Refuse a limit that nothing keeps, or all.
 
         Raises
         ------
         ArgumentError
-            A dilution below 1, an error that is not positive.
+            A dilution or a fold below 1, an error that is not positive.
         """
+        if self.folds and not limit >= 1.0:
+            raise ArgumentError(f"fold = {limit:g}: satellites to ask for are 1 or more")
         if self.ranges is not None and not limit > 0.0:
             raise ArgumentError(f"limit = {limit:g}: an error to ask for is above 0 m")
         if self.ranges is None and not limit >= 1.0:
@@ -161,7 +166,9 @@ class Question:
         return float(np.sqrt(dilution * dilution * self.scale + self.shared))
 
     def squares(self, limits: Sequence[float]) -> NDArray[np.float64]:
-        """What kernels know limits by, shape (m,)."""
+        """What kernels know limits by, shape (m,): squares, but folds as they are."""
+        if self.folds:
+            return np.array(limits, dtype=float)
         return np.array([self.dilution(limit) ** 2 for limit in limits])
 
     def arrays(self) -> tuple[NDArray[np.float64], ...]:

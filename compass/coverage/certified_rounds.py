@@ -41,7 +41,7 @@ class Rounds:
     def __init__(self, question: Question, workers: int) -> None:
         self.question, self.workers = question, workers
         self.end, self.left, self.stopped = np.inf, np.inf, ""
-        if question.satellites >= 4:  # compiled before any clock runs
+        if not question.no_fix:  # compiled before any clock runs
             self.refine(np.empty((0, BOX)), np.ones(1), [1.0])
 
     def begin(self, budget_s: float, budget_boxes: float) -> None:

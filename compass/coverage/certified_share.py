@@ -3,12 +3,12 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from time import monotonic
-from typing import TypedDict, Unpack
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.certified.shares import BOX, GIVEN, INSIDE
+from compass.core.certified.shares import GIVEN, INSIDE
 from compass.coverage.certified_longitudes import weighed_share
 from compass.coverage.certified_places import for_ever, sides_of
 from compass.coverage.certified_question import Asked, Question
@@ -44,7 +44,7 @@ class CertifiedShare:
         Empty, or why it is wider than asked: ``time``, ``boxes`` or ``interrupted``.
     leaves, settled
         Where it can go on from: boxes with something open, and sums of those that have nothing
-        (inside, outside, kept, broken).
+        (inside, outside, kept of each limit, broken of each).
     """
 
     low: float
@@ -138,6 +138,48 @@ def certified_share(
     return found
 
 
+def certified_folds(
+    constellation: Constellation,
+    folds: Sequence[int],
+    *,
+    width: float = 1e-4,
+    budget_s: float = np.inf,
+    budget_boxes: float = np.inf,
+    workers: int = 1,
+    start: CertifiedShare | None = None,
+    progress: Callable[[float], None] = lambda open_share: None,
+    **asked: Unpack[Asked],
+) -> list[CertifiedShare]:
+    """Bracket the shares of area and time with so many satellites in view or more.
+
+    All folds are looked at in the same boxes, cut by the rims of satellites' caps.
+
+    Parameters
+    ----------
+    folds
+        From 1.
+    constellation, width, budget_s, budget_boxes, workers, start, progress, asked
+        As in `certified_share`; ``start`` any result for the same folds.
+
+    Raises
+    ------
+    ArgumentError
+        A fold below 1, a width that is not positive, or as `Question`.
+    """
+    asked["dop"] = "fold"
+    question = Question(constellation, **asked)
+    for fold in folds:
+        question.check(fold)
+    return Search(question, workers).shares(
+        folds,
+        width,
+        budget_s=budget_s,
+        budget_boxes=budget_boxes,
+        start=start,
+        progress=progress,
+    )
+
+
 class Ends(TypedDict):
     """What ends a search of a weighed share."""
 
@@ -155,9 +197,14 @@ class Search:
         self.scope = question.domain.scope
         self.rounds = Rounds(question, workers)
 
-    def share(
+    def share(self, limit: float, width: float, **options: Any) -> CertifiedShare:
+        """Refine until the bounds are `width` apart; options as of `shares`."""
+        (found,) = self.shares([limit], width, **options)
+        return found
+
+    def shares(
         self,
-        limit: float,
+        limits: Sequence[float],
         width: float,
         *,
         budget_s: float = np.inf,
@@ -165,43 +212,49 @@ class Search:
         level: float | None = None,
         start: CertifiedShare | None = None,
         progress: Callable[[float], None] = lambda open_share: None,
-    ) -> CertifiedShare:
-        """Refine until the bounds are `width` apart, or both on one side of `level`."""
+    ) -> list[CertifiedShare]:
+        """Refine until all bounds are `width` apart, or each pair on one side of `level`.
+
+        All limits are looked at in the same boxes, with which any of the results can go on.
+        """
         if not width > 0:
             raise ArgumentError(f"width = {width:g}: must be positive")
-        if self.question.satellites < 4:
-            return CertifiedShare(0.0, 0.0, 0, self.scope + "; fewer than four satellites")
-        if self.question.domain.weighed is not None:
-            return self._weighed(
-                self.question.domain.weighed,
-                limit,
-                width,
-                budget_s=budget_s,
-                budget_boxes=budget_boxes,
-                level=level,
-                progress=progress,
-            )
-        settled, boxes = np.zeros(BOX - INSIDE), 0
+        q, m = self.question, len(limits)
+        if q.no_fix:
+            return [CertifiedShare(0.0, 0.0, 0, self.scope + "; fewer than four satellites")] * m
+        if q.domain.weighed is not None:
+            ends: Ends = {
+                "budget_s": budget_s / m,
+                "budget_boxes": budget_boxes / m,
+                "level": level,
+                "progress": progress,
+            }
+            return [self._weighed(q.domain.weighed, limit, width, **ends) for limit in limits]
+        settled, boxes = np.zeros(GIVEN + 2 * m - INSIDE), 0
         if start is not None and start.leaves is not None:
             leaves, settled, boxes = start.leaves, np.array(start.settled), start.boxes
         else:
-            leaves = self.question.boxes()
+            leaves = np.zeros((len(q.boxes()), GIVEN + 2 * m))
+            leaves[:, :GIVEN] = q.boxes()[:, :GIVEN]
         rounds = self.rounds
         rounds.begin(budget_s, budget_boxes)
         total = settled[:2].sum() + leaves[:, INSIDE:GIVEN].sum()
         coarse = max(FIRST, 0.1 * width) * total
         eps = 4.0 * min(coarse, open_at_most(leaves))
         while not rounds.stopped:
-            found = self._result(leaves, settled, boxes, "")
-            progress(found.width)
-            decided = level is not None and (found.low >= level or found.high < level)
-            if found.width <= width or decided or not len(leaves):
+            found = self._results(leaves, settled, boxes, "")
+            widest = max(one.width for one in found)
+            progress(widest)
+            decided = level is not None and all(
+                one.low >= level or one.high < level for one in found
+            )
+            if widest <= width or decided or not len(leaves):
                 break
             # bounds come nearer as the root of what a box may keep open: the last round ends there
-            eps *= max(0.25, (0.95 * width / found.width) ** 2)
-            leaves, sums = rounds.refine(leaves, np.array([eps]), [limit])
+            eps *= max(0.25, (0.95 * width / widest) ** 2)
+            leaves, sums = rounds.refine(leaves, np.full(m, eps), list(limits))
             settled, boxes = settled + sums[:-1], boxes + int(sums[-1])
-        return self._result(leaves, settled, boxes, rounds.stopped)
+        return self._results(leaves, settled, boxes, rounds.stopped)
 
     def _weighed(
         self, polygon: Region, limit: float, width: float, **ends: Unpack[Ends]
@@ -222,16 +275,23 @@ class Search:
         low, high, boxes, stopped = known
         return CertifiedShare(max(low, 0.0), min(high, 1.0), boxes, self.scope, stopped)
 
-    def _result(
+    def _results(
         self, leaves: NDArray[np.float64], settled: NDArray[np.float64], boxes: int, stopped: str
-    ) -> CertifiedShare:
-        """Bounds from what is kept, broken and open, rounded outwards."""
-        whole, _, kept, broken = settled + leaves[:, INSIDE:].sum(axis=0)
+    ) -> list[CertifiedShare]:
+        """Bounds from what is kept, broken and open, rounded outwards.
+
+        Exactly all, or none, where no box has anything open or of the other.
+        """
+        whole, _, *sums = settled + leaves[:, INSIDE:].sum(axis=0)
         if not whole > 0.0:
             raise ArgumentError("region: has no area")
+        kept, broken = np.array(sums).reshape(2, -1)
+        given = leaves[:, GIVEN:].reshape(len(leaves), 2, len(kept)).sum(axis=1)
+        told = ~(leaves[:, INSIDE, np.newaxis] > given).any(axis=0)
         error = FLOOR + PER_BOX * boxes
-        low = max(float(kept / whole) - error, 0.0)
-        high = min(1.0 - float(broken / whole) + error, 1.0)
-        return CertifiedShare(
-            low, high, boxes, self.scope, stopped, leaves, tuple(settled.tolist())
-        )
+        low = np.where(told & (broken == 0.0), 1.0, np.maximum(kept / whole - error, 0.0))
+        high = np.where(told & (kept == 0.0), 0.0, np.minimum(1.0 - broken / whole + error, 1.0))
+        kind = boxes, self.scope, stopped, leaves, tuple(settled.tolist())
+        return [
+            CertifiedShare(*ends, *kind) for ends in zip(low.tolist(), high.tolist(), strict=True)
+        ]

@@ -11,7 +11,11 @@ and, where two are doubtful, by either of them seen and the other not, as where 
 
     kept >= on_1 - (1 - G_S1),  broken >= off_2 - (1 - B_S1)
 
-and likewise inside a region, ``max(0, kept + inside - 1)``. A share f of the volume holds at least
+A fold is kept where so many are in view. With z surely seen and d doubtful, where the m = k - z
+that are still wanted are all seen, those of the largest shares: ``kept >= 1 - sum of what each of
+them leaves open``; broken where d - m + 1 are all hidden, likewise.
+
+And likewise inside a region, ``max(0, kept + inside - 1)``. A share f of the volume holds at least
 ``max(f vol w_min, m - (1 - f) vol w_max)`` of the measure m, w the density of area in latitude.
 What is neither kept nor broken nor outside is open, and split along its longest side.
 What bounds the dilution over a box serves any number of limits at once.
@@ -37,6 +41,7 @@ from compass.core.certified.cuts import (
     half_spaces,
 )
 from compass.core.certified.sights import (
+    DOP,
     E2,
     FALL,
     HEIGHT,
@@ -54,6 +59,9 @@ from compass.core.jit import fused_kernel
 #: Columns of a box: centre and half-widths (b, l, t), its measure but for what is surely outside
 #: the region, and that; then what is kept at each limit, and what is broken. BOX: with one limit.
 INSIDE, OUTSIDE, GIVEN, BOX = 6, 7, 8, 10
+
+#: What stands for a dilution where the number of satellites in view is asked for.
+FOLD = 5
 
 #: Half-widths below which a box is not split.
 FINEST = 1e-7
@@ -172,6 +180,46 @@ def kept_broken(rows, kinds, count, squares, s, cut, parts):
 
 
 @fused_kernel
+def all_of(rows, column, count, wanted):
+    """Share of a box that all of the first `wanted` of `count` shares have in common at least."""
+    if wanted > count:
+        return 0.0
+    share = 1.0
+    for k in range(wanted):
+        share -= 1.0 - rows[k, column]
+    return max(share, 0.0)
+
+
+@fused_kernel
+def in_view(rows, kinds, count, folds, parts):
+    """Fill bounds of the shares of a box's volume where folds are kept and broken.
+
+    The shares in which doubtful satellites are seen, and hidden, take the place of their lines of
+    sight, the largest first.
+    """
+    parts[:] = 0.0
+    sure = doubtful = 0
+    for k in range(count):
+        if kinds[k] == 1:
+            sure += 1
+            continue
+        shares = rim_shares(rows[k])
+        for side in range(2):
+            place = doubtful
+            while place > 0 and rows[place - 1, side] < shares[side]:
+                rows[place, side] = rows[place - 1, side]
+                place -= 1
+            rows[place, side] = shares[side]
+        doubtful += 1
+    if count < 0:
+        return
+    for k in range(folds.size):
+        wanted = int(folds[k]) - sure
+        parts[k] = all_of(rows, 0, doubtful, wanted)
+        parts[folds.size + k] = all_of(rows, 1, doubtful, doubtful - wanted + 1)
+
+
+@fused_kernel
 def look(
     box,
     user,
@@ -191,7 +239,7 @@ def look(
 ):
     """Settle what a box's bounds settle: fills its columns from 6 on.
 
-    `squares` are the limits squared, `numbers` as in `sights`, `mask` two rows: azimuths and
+    `squares` are the limits squared, or folds, `numbers` as in `sights`, `mask` two rows: azimuths and
     elevations.
     """
     place(box, numbers[E2], numbers[HEIGHT], user)
@@ -203,7 +251,10 @@ def look(
     if inside > 0.0:
         states(orbits, circles, breaks, paths, box[2], q, dq)
         count = gather(box, user, scratch, q, dq, rows, kinds, orbits, numbers, mask)
-        kept_broken(rows, kinds, count, squares, scratch, scratch[SCRATCH:], parts)
+        if numbers[DOP] == FOLD:
+            in_view(rows, kinds, count, squares, parts)
+        else:
+            kept_broken(rows, kinds, count, squares, scratch, scratch[SCRATCH:], parts)
     else:
         parts[:] = 0.0
     box[OUTSIDE] = of_measure(outside, m, size, thin, dense)
