@@ -8,7 +8,7 @@ from typing import Any
 from compass.api.cluster import check_cluster
 from compass.api.given import given_design, given_places, in_metres
 from compass.api.map_result import MapResult
-from compass.api.map_statistics import epochs_on
+from compass.api.map_statistics import epochs_on, folds_met
 from compass.api.progress import bar, foretell, parts_bar
 from compass.arguments import checked
 from compass.cores import cores
@@ -92,8 +92,9 @@ def map(
         Whether to map protection levels without each satellite in turn, too: as many maps more as
         there are satellites. The design needs tables [signal] and [integrity].
     width, budget_s
-        How near proven bounds of a share are to come (of a percentile 100 times that, relative),
-        and seconds that each figure may take; by default 2e-4, and a number of boxes.
+        How near proven bounds of a share are to come (by fold 10, of a percentile 100 times
+        that, relative), and seconds that each figure may take; by default 2e-4, and a number of
+        boxes.
     leaves
         File of open boxes: what it holds of the same question is gone on from, and what is left
         open is kept there.
@@ -167,7 +168,7 @@ def map(
             by=by if scheduler else None,
         )
     with parts_bar(progress, "bounds") as effort.progress:
-        certified = certified_figures(read, options, effort)
+        certified = certified_figures(read, options, effort, folds_met(made.dataset))
         areas = certified_areas(read, options, *places, effort)
     result = MapResult(read, made, certified, areas)
     if each_loss:

@@ -14,6 +14,7 @@ from compass.api.map_statistics import (
     ROVER,
     epochs_on,
     error_statistics,
+    folds_met,
     protection_statistics,
     statistics,
 )
@@ -105,8 +106,8 @@ class MapResult(Result):
         numbers = statistics(self.dataset)
         if self.certified:
             known = self.certified.numbers()
-            percentiles = {name: numbers[name] | known[name] for name in self.certified.dops}
-            numbers |= known | percentiles
+            several = (*self.certified.dops, "fold_share")
+            numbers |= known | {name: numbers[name] | known[name] for name in several}
         return numbers
 
     def document(self) -> Page:
@@ -372,7 +373,7 @@ class MapResult(Result):
         share, sampled = quantity("fold_share"), self.looked
         step = self.dataset.attrs["gap_step_s"]
         followed = Sampled(step, f"at cells, at each to {step:.3g} s")
-        count = numbers["count"]
+        count, folds = numbers["count"], numbers["fold_share"]
         in_view = facts(
             "Satellites in view, over area and time",
             [
@@ -381,8 +382,13 @@ class MapResult(Result):
                     for name in ("min", "mean", "max")
                 ),
                 *(
-                    Value(share, part, sampled, f"at least {k} in view")
-                    for k, part in numbers["fold_share"].items()
+                    Value(
+                        share,
+                        folds[k],
+                        Bracket.beside(folds, k) or sampled,
+                        f"at least {k} in view",
+                    )
+                    for k in map(str, folds_met(self.dataset))
                     if int(k) >= min(fold, count["min"])  # fewer are in view everywhere
                 ),
                 Value(

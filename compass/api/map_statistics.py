@@ -41,11 +41,7 @@ def statistics(dataset: "xr.Dataset") -> dict[str, Any]:
                 "mean": float(dataset.global_count_mean),
                 "max": int(dataset.count_max.max()),
             },
-            "fold_share": {
-                int(k): float(shares.sel(global_fold=k))
-                for k in shares.global_fold.values
-                if k and (k <= dataset.attrs["wanted_fold"] or float(shares.sel(global_fold=k)) > 0)
-            },
+            "fold_share": {str(k): float(shares.sel(global_fold=k)) for k in folds_met(dataset)},
             **dops,
             "availability": float(dataset.global_availability),
             "longest_gap_s": float(dataset.longest_gap.max()),
@@ -56,6 +52,13 @@ def statistics(dataset: "xr.Dataset") -> dict[str, Any]:
             ),
         }
     )
+
+
+def folds_met(dataset: "xr.Dataset") -> list[int]:
+    """Satellites that are in view somewhere, and those wanted."""
+    shares, wanted = dataset.global_fold_share, dataset.attrs["wanted_fold"]
+    known = zip(shares.global_fold.values.tolist(), shares.values.tolist(), strict=True)
+    return [int(k) for k, share in known if k and (k <= wanted or share > 0.0)]
 
 
 def error_statistics(dataset: "xr.Dataset") -> dict[str, Any]:

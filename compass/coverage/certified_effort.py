@@ -18,7 +18,7 @@ from compass.coverage.certified_percentile import (
     certified_percentiles,
 )
 from compass.coverage.certified_question import Asked
-from compass.coverage.certified_share import CertifiedShare, certified_share
+from compass.coverage.certified_share import CertifiedShare, certified_folds, certified_share
 from compass.coverage.certified_worst import (
     CertifiedAlways,
     CertifiedWorst,
@@ -33,6 +33,9 @@ from compass.saving import check_writable, replacing
 
 #: How near bounds of a percentile come, relative to it, for a width of those of a share; at most.
 PERCENTILE_PER_SHARE, COARSEST = 100.0, 0.1
+
+#: And how near those of shares by fold come: rims of caps are nearly everywhere.
+FOLD_PER_SHARE = 10.0
 
 
 class _Budget(TypedDict):
@@ -52,8 +55,8 @@ class Effort:
     Attributes
     ----------
     width
-        How near bounds of shares are to come; those of percentiles `PERCENTILE_PER_SHARE` times
-        that, relative to the value, but at most `COARSEST` apart.
+        How near bounds of shares are to come; those by fold `FOLD_PER_SHARE` times that; those of
+        percentiles `PERCENTILE_PER_SHARE` times, relative to the value, at most `COARSEST` apart.
     budget_s
         Seconds that each figure may take.
     file
@@ -117,6 +120,32 @@ class Effort:
         )
         self._put_share(key, found)
         self._close(found.stopped)
+        return found
+
+    def folds(
+        self,
+        constellation: Constellation,
+        folds: Sequence[int],
+        *,
+        width: float,
+        budget_boxes: float,
+        **asked: Unpack[Asked],
+    ) -> list[CertifiedShare]:
+        """As `certified_folds`; `width` and `budget_boxes` where nothing else was asked."""
+        wide = width if self.width is None else FOLD_PER_SHARE * self.width
+        key = _key("folds", constellation, 0.0, asked) + "-".join(map(str, folds))
+        found = certified_folds(
+            constellation,
+            folds,
+            width=wide,
+            start=self._share(key),
+            workers=self.workers,
+            progress=lambda still: self.progress("folds", _part(still, wide)),
+            **self._budget(budget_boxes),
+            **asked,
+        )
+        self._put_share(key, found[0])
+        self._close(found[0].stopped)
         return found
 
     def percentiles(

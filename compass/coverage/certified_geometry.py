@@ -5,7 +5,7 @@ sort many candidates, is the value of nearest rank (`compass.core.ranking`) of t
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import inf
 from typing import Any
 
@@ -19,8 +19,8 @@ from compass.orbits import Constellation
 from compass.orbits.motion import AnyMotion
 from compass.sites import Mask
 
-#: How near bounds of a share are to come, and those of a percentile, relative to it.
-WIDTH, PRECISION = 2e-4, 2e-2
+#: How near bounds of a share are to come, of one by fold, and of a percentile, relative to it.
+WIDTH, FOLD_WIDTH, PRECISION = 2e-4, 2e-3, 2e-2
 
 #: Boxes after which a bracket is taken as it is, and boxes times satellites: some seconds, and the
 #: same on any machine.
@@ -41,23 +41,27 @@ class CertifiedGeometry:
         Percentiles by dilution, then by per cent.
     worst
         The largest PDOP anywhere and at any time; None if it was not asked for.
+    folds
+        Shares with so many satellites in view or more.
     """
 
     pdop_max: float
     availability: CertifiedShare
     dops: Mapping[str, Mapping[int, CertifiedPercentile]]
     worst: CertifiedWorst | None = None
+    folds: Mapping[int, CertifiedShare] = field(default_factory=dict)
 
     @property
     def brackets(self) -> dict[str, tuple[float, float]]:
-        """Bounds by name: ``availability``, ``gdop.p95``, ...
+        """Bounds by name: ``availability``, ``gdop.p95``, ``fold_share.5``, ...
 
         Those that say nothing, 0 and 1 of a share or 0 and infinity of a dilution, are left out:
         what is not here is not known.
         """
-        a = self.availability
-        share = {"availability": (a.low, a.high)} if a.width < 1.0 else {}
-        return share | {
+        shares = {"availability": self.availability}
+        shares |= {f"fold_share.{fold}": share for fold, share in self.folds.items()}
+        told = {name: (one.low, one.high) for name, one in shares.items() if one.width < 1.0}
+        return told | {
             f"{name}.p{percent}": (p.low, p.high)
             for name, of in self.dops.items()
             for percent, p in of.items()
@@ -66,7 +70,7 @@ class CertifiedGeometry:
 
     def numbers(self) -> dict[str, Any]:
         """Plain values: the middle of every one of `brackets`, and the bracket beside it."""
-        found: dict[str, Any] = {name: {} for name in self.dops}
+        found: dict[str, Any] = {name: {} for name in (*self.dops, "fold_share")}
         for path, (low, high) in self.brackets.items():
             name, _, key = path.rpartition(".")
             of = found[name] if name else found
@@ -81,7 +85,8 @@ class CertifiedGeometry:
     def scope(self) -> str:
         """For which motion and how long, and how it was found."""
         percentiles = [p.stopped for of in self.dops.values() for p in of.values()]
-        reasons = [self.availability.stopped, *percentiles]
+        folds = [share.stopped for share in self.folds.values()]
+        reasons = [self.availability.stopped, *percentiles, *folds]
         late = "; ".join(dict.fromkeys(f"stopped early: {why}" for why in reasons if why))
         how = f"branch and bound, {self.availability.boxes} boxes"
         return "; ".join(part for part in (self.availability.scope, how, late) if part)
@@ -99,9 +104,10 @@ def certified_geometry(
     duration: float | None = None,
     motion: AnyMotion = "two-body",
     worst: bool = False,
+    folds: Sequence[int] = (),
     effort: Effort | None = None,
 ) -> CertifiedGeometry:
-    """Bracket availability and percentiles of dilutions over the whole surface.
+    """Bracket shares and percentiles of dilutions over the whole surface.
 
     For all time where the motion repeats up to a turn of the figure, else over a duration.
 
@@ -115,6 +121,8 @@ def certified_geometry(
         Which percentiles, of which dilutions.
     worst
         Whether to look for the largest PDOP too.
+    folds
+        Satellites in view whose shares are wanted.
     effort
         How far to go; by default `WIDTH`, `PRECISION` and a number of boxes.
     """
@@ -133,5 +141,7 @@ def certified_geometry(
         for name in dops
     }
     ranks = {name: {q: of[q] for q in percents} for name, of in found.items()}
+    in_view = effort.folds(constellation, folds, width=FOLD_WIDTH, **asked) if folds else []
+    shares = dict(zip(folds, in_view, strict=True))
     largest = effort.worst(constellation, dop="pdop", **asked) if worst else None
-    return CertifiedGeometry(pdop_max, availability, ranks, largest)
+    return CertifiedGeometry(pdop_max, availability, ranks, largest, shares)

@@ -291,7 +291,8 @@ class Search:
         error = FLOOR + PER_BOX * boxes
         low = np.where(told & (broken == 0.0), 1.0, np.maximum(kept / whole - error, 0.0))
         high = np.where(told & (kept == 0.0), 0.0, np.minimum(1.0 - broken / whole + error, 1.0))
-        kind = boxes, self.scope, stopped, leaves, tuple(settled.tolist())
+        going = tuple(settled.tolist())
         return [
-            CertifiedShare(*ends, *kind) for ends in zip(low.tolist(), high.tolist(), strict=True)
+            CertifiedShare(low, high, boxes, self.scope, stopped, leaves, going)
+            for low, high in zip(low.tolist(), high.tolist(), strict=True)
         ]

@@ -17,6 +17,7 @@ from compass.api.fold_result import FoldResult
 from compass.api.map import add_losses
 from compass.api.map_areas import area_blocks
 from compass.api.map_result import MapResult
+from compass.api.map_statistics import folds_met
 from compass.api.outlook import outlook
 from compass.api.reproduce import comparison_table
 from compass.api.series import SeriesResult, series
@@ -115,9 +116,9 @@ def look_at(
 ) -> DesignResults:
     """Ask the commands, each once."""
     progress("coverage map")
-    certified = certified_figures(design, options)
-    areas = certified_areas(design, options, *places)
     made = make_map(design, options, command)
+    certified = certified_figures(design, options, folds=folds_met(made.dataset))
+    areas = certified_areas(design, options, *places)
     if design.signal is not None and design.integrity is not None:
         add_losses(made, design, replace(options, step_deg=LOSS_STEP_DEG, epochs=LOSS_EPOCHS))
     mapped = MapResult(design, made, certified, areas)

@@ -15,13 +15,14 @@ from compass.study.mapping import MapOptions, option_mask
 
 #: Percentiles that are bracketed, as many as are sampled, and of which dilutions: bounds of those
 #: in a turning vertical take several times the boxes.
-PERCENTS, DILUTIONS = (50, 90, 95, 99), ("gdop", "pdop")
+PERCENTS, DILUTIONS = (50, 90, 95, 99), ("gdop", "pdop", "tdop")
 
 
 def certified_figures(
     design: Design,
     options: MapOptions,
     effort: Effort | None = None,
+    folds: Sequence[int] = (),
 ) -> CertifiedGeometry | None:
     """Bracket a map's figures over the whole surface; None where there is nothing to bracket.
 
@@ -33,6 +34,8 @@ def certified_figures(
         As of `compass.study.mapping.make_map`.
     effort
         How far to go; by default some seconds on all cores.
+    folds
+        As of `certified_geometry`.
     """
     motion = design.motion.or_of(options.motion)
     if not design.constellation.size:
@@ -54,6 +57,7 @@ def certified_figures(
         duration=None if hours is None else hours * 3600.0,
         motion=motion,
         worst=True,
+        folds=folds,
         effort=effort or Effort(workers=cores()),
     )
 

@@ -7,6 +7,7 @@ import pytest
 
 import compass
 from compass.coverage.certified_effort import Effort
+from compass.coverage.share import mean_fold_shares
 from compass.errors import ArgumentError
 from compass.study.certified import certified_figures
 from compass.study.mapping import MapOptions
@@ -15,6 +16,7 @@ from compass.study.mapping import MapOptions
 @pytest.mark.slow
 def test_map_says_what_is_certain(seed_design, tmp_path):
     made = compass.map(seed_design, step_deg=15, epochs=6)
+    assert {"fold_share.7", "tdop.p99"} <= made.evidence().keys()
     numbers = json.loads(json.dumps(made.to_dict()))
     low, high = numbers["availability_bracket"]
     assert 0 <= low <= numbers["availability"] <= high <= 1
@@ -31,7 +33,7 @@ def test_map_says_what_is_certain(seed_design, tmp_path):
 
 @pytest.mark.slow
 def test_brackets_hold_what_an_independent_program_found(seed_design):
-    found = certified_figures(seed_design, MapOptions(pdop_max=6.0))
+    found = certified_figures(seed_design, MapOptions(pdop_max=6.0), folds=range(4, 10))
     # 15/5/1 at 45 deg, 20,427 km, on the sphere of 3396.2 km
     assert found.availability.low <= 0.9736178 and found.availability.high >= 0.9736164
     assert found.availability.width <= 2e-4
@@ -39,6 +41,15 @@ def test_brackets_hold_what_an_independent_program_found(seed_design):
         found.dops["gdop"][95].high - found.dops["gdop"][95].low
         <= 2e-2 * found.dops["gdop"][95].high
     )
+    exact = mean_fold_shares(
+        seed_design.constellation, sphere_radius=seed_design.figure.equatorial_radius
+    )
+    numbers = found.numbers()["fold_share"]
+    for fold in range(4, 10):
+        low, high = numbers[f"{fold}_bracket"]
+        assert low <= exact.share[fold:].sum() + exact.error and high - low <= 2e-3
+        assert exact.share[fold:].sum() - exact.error <= high
+    assert numbers["4_bracket"] == [1.0, 1.0]  # always four
     sampled = compass.map(seed_design, step_deg=3, epochs=109, budget_s=0.01).dataset
     p95 = float(sampled.global_dop.sel(dop="gdop", global_percentile=95))
     assert found.dops["gdop"][95].low == pytest.approx(p95, rel=0.03)
@@ -50,7 +61,8 @@ def test_drifting_orbits_over_a_duration_have_brackets(seed_design, monkeypatch)
     assert "over 2 h from the epoch, mean motion under J2" in found.scope
     assert "stopped early: boxes" in found.scope
     assert (found.dops["gdop"][95].low, found.dops["gdop"][95].high) == (0.0, np.inf)
-    assert found.numbers() == {"gdop": {}, "pdop": {}}  # bounds that say nothing are none
+    nothing = {"gdop": {}, "pdop": {}, "tdop": {}, "fold_share": {}}
+    assert found.numbers() == nothing  # bounds that say nothing are none
     later = certified_figures(seed_design, MapOptions(start_day=2.0))
     assert "over 24.623 h from 48 h after the epoch, two-body" in later.scope
 

@@ -239,8 +239,8 @@ def look(
 ):
     """Settle what a box's bounds settle: fills its columns from 6 on.
 
-    `squares` are the limits squared, or folds, `numbers` as in `sights`, `mask` two rows: azimuths and
-    elevations.
+    `squares` are the limits squared, or folds; `numbers` as in `sights`; `mask` two rows: azimuths
+    and elevations.
     """
     place(box, numbers[E2], numbers[HEIGHT], user)
     m, size, thin, dense = measure(box, numbers[E2])
