@@ -73,10 +73,16 @@ class MapResult(Result):
         return dated(with_areas(self.made.dataset, self.areas))
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
+        """Plain values for JSON, the answer first, in the order of the text."""
+        answer = {"design": self.design.name, "fold": self.dataset.attrs["wanted_fold"]}
         areas = [area.as_dict() for area in self.areas]
-        known = {"evidence": self.evidence(), "areas": areas, "provenance": self.dataset.attrs}
-        return plain(self.numbers() | known)
+        known = {"evidence": self.evidence(), "provenance": self.dataset.attrs}
+        return plain(answer | {"met": self.met, "areas": areas} | self.numbers() | known)
+
+    @property
+    def met(self) -> bool:
+        """Whether the fold wanted is there at every cell and epoch."""
+        return bool(self.dataset.count_min.min() >= self.dataset.attrs["wanted_fold"])
 
     def evidence(self) -> dict[str, str]:
         """How well each number of the JSON is known, by its name there; `others` is the rest."""
@@ -107,13 +113,13 @@ class MapResult(Result):
         if self.certified:
             known = self.certified.numbers()
             several = (*self.certified.dops, "fold_share")
-            numbers |= known | {name: numbers[name] | known[name] for name in several}
+            numbers |= known | {name: _beside(numbers[name] | known[name]) for name in several}
         return numbers
 
     def document(self) -> Page:
         """Fold and availability in a sentence, then the numbers."""
         numbers, attrs = self.numbers(), self.dataset.attrs
-        fold, met = attrs["wanted_fold"], numbers["count"]["min"] >= attrs["wanted_fold"]
+        fold = attrs["wanted_fold"]
         p50, p95 = (self._percentile("gdop", numbers, q) for q in ("p50", "p95"))
         sure = "between proven bounds" if p50.evidence and p95.evidence else "sampled"
         claim = (
@@ -124,7 +130,7 @@ class MapResult(Result):
         return Page(
             self.design.name,
             (
-                Verdict("" if met else "missed", claim, met),
+                Verdict("" if self.met else "missed", claim, self.met),
                 *area_blocks(self.areas),
                 *self.tables(),
                 *self.error_blocks(),
@@ -523,6 +529,13 @@ class MapResult(Result):
             )
         chosen = found.sel(percentile=percentile)
         return chosen, f"{quantity(name).title}, {percentile}th percentile over time"
+
+
+def _beside(known: dict[str, Any]) -> dict[str, Any]:
+    """Numbers in their order, the bracket of each behind it."""
+    names = (name for name in known if not name.endswith("_bracket"))
+    pairs = ((name, f"{name}_bracket") for name in names)
+    return {key: known[key] for pair in pairs for key in pair if key in known}
 
 
 def _scale(name: str, values: "xr.DataArray") -> Any:

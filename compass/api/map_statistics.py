@@ -32,26 +32,22 @@ def statistics(dataset: "xr.Dataset") -> dict[str, Any]:
         }
         for name in dataset.dop.values
     }
-    return (
-        error_statistics(dataset)
-        | protection_statistics(dataset)
-        | {
-            "count": {
-                "min": int(dataset.count_min.min()),
-                "mean": float(dataset.global_count_mean),
-                "max": int(dataset.count_max.max()),
-            },
-            "fold_share": {str(k): float(shares.sel(global_fold=k)) for k in folds_met(dataset)},
-            **dops,
-            "availability": float(dataset.global_availability),
-            "longest_gap_s": float(dataset.longest_gap.max()),
-            "mean_response_time_s": float(
-                (
-                    dataset.mean_response_time.mean("lon") * dataset.cell_share * dataset.lon.size
-                ).sum()
-            ),
-        }
-    )
+    return {
+        "count": {
+            "min": int(dataset.count_min.min()),
+            "mean": float(dataset.global_count_mean),
+            "max": int(dataset.count_max.max()),
+        },
+        "fold_share": {str(k): float(shares.sel(global_fold=k)) for k in folds_met(dataset)},
+        "availability": float(dataset.global_availability),
+        "longest_gap_s": float(dataset.longest_gap.max()),
+        "mean_response_time_s": float(
+            (dataset.mean_response_time.mean("lon") * dataset.cell_share * dataset.lon.size).sum()
+        ),
+        **dops,
+        **error_statistics(dataset),
+        **protection_statistics(dataset),
+    }
 
 
 def folds_met(dataset: "xr.Dataset") -> list[int]:

@@ -18,6 +18,9 @@ def test_map_says_what_is_certain(seed_design, tmp_path):
     made = compass.map(seed_design, step_deg=15, epochs=6)
     assert {"fold_share.7", "tdop.p99"} <= made.evidence().keys()
     numbers = json.loads(json.dumps(made.to_dict()))
+    # the answer comes first, and every bracket beside its middle
+    assert list(numbers)[:5] == ["design", "fold", "met", "areas", "count"] and numbers["met"]
+    assert list(numbers["gdop"])[:3] == ["p50", "p50_bracket", "p90"]
     low, high = numbers["availability_bracket"]
     assert 0 <= low <= numbers["availability"] <= high <= 1
     assert "proven bounds" in str(made) and "verified shifts" in str(made)
