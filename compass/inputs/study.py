@@ -220,8 +220,8 @@ class Study:
         asked = {
             "screen": True,
             "map": True,
-            "areas": bool(self.sites or self.regions),
             "requirements": bool(self.requirements),
+            "areas": bool(self.sites or self.regions),
             "orbits": followed,
             "entry": bool(self.entry),
         }

@@ -21,7 +21,7 @@ from compass.quantities.percentile import percentile
 from compass.quantities.record import Quantity
 
 #: What candidates go through, cheapest first.
-STAGES = ("cost", "screen", "map", "areas", "requirements", "orbits", "entry")
+STAGES = ("cost", "screen", "map", "requirements", "areas", "orbits", "entry")
 
 #: What a stage knows of a batch of n candidates: arrays of shape (n, ...), and numbers.
 Known = Mapping[str, Any]

@@ -3,8 +3,8 @@
 1. ``screen``: cost proxies, the exact continuous fold and its margin, closest approach, what
    keeping costs by a quick law; a kernel call for a thousand candidates.
 2. ``map``: geometry (DOP, counts) over area and time, for candidates that pass the screen.
-3. ``areas``: fold and geometry at the study's sites and in its regions, where it names any.
-4. ``requirements``: what the study requires at its sites and in its regions, proven or bracketed.
+3. ``requirements``: what the study requires at its sites and in its regions, proven or bracketed.
+4. ``areas``: fold and geometry at the study's sites and in its regions, where it names any.
 5. ``orbits``: how long the fold is proven on real orbits, where the study asks for it.
 6. ``entry``: landing navigation, for the best of those that pass all before.
 7. ``bounds-1``, ...: proven bounds of geometry, as near as it takes to decide the order.
@@ -164,8 +164,8 @@ def screen(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
 FINDERS: dict[str, Callable[[Study, NDArray], dict[str, NDArray[np.float64]]]] = {
     "screen": screen,
     "map": map_figures,
-    "areas": partial(area_figures, near=AREAS_NEAR),
     "requirements": requirement_figures,
+    "areas": partial(area_figures, near=AREAS_NEAR),
     "orbits": orbits_figures,
     "entry": entry_figures,
     **{name: partial(bounds, level) for name, level in LEVELS.items()},

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from compass.inputs.study import Study
 from compass.quantities.merits import MERITS
-from compass.study.bounds import LEVELS, bound_columns, limited_figures
+from compass.study.bounds import LEVELS, bound_columns, ends, limited_figures
 from compass.study.candidates import ROW, batches, candidates, described, identities
 from compass.study.clocks import best_by_errors, clock_columns
 from compass.study.order import bound_limits, may_hold, settle
@@ -31,8 +31,8 @@ NAMED = 5
 BATCH = {
     "screen": 500,
     "map": 128,
-    "areas": 4,
     "requirements": 4,
+    "areas": 4,
     "orbits": 1,
     "entry": 96,
     "clocks": 1,
@@ -121,7 +121,7 @@ def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summa
         summary.candidates = len(found)
         _stage("screen", batches(found, BATCH["screen"]), store, workers, bars, summary, len(found))
         before = "screen"
-        for stage in ("map", "areas", "requirements", "orbits"):
+        for stage in ("map", "requirements", "areas", "orbits"):
             if stage in study.stages:
                 _stage(stage, passed(study, store, before), store, workers, bars, summary)
                 if stage == "map" and limited_figures(study):
@@ -142,8 +142,10 @@ def _settle(study: Study, store: Store, refine: Callable[[str, NDArray], None]) 
     wanted = gather(store, identities(rows), {o.figure for o in study.objectives})
     rows = rows[~np.isnan(np.column_stack(list(wanted.values()))).any(axis=1)]
 
+    sides = {end for figure in study.named for end in ends(figure)}
+
     def figures(some: NDArray) -> dict[str, NDArray[np.float64]]:
-        return gather(store, identities(some), study.named | set(bound_columns(study)))
+        return gather(store, identities(some), study.named | sides)
 
     settle(study, rows, figures, refine)
 

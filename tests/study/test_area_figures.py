@@ -96,10 +96,11 @@ def test_areas_are_a_stage_and_sorted_by_bounds_that_come_nearer(placed, tmp_pat
 
     monkeypatch.setattr("compass.study.bounds.area_bounds", bounds)
     study = placed(
-        '[[objective]]\nfigure = "area_availability"\n[[constraint]]\nfigure = "area_fold_met"\n'
-        "at_least = 0\n"
+        '[[objective]]\nfigure = "area_availability"\n[[objective]]\nfigure = "requirement_share"\n'
+        '[[constraint]]\nfigure = "area_fold_met"\nat_least = 0\n'
+        '[[requirement]]\nsites = ["E"]\nfold = 1\nshare = 0.1\n'
     )
-    assert study.stages == ("screen", "map", "areas")
+    assert study.stages == ("screen", "map", "requirements", "areas")
     assert set(bound_columns(study)) >= {"area_availability_low", "area_availability_high"}
     assert "area_gdop_p50" in bracketed_figures(study)
     with Store(tmp_path, study) as store:
