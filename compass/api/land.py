@@ -12,7 +12,6 @@ from compass.api.land_flight import (
     claim_sentence,
     disperse_scenario,
     dispersed_facts,
-    dispersed_sentence,
     entry_facts,
     entry_section,
 )
@@ -105,8 +104,7 @@ class LandResult(Result):
     def claim(self) -> str:
         """Knowledge and delivery, and where dispersed entries come down."""
         guided = self.scenario.guidance is not None
-        words = claim_sentence(self.assessment, guided=guided)
-        return f"{words} {dispersed_sentence(self.dispersed)}" if self.dispersed else words
+        return claim_sentence(self.assessment, self.dispersed, guided=guided)
 
     def sections(self, *, pictures: bool = True, claim: bool = True) -> tuple[Section, ...]:
         """The flight with one filter on it, then the filters compared if there are any."""

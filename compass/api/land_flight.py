@@ -128,14 +128,14 @@ def dispersed_sentence(found: Dispersed) -> str:
     if came < 3:
         return f"Of {count} dispersed {how}entries {came} come to {found.event}."
     ellipse = found.ellipse
-    half, most = (_kilometres(found.within(share)) for share in (50.0, 95.0))
+    half, most = (distance_words(found.within(share)) for share in (50.0, 95.0))
     (least, less), (more, greatest) = (
-        map(_kilometres, found.within_bounds(share)) for share in (50.0, 95.0)
+        map(distance_words, found.within_bounds(share)) for share in (50.0, 95.0)
     )
     return (
         f"Of {count} dispersed {how}entries half come to {found.event} within {half} of {of}, 95 % "
-        f"within {most} (95 % ellipse {_kilometres(ellipse.semi_major)} by "
-        f"{_kilometres(ellipse.semi_minor)}, half axes). Other draws would put half within "
+        f"within {most} (95 % ellipse {distance_words(ellipse.semi_major)} by "
+        f"{distance_words(ellipse.semi_minor)}, half axes). Other draws would put half within "
         f"{least} to {less}, 95 % within {more} to {greatest}, in 95 of 100 cases{lost}."
         f"{_knowledge_words(found)}{beyond_words(found.beyond)}"
     )
@@ -155,8 +155,11 @@ def _knowledge_words(found: Dispersed) -> str:
     return f"{known} and inconsistent: NEES {nees} where 6 is right."
 
 
-def _kilometres(metres: float) -> str:
-    return f"{significant(metres / KM, 3)} km" if math.isfinite(metres) else "no distance"
+def distance_words(metres: float) -> str:
+    """A distance over the ground, in metres below a kilometre."""
+    if not math.isfinite(metres):
+        return "no distance"
+    return f"{significant(metres, 3)} m" if metres < KM else f"{significant(metres / KM, 3)} km"
 
 
 def dispersed_facts(found: Dispersed) -> dict[str, Any]:
@@ -328,10 +331,13 @@ def _whole_words(found: Assessment) -> list[str]:
     ]
 
 
-def claim_sentence(found: Assessment, *, guided: bool = False) -> str:
-    """What a landing comes to: knowledge, if it may be claimed, and delivery.
+def claim_sentence(
+    found: Assessment, dispersed: Dispersed | None = None, *, guided: bool = False
+) -> str:
+    """What a landing comes to: knowledge, if it may be claimed, delivery, and entries flown.
 
-    Of a `guided` one delivery is that of its bank flown as planned, whatever happens.
+    Of a `guided` one delivery is that of its bank flown as planned, whatever happens: entries that
+    are guided come before it.
     """
     at, claim = found.accuracy, found.claim_m
     where = f"At {at.name} ({at.time:.1f} s)"
@@ -344,13 +350,16 @@ def claim_sentence(found: Assessment, *, guided: bool = False) -> str:
     ellipse = at.delivery.ellipse
     how = delivered(guided=guided)
     half = (significant(axis / KM, 3) for axis in (ellipse.semi_major, ellipse.semi_minor))
-    if at.anywhere:
-        return f"{known} {anywhere(how)}"
-    return (
-        f"{known} {how} it comes down within {' by '.join(half)} km (95 % ellipse, half axes, "
+    linear = (
+        anywhere(how)
+        if at.anywhere
+        else f"{how} it comes down within {' by '.join(half)} km (95 % ellipse, half axes, "
         f"major axis {np.degrees(ellipse.azimuth):.0f} deg from north), half of the time within "
         f"{significant(at.delivery.cep / KM, 3)} km."
     )
+    flown = dispersed_sentence(dispersed) if dispersed else ""
+    parts = (known, flown, linear) if guided else (known, linear, flown)
+    return " ".join(part for part in parts if part)
 
 
 def delivered(*, guided: bool) -> str:

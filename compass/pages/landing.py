@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import inf
 
 from compass.api.land import LandResult
-from compass.api.land_flight import delivered, entry_tables, findings
+from compass.api.land_flight import delivered, distance_words, entry_tables, findings
 from compass.api.outlook import glance, left_words
 from compass.document import Answer, Answers, Section, Sentence
 from compass.document.blocks import Picture, arranged
@@ -14,7 +14,7 @@ from compass.entry.dispersed import Dispersed
 from compass.inputs.scenario import Scenario, provenance
 from compass.pages.answers import flown as what_flies
 from compass.pages.page import render
-from compass.pictures.ellipse import landing_ellipse
+from compass.pictures.ellipse import arrivals, landing_ellipse
 from compass.pictures.entry import entry_pictures
 from compass.words import counted
 
@@ -48,22 +48,25 @@ def landing_sections(found: LandResult) -> tuple[Section, ...]:
     tables = {table.title.split(" (")[0]: table for table in entry_tables(flown)}
     consistency, *words = findings(found.scenario, flown)
     how = delivered(guided=found.scenario.guidance is not None)
-    landed = (*answers(flown, how), *dispersed_answers(found.dispersed))
-    rows = (*landed, *beacon_answers(found.scenario))
-    drawn_to_scale = () if flown.accuracy.anywhere else (landing_ellipse(flown.accuracy, how),)
+    known, *rest = answers(flown, how)
+    rows = (known, *dispersed_answers(found.dispersed), *rest, *beacon_answers(found.scenario))
+    to_scale = [] if flown.accuracy.anywhere else [landing_ellipse(flown.accuracy, how)]
+    if found.dispersed is not None and found.dispersed.guided and found.dispersed.reached.any():
+        to_scale.insert(0, arrivals(found.dispersed))
     answer = Section(
         "The answer",
         (
             Sentence(f"{found.claim} {rests_on(found)}".strip()),
             Answers("Known, and how sure", rows),
-            *drawn_to_scale,
+            *to_scale[:1],
         ),
     )
     navigation = arranged(
         "Navigation", (consistency, *words), _those(drawn, "navigation"), (tables["Navigation"],)
     )
     told = [tables[title] for title in ("Events", "Largest loads") if title in tables]
-    flight = arranged("The flight", (), _those(drawn, "map", "flight"), told)
+    pictures = (*to_scale[1:], *_those(drawn, "map", "flight"))
+    flight = arranged("The flight", (), pictures, told)
     view = arranged(
         "Who is in view", (), _those(drawn, "view", "observability"), (tables["Beacons"],)
     )
@@ -109,7 +112,7 @@ def dispersed_answers(found: Dispersed | None) -> tuple[Answer, ...]:
         return ()
     far, count = found.within(95.0), found.times.size
     what = "Guided, entries come to the target within" if found.guided else "Entries come within"
-    said = f"{significant(far / KM, 3)} km in 95 %" if far < inf else "not in 95 %"
+    said = f"{distance_words(far)} in 95 %" if far < inf else "not in 95 %"
     return (Answer(what, said, None, f"sampled, {count:,} dispersed entries"),)
 
 

@@ -5,6 +5,7 @@ import numpy as np
 from compass.document.blocks import Picture
 from compass.document.numbers import significant
 from compass.entry.accuracy import Accuracy, Ellipse
+from compass.entry.dispersed import Dispersed
 from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture
 
 KM = 1e3
@@ -41,6 +42,39 @@ def landing_ellipse(at: Accuracy, how: str = "Unguided") -> Picture:
         f"covariance, is an ellipse {smaller} times smaller, drawn to the same scale.",
         alt=f"Ellipse of {sizes} about the nominal place; that of knowledge is {smaller} times "
         "smaller.",
+    )
+
+
+def arrivals(found: Dispersed) -> Picture:
+    """Draw where guided entries come to about their target, east and north.
+
+    In metres where 95 % come within a kilometre, else in kilometres.
+    """
+    far = found.within(95.0)
+    unit, size = ("m", 1.0) if far < KM else ("km", KM)
+    turn = np.linspace(0.0, 2 * np.pi, 181)
+    figure = new_figure(5.4, 4.6)
+    with look():
+        axes = figure.add_subplot()
+        axes.plot(*found.offsets.T / size, ".", color=MARS, ms=5, alpha=0.6, label="an entry each")
+        for percent, style in ((50.0, "--"), (95.0, "-")):
+            if np.isfinite(radius := found.within(percent) / size):
+                axes.plot(radius * np.cos(turn), radius * np.sin(turn), style, color=INK, lw=1,
+                          label=f"{percent:g} % of them")  # fmt: skip
+        axes.plot(0, 0, "+", color=INK, ms=9)
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.set(xlabel=f"east of the target, {unit}", ylabel=f"north, {unit}")
+        axes.set_title(f"At {found.event}")
+        axes.grid(True, color=FAINT, alpha=0.4)
+        figure.legend(loc="outside lower center", ncols=3, fontsize=8, frameon=False)
+    flown = f"{found.times.size:,} dispersed guided entries"
+    within = f"95 % within {significant(far / size, 3)} {unit}" if np.isfinite(far) else "not 95 %"
+    return picture(
+        figure,
+        "landing-arrivals",
+        f"Where {flown} come to",
+        "About the target; circles hold half and 95 % of all that were flown.",
+        alt=f"Dots of {flown} about the target: {within}.",
     )
 
 

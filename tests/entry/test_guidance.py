@@ -7,7 +7,12 @@ import numpy as np
 import pytest
 
 from compass.api.land import land
-from compass.api.land_flight import assess_scenario, dispersed_facts, dispersed_sentence
+from compass.api.land_flight import (
+    assess_scenario,
+    dispersed_facts,
+    dispersed_sentence,
+    distance_words,
+)
 from compass.core.entry.guide import beyond, heading_error, turned
 from compass.entry.accuracy import accuracy
 from compass.entry.atmosphere import Atmosphere
@@ -24,6 +29,7 @@ from compass.errors import ArgumentError, DesignError
 from compass.frames import direction
 from compass.inputs.fusion import fusion_plan
 from compass.inputs.scenario import read_scenario, read_scenario_text
+from compass.pages.landing import landing_sections
 
 DESIGNS = Path(__file__).parents[2] / "designs"
 FAST = Trigger("fast", "speed", 3000.0)
@@ -197,6 +203,7 @@ def test_what_dispersed_entries_say():
     assert lost.within(95.0) == np.inf
     assert "95 % within no distance" in dispersed_sentence(lost)
     assert dispersed_sentence(lost).endswith("; 1 do not come to it.")
+    assert [distance_words(m) for m in (76.5, 999.0, 5934.0)] == ["76.5 m", "999 m", "5.93 km"]
     few = replace(found, times=np.full(4, np.nan))
     assert dispersed_sentence(few) == "Of 4 dispersed guided entries 0 come to parachute."
     assert dispersed_facts(few)["ellipse"] is None and dispersed_facts(found)["reached"] == 4
@@ -253,8 +260,13 @@ def test_a_guided_landing_says_where_entries_come_down(guided_lander):
     assert craft.bank_times == (0.0,)
     assert np.abs(craft.bank_angles) == pytest.approx([np.radians(60.0)])
     told = " ".join(str(found).split())
-    assert "By the planned bank alone it comes down" in told
-    assert "Of 3 dispersed guided entries half come" in told
+    # what guidance makes of it comes first, in words, rows and the picture
+    assert told.index("Of 3 dispersed guided entries half come") < told.index("By the planned bank")
+    answer, _, flight, *_ = landing_sections(found)
+    assert answer.blocks[1].rows[1].question.startswith("Guided, entries come to the target within")
+    (drawn,) = answer.pictures
+    assert drawn.stem == "landing-arrivals" and "3 dispersed guided entries" in drawn.alt
+    assert flight.pictures[0].stem == "landing-ellipse"
     assert found.to_dict()["dispersed"]["reached"] == 3
     assert found.sections(pictures=False)[0].paragraphs[0] == found.claim
     alone = replace(found, dispersed=None)
