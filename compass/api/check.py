@@ -154,7 +154,12 @@ def _value(verdict: Answer) -> str:
         return f"{which}; {worst.value:.0f} in view"
     wanted = verdict.requirement
     if not isinf(worst.value):
-        return f"{wanted.titled(worst.of)} {worst.value:.6g}{wanted.unit(worst.of)}"
+        found, unit = f"{wanted.titled(worst.of)} {worst.value:.6g}", wanted.unit(worst.of)
+        if worst.most is None:
+            return f"{found}{unit}"
+        return (
+            f"{found}{unit} or more" if isinf(worst.most) else f"{found} to {worst.most:.6g}{unit}"
+        )
     seen, around = worst.seen, worst.around
     why = "" if seen is None else f": {counted(seen, 'satellite')} in view"
     if seen is not None and around is not None and around > seen:
@@ -214,7 +219,7 @@ def check(
     wanted = read.requirements or (Requirement("coverage", fold=read.fold),)
 
     def settle(each: Requirement) -> Answer:
-        return verdict_of(read, each, days=days, start_day=start_day, effort=effort, sampled=True)
+        return verdict_of(read, each, days=days, start_day=start_day, effort=effort, thorough=True)
 
     # geometry shares its own boxes among threads, and can be interrupted in this one alone
     last = sorted(range(len(wanted)), key=lambda k: bool(wanted[k].limits))

@@ -7,6 +7,7 @@ what is kept by the first is kept, what is broken by the second is broken.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Any
 
 from compass.coverage.certificate import Outcome
@@ -19,7 +20,7 @@ from compass.coverage.certified_ranges import (
     skies_of,
 )
 from compass.coverage.certified_share import CertifiedShare
-from compass.coverage.certified_witness import in_view
+from compass.coverage.certified_witness import WorstWitness, in_view
 from compass.coverage.certified_worst import CertifiedAlways
 from compass.coverage.certified_worst_place import certified_worst_place
 from compass.coverage.fold_verdict import Course, course_of, losses_of, users_of
@@ -34,6 +35,9 @@ from compass.sites import Site
 
 #: Boxes for each share, and how near its bounds are to come where the requirement leaves it open.
 SHARE_BOXES, WIDTH = 600_000, 1e-4
+
+#: How near bounds of the largest value come, relative to it.
+LARGEST = 1e-2
 
 
 Span = tuple[float, float] | None
@@ -110,6 +114,16 @@ class _Asked:
                 return replace(claim, outcome=Outcome.UNDECIDED)
         return claim
 
+    def largest(
+        self, effort: Effort, left: Constellation, lost: Sequence[int], where: dict[str, Any]
+    ) -> tuple[WorstWitness | None, float]:
+        """Where and when it is largest, of ranges no worse than they are, and an upper bound."""
+        found = [
+            effort.worst(left, precision=LARGEST, **self._asked(sky, lost), **where)
+            for sky in self.skies
+        ]
+        return found[-1].witness, found[0].high
+
     def _asked(self, sky: Ranges | None, lost: Sequence[int]) -> dict[str, Any]:
         return {"dop": self.name, "ranges": None if sky is None else sky.without(lost)}
 
@@ -134,7 +148,7 @@ def geometry_verdict(
     start_day: float = 0.0,
     effort: Effort | None = None,
     width: float = WIDTH,
-    sampled: bool = False,
+    thorough: bool = False,
 ) -> Verdict:
     """Verdict on a dilution of precision, or an error, of at most a limit, by certified shares.
 
@@ -146,9 +160,10 @@ def geometry_verdict(
         One of `compass.design.LIMITS` and the largest value allowed.
     width
         How near the bounds of each share are to come where `effort` does not say.
-    sampled
-        Whether what nothing certifies, protection levels and users in orbit or in beams over no
-        level horizon, is settled by samples (`compass.coverage.sampled_verdict`), or left open.
+    thorough
+        Whether the largest value is found of what is always kept or is missed, and what nothing
+        certifies, protection levels and users in orbit or in beams over no level horizon, settled
+        by samples (`compass.coverage.sampled_verdict`), or left open.
 
     Raises
     ------
@@ -165,7 +180,7 @@ def geometry_verdict(
     claims: list[_Claim] = []
     everyone = users_of(design, requirement)
     if not _is_certified(c, name, everyone):
-        if sampled:
+        if thorough:
             sets = losses_of(c, requirement, everyone, course, alike=name in DILUTIONS)
             return sampled_verdict(
                 design, requirement, name, limit, everyone, [one[:2] for one in sets], course
@@ -197,7 +212,7 @@ def geometry_verdict(
                 continue
             if requirement.share == 1.0:
                 claim = asked.always(effort, left, gone, where)
-                claims.append(_Claim(claim, users, left, lost, alike))
+                claims.append(_Claim(claim, users, left, lost, alike, gone, where))
                 if claim.outcome != Outcome.UNDECIDED:
                     continue
             share = asked.share(effort, left, gone, where, width)
@@ -205,7 +220,7 @@ def geometry_verdict(
     scope = course.words
     if sky is not None:
         scope += "; of a fix that weighs ranges by their variances, wherever the Sun stands"
-    settled = _always(design, requirement, asked, scope, claims)
+    settled = _always(design, requirement, asked, scope, claims, effort if thorough else None)
     return settled or _verdict(requirement, asked, scope, found)
 
 
@@ -225,31 +240,58 @@ class _Claim:
     left: Constellation
     lost: tuple[str, ...]
     alike: int
+    gone: Sequence[int]
+    where: dict[str, Any]
 
 
 def _always(
-    design: Design, requirement: Requirement, asked: _Asked, scope: str, claims: list[_Claim]
+    design: Design,
+    requirement: Requirement,
+    asked: _Asked,
+    scope: str,
+    claims: list[_Claim],
+    effort: Effort | None,
 ) -> Verdict | None:
-    """Verdict where one claim is refuted, or all are proven; None where that is open."""
-    for claim in claims:
-        if claim.found.outcome == Outcome.REFUTED and (w := claim.found.witness) is not None:
-            users = claim.users
-            place = Site("", w.latitude, w.longitude, users.height, users.mask, users.figure)
-            _, around = in_view(claim.left, place, w.time, design.motion)
-            worst = Worst(
-                w.time,
-                w.latitude,
-                w.longitude,
-                w.value * asked.factor,
-                asked.name,
-                seen=len(w.satellites),
-                around=len(around),
-            )
-            lost, alike = claim.lost, claim.alike
-            return Verdict(requirement, False, "proven", scope, None, None, worst, lost, alike)
-    if claims and all(claim.found.outcome == Outcome.PROVEN for claim in claims):
+    """Verdict where one claim is refuted, or all are proven; None where that is open.
+
+    With an effort for it the largest value is found: of all claims, or of the one missed most.
+    """
+    missed = [one for one in claims if one.found.outcome == Outcome.REFUTED and one.found.witness]
+    if missed:
+        missed = [max(missed, key=_shown)]
+    elif not claims or any(one.found.outcome != Outcome.PROVEN for one in claims):
+        return None
+    looked = missed or claims
+    highest = max(looked, key=_shown)
+    w, highs = highest.found.witness, []
+    if effort is not None:
+        for one in looked:
+            witness, high = asked.largest(effort, one.left, one.gone, one.where)
+            highs.append(high * asked.factor)
+            if witness is not None and (w is None or witness.value > w.value):
+                highest, w = one, witness
+    if w is None or not (missed or highs):
         return Verdict(requirement, True, "proven", scope, (1.0, 1.0))
-    return None
+    users = highest.users
+    place = Site("", w.latitude, w.longitude, users.height, users.mask, users.figure)
+    _, around = in_view(highest.left, place, w.time, design.motion)
+    worst = Worst(
+        w.time,
+        w.latitude,
+        w.longitude,
+        w.value * asked.factor,
+        asked.name,
+        seen=len(w.satellites),
+        around=len(around),
+        most=max(highs) if len(highs) == len(claims) else None,
+    )
+    lost, alike, share = highest.lost, highest.alike, None if missed else (1.0, 1.0)
+    return Verdict(requirement, not missed, "proven", scope, share, None, worst, lost, alike)
+
+
+def _shown(claim: _Claim) -> float:
+    """Largest value that was seen."""
+    return -inf if claim.found.witness is None else claim.found.witness.value
 
 
 def _worst_asked(users: Users, course: Course) -> dict[str, Any]:

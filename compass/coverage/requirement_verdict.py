@@ -17,7 +17,7 @@ def verdict_of(
     days: float | None = None,
     start_day: float = 0.0,
     effort: Effort | None = None,
-    sampled: bool = False,
+    thorough: bool = False,
 ) -> Verdict:
     """Settle a requirement on a design.
 
@@ -33,8 +33,8 @@ def verdict_of(
     effort
         How far to go with each share of geometry, and seconds for those of satellites in view; by
         default so many boxes, which is the same on any machine.
-    sampled
-        Whether what nothing certifies is settled by samples, or left open.
+    thorough
+        Whether to find the largest value of geometry, and what nothing certifies by samples.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def verdict_of(
                 days=days,
                 start_day=start_day,
                 effort=effort,
-                sampled=sampled,
+                thorough=thorough,
             )
         )
     if not verdicts:

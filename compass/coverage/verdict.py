@@ -22,7 +22,7 @@ class Worst:
         Planetocentric and Mars-fixed, radians; longitude None where it does not count.
     value
         Satellites in view, the dilution of precision, the error as the requirement means it, or
-        what the share of time is at most.
+        what the share of time is at most; of the largest a lower bound, where `most` is one above.
     of
         Which of these: ``fold``, one of `compass.design.LIMITS`, or ``share``.
     rank, elevation
@@ -31,6 +31,8 @@ class Worst:
     seen, around
         Of geometry at a moment: satellites in view, and how many there were, did their antennas
         reach all around; None where that is not told.
+    most
+        Upper bound of the largest dilution or error, None where that was not looked for.
     """
 
     time: float | None
@@ -42,6 +44,7 @@ class Worst:
     elevation: float | None = None
     seen: int | None = None
     around: int | None = None
+    most: float | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values with degrees."""
@@ -55,6 +58,7 @@ class Worst:
             "elevation_deg": None if self.elevation is None else float(np.degrees(self.elevation)),
             "in_view": self.seen,
             "in_view_all_around": self.around,
+            "value_at_most": self.most,
         }
 
 

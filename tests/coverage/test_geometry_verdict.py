@@ -12,12 +12,13 @@ from compass.coverage.certificate import Outcome
 from compass.coverage.certified_effort import Effort
 from compass.coverage.geometry_verdict import geometry_verdict
 from compass.design import Design, Requirement
-from compass.orbits import walker_delta
+from compass.frames import FIGURES
+from compass.orbits import positions_mcmf, walker_delta
 
 
-def asked(pattern, mask, share=1.0):
+def asked(pattern, mask, share=1.0, **options):
     wanted = Requirement(name="band", regions=("lat:-30:30",), mask=mask, share=share)
-    return geometry_verdict(Design(pattern), wanted, "pdop", 6.0)
+    return geometry_verdict(Design(pattern), wanted, "pdop", 6.0, **options)
 
 
 @pytest.mark.slow
@@ -31,6 +32,39 @@ def test_always_is_proven_or_refuted_with_place_and_moment():
     assert (missed.met, missed.evidence) == (False, "proven")
     assert missed.worst.value > 6.0
     assert abs(missed.worst.latitude) <= math.radians(30) + 1e-9
+
+
+@pytest.mark.slow
+def test_the_largest_value_is_bracketed_where_it_is_asked_for():
+    """No sample is above, and the place and moment show the lower end, by matrices."""
+    c = walker_delta(12, 4, 0, inclination_deg=12, radius_km=20427.7)
+    met, plain = (asked(c, 0.0, thorough=thorough) for thorough in (True, False))
+    w = met.worst
+    assert met.met is plain.met is True and plain.worst is None
+    assert w.value < w.most < 1.02 * w.value
+    at = dops(c, np.array([w.time]), w.latitude, w.longitude)[0]
+    assert at == pytest.approx(w.value, rel=1e-9)
+    times = np.random.default_rng(5).uniform(0, 1e7, 3000)
+    for latitude in np.radians([-30, -10, 5, 29]):
+        assert dops(c, times, latitude, 0.4).max() <= w.most
+    bad = walker_delta(14, 14, 8, inclination_deg=18.4, radius_km=20427.7)
+    missed = asked(bad, math.radians(10), thorough=True)
+    assert missed.met is False and missed.worst.value > 100.0 and missed.worst.most == math.inf
+
+
+def dops(c, times, latitude, longitude):
+    """PDOP at a place, by inverting the normal matrix at each time."""
+    r = np.moveaxis(positions_mcmf(c, times), 1, 0)
+    up = np.array([
+        math.cos(latitude) * math.cos(longitude), math.cos(latitude) * math.sin(longitude),
+        math.sin(latitude),
+    ])  # fmt: skip
+    line = r - FIGURES["iau-sphere"].equatorial_radius * up
+    line /= np.linalg.norm(line, axis=-1, keepdims=True)
+    rows = np.concatenate([line, np.ones((*line.shape[:-1], 1))], axis=-1)
+    rows *= (line @ up >= 0.0)[..., np.newaxis]
+    found = np.linalg.inv(np.einsum("tni,tnj->tij", rows, rows))
+    return np.sqrt(np.trace(found[:, :3, :3], axis1=1, axis2=2))
 
 
 def test_what_claims_leave_open_is_asked_of_the_share(monkeypatch):
