@@ -129,9 +129,9 @@ def _said(verdict: Answer) -> str:
     if verdict.reason:
         parts.append(verdict.reason)
     if (worst := verdict.worst) is not None:
-        place = f"latitude {degrees(worst.latitude):.4f}"
+        place = f"latitude {degrees(worst.latitude):z.4f}"
         if worst.longitude is not None:
-            place += f", longitude {degrees(worst.longitude):.4f}"
+            place += f", longitude {degrees(worst.longitude):z.4f}"
         when = "" if worst.time is None else f" at t = {worst.time:.3f} s"
         word = "missed" if verdict.met is False else "tightest"
         parts.append(f"{word} at {place} deg{when}, {_value(verdict)}")

@@ -184,7 +184,7 @@ class FoldResult(FoldClaim):
             return [
                 Sentence(
                     f"witness: {w.fold} in view ({names}) at t = {w.time:.6f} s, latitude "
-                    f"{degrees(w.latitude):.6f}, longitude {degrees(w.longitude):.6f} deg; the "
+                    f"{degrees(w.latitude):z.6f}, longitude {degrees(w.longitude):z.6f} deg; the "
                     f"next satellite is {degrees(w.shortfall):.3g} deg below the mask"
                 )
             ]

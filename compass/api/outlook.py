@@ -445,6 +445,6 @@ def _place(lasting: Lasting) -> str:
     if w is None:
         return ""
     return (
-        f"{w.fold} in view at latitude {np.degrees(w.latitude):.2f}, "
-        f"longitude {np.degrees(w.longitude):.2f} deg"
+        f"{w.fold} in view at latitude {np.degrees(w.latitude):z.2f}, "
+        f"longitude {np.degrees(w.longitude):z.2f} deg"
     )

@@ -76,7 +76,7 @@ class CertifiedWorst:
             return f"not known: stopped early ({self.stopped})"
         w = self.witness
         where = (
-            f"latitude {np.degrees(w.latitude):.3f} deg, longitude {np.degrees(w.longitude):.3f} "
+            f"latitude {np.degrees(w.latitude):z.3f} deg, longitude {np.degrees(w.longitude):z.3f} "
             f"deg, {w.time:.3f} s after the epoch"
         )
         if np.isinf(w.value):

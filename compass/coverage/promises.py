@@ -82,7 +82,7 @@ class Promise:
         for site in self.requirement.sites:
             if abs(site.latitude - worst.latitude) < NEAR:
                 return site.name
-        return f"latitude {np.degrees(worst.latitude):.2f} deg"
+        return f"latitude {np.degrees(worst.latitude):z.2f} deg"
 
 
 def promises_of(

@@ -399,7 +399,7 @@ def _check_flights(
         else f"has not come by {times[-1]:g} s to"
     )
     raise ArgumentError(
-        f"entry at latitude {lat:.2f}, longitude {lon:.2f} deg, azimuth {azimuth:.2f} deg: {what} "
-        f"deployment ({deployment}); choose a deployment that every entry reaches, or change "
-        "entry.duration_s"
+        f"entry at latitude {lat:z.2f}, longitude {lon:z.2f} deg, azimuth {azimuth:.2f} deg: "
+        f"{what} deployment ({deployment}); choose a deployment that every entry reaches, or "
+        "change entry.duration_s"
     )

@@ -232,7 +232,7 @@ def watched_level(model: EntryModel, trigger: Trigger) -> tuple[int, float]:
 def _ending(reason: str, time: float, state: NDArray[np.float64]) -> str:
     lat, lon = np.degrees(state[2]), longitude_degrees(state[1])
     return (
-        f"the flight {reason} at {time:.3f} s, latitude {lat:.4f} deg, longitude {lon:.4f} deg, "
+        f"the flight {reason} at {time:.3f} s, latitude {lat:z.4f} deg, longitude {lon:z.4f} deg, "
         f"speed {state[3]:.1f} m/s"
     )
 

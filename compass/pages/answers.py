@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from compass.allowed import RANGES
 from compass.api.check import CheckResult
 from compass.api.map_statistics import ROVER
 from compass.coverage.certificate import Outcome
@@ -295,14 +296,15 @@ def _of_requirements(checked: CheckResult, real: str) -> str:
 
 
 def search_line(design: Design, wanted: str) -> str:
-    """The command line that finds what has what is `wanted`, of twice the size at most.
+    """The command line that finds the smallest that has what is `wanted`.
 
     At the design's own radius, where its orbits are circles of one, else at the areosynchronous.
     """
     axes = design.constellation.semi_major_axis / 1e3
     own = axes.size and one_circle(design.constellation)
     orbit = f"--radius-km {axes[0]:.6g}" if own else "--orbit areosynchronous"
-    return f"compass search {wanted} {orbit} --max-satellites {max(2 * axes.size, 8)}"
+    most = RANGES["max_satellites"].most  # sizes are tried one after the other, up to the first
+    return f"compass search {wanted} {orbit} --max-satellites {most:g}"
 
 
 def what_to_do(results: DesignResults, neighbours: Sequence[Neighbour]) -> list[str]:

@@ -52,8 +52,8 @@ def fold_section(
     if witness:
         text += (
             f" Counter-example: at t = {witness.time:.3f} s, latitude "
-            f"{np.degrees(witness.latitude):.4f} deg, longitude "
-            f"{np.degrees(witness.longitude):.4f} deg, {witness.fold} in view."
+            f"{np.degrees(witness.latitude):z.4f} deg, longitude "
+            f"{np.degrees(witness.longitude):z.4f} deg, {witness.fold} in view."
         )
     if not design.figure.is_sphere:
         text += (
@@ -138,7 +138,7 @@ def _arrangement(
         "colours show the fold on a 1-degree grid, for the eye only.",
         wide=True,
         alt=f"Map of Mars: {count.min()} to {count.max()} caps over each place; the tightest is at "
-        f"latitude {float(at_lat):.1f}, longitude {float(at_lon):.1f} deg.",
+        f"latitude {float(at_lat):z.1f}, longitude {float(at_lon):z.1f} deg.",
     )
 
 

@@ -262,8 +262,8 @@ def believed_answer(figures: dict[str, Any], goal: float) -> str:
 def _answer(figures: dict[str, Any], goal: float) -> str:
     worst = figures["worst_found"]
     where = (
-        f"{worst['value']:.2f} m at latitude {worst['latitude_deg']:.1f}, longitude "
-        f"{worst['longitude_deg']:.1f} deg, azimuth {worst['azimuth_deg']:.0f} deg, entry "
+        f"{worst['value']:.2f} m at latitude {worst['latitude_deg']:z.1f}, longitude "
+        f"{worst['longitude_deg']:z.1f} deg, azimuth {worst['azimuth_deg']:.0f} deg, entry "
         f"{worst['epoch_s'] / 3600:.2f} h after the epoch, {worst['in_view']} in view at least"
     )
     missed = 100 * (1 - figures["share_within_goal"])

@@ -236,7 +236,7 @@ def _why(verdict: Verdict) -> str:
         percent = 100 * verdict.share[1]
         return f"{wanted.wanted} for at most {percent:.2f} % ({wanted.name})"
     assert worst is not None  # what is refuted has a witness
-    place = f"latitude {np.degrees(worst.latitude):.1f} deg"
+    place = f"latitude {np.degrees(worst.latitude):z.1f} deg"
     return f"{wanted.wanted} broken at {place} ({wanted.name})"
 
 

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 import compass
+from compass.allowed import check_allowed
 from compass.api.map_result import MapResult
 from compass.cli.search import command as search
 from compass.document import Sampled
+from compass.errors import ArgumentError
 from compass.inputs import read_design_text
 from compass.pages.answers import (
     ANSWERS,
@@ -111,7 +113,7 @@ def test_what_is_missed_is_not_to_be_built():
     (words,) = what_to_do(found, beside(found, -80.0, -70.0))  # no rival: its mask is lower still
     assert "No other phasing or inclination" in words and "rival" not in words
     line = "compass search --fold 4 --mask-deg 0 --radius-km 20427.7"
-    assert line in words and words.endswith(" --max-satellites 10.")
+    assert line in words and words.endswith(" --max-satellites 64.")
     assert losses(found) == []
     assert "missed" in compass.document.text(compass.document.Page("x", section.blocks))
 
@@ -132,7 +134,10 @@ def test_the_search_that_is_advised_is_one_that_runs():
     for line, option in zip(lines, ("--radius-km 20427.7", "--orbit areosynchronous"), strict=True):
         assert option in line
         with search.make_context("search", shlex.split(line)[2:]) as context:
-            assert context.params["max_satellites"] >= 8
+            most = context.params["max_satellites"]
+            check_allowed("max_satellites", most)
+            with pytest.raises(ArgumentError):  # none larger is allowed
+                check_allowed("max_satellites", most + 1)
 
 
 def test_latitudes_are_north_or_south():

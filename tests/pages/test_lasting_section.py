@@ -1,6 +1,7 @@
 """How long a design lasts, as its page says it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -393,3 +394,8 @@ def test_access_of_an_ephemeris_looks_as_far_as_it_is_known():
     assert _known_sols(design) * SOLAR_DAY.value == pytest.approx(2 * 86400.0)
     assert _known_sols(replace(design, access_duration=86400.0)) is None
     assert _known_sols(ring()) is None
+
+
+def test_the_equator_has_no_sign():
+    at = SimpleNamespace(witness=SimpleNamespace(fold=0, latitude=-1e-9, longitude=-1e-9))
+    assert module._place(at) == "0 in view at latitude 0.00, longitude 0.00 deg"
