@@ -1,5 +1,7 @@
 """The chapter's rows at a small size: coarse epochs, few runs, searches replaced by known places."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -79,3 +81,13 @@ def test_a_wrong_information_is_found_out(monkeypatch):
     )
     wrong = {row.where for row in yu2018_information.information_rows() if not row.holds}
     assert {"eq. 31", "eq. 40", "eqs. 43 to 45", "eq. 46"} <= wrong
+
+
+def test_a_failed_integration_is_no_end_of_the_flight(monkeypatch):
+    """The last state that there is would be of an earlier moment."""
+    flown = SimpleNamespace(
+        success=False, t=np.array([0.0, 7.0]), message="step too small", y=np.zeros((6, 2))
+    )
+    monkeypatch.setattr(yu2018, "solve_ivp", lambda *_, **__: flown)
+    with pytest.raises(RuntimeError, match=r"Newton's law at 7 s of .*: step too small"):
+        yu2018.newton_end()
