@@ -3,6 +3,7 @@
 import re
 import tomllib
 from collections.abc import Callable
+from glob import glob
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -121,19 +122,23 @@ def tables(path: Path) -> dict[str, Any]:
 def named_files(path: Path) -> list[Path]:
     """Return the files that a file names, and those that these name in turn: none if it is no TOML.
 
-    A name is any text of the file that is the path of a file, seen from the folder it is in.
+    A name is any text of the file that is the path of a file, seen from the folder it is in, or a
+    pattern of some, such as ``*.oem``.
     """
     found: list[Path] = []
     waiting = [path]
     while waiting:
         here = waiting.pop()
-        for text in _texts(tables(here)):
-            other = here.parent / text
-            a_name = len(text) < 200 and "\n" not in text
-            if a_name and other not in (path, *found) and other.is_file():
+        texts = [text for text in _texts(tables(here)) if len(text) < 200 and "\n" not in text]
+        for other in (one for text in texts for one in _of_name(here.parent, text)):
+            if other not in (path, *found) and other.is_file():
                 found.append(other)
                 waiting += [other] if other.suffix == ".toml" else []
     return sorted(found)
+
+
+def _of_name(folder: Path, text: str) -> list[Path]:
+    return [Path(one) for one in glob(str(folder / text))] if "*" in text else [folder / text]
 
 
 def _texts(value: Any) -> list[str]:

@@ -80,6 +80,9 @@ def test_files_that_a_new_one_names_are_beside_it(tmp_path):
     with pytest.raises(OutputError, match="give a new name"):
         made.write(tmp_path / "x.toml")
     assert companions(tmp_path / "landing.toml") == []  # no TOML names nothing
+    (tmp_path / "a.oem").write_text("states")
+    (tmp_path / "flown.toml").write_text('files = ["*.oem"]\nsource = "none * at all"')
+    assert companions(tmp_path / "flown.toml") == [tmp_path / "a.oem"]
 
 
 def test_what_is_mostly_no_table_is_offered_by_its_name(tmp_path):
