@@ -284,6 +284,11 @@ def geometry_facts(geometry: Geometry) -> dict[str, Any]:
     return facts
 
 
+def _turned(angle: float) -> float:
+    """An angle in degrees within a turn, to what a state in metres can tell."""
+    return round(float(np.degrees(angle)), 7) % 360.0
+
+
 def satellite_table(constellation: Constellation, sphere_radius: float) -> Table:
     """Elements of every satellite, with the caps at its lowest and highest."""
     c = constellation
@@ -296,8 +301,10 @@ def satellite_table(constellation: Constellation, sphere_radius: float) -> Table
             "apoapsis_altitude_km": float(c.apoapsis_radius[k] - sphere_radius) / KM,
             # to what a state in metres can tell: beyond it is rounding
             "eccentricity": round(float(c.eccentricity[k]), 9),
-            "inclination_deg": round(float(np.degrees(c.inclination[k])), 7),
-            "raan_deg": round(float(np.degrees(c.raan[k])), 7) + 0.0,
+            "inclination_deg": _turned(c.inclination[k]),
+            "raan_deg": _turned(c.raan[k]),
+            "argument_of_periapsis_deg": _turned(c.argument_of_periapsis[k]),
+            "mean_anomaly_deg": _turned(c.mean_anomaly[k]),
             "period_h": float(orbital_period(c.semi_major_axis[k], c.gm)) / 3600,
             "cap_at_periapsis_deg": float(np.degrees(low.half_arc)),
             "cap_at_apoapsis_deg": float(np.degrees(high.half_arc)),

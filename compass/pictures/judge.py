@@ -125,7 +125,7 @@ def draw_distributions(
     axes.set(
         xscale="log",
         xlabel="Cramer-Rao sigma of position at deployment, m",
-        ylabel="share of entries not beyond, %",
+        ylabel="share of entries within, %",
         ylim=(0, 101),
     )
     if axes.get_xlim()[1] >= 60:

@@ -94,6 +94,14 @@ GEOMETRY = (
     Quantity("eccentricity", "1", "eccentricity", 6, meaning="Of the orbit."),
     Quantity("raan_deg", "deg", "RAAN", 6, meaning="Right ascension of the ascending node."),
     Quantity(
+        "argument_of_periapsis_deg", "deg", "argument of periapsis", 6,
+        meaning="From the ascending node to the lowest point.",
+    ),
+    Quantity(
+        "mean_anomaly_deg", "deg", "mean anomaly", 6,
+        meaning="From the lowest point, at the epoch.",
+    ),
+    Quantity(
         "cap_at_periapsis_deg", "deg", "cap radius at periapsis", 5,
         meaning="Horizon cap at the lowest point.",
     ),

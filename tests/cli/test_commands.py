@@ -78,6 +78,20 @@ def test_show_for_every_kind_of_design(run, designs):
         json.loads(out)
 
 
+def test_show_has_elements_in_full(designs):
+    """As Draim's file gives them, and as it takes to make its orbits anew."""
+    shown = compass.show(designs / "draim-four.toml")
+    (table,) = shown.geometry_tables()
+    rows = [dict(zip(table.header, row, strict=True)) for row in table.rows]
+    names = ("inclination, deg", "RAAN, deg", "argument of periapsis, deg", "mean anomaly, deg")
+    assert [[float(row[name].value) for name in names] for row in rows] == [
+        [31.3, 0.0, 270.0, 0.0],
+        [31.3, 90.0, 90.0, 270.0],
+        [31.3, 180.0, 270.0, 180.0],
+        [31.3, 270.0, 90.0, 90.0],
+    ]
+
+
 def test_show_says_why_there_are_no_gaps(run, tmp_path, seed):
     text = (
         seed.read_text().replace("planes = 5", "planes = 15").replace("phasing = 1", "phasing = 1")
