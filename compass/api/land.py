@@ -6,16 +6,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from compass.api.given import given_scenario
-from compass.api.land_flight import (
-    assess_scenario,
-    check_cost,
-    claim_sentence,
-    disperse_scenario,
-    dispersed_facts,
-    entry_facts,
-    entry_section,
-)
+from compass.api.land_dispersed import dispersed_facts
+from compass.api.land_facts import entry_facts
+from compass.api.land_flight import assess_scenario, check_cost, disperse_scenario, entry_section
 from compass.api.land_fusion import fusion_facts, fusion_section, too_sure
+from compass.api.land_words import claim_sentence
 from compass.api.results import Result
 from compass.arguments import checked
 from compass.conventions import dated

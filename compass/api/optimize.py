@@ -22,11 +22,10 @@ from compass.entry.trajectory import Trajectory, fly
 from compass.entry.views import cartesian_of
 from compass.errors import ArgumentError
 from compass.inputs.scenario import Scenario, provenance
+from compass.units import KM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-KM = 1e3
 
 
 @dataclass(frozen=True, repr=False)

@@ -24,12 +24,11 @@ from compass.orbits import Constellation, orbital_period, repeat_period
 from compass.orbits.kinds import kind_of
 from compass.papers.verdict import Row
 from compass.quantities import quantity
+from compass.units import KM, KM2
 from compass.words import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-KM, KM2 = 1e3, 1e6
 
 
 @dataclass(frozen=True, repr=False)

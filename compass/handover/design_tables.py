@@ -10,8 +10,9 @@ from compass.handover.decimals import decimal, number
 from compass.inputs.toml_values import toml_text, toml_value
 from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import MERIDIANS, GravityField, built_in_field
+from compass.units import KM
 
-KM, MHZ, SOL = 1e3, 1e6, SOLAR_DAY.value
+MHZ, SOL = 1e6, SOLAR_DAY.value
 YEAR = 365.25 * 86400.0
 
 

@@ -13,12 +13,12 @@ from compass.handover.decimals import decimal, number
 from compass.handover.design_tables import table_lines
 from compass.handover.signal_toml import signal_lines
 from compass.handover.tracking_toml import tracking_lines
-from compass.inputs.constellation import KM
 from compass.inputs.integrity import integrity_lines
 from compass.inputs.toml_values import toml_text
 from compass.orbits import Constellation
 from compass.orbits.constellation import from_pattern
 from compass.sites import Mask, Site
+from compass.units import KM
 
 _NO_MASK = Mask()
 

@@ -13,8 +13,7 @@ from compass.orbits.anomaly import mean_of_true
 from compass.orbits.constellation import Constellation, from_pattern, keplerian
 from compass.orbits.kinds import KIND_NAMES, Parameter, check_counts, kind_of
 from compass.orbits.patterns import laid_out, orbit_radius
-
-KM = 1e3
+from compass.units import KM
 
 
 def constellation_of(

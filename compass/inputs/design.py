@@ -11,7 +11,7 @@ from compass.bodies import SOLAR_DAY
 from compass.design import Design, Launching, Radio, Upkeep, Wanted
 from compass.errors import ArgumentError, DesignError
 from compass.frames import FIGURES, Figure, planetocentric_latitude, seconds_past_j2000
-from compass.inputs.constellation import KM, constellation_faults, constellation_of
+from compass.inputs.constellation import constellation_faults, constellation_of
 from compass.inputs.faults import fault
 from compass.inputs.integrity import integrity_faults, integrity_of_table
 from compass.inputs.models import (
@@ -33,6 +33,7 @@ from compass.orbits import Constellation
 from compass.orbits.states import from_states
 from compass.saving import readable
 from compass.sites import Mask, Site
+from compass.units import KM
 
 if TYPE_CHECKING:
     from compass.orbits.trajectory import Trajectory

@@ -17,12 +17,11 @@ from compass.entry.trajectory import fly
 from compass.entry.views import cartesian_of, spherical_jacobian
 from compass.errors import ArgumentError, CompassError, DesignError
 from compass.inputs.fusion_models import EstimateTable, FusionTable, RadioTable
+from compass.units import KM
 
 if TYPE_CHECKING:
     from compass.entry.model import EntryModel
     from compass.inputs.scenario import Scenario
-
-KM = 1e3
 
 
 @dataclass(frozen=True)

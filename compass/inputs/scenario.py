@@ -50,8 +50,7 @@ from compass.orbits import Constellation, keplerian, states_mci
 from compass.orbits.states import from_states
 from compass.orbits.touching import touching
 from compass.saving import readable
-
-KM = 1e3
+from compass.units import KM
 
 Winds = tuple[tuple[float, float, float], ...]
 

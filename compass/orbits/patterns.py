@@ -24,8 +24,7 @@ from compass.orbits.kinds import (
 )
 from compass.orbits.pattern import Pattern, rosette_notation
 from compass.orbits.period import areosynchronous_radius, repeat_radius
-
-KM = 1e3
+from compass.units import KM
 
 #: Farthest that an orbit may reach, kilometres: beyond its Hill radius, ``a (1 - e) (m/3M)^(1/3)``
 #: = 983,000 km, the Sun takes a satellite from Mars. Metres given for kilometres are farther.

@@ -4,7 +4,9 @@ from collections.abc import Sequence
 from math import inf
 
 from compass.api.land import LandResult
-from compass.api.land_flight import delivered, distance_words, entry_tables, findings
+from compass.api.land_dispersed import distance_words
+from compass.api.land_tables import entry_tables
+from compass.api.land_words import delivered, findings
 from compass.api.outlook import glance, left_words
 from compass.document import Answer, Answers, Section, Sentence
 from compass.document.blocks import Picture, arranged
@@ -16,9 +18,8 @@ from compass.pages.answers import flown as what_flies
 from compass.pages.page import render
 from compass.pictures.ellipse import arrivals, landing_ellipse
 from compass.pictures.entry import entry_pictures
+from compass.units import KM
 from compass.words import counted
-
-KM = 1e3
 
 
 def landing_report(found: LandResult) -> tuple[str, tuple[Section, ...]]:

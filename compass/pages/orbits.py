@@ -18,12 +18,12 @@ from compass.orbits import orbital_period, positions_mci, positions_mcmf, repeat
 from compass.pictures.maps import LARGE
 from compass.pictures.mars_map import MarsMap
 from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture
+from compass.units import KM
 from compass.words import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-KM = 1e3
 #: Tracks that miss their start by less than this, degrees (60 mm on the ground), close.
 CLOSED_DEG = 1e-6
 #: Beyond this many satellites their names would cover the picture.

@@ -15,8 +15,9 @@ from compass.orbits import (
     walker_delta,
 )
 from compass.papers import kelly2018_access, kelly2018_claims, kelly2018_smallest
-from compass.papers.kelly2018_geometry import KM, geometry_rows
+from compass.papers.kelly2018_geometry import geometry_rows
 from compass.papers.verdict import Erratum, Row, claim, compare, computed
+from compass.units import KM
 
 TITLE = (
     "P. W. Kelly and R. Bevilacqua, Constellation Design for Mars Navigation using Small "

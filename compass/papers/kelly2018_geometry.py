@@ -9,8 +9,7 @@ from compass.coverage.geometry import Geometry, pattern_geometry
 from compass.orbits import Pattern
 from compass.orbits.constellation import from_pattern
 from compass.papers.verdict import Erratum, Row, claim, compare, printed_tolerance
-
-KM, KM2 = 1e3, 1e6
+from compass.units import KM, KM2
 
 #: Half a unit of the last printed digit of the paper's two inputs, metres.
 RADIUS_ROUNDING, ORBIT_ROUNDING = 50.0, 500.0

@@ -7,8 +7,7 @@ from compass.document.numbers import significant
 from compass.entry.accuracy import Accuracy, Ellipse
 from compass.entry.dispersed import Dispersed
 from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture
-
-KM = 1e3
+from compass.units import KM
 
 
 def landing_ellipse(at: Accuracy, how: str = "Unguided") -> Picture:

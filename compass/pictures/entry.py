@@ -17,8 +17,7 @@ from compass.frames import latitude_longitude
 from compass.pictures.rows import draw_rows, runs
 from compass.pictures.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure, picture
 from compass.quantities.percentile import percentile
-
-KM = 1e3
+from compass.units import KM
 
 
 def entry_pictures(

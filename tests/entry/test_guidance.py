@@ -7,12 +7,8 @@ import numpy as np
 import pytest
 
 from compass.api.land import land
-from compass.api.land_flight import (
-    assess_scenario,
-    dispersed_facts,
-    dispersed_sentence,
-    distance_words,
-)
+from compass.api.land_dispersed import dispersed_facts, dispersed_sentence, distance_words
+from compass.api.land_flight import assess_scenario
 from compass.core.entry.guide import beyond, heading_error, turned
 from compass.entry.accuracy import accuracy
 from compass.entry.atmosphere import Atmosphere

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compass.api.land_flight import assess_scenario, entry_facts, entry_section
+from compass.api.land_facts import entry_facts
+from compass.api.land_flight import assess_scenario, entry_section
 from compass.entry.consistency import nees_bounds
 from compass.entry.fused_runs import monte_carlo
 from compass.entry.trajectory import fly, trajectory_dataset

@@ -9,12 +9,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from compass.api.land import LandResult
-from compass.api.land_flight import (
-    assess_scenario,
-    check_cost,
-    entry_facts,
-    entry_section,
-)
+from compass.api.land_facts import entry_facts
+from compass.api.land_flight import assess_scenario, check_cost, entry_section
 from compass.api.optimize import OptimizeResult, search_scenario
 from compass.api.outlook import Glance
 from compass.document import Table

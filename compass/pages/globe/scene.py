@@ -18,8 +18,8 @@ from compass.pictures.places import PLACES
 from compass.pictures.relief import shade
 from compass.pictures.style import CYCLE
 from compass.quantities import quantity
+from compass.units import KM
 
-KM = 1e3
 #: Samples of a path in a revolution: between them the page draws a cubic, good to metres.
 A_REVOLUTION = 120
 #: A globe goes over no more revolutions than this, and its paths have no more numbers: those of

@@ -1,0 +1,3 @@
+"""Units of files and results, in SI."""
+
+KM, KM2 = 1e3, 1e6
