@@ -62,40 +62,40 @@ class DeployResult(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        found, k = self.deployment, self.chosen
+        deployment, k = self.deployment, self.chosen
         return plain(
             {
                 "design": self.design.name,
-                "launches": found.launches,
-                "planes_a_launch": found.planes_a_launch,
+                "launches": deployment.launches,
+                "planes_a_launch": deployment.planes_a_launch,
                 "longest_wait_days": self.longest_wait_days,
-                "delta_v_first_plane_m_s": found.transfer,
+                "delta_v_first_plane_m_s": deployment.transfer,
                 "chosen": None if k is None else self._option(k),
                 "planes": [
                     {
                         "node_deg": degrees(plane.node),
                         "direct_m_s": plane.direct,
                         "wait_days": None if k is None else plane.waits[k] / SECONDS_PER_DAY,
-                        "waiting_m_s": None if k is None else found.delta_v[k],
+                        "waiting_m_s": None if k is None else deployment.delta_v[k],
                     }
-                    for plane in found.planes
+                    for plane in deployment.planes
                 ],
-                "options": [self._option(j) for j in range(found.radii.size)],
+                "options": [self._option(j) for j in range(deployment.radii.size)],
             }
         )
 
     def _option(self, k: int) -> dict[str, float]:
-        found = self.deployment
+        deployment = self.deployment
         return {
             "waiting_altitude_km": self.altitudes_km[k],
-            "wait_days": found.waits[k] / SECONDS_PER_DAY,
-            "delta_v_deploy_m_s": found.delta_v[k],
-            "parting_deg_day": degrees(found.parting[k]) * SECONDS_PER_DAY,
+            "wait_days": deployment.waits[k] / SECONDS_PER_DAY,
+            "delta_v_deploy_m_s": deployment.delta_v[k],
+            "parting_deg_day": degrees(deployment.parting[k]) * SECONDS_PER_DAY,
         }
 
     def document(self) -> Page:
         """The cheapest way in time, plane by plane, then waiting against delta-v."""
-        found, k = self.deployment, self.chosen
+        deployment, k = self.deployment, self.chosen
         names = ("waiting_altitude_km", "wait_days", "delta_v_deploy_m_s")
         wait, cost = quantity("wait_days"), quantity("delta_v_deploy_m_s")
         if k is None:
@@ -104,10 +104,10 @@ class DeployResult(Result):
         else:
             known = self._option(k)
             shown = {name: Value(quantity(name), known[name]) for name in names}
-            each = "each of " if found.launches > 1 else ""
+            each = "each of " if deployment.launches > 1 else ""
             claim = (
-                f"{counted(found.planes_a_launch, 'plane')} from {each}"
-                f"{counted(found.launches, 'launch')}: waiting "
+                f"{counted(deployment.planes_a_launch, 'plane')} from {each}"
+                f"{counted(deployment.launches, 'launch')}: waiting "
                 f"at {shown['waiting_altitude_km']} km for up to {shown['wait_days']} days, "
                 f"{shown['delta_v_deploy_m_s']} m/s a satellite"
             )
@@ -115,20 +115,21 @@ class DeployResult(Result):
             (
                 f"{degrees(plane.node):.4g}",
                 Value(wait, None if k is None else float(plane.waits[k]) / SECONDS_PER_DAY),
-                Value(cost, None if k is None else float(found.delta_v[k])),
+                Value(cost, None if k is None else float(deployment.delta_v[k])),
                 Value(cost, plane.direct),
             )
-            for plane in found.planes
+            for plane in deployment.planes
         )
         header = ("node from the first, deg", wait.heading, f"{cost.heading}, waiting", "at once")
-        pick = np.unique(np.linspace(0, found.radii.size - 1, SHOWN).astype(int))
+        pick = np.unique(np.linspace(0, deployment.radii.size - 1, SHOWN).astype(int))
         options = tuple(
             tuple(Value(quantity(name), self._option(j)[name]) for name in names) for j in pick
         )
         how = (
             "By first-order J2 rates of nodes, Hohmann transfers, satellites phased in their "
-            f"planes by the moment of the last one; the first plane costs {found.transfer:.4g} m/s "
-            "a satellite. Another launch or wait stands in a table [deployment]."
+            "planes by the moment of the last one; the first plane costs "
+            f"{deployment.transfer:.4g} m/s a satellite. Another launch or wait stands in a "
+            "table [deployment]."
         )
         return Page(
             self.design.name,
@@ -152,14 +153,14 @@ class DeployResult(Result):
         """
         from compass.pictures.style import CYCLE, MARS, axes_or_new
 
-        drawn, found = axes_or_new(axes), self.deployment
-        days = found.waits / SECONDS_PER_DAY
-        drawn.plot(days, found.delta_v, color=MARS, label="waiting")
-        if found.planes:
-            worst = max(plane.direct for plane in found.planes)
+        drawn, deployment = axes_or_new(axes), self.deployment
+        days = deployment.waits / SECONDS_PER_DAY
+        drawn.plot(days, deployment.delta_v, color=MARS, label="waiting")
+        if deployment.planes:
+            worst = max(plane.direct for plane in deployment.planes)
             drawn.axhline(worst, color=CYCLE[0], label="turning the farthest plane at once")
         if (k := self.chosen) is not None:
-            drawn.plot(days[k], found.delta_v[k], "o", color=MARS, label="cheapest in time")
+            drawn.plot(days[k], deployment.delta_v[k], "o", color=MARS, label="cheapest in time")
         drawn.axvline(self.longest_wait_days, color="0.5", linewidth=0.8, linestyle=":")
         drawn.set_xlim(0.0, 2.0 * self.longest_wait_days)
         drawn.set(

@@ -22,9 +22,9 @@ def drift_dataset(result: "DriftResult") -> "xr.Dataset":
     """Margin and room over (time), places in the slots over (time, satellite)."""
     import xarray as xr
 
-    found, names = result.drift, result.design.constellation.satellite_names
+    drift, names = result.drift, result.design.constellation.satellite_names
     margin = _attributes("cap_margin_deg")
-    low, high = np.degrees(found.least.T)
+    low, high = np.degrees(drift.least.T)
     data: dict[str, Any] = {
         "least_margin": ("time", low, margin | {"long_name": "least margin of the caps, at least"}),
         "least_margin_high": (
@@ -32,9 +32,9 @@ def drift_dataset(result: "DriftResult") -> "xr.Dataset":
             high,
             margin | {"long_name": "least margin of the caps, at most"},
         ),
-        "margin": ("time", np.degrees(found.margin), margin),
+        "margin": ("time", np.degrees(drift.margin), margin),
     }
-    if (room := found.room) is not None:
+    if (room := drift.room) is not None:
         data["room"] = ("time", np.degrees(room.room), _attributes("room_deg"))
         for name, values in (
             ("in_track_deg", np.degrees(room.along)),
@@ -44,16 +44,16 @@ def drift_dataset(result: "DriftResult") -> "xr.Dataset":
             place = ("time", "satellite")
             data[name.rsplit("_", 1)[0]] = (place, values, _attributes(name))
     coords = {
-        "time": ("time", found.times, {"units": "s", "long_name": "time after the epoch"}),
+        "time": ("time", drift.times, {"units": "s", "long_name": "time after the epoch"}),
         "satellite": ("satellite", list(names), {"long_name": "satellite"}),
     }
     attributes = {
         "title": f"Margin and room of {result.design.name}",
         "epoch_tdb": epoch_text(result.design.constellation.epoch),
         "motion": result.motion,
-        "fold": found.lasting.fold,
+        "fold": drift.lasting.fold,
         "mask_deg": result.mask_deg,
-        "outcome": str(found.lasting.outcome),
+        "outcome": str(drift.lasting.outcome),
         "days_proven": result.days_proven,
     }
     return xr.Dataset(data, coords, attributes)

@@ -117,16 +117,16 @@ class DriftResult(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON; lists over the days."""
-        found = self.drift
+        drift = self.drift
         return plain(
             {
                 **self.lasting.to_dict(),
                 "trimmed": self.trim is not None,
                 "span_days": self.lasting.days,
-                "days": found.times / SECONDS_PER_DAY,
-                "margin_deg": np.degrees(found.least[:, 0]),
-                "margin_at_moment_deg": np.degrees(found.margin),
-                "room_deg": None if found.room is None else np.degrees(found.room.room),
+                "days": drift.times / SECONDS_PER_DAY,
+                "margin_deg": np.degrees(drift.least[:, 0]),
+                "margin_at_moment_deg": np.degrees(drift.margin),
+                "room_deg": None if drift.room is None else np.degrees(drift.room.room),
                 "per_satellite": self._satellites(),
                 "slot_box": box_dict(self.drift.box),
                 "requirements": [promise_dict(each) for each in self.promises],
@@ -231,22 +231,22 @@ class DriftResult(Result):
         return Sentence(f"the push of Mars's field swings to and fro every {beat:.3g} days; {how}")
 
     def _over_time(self) -> list[Block]:
-        found = self.drift
-        pick = np.unique(np.linspace(0, found.times.size - 1, SHOWN).astype(int))
+        drift = self.drift
+        pick = np.unique(np.linspace(0, drift.times.size - 1, SHOWN).astype(int))
         margin, room = quantity("cap_margin_deg"), quantity("room_deg")
-        known = found.room
+        known = drift.room
         rows = tuple(
             (
-                f"{found.times[k] / SECONDS_PER_DAY:.6g}",
-                Value(margin, degrees(found.least[k, 0])),
-                Value(margin, degrees(found.margin[k])),
+                f"{drift.times[k] / SECONDS_PER_DAY:.6g}",
+                Value(margin, degrees(drift.least[k, 0])),
+                Value(margin, degrees(drift.margin[k])),
                 *(() if known is None else (Value(room, degrees(known.room[k])),)),
             )
             for k in pick
         )
         last = () if known is None else (room.heading,)
         header = ("day", f"least {margin.heading}", "at the moment", *last)
-        step = (found.times[1] - found.times[0]) / SECONDS_PER_DAY
+        step = (drift.times[1] - drift.times[0]) / SECONDS_PER_DAY
         ground = self._figure()
         note = (
             f"least margin: by how much all caps could shrink in the {counted(step, 'day')} "
@@ -381,14 +381,14 @@ class DriftResult(Result):
         """
         from compass.pictures.style import CYCLE, MARS, axes_or_new
 
-        drawn, found = axes_or_new(axes), self.drift
-        days = found.times / SECONDS_PER_DAY
-        drawn.plot(days, np.degrees(found.least[:, 0]), color=MARS, label="least margin, proven")
-        if found.room is not None:
-            room = np.degrees(found.room.room)
+        drawn, drift = axes_or_new(axes), self.drift
+        days = drift.times / SECONDS_PER_DAY
+        drawn.plot(days, np.degrees(drift.least[:, 0]), color=MARS, label="least margin, proven")
+        if drift.room is not None:
+            room = np.degrees(drift.room.room)
             drawn.plot(days, room, color=CYCLE[0], label="room in the slots")
         drawn.axhline(0.0, color="0.5", linewidth=0.8)
-        drawn.set_ylim(bottom=max(-10.0, float(np.degrees(found.least[:, 0].min())) - 1.0))
+        drawn.set_ylim(bottom=max(-10.0, float(np.degrees(drift.least[:, 0].min())) - 1.0))
         drawn.set(xlabel="days after the epoch", ylabel="degrees", title=self.design.name)
         drawn.legend()
         return drawn

@@ -80,17 +80,17 @@ class FoldResult(FoldClaim):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        found, certificate, span = self.coverage, self.coverage.certificate, self.coverage.span
+        coverage, certificate, span = self.coverage, self.coverage.certificate, self.coverage.span
         witness = certificate.witness if self.outcome is Outcome.REFUTED else None
-        shares = found.shares
+        shares = coverage.shares
         return plain(
             {
                 "design": self.design.name,
                 "outcome": self.outcome,
                 "fold": self.fold,
                 "mask_deg": self.mask_deg,
-                "min_fold": _settled(found.least),
-                "max_fold": _settled(found.greatest),
+                "min_fold": _settled(coverage.least),
+                "max_fold": _settled(coverage.greatest),
                 "cap_radius_min_deg": self.cap_radius_min_deg,
                 "mask_margin_deg": self.mask_margin_deg,
                 "lowest_altitude_km": self.lowest_altitude_km,
@@ -112,8 +112,8 @@ class FoldResult(FoldClaim):
                     "fold_share": "" if shares is None else str(_integrated(shares.error)),
                     "others": str(Proven(self.scope)),
                 },
-                "min_fold_bounds": found.least,
-                "max_fold_bounds": found.greatest,
+                "min_fold_bounds": coverage.least,
+                "max_fold_bounds": coverage.greatest,
                 "stations": [
                     {
                         "name": site.name,
@@ -122,7 +122,7 @@ class FoldResult(FoldClaim):
                     }
                     for site, clearance in self.sites
                 ],
-                "after_losses": [self._after(k, sets) for k, sets in enumerate(found.losses, 1)],
+                "after_losses": [self._after(k, sets) for k, sets in enumerate(coverage.losses, 1)],
             }
         )
 
@@ -203,7 +203,7 @@ class FoldResult(FoldClaim):
 
     def margins(self) -> Table:
         """Least and greatest fold, and how far the claim is from failing."""
-        found, proven = self.coverage, Proven(self.scope)
+        coverage, proven = self.coverage, Proven(self.scope)
 
         def extreme(name: str, bounds: tuple[int, int]) -> Value:
             settled = bounds[0] == bounds[1]
@@ -217,8 +217,8 @@ class FoldResult(FoldClaim):
         return facts(
             "Fold and margins",
             [
-                extreme("min_fold", found.least),
-                extreme("max_fold", found.greatest),
+                extreme("min_fold", coverage.least),
+                extreme("max_fold", coverage.greatest),
                 common("cap_radius_min_deg", self.cap_radius_min_deg),
                 Value(quantity("mask_margin_deg"), self.mask_margin_deg, proven),
                 common("lowest_altitude_km", self.lowest_altitude_km),

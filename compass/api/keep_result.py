@@ -78,14 +78,14 @@ class KeepResult(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        found = self.keeping
+        keeping = self.keeping
         costs = self.delta_v_m_s_year
         return plain(
             {
                 "design": self.design.name,
                 "motion": self.motion,
                 "years": self.years,
-                "box_deg": degrees(found.half_width),
+                "box_deg": degrees(keeping.half_width),
                 "margin_deg": self.margin_deg,
                 "holds": self.holds,
                 "evidence": self.evidence,
@@ -102,13 +102,13 @@ class KeepResult(Result):
                     {
                         "name": name,
                         "delta_v_m_s_year": costs[s],
-                        "push_m_s_year": float(found.push[s]) * YEAR,
-                        "across_m_s_year": float(found.delta_v_across[s]) / self.years,
-                        "burns": int(found.burns[s]),
-                        "burns_across": int(found.burns_across[s]),
+                        "push_m_s_year": float(keeping.push[s]) * YEAR,
+                        "across_m_s_year": float(keeping.delta_v_across[s]) / self.years,
+                        "burns": int(keeping.burns[s]),
+                        "burns_across": int(keeping.burns_across[s]),
                         "days_between_burns": self._between(s),
-                        "worst_in_track_deg": degrees(found.worst[s]),
-                        "worst_cross_track_deg": degrees(found.tilt[s]),
+                        "worst_in_track_deg": degrees(keeping.worst[s]),
+                        "worst_cross_track_deg": degrees(keeping.tilt[s]),
                         "propellant_kg": self._propellant(s),
                     }
                     for s, name in enumerate(self.design.constellation.satellite_names)
@@ -135,13 +135,13 @@ class KeepResult(Result):
 
     def document(self) -> Page:
         """The cost in a sentence, then satellite by satellite."""
-        found, out = self.keeping, self.to_dict()
+        keeping, out = self.keeping, self.to_dict()
         cost = quantity("delta_v_keeping_m_s_year")
         low, high = (Value(cost, f(self.delta_v_m_s_year)) for f in (min, max))
         mean = Value(cost, out["delta_v_mean_m_s_year"])
         claim = (
             f"{low} to {high} m/s an Earth year a satellite, mean {mean}; turned back "
-            f"{degrees(found.half_width):.3g} deg along the track from its slot, "
+            f"{degrees(keeping.half_width):.3g} deg along the track from its slot, "
             f"{degrees(self._used().max()):.3g} deg off at worst, {self.margin_deg:.3g} allowed"
         )
         names = ("delta_v_keeping_m_s_year", "propellant_kg", "days_between_burns")

@@ -54,27 +54,27 @@ class LastingResult(FoldClaim):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        found = self.lasting
+        lasting = self.lasting
         return plain(
             {
                 "design": self.design.name,
                 "outcome": self.outcome,
-                "fold": found.fold,
+                "fold": lasting.fold,
                 "mask_deg": self.mask_deg,
-                "region": found.region.name,
+                "region": lasting.region.name,
                 "figure": self.figure,
                 "motion": self.motion,
-                "start_day": found.start / 86400.0,
+                "start_day": lasting.start / 86400.0,
                 "days": self.days,
-                "days_proven": found.days_proven,
-                "first_loss_days": found.first_loss_days,
+                "days_proven": lasting.days_proven,
+                "first_loss_days": lasting.first_loss_days,
                 "lost_between_s": None
-                if found.lost_at is None
-                else [found.proven_until, found.lost_at],
-                "witness": found.witness.as_dict() if found.witness else None,
-                "unsettled_s": found.unsettled,
-                "intervals": found.intervals,
-                "estimated_error": found.estimated,
+                if lasting.lost_at is None
+                else [lasting.proven_until, lasting.lost_at],
+                "witness": lasting.witness.as_dict() if lasting.witness else None,
+                "unsettled_s": lasting.unsettled,
+                "intervals": lasting.intervals,
+                "estimated_error": lasting.estimated,
             }
         )
 
@@ -84,26 +84,27 @@ class LastingResult(FoldClaim):
 
     def blocks(self) -> tuple[Block, ...]:
         """What other results show of it."""
-        found = self.lasting
+        lasting = self.lasting
         holds = {Outcome.PROVEN: True, Outcome.REFUTED: False}.get(self.outcome)
         claim = (
-            f"{found.fold} or more satellites above {self.mask_deg:g} deg, {found.region.name}, "
-            f"{self.days:.6g} days from day {found.start / 86400:g} ({self.figure})"
+            f"{lasting.fold} or more satellites above {self.mask_deg:g} deg, "
+            f"{lasting.region.name}, {self.days:.6g} days from day {lasting.start / 86400:g} "
+            f"({self.figure})"
         )
-        given = f"given an estimated {found.estimated}" if found.estimated else ""
+        given = f"given an estimated {lasting.estimated}" if lasting.estimated else ""
         numbers = [
-            Value(quantity("days_proven"), found.days_proven, Proven(given)),
-            Value(quantity("first_loss_days"), found.first_loss_days, Proven(given)),
+            Value(quantity("days_proven"), lasting.days_proven, Proven(given)),
+            Value(quantity("first_loss_days"), lasting.first_loss_days, Proven(given)),
         ]
         how = (
-            f"{self.motion}; {counted(found.intervals, 'interval')} of time, no symmetry "
+            f"{self.motion}; {counted(lasting.intervals, 'interval')} of time, no symmetry "
             "and no sample; "
             f"a loss is found to {RESOLUTION:g} s" + (f"; {given}" if given else "")
         )
         return (
             Verdict(self.outcome, claim, holds),
-            *([Sentence(self._loss())] if found.witness else []),
-            *([Sentence(self._open())] if found.unsettled else []),
+            *([Sentence(self._loss())] if lasting.witness else []),
+            *([Sentence(self._open())] if lasting.unsettled else []),
             facts("How long", numbers),
             Sentence(how),
         )
@@ -118,34 +119,34 @@ class LastingResult(FoldClaim):
         """
         from compass.pictures.style import CYCLE, FAINT, MARS, axes_or_new, look
 
-        found, drawn = self.lasting, axes_or_new(axes, 8.0, 1.8)
+        lasting, drawn = self.lasting, axes_or_new(axes, 8.0, 1.8)
         day = 86400.0
         with look():
             for start, stop, colour, word in (
-                (found.start, found.proven_until, CYCLE[2], "proven"),
-                *((*piece, FAINT, "open") for piece in found.unsettled),
+                (lasting.start, lasting.proven_until, CYCLE[2], "proven"),
+                *((*piece, FAINT, "open") for piece in lasting.unsettled),
             ):
                 drawn.barh(0, (stop - start) / day, left=start / day, color=colour, label=word)
-            if found.lost_at is not None:
-                drawn.axvline(found.lost_at / day, color=MARS, label="lost")
+            if lasting.lost_at is not None:
+                drawn.axvline(lasting.lost_at / day, color=MARS, label="lost")
             drawn.set(
-                xlabel="days after the epoch", xlim=(found.start / day, found.stop / day),
+                xlabel="days after the epoch", xlim=(lasting.start / day, lasting.stop / day),
                 ylim=(-1.0, 1.0), yticks=(),
-                title=f"{self.design.name}: {found.fold}-fold above {self.mask_deg:g} deg",
+                title=f"{self.design.name}: {lasting.fold}-fold above {self.mask_deg:g} deg",
             )  # fmt: skip
             told = dict(zip(*reversed(drawn.get_legend_handles_labels()), strict=True))
             drawn.legend(told.values(), told.keys(), loc="upper left", ncols=3)
         return drawn
 
     def _loss(self) -> str:
-        found = self.lasting
-        assert found.witness is not None
-        w = found.witness
+        lasting = self.lasting
+        assert lasting.witness is not None
+        w = lasting.witness
         names = ", ".join(w.satellites) or "none"
         return (
             f"lost on day {w.time / 86400:.6f}: {w.fold} in view ({names}) at latitude "
             f"{degrees(w.latitude):.4f}, longitude {degrees(w.longitude):.4f} deg; proven up to "
-            f"day {found.proven_until / 86400:.6f}"
+            f"day {lasting.proven_until / 86400:.6f}"
         )
 
     def _open(self) -> str:

@@ -206,14 +206,14 @@ class MapResult(Result):
 
     def error_words(self) -> tuple[Sentence, ...]:
         """What a rover anywhere knows of its place, and why there is no fix where there is none."""
-        found, attrs = self.errors, self.dataset.attrs
-        horizontal, vertical = (Value(quantity(q), found[q]) for q in ROVER.values())
+        errors, attrs = self.errors, self.dataset.attrs
+        horizontal, vertical = (Value(quantity(q), errors[q]) for q in ROVER.values())
         known = "their variances" if attrs["error_weights"] == "variance" else "nothing: all alike"
         rover = (
             "a rover anywhere: no error holds for 95 % of area and time, for in more than 5 % of "
             "it there is no fix"
         )
-        if np.isfinite(found["rover_horizontal_m"]):
+        if np.isfinite(errors["rover_horizontal_m"]):
             rover = (
                 f"a rover anywhere: {horizontal} m horizontal, {vertical} m vertical, 95 % of its "
                 "fixes for 95 % of area and time (1.96 times one sigma, at least 95 % whatever the "
@@ -224,24 +224,24 @@ class MapResult(Result):
 
     def why_no_fix(self) -> tuple[str, ...]:
         """Where errors are infinite: in how much of area and time, and why; nothing where never."""
-        found = self.errors
-        none = 1.0 - found["fix_share"]
+        errors = self.errors
+        none = 1.0 - errors["fix_share"]
         if none < ROUNDING:
             return ()
         few, masked, singular = (
-            Value(quantity("part_share"), found[name])
+            Value(quantity("part_share"), errors[name])
             for name in ("fewer_than_four_share", "masked_share", "singular_share")
         )
         lowest = float(np.min(self.dataset.attrs["elevation_mask_deg"]))
         mask = (
             f" ({masked} % would have four, were nothing hidden above the plain horizon: the mask "
             f"begins at {lowest:g} deg)"
-            if found["masked_share"] > 0.0
+            if errors["masked_share"] > 0.0
             else ""
         )
         lines = (
             f"; in {singular} % four or more, whose lines of sight tell no fix"
-            if found["singular_share"] > ROUNDING
+            if errors["singular_share"] > ROUNDING
             else ""
         )
         return (

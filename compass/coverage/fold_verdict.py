@@ -208,15 +208,15 @@ def ask(c: Moving, users: Users, fold: int, course: Course) -> Clearance:
     return least_clearance(c, users, fold, span=course.span)
 
 
-def _from(start: float, c: Constellation, found: Clearance) -> Clearance:
+def _from(start: float, c: Constellation, clearance: Clearance) -> Clearance:
     """The same clearance of a belt, some whole revolutions on: at its first time in a span."""
-    if not np.isfinite(found.high):
-        return found
+    if not np.isfinite(clearance.high):
+        return clearance
     revolution = 2 * np.pi / float(c.mean_motion[0])
-    later = max(0.0, np.ceil((start - found.time) / revolution)) * revolution
-    before, after = prime_meridian_angle(c.epoch, [found.time, found.time + later])
-    longitude = np.mod(found.longitude + before - after + np.pi, 2 * np.pi) - np.pi
-    return replace(found, time=found.time + float(later), longitude=float(longitude))
+    later = max(0.0, np.ceil((start - clearance.time) / revolution)) * revolution
+    before, after = prime_meridian_angle(c.epoch, [clearance.time, clearance.time + later])
+    longitude = np.mod(clearance.longitude + before - after + np.pi, 2 * np.pi) - np.pi
+    return replace(clearance, time=clearance.time + float(later), longitude=float(longitude))
 
 
 def fold_always_met(

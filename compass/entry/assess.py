@@ -222,30 +222,42 @@ def _accuracies(
     return found[0], found[1] if down else None
 
 
-def assessment_dataset(found: Assessment) -> "xr.Dataset":
+def assessment_dataset(assessment: Assessment) -> "xr.Dataset":
     """Everything over time: the trajectory's variables, view, observability, bound and errors."""
-    data = trajectory_dataset(found.flight)
-    mc, by_time = found.monte_carlo, ("time",)
+    data = trajectory_dataset(assessment.flight)
+    mc, by_time = assessment.monte_carlo, ("time",)
     columns = {
         "observability_degree": (
-            found.observability.spherical_degree,
+            assessment.observability.spherical_degree,
             "1",
             "smallest over largest singular value of the observability matrix of radius, angles "
             "and speed, in m, s, rad",
         ),
         "observability_degree_scaled": (
-            found.observability.degree,
+            assessment.observability.degree,
             "1",
             "the same of position and velocity, with lengths in 3400 km and times in 100 s",
         ),
-        "observability_rank": (found.observability.rank, "1", "rank of the observability matrix"),
+        "observability_rank": (
+            assessment.observability.rank,
+            "1",
+            "rank of the observability matrix",
+        ),
         "geometric_index": (
-            found.observability.index,
+            assessment.observability.index,
             "1",
             "sum over triples of beacons of [n_i . (n_j x n_k)]^2",
         ),
-        "position_bound": (found.bound.position_sigma, "m", "Cramer-Rao bound of the position"),
-        "velocity_bound": (found.bound.velocity_sigma, "m s-1", "Cramer-Rao bound of the velocity"),
+        "position_bound": (
+            assessment.bound.position_sigma,
+            "m",
+            "Cramer-Rao bound of the position",
+        ),
+        "velocity_bound": (
+            assessment.bound.velocity_sigma,
+            "m s-1",
+            "Cramer-Rao bound of the velocity",
+        ),
         "position_rms_error": (mc.position_rms, "m", "root mean square position error"),
         "velocity_rms_error": (mc.velocity_rms, "m s-1", "root mean square velocity error"),
         "position_sigma": (_mean_sigma(mc, 0), "m", "position sigma claimed by the filter"),
@@ -254,17 +266,21 @@ def assessment_dataset(found: Assessment) -> "xr.Dataset":
     }
     for name, (values, unit, text) in columns.items():
         data[name] = (by_time, values, {"units": unit, "long_name": text})
-    data = data.assign_coords(beacon=list(found.beacons.names), axis=["x", "y", "z"])
+    data = data.assign_coords(beacon=list(assessment.beacons.names), axis=["x", "y", "z"])
     grid = ("time", "beacon")
-    data["in_view"] = (grid, found.seen.astype("i1"), {"units": "1", "long_name": "beacon in view"})
+    data["in_view"] = (
+        grid,
+        assessment.seen.astype("i1"),
+        {"units": "1", "long_name": "beacon in view"},
+    )
     data["measured"] = (
         grid,
-        found.taken.astype("i1"),
+        assessment.taken.astype("i1"),
         {"units": "1", "long_name": "beacon measured"},
     )
     data["beacon_position"] = (
         (*grid, "axis"),
-        found.beacons.r,
+        assessment.beacons.r,
         {"units": "m", "long_name": "beacon position, Mars-fixed"},
     )
     data.attrs["monte_carlo_runs"] = len(mc.errors)

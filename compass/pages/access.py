@@ -10,14 +10,14 @@ _KINDS = ("station", "moon", "earth")
 
 def access_section(result: AccessResult) -> Section:
     """Timelines and tables of everything that was linked."""
-    found = result.survey
+    survey = result.survey
     pictures = [
-        timeline(found, node.name)
-        for node in found.nodes
-        if node.kind in _KINDS and found.of(node.name)
+        timeline(survey, node.name)
+        for node in survey.nodes
+        if node.kind in _KINDS and survey.of(node.name)
     ]
     pictures += [
-        link_budget(found, radio) for radio in result.design.radios if served(found, radio)
+        link_budget(survey, radio) for radio in result.design.radios if served(survey, radio)
     ]
-    summary = f"Over {significant(found.sols, 4)} sols: " + " ".join(result.summary())
+    summary = f"Over {significant(survey.sols, 4)} sols: " + " ".join(result.summary())
     return arranged("Access", (summary, *result.notes()), pictures, result.tables())

@@ -36,9 +36,9 @@ def fold_section(
     moments
         Points of the curve over time.
     """
-    design, found = result.design, result.coverage
-    c, sphere, mask = design.constellation, design.figure.equatorial_radius, found.mask
-    certificate, span, worst = found.certificate, found.span, found.worst
+    design, coverage = result.design, result.coverage
+    c, sphere, mask = design.constellation, design.figure.equatorial_radius, coverage.mask
+    certificate, span, worst = coverage.certificate, coverage.span, coverage.worst
     when = "for all time" if span.for_all_time else f"over {span.stop / 3600:.4g} h"
     witness = certificate.witness
     text = (

@@ -31,9 +31,9 @@ from compass.words import capital
 MAPPED, BATCHES = 4, 4
 
 
-def judge_report(found: JudgeResult, command: str = "") -> tuple[str, list[Section]]:
+def judge_report(judge_result: JudgeResult, command: str = "") -> tuple[str, list[Section]]:
     """Make the page (HTML text) and the sections of designs judged, with the command line."""
-    ranking, designs, scenario = found.ranking, found.designs, found.scenario
+    ranking, designs, scenario = judge_result.ranking, judge_result.designs, judge_result.scenario
     judged = judge_section(ranking, designs, scenario, threads=cores())
     world, carrying = judged.pictures
     sections = [
@@ -125,8 +125,8 @@ def judge_section(
     progress
         Told the name of each part before it is made.
     """
-    record, found = ranking.record, ranking.judgements
-    goal, campaign = record["goal_m"], found[0].campaign
+    record, judgements = ranking.record, ranking.judgements
+    goal, campaign = record["goal_m"], judgements[0].campaign
     progress("bounds over the globe")
     more = judge_more(ranking, designs, scenario, best=MAPPED, times=BATCHES, threads=threads)
     unknown = ", ".join(unknown_air(record))
@@ -142,7 +142,7 @@ def judge_section(
     names = [designs[row["given"] - 1].name for row in record["designs"]]
     pictures = (
         bound_map([(name, own) for name, own in zip(names, more, strict=False)], goal),
-        bound_distributions(names, found, goal),
+        bound_distributions(names, judgements, goal),
     )
     tables = [ranking_table(record["designs"]), budget_table(record["designs"])]
     run = [row for row in record["designs"] if row["nees"] is not None]

@@ -22,11 +22,11 @@ from compass.units import KM
 from compass.words import counted
 
 
-def landing_report(found: LandResult) -> tuple[str, tuple[Section, ...]]:
+def landing_report(land_result: LandResult) -> tuple[str, tuple[Section, ...]]:
     """Make the page (HTML text) and the sections of a flown scenario."""
-    scenario = found.scenario
-    sections = landing_sections(found)
-    source, rows = scenario_provenance(scenario, found.command)
+    scenario = land_result.scenario
+    sections = landing_sections(land_result)
+    source, rows = scenario_provenance(scenario, land_result.command)
     return render(scenario.name, source, sections, rows, scenario.text), sections
 
 
@@ -42,22 +42,31 @@ def scenario_provenance(scenario: Scenario, command: str) -> tuple[str, list[tup
     return made["references"] or "No source given.", rows
 
 
-def landing_sections(found: LandResult) -> tuple[Section, ...]:
+def landing_sections(land_result: LandResult) -> tuple[Section, ...]:
     """The answer, then navigation, the flight, who is in view, and filters compared if any are."""
-    flown = found.assessment
-    drawn = {picture.stem: picture for picture in entry_pictures(flown, found.dispersed)}
+    flown = land_result.assessment
+    drawn = {picture.stem: picture for picture in entry_pictures(flown, land_result.dispersed)}
     tables = {table.title.split(" (")[0]: table for table in entry_tables(flown)}
-    consistency, *words = findings(found.scenario, flown)
-    how = delivered(guided=found.scenario.guidance is not None)
+    consistency, *words = findings(land_result.scenario, flown)
+    how = delivered(guided=land_result.scenario.guidance is not None)
     known, *rest = answers(flown, how)
-    rows = (known, *dispersed_answers(found.dispersed), *rest, *beacon_answers(found.scenario))
+    rows = (
+        known,
+        *dispersed_answers(land_result.dispersed),
+        *rest,
+        *beacon_answers(land_result.scenario),
+    )
     to_scale = [] if flown.accuracy.anywhere else [landing_ellipse(flown.accuracy, how)]
-    if found.dispersed is not None and found.dispersed.guided and found.dispersed.reached.any():
-        to_scale.insert(0, arrivals(found.dispersed))
+    if (
+        land_result.dispersed is not None
+        and land_result.dispersed.guided
+        and land_result.dispersed.reached.any()
+    ):
+        to_scale.insert(0, arrivals(land_result.dispersed))
     answer = Section(
         "The answer",
         (
-            Sentence(f"{found.claim} {rests_on(found)}".strip()),
+            Sentence(f"{land_result.claim} {rests_on(land_result)}".strip()),
             Answers("Known, and how sure", rows),
             *to_scale[:1],
         ),
@@ -71,12 +80,12 @@ def landing_sections(found: LandResult) -> tuple[Section, ...]:
     view = arranged(
         "Who is in view", (), _those(drawn, "view", "observability"), (tables["Beacons"],)
     )
-    return (answer, navigation, flight, view, *found.sections()[1:])
+    return (answer, navigation, flight, view, *land_result.sections()[1:])
 
 
-def rests_on(found: LandResult) -> str:
+def rests_on(land_result: LandResult) -> str:
     """Say how far the filter is to be believed, and what its beacons are and how long they last."""
-    flown, scenario = found.assessment, found.scenario
+    flown, scenario = land_result.assessment, land_result.scenario
     runs = counted(len(flown.monte_carlo.errors), "run")
     believed = "are" if flown.consistency.holds else "are not"
     words = [f"Over {runs} the filter's errors {believed} what it claims."]

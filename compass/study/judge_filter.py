@@ -183,11 +183,11 @@ def _errors(values: NDArray[np.float64], alone: bool) -> dict[str, Any]:
     }
 
 
-def entry_beacons(found: Judgement, entry: int) -> Beacons:
+def entry_beacons(judgement: Judgement, entry: int) -> Beacons:
     """Satellites as beacons of one entry of a judgement, up to its deployment."""
-    campaign, c = found.campaign, found.constellation
+    campaign, c = judgement.campaign, judgement.constellation
     times = campaign.times[: campaign.stops[entry] + 1]
-    start = float(found.epochs[entry])
+    start = float(judgement.epochs[entry])
     r, v = states_mci(c, start + times)
     return orbiting_beacons(
         r,
@@ -208,7 +208,7 @@ def _with_air(model: EntryModel, thicker: float, lift: float) -> EntryModel:
 
 
 def _run(
-    found: Judgement,
+    judgement: Judgement,
     scenario: Scenario,
     entry: int,
     runs: int,
@@ -216,13 +216,13 @@ def _run(
     own_parts: tuple[Part, ...],
 ) -> tuple[MonteCarlo, Dispersed | None]:
     """Run the filter in one entry, each run with arrivals of its own; and let it guide a lander."""
-    campaign, beacons = found.campaign, entry_beacons(found, entry)
+    campaign, beacons = judgement.campaign, entry_beacons(judgement, entry)
     count = beacons.times.size
     spread = campaign.spreads[entry, :6, :6]
     path = campaign.paths[entry, :count]
     measurements = scenario.measurements
     one_way = measurements.range_sigma is not None or measurements.rate_sigma is not None
-    parts = found.unknowns.parts(beacons, path, campaign.model.omega, one_way=one_way)
+    parts = judgement.unknowns.parts(beacons, path, campaign.model.omega, one_way=one_way)
     if measurements.features.names:
         radius, turn = campaign.model.planet_radius, campaign.turns(scenario.state)[entry]
         measurements = replace(measurements, features=measurements.features.moved(radius, turn))
@@ -243,7 +243,7 @@ def _run(
             f"{scenario.label}: entry {entry + 1}: {truth.ending}, before its deployment at "
             f"{beacons.times[-1]:g} s in the air that the filter knows"
         )
-    possible = found.seen[entry, :count] & due(scenario, beacons.times)[:, None]
+    possible = judgement.seen[entry, :count] & due(scenario, beacons.times)[:, None]
     made = []
     for own in stream.spawn(runs):
         draw = np.random.default_rng(own).random(possible.shape)
