@@ -44,25 +44,17 @@ def scenario_provenance(scenario: Scenario, command: str) -> tuple[str, list[tup
 
 def landing_sections(land_result: LandResult) -> tuple[Section, ...]:
     """The answer, then navigation, the flight, who is in view, and filters compared if any are."""
+    scenario, dispersed = land_result.scenario, land_result.dispersed
     flown = land_result.assessment
-    drawn = {picture.stem: picture for picture in entry_pictures(flown, land_result.dispersed)}
+    drawn = {picture.stem: picture for picture in entry_pictures(flown, dispersed)}
     tables = {table.title.split(" (")[0]: table for table in entry_tables(flown)}
-    consistency, *words = findings(land_result.scenario, flown)
-    how = delivered(guided=land_result.scenario.guidance is not None)
+    consistency, *words = findings(scenario, flown)
+    how = delivered(guided=scenario.guidance is not None)
     known, *rest = answers(flown, how)
-    rows = (
-        known,
-        *dispersed_answers(land_result.dispersed),
-        *rest,
-        *beacon_answers(land_result.scenario),
-    )
+    rows = (known, *dispersed_answers(dispersed), *rest, *beacon_answers(scenario))
     to_scale = [] if flown.accuracy.anywhere else [landing_ellipse(flown.accuracy, how)]
-    if (
-        land_result.dispersed is not None
-        and land_result.dispersed.guided
-        and land_result.dispersed.reached.any()
-    ):
-        to_scale.insert(0, arrivals(land_result.dispersed))
+    if dispersed is not None and dispersed.guided and dispersed.reached.any():
+        to_scale.insert(0, arrivals(dispersed))
     answer = Section(
         "The answer",
         (
