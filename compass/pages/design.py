@@ -222,9 +222,19 @@ def _accuracy(results: DesignResults, _: list[Neighbour]) -> Section:
         "weighted by area and time. With fewer than four satellites or singular geometry a "
         "dilution of precision is infinite, and counts as such in every percentile."
     )
+    metres = (
+        "A fix errs by its dilution times the error of a range. How many metres that is this page "
+        "says of designs with a table [signal]: clocks, orbits, receiver. "
+        "designs/tracked-15-5-1.toml is one.",
+    )
     return arranged(
         "Geometry and accuracy",
-        (text, *results.mapped.certain(), *one_colour(results.mapped)),
+        (
+            text,
+            *(() if results.design.signal else metres),
+            *results.mapped.certain(),
+            *one_colour(results.mapped),
+        ),
         dilution_pictures(results.mapped),
         (results.mapped.tables()[1],),
     )
