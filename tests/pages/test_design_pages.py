@@ -71,7 +71,6 @@ def test_brief_page_tells_where_its_numbers_come_from(brief, seed_design):
     assert design_report(seed_design, "compass report x", SMALL)[0] == text  # byte by byte
     for part in (
         "60,422,2",
-        "of designs with a table [signal]",
         "erratum",
         seed_design.digest,
         "compass report x",
