@@ -32,9 +32,13 @@ from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import DILUTIONS, Design, Requirement
 from compass.orbits import Constellation
 from compass.sites import Site
+from compass.words import counted
 
 #: Boxes for each share, and how near its bounds are to come where the requirement leaves it open.
 SHARE_BOXES, WIDTH = 600_000, 1e-4
+
+#: What satellites in view are called among figures; so many or more keep their limit.
+FOLD = "fold"
 
 #: How near bounds of the largest value come, relative to it.
 LARGEST = 1e-2
@@ -131,7 +135,9 @@ class _Asked:
 def _question(
     design: Design, requirement: Requirement, name: str, limit: float, span: Span, height: float
 ) -> _Asked:
-    title = requirement.titled(name)
+    if name == FOLD:
+        return _Asked(name, limit, f"{counted(int(limit), 'satellite')} in view", 1.0, (None,))
+    title = f"{requirement.titled(name)} small enough"
     if name not in ERROR_DOPS:
         return _Asked(name, limit, title, 1.0, (None,))
     allowed = sigma_allowed(requirement, limit)
@@ -157,7 +163,7 @@ def geometry_verdict(
     design, requirement, days, start_day, effort
         As in `compass.coverage.requirement_verdict.verdict_of`.
     name, limit
-        One of `compass.design.LIMITS` and the largest value allowed.
+        One of `compass.design.LIMITS` and the largest value allowed, or `FOLD` and the fewest.
     width
         How near the bounds of each share are to come where `effort` does not say.
     thorough
@@ -224,10 +230,27 @@ def geometry_verdict(
     return settled or _verdict(requirement, asked, scope, found)
 
 
+def asks_for_folds(
+    design: Design, requirement: Requirement, days: float | None, start_day: float
+) -> bool:
+    """Whether satellites in view are wanted for a share that is a figure like a dilution's.
+
+    Not always, where clearances say by how much, nor at the worst of several places.
+    """
+    everyone = users_of(design, requirement)
+    single = requirement.share_of == "area-time" or all(one.south == one.north for one in everyone)
+    return (
+        requirement.share < 1.0
+        and single
+        and course_of(design, days, start_day) is not None
+        and _is_certified(design.constellation, FOLD, everyone)
+    )
+
+
 def _is_certified(c: Constellation, name: str, everyone: Sequence[Users]) -> bool:
     """Whether bounds of a figure are known: of errors not below the level, of levels never."""
     seen = [by_horizon(users, c) for users in everyone]
-    level = name in DILUTIONS or all(users.mask.lowest >= 0.0 for users in everyone)
+    level = name in (*DILUTIONS, FOLD) or all(users.mask.lowest >= 0.0 for users in everyone)
     return name not in LEVELS and None not in seen and level
 
 
@@ -342,8 +365,9 @@ def _verdict(
         latitude = centric(users.south, users.figure)
         verdict = replace(verdict, worst=Worst(None, latitude, None, least.high, "share"))
     if met is None:
-        late = f", stopped early ({least.stopped})" if least.stopped else ""
+        late = f", stopped early ({least.stopped}); --budget-s (budget_s) looks longer"
+        late = late if least.stopped else ""
         bounds = f"lies between {low:.6g} and {high:.6g}"
-        reason = f"the share with {asked.title} small enough {bounds}"
+        reason = f"the share with {asked.title} {bounds}"
         return replace(verdict, reason=reason + late)
     return verdict

@@ -4,7 +4,7 @@ from compass.allowed import check_all_allowed
 from compass.coverage.certified_effort import Effort
 from compass.coverage.fold_verdict import fold_verdict
 from compass.coverage.fold_verdict_over_days import fold_verdict_over_days
-from compass.coverage.geometry_verdict import geometry_verdict
+from compass.coverage.geometry_verdict import FOLD, asks_for_folds, geometry_verdict
 from compass.coverage.verdict import Verdict, both
 from compass.design import Design, Requirement
 from compass.errors import ArgumentError
@@ -43,11 +43,16 @@ def verdict_of(
         mask below the limb, too many sets of lost satellites.
     """
     _check_days(design, days, start_day)
-    verdicts = []
-    if requirement.counts is not None:
-        settled = fold_verdict if closed_form(design, days) else fold_verdict_over_days
-        verdicts.append(settled(design, requirement, days=days, start_day=start_day, effort=effort))
-    for name, limit in requirement.limits:
+    verdicts, limits = [], list(requirement.limits)
+    if (fold := requirement.counts) is not None:
+        if asks_for_folds(design, requirement, days, start_day):
+            limits.insert(0, (FOLD, fold))
+        else:
+            settled = fold_verdict if closed_form(design, days) else fold_verdict_over_days
+            verdicts.append(
+                settled(design, requirement, days=days, start_day=start_day, effort=effort)
+            )
+    for name, limit in limits:
         verdicts.append(
             geometry_verdict(
                 design,

@@ -11,9 +11,12 @@ from compass.coverage import geometry_verdict as module
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_effort import Effort
 from compass.coverage.geometry_verdict import geometry_verdict
+from compass.coverage.requirement_verdict import verdict_of
 from compass.design import Design, Requirement
 from compass.frames import FIGURES
 from compass.orbits import positions_mcmf, walker_delta
+from compass.orbits.motion import Motion
+from compass.sites import Site
 
 
 def asked(pattern, mask, share=1.0, **options):
@@ -50,6 +53,37 @@ def test_the_largest_value_is_bracketed_where_it_is_asked_for():
     bad = walker_delta(14, 14, 8, inclination_deg=18.4, radius_km=20427.7)
     missed = asked(bad, math.radians(10), thorough=True)
     assert missed.met is False and missed.worst.value > 100.0 and missed.worst.most == math.inf
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("motion", ["two-body", "j2"])
+def test_shares_of_satellites_in_view_come_near_at_places_and_in_regions(motion):
+    """Along paths too, where boxes of clearance left 0.36 to 0.83 open; against random moments."""
+    c = walker_delta(15, 5, 1, inclination_deg=55, radius_km=20427)
+    design = Design(c, motion=Motion(motion))
+    site = Site("a", math.radians(18), math.radians(77))
+    place = Requirement("place", sites=(site,), fold=6, share=0.9)
+    band = Requirement("band", regions=("lat:-30:30",), fold=6, share=0.9, share_of="area-time")
+    generator = np.random.default_rng(7)
+    times = generator.uniform(0, 86400, 4000)
+    seen = np.moveaxis(positions_mcmf(c, times), 1, 0)
+    for wanted, width in ((place, 1e-3), (band, 0.05)):
+        found = verdict_of(design, wanted, days=1)
+        low, high = found.share
+        assert (found.met, found.evidence) == (False, "bracket") and high - low < width
+        latitude = np.full(4000, site.latitude)
+        longitude = np.full(4000, site.longitude)
+        if wanted is band:
+            latitude = np.arcsin(generator.uniform(-0.5, 0.5, 4000))
+            longitude = generator.uniform(-math.pi, math.pi, 4000)
+        up = np.stack([
+            np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude),
+            np.sin(latitude),
+        ], axis=-1)  # fmt: skip
+        line = seen - FIGURES["iau-sphere"].equatorial_radius * up[:, np.newaxis]
+        share = ((np.einsum("tni,ti->tn", line, up) >= 0.0).sum(axis=1) >= 6).mean()
+        # four sigmas of so many moments; what J2 moves in a day is less than a place is wide
+        assert low - 0.03 <= share <= high + 0.03
 
 
 def dops(c, times, latitude, longitude):

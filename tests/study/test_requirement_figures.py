@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from compass.api.trade import TradeResult
+from compass.coverage.certified_effort import Effort
 from compass.coverage.requirement_verdict import verdict_of
 from compass.design import Design
 from compass.errors import DesignError
@@ -107,7 +108,13 @@ def test_figures_are_those_of_verdicts_under_closed_tracks(tiny):
     found = module.requirement_figures(study, rows)
     c = replace(make_constellation(rows[0]), repeat=(1, 1))
     design = Design(c, figure=study.figure, mask=Mask.constant(np.radians(5)))
-    verdicts = [verdict_of(design, wanted) for wanted in study.requirements]
+    coarse = Effort(width=module.COARSE)
+    verdicts = [verdict_of(design, wanted, effort=coarse) for wanted in study.requirements]
+    finer = [verdict_of(design, wanted) for wanted in study.requirements]
+    for one, nearer in zip(verdicts, finer, strict=True):
+        assert one.met is nearer.met is not None
+        if one.share and nearer.share:
+            assert one.share[0] <= nearer.share[1] and nearer.share[0] <= one.share[1]
     assert found["requirements_met"][0] == all(verdict.met for verdict in verdicts)
     if verdicts[0].margin is not None:
         assert np.radians(found["requirement_margin_deg"][0]) == pytest.approx(verdicts[0].margin)
