@@ -23,6 +23,7 @@ from compass.api.results import Result
 from compass.conventions import dated
 from compass.coverage.areas import AreaFigures
 from compass.coverage.certified_geometry import CertifiedGeometry
+from compass.coverage.certified_percentile import GREATEST
 from compass.coverage.errors import ERRORS
 from compass.coverage.files import write_map
 from compass.coverage.gaps import next_prime
@@ -142,9 +143,15 @@ class MapResult(Result):
         )
 
     def _percentile(self, name: str, numbers: dict[str, Any], percentile: str) -> Value:
-        """One percentile of a dilution, with its bracket where there is one."""
+        """One percentile of a dilution, with its bracket where there is one.
+
+        Infinite where it is beyond `GREATEST`, as it counts.
+        """
         of = numbers[name]
-        return Value(quantity(name), of[percentile], Bracket.beside(of, percentile))
+        known = Bracket.beside(of, percentile)
+        if known is not None and known.low >= GREATEST:
+            return Value(quantity(name), math.inf, Bracket(math.inf, math.inf))
+        return Value(quantity(name), of[percentile], known)
 
     def certain(self) -> tuple[str, ...]:
         """What was certified, and how, in a sentence; nothing where nothing was."""
@@ -492,14 +499,12 @@ class MapResult(Result):
         return drawn
 
     def nowhere(self, name: str, percentile: int = 95) -> bool:
-        """Whether a map of errors or levels is infinite at every cell, and shows nothing."""
-        if name not in (*ERRORS, *LEVELS):
-            return False
+        """Whether a map is infinite at every cell, and shows nothing."""
         return not np.isfinite(self._layer(name, percentile)[0].values).any()
 
     def _why_nowhere(self, name: str, percentile: int) -> str:
         """Why a map of errors or levels is infinite everywhere, for its title; else nothing."""
-        if not self.nowhere(name, percentile):
+        if name not in (*ERRORS, *LEVELS) or not self.nowhere(name, percentile):
             return ""
         why = self.why_no_fix() if name in ERRORS else self.why_no_level()
         return "".join("\n" + fill(words, 90) for words in why)

@@ -51,7 +51,9 @@ def dilution_pictures(mapped: MapResult) -> list[Picture]:
 
     A map of one colour is no map; its sentence is in `one_colour`.
     """
-    made = [percentile_map(mapped, "gdop", _BELOW, wide=True), _parts(mapped)]
+    made = []
+    if not mapped.nowhere("gdop"):
+        made = [percentile_map(mapped, "gdop", _BELOW, wide=True), _parts(mapped)]
     dataset = mapped.dataset
     threshold, share = dataset.attrs["pdop_threshold"], dataset.availability.values
     if share.max() > share.min():
@@ -76,12 +78,18 @@ def dilution_pictures(mapped: MapResult) -> list[Picture]:
 
 
 def one_colour(mapped: MapResult) -> list[str]:
-    """Say what a map of one colour would show."""
-    share = mapped.dataset.availability.values
-    if share.max() > share.min():
-        return []
-    threshold = mapped.dataset.attrs["pdop_threshold"]
-    return [f"PDOP is at most {threshold:g} for {share.min():.1%} of the time, at every cell."]
+    """Say what maps of one colour would show."""
+    said = []
+    if mapped.nowhere("gdop"):
+        said.append(
+            "At no cell is there a fix for 95 % of the time: no dilution has a value that it does "
+            "not exceed for so long."
+        )
+    share, threshold = mapped.dataset.availability.values, mapped.dataset.attrs["pdop_threshold"]
+    if share.max() == share.min():
+        always = f"for {share.min():.1%} of the time, at every cell."
+        said.append(f"PDOP is at most {threshold:g} {always}")
+    return said
 
 
 _BELOW = (

@@ -249,7 +249,17 @@ def test_maps_and_losses_of_a_page(met):
     from compass.pages.coverage import count_picture, dilution_pictures, one_colour, one_count
 
     assert "0 to" in count_picture(met.mapped).alt or "1 to" in count_picture(met.mapped).alt
-    drawn = dilution_pictures(met.mapped)
+    # five satellites fix nobody for 95 % of the time: that is a sentence, no grey map
+    assert [p.stem for p in dilution_pictures(met.mapped)] == ["availability"]
+    assert [said.partition(":")[0] for said in one_colour(met.mapped)] == [
+        "At no cell is there a fix for 95 % of the time"
+    ]
+    design = read_design_text(
+        FILE.format(fold=4, inclination=45).replace("satellites = 5", "satellites = 15")
+    )
+    many = MapResult(design, make_map(design, MapOptions(step_deg=30, epochs=2)))
+    drawn = dilution_pictures(many)
+    assert one_colour(many) == []
     assert [p.stem for p in drawn][:2] == ["gdop-p95", "dilutions-p95"]
     assert drawn[0].wide and drawn[0].alt.startswith("Map of Mars: GDOP")
     titles = [panel["title"] for panel in json.loads(drawn[1].reading)]
@@ -257,7 +267,7 @@ def test_maps_and_losses_of_a_page(met):
     assert re.search("PDOP (from|none).*; TDOP (from|none)", drawn[1].alt)
     flat = met.mapped.dataset.assign(availability=0.0 * met.mapped.dataset.availability)
     even = replace(met.mapped, made=replace(met.mapped.made, dataset=flat))
-    assert one_colour(even) == ["PDOP is at most 6 for 0.0% of the time, at every cell."]
+    assert one_colour(even)[1:] == ["PDOP is at most 6 for 0.0% of the time, at every cell."]
     assert one_count(met.mapped) == []
     flat = met.mapped.dataset.assign(count_min=3 + 0 * met.mapped.dataset.count_min)
     even = replace(met.mapped, made=replace(met.mapped.made, dataset=flat))

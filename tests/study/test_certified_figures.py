@@ -82,6 +82,8 @@ def test_without_bounds_the_sample_is_said(seed_design, monkeypatch):
     assert not {"availability", "gdop.p95"} & set(evidence)
     assert "No figures are known between bounds" in str(made) and "∞" not in str(made)
     assert "availability_bracket" not in made.dataset.attrs
+    beyond = {"p95": np.inf, "p95_bracket": [1e5, np.inf]}  # the largest limit looked at
+    assert str(made._percentile("gdop", {"gdop": beyond}, "p95")) == "∞"
 
 
 @pytest.mark.slow
