@@ -47,12 +47,14 @@ def give_or_take(
     """A value and its error in the same decimals, those of the error's second digit.
 
     Zeros at the end stay, for they are known; nothing is rounded before the decimal point. An
-    error finer than a digit beyond the quantity's is rounded up to that. None and words, and
-    what has no error or one of zero, stand alone.
+    error finer than a digit beyond the quantity's is rounded up to that. None and words, what is
+    infinite, and what has no error or one of zero, stand alone.
     """
     if not error or not isinstance(value, int | float) or quantity.form == "yes-no":
         return in_words(value, quantity)
-    if not (isfinite(value) and isfinite(error)):
+    if not isfinite(value):
+        return in_words(value, quantity)
+    if not isfinite(error):
         return f"{in_words(value, quantity)} ± {significant(error, 2)}"
     scale = 100.0 if quantity.form == "share" else 1.0
     value, error = scale * value, scale * abs(error)
