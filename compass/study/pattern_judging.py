@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from compass.bodies import MARS_GM, sidereal_day
 from compass.core.entry.patterns import Entries, Limb, judge_patterns
 from compass.design import Design
+from compass.entry.campaign import Campaign
 from compass.entry.doubts import NO_DOUBTS
 from compass.errors import ArgumentError
 from compass.frames import prime_meridian_angle
@@ -25,14 +26,24 @@ from compass.study.judge import (
 )
 
 
-def judged(study: Study, c: Constellation, mask_deg: float) -> dict[str, float]:
+def entries_of(study: Study) -> Campaign:
+    """The entries that a study judges its candidates by."""
+    entry = study.entry
+    assert entry is not None
+    return campaign_of(
+        entry.scenario,
+        entry.samples,
+        study.seed,
+        density_sigma=entry.density_sigma,
+        lift_sigma=entry.lift_sigma,
+        ground=ground_of(entry.sites, entry.regions),
+    )
+
+
+def judged(study: Study, campaign: Campaign, c: Constellation, mask_deg: float) -> dict[str, float]:
     """Landing navigation on any orbits, with all that is not known; one number a figure."""
     entry = study.entry
     assert entry is not None
-    campaign = campaign_of(
-        entry.scenario, entry.samples, study.seed, density_sigma=entry.density_sigma,
-        lift_sigma=entry.lift_sigma, ground=ground_of(entry.sites, entry.regions),
-    )  # fmt: skip
     mask = Mask.constant(float(np.radians(mask_deg)))
     design = Design(c, figure=study.figure, mask=mask, signal=study.signal)
     judgement = judge_entries(
@@ -59,7 +70,10 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
     doubts = doubts_of(study.entry.scenario, study.entry.doubts)
     known = doubts == NO_DOUBTS and study.signal is None
     if not (known and plain):  # the kernel of many patterns carries nothing unknown
-        each = [judged(study, make_constellation(row), float(row["mask_deg"])) for row in rows]
+        entries = entries_of(study)
+        each = [
+            judged(study, entries, make_constellation(row), float(row["mask_deg"])) for row in rows
+        ]
         return {name: np.array([one[name] for one in each]) for name in merits_of("entry")}
     scenario, sphere = study.entry.scenario, study.figure.equatorial_radius
     check_measurements(scenario)
@@ -68,14 +82,7 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         raise ArgumentError(
             f"radius_km = {radius.min() / 1e3:g}: must be above the surface, {sphere / 1e3:g} km"
         )
-    campaign = campaign_of(
-        scenario,
-        study.entry.samples,
-        study.seed,
-        density_sigma=study.entry.density_sigma,
-        lift_sigma=study.entry.lift_sigma,
-        ground=ground_of(study.entry.sites, study.entry.regions),
-    )
+    campaign = entries_of(study)
     motion = np.sqrt(MARS_GM.value / radius**3)
     days, _ = closing_days(motion[:, np.newaxis])
     begins = days[:, np.newaxis] * sidereal_day() * campaign.arrivals.phase

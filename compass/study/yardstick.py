@@ -22,7 +22,7 @@ from compass.study.candidates import PATTERNS, ROW
 from compass.study.choice import notation
 from compass.study.lasting import proven_days
 from compass.study.pattern_errors import errors_over
-from compass.study.pattern_judging import judged
+from compass.study.pattern_judging import entries_of, judged
 from compass.study.pattern_map import places
 from compass.study.requirement_figures import settled
 from compass.study.sampling import doubtful, finer, map_errors
@@ -173,7 +173,7 @@ def _by_itself(
         days = study.orbits.days
         figures["days_proven"] = proven_days(c, study.fold, days, study.figure, mask, study.motion)
     if study.entry is not None:
-        figures |= judged(study, c, mask_deg)
+        figures |= judged(study, entries_of(study), c, mask_deg)
     return figures, errors
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from compass.inputs.study import read_study, read_study_text
-from compass.study import pattern_judging, pattern_map, stages, trade
+from compass.study import judge, pattern_map, stages, trade
 from compass.study.candidates import candidates
 from compass.study.cluster import AHEAD, Cluster
 from compass.study.stages import StudyJob, evaluate
@@ -41,7 +41,7 @@ at_least = 1
 [[objective]]
 figure = "satellites"
 [[objective]]
-figure = "{figure}"
+figure = "mask_margin_deg"
 """
 
 BOTH, ONE = '["walker-delta", "walker-star"]', '["walker-delta"]'
@@ -59,15 +59,15 @@ class Quiet:
 PATTERNS = 349
 
 
-def growth_text(inclinations, patterns=BOTH, figure="gdop_p95"):
+def growth_text(inclinations, patterns=BOTH):
     """A study of so many inclinations from 40 to 60 degrees of all patterns."""
     step = 20 / max(inclinations - 1, 1)
     most = 40 + step * (inclinations - 0.5)
-    return TEXT.format(patterns=patterns, most=most, step=step, figure=figure)
+    return TEXT.format(patterns=patterns, most=most, step=step)
 
 
-def growth(*asked, **options):
-    return read_study_text(growth_text(*asked, **options))
+def growth(*asked):
+    return read_study_text(growth_text(*asked))
 
 
 def timed(study, folder, team):
@@ -80,8 +80,8 @@ def timed(study, folder, team):
 class Clock:
     """Sums the processor time spent in compiled kernels of the stages.
 
-    Each stage calls one for a whole batch; no LAPACK is called. All else counts as outside:
-    constraints, costs, NumPy's percentiles, JSON, the store.
+    No LAPACK is called. All else counts as outside: orbits, constraints, costs, percentiles,
+    JSON, the store.
     """
 
     def __init__(self, monkeypatch):
@@ -89,7 +89,10 @@ class Clock:
         for module, name in (
             (stages, "screen_patterns"),
             (pattern_map, "map_patterns"),
-            (pattern_judging, "judge_patterns"),
+            (judge, "information"),
+            (judge, "own_information"),
+            (judge, "bounds"),
+            (judge, "count_in_view"),
         ):
             monkeypatch.setattr(module, name, self._timing(getattr(module, name)))
 
@@ -231,7 +234,7 @@ def test_a_whole_study_killed_once(tmp_path, inclinations):
     """The command as a user runs it, on two workers: killed half-way, given again, all in the end."""
     psutil = pytest.importorskip("psutil")
     file = tmp_path / "study.toml"
-    file.write_text(growth_text(inclinations, figure="mask_margin_deg"))
+    file.write_text(growth_text(inclinations))
     candidates_to_screen = PATTERNS * inclinations
     command = [sys.executable, "-m", "compass", "trade", str(file), "--workers", "2", "--json"]
     command += ["--output", str(tmp_path / "store")]

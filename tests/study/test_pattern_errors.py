@@ -17,7 +17,7 @@ from compass.ranging import Receiver, Signal
 from compass.study.candidates import batches, candidates, make_constellation
 from compass.study.clocks import best_by_errors, clock_columns, clock_figures, errors_by_clock
 from compass.study.pattern_errors import NAMES, pattern_errors
-from compass.study.pattern_judging import entry_figures, judged
+from compass.study.pattern_judging import entries_of, entry_figures, judged
 from compass.study.results import known_figures
 
 TEXT = """
@@ -172,13 +172,13 @@ def test_without_errors_of_ranges_there_are_none(study, rows):
 def test_entries_of_a_study_count_its_signal(tiny):
     """As the same numbers given for the entries, and better than with worse ones."""
     bare = tiny(entry=True)
-    c = bare.compare.constellation
+    c, entries = bare.compare.constellation, entries_of(bare)
     doubts = replace(bare.entry.doubts, orbit_m=(1.0, 4.0, 3.0), satellite_clock_m=2.0)
-    told = judged(replace(bare, entry=replace(bare.entry, doubts=doubts)), c, 5.0)
+    told = judged(replace(bare, entry=replace(bare.entry, doubts=doubts)), entries, c, 5.0)
     signal = Signal(ephemeris=(1.0, 4.0, 3.0), clock_sigma=2.0, receiver=Receiver(0.5))
-    found = judged(replace(bare, signal=signal), c, 5.0)
+    found = judged(replace(bare, signal=signal), entries, c, 5.0)
     assert found == told
-    assert found["crlb_position_m.p50"] < judged(bare, c, 5.0)["crlb_position_m.p50"]
+    assert found["crlb_position_m.p50"] < judged(bare, entries, c, 5.0)["crlb_position_m.p50"]
 
 
 @pytest.mark.slow
@@ -190,6 +190,6 @@ def test_a_lander_gains_by_a_better_clock(tiny, study, rows):
     own = entry_figures(asked, rows) | clock_figures(asked, rows)
     (one,) = errors_by_clock(asked, front_of(rows, own))
     better = replace(asked, signal=replace(asked.signal, clock=clock_named("rafs")))
-    by_hand = judged(better, make_constellation(rows[0]), 0.0)[name]
+    by_hand = judged(better, entries_of(better), make_constellation(rows[0]), 0.0)[name]
     assert one["figure"] == name and one["own"] == one["m"]["csac"] == own[name][0]
     assert one["m"]["rafs"] == by_hand < 0.9 * one["m"]["csac"]

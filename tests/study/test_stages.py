@@ -23,7 +23,7 @@ from compass.sites import Site
 from compass.study import stages
 from compass.study.candidates import ROW, candidates, make_constellation
 from compass.study.judge import campaign_of, ground_of
-from compass.study.pattern_judging import entry_figures, judged
+from compass.study.pattern_judging import entries_of, entry_figures, judged
 from compass.study.pattern_map import map_figures
 from compass.study.search import closest_approach
 from compass.study.stages import TOLERANCE, evaluate, passing
@@ -288,7 +288,7 @@ def test_landers_of_a_study_deploy_where_it_says(short):
     s = replace(study(satellites="[6]"), entry=entry)
     rows = candidates(s).rows(0, 1)
     found = entry_figures(s, rows)
-    alone = judged(s, make_constellation(rows[0]), float(rows["mask_deg"][0]))
+    alone = judged(s, entries_of(s), make_constellation(rows[0]), float(rows["mask_deg"][0]))
     assert found["crlb_position_m.p95"][0] == pytest.approx(alone["crlb_position_m.p95"], rel=1e-3)
     campaign = campaign_of(entry.scenario, 2, s.seed, ground=ground_of((here,), ()))
     latitude, longitude = np.degrees(campaign.deployment_place)
