@@ -35,6 +35,14 @@ def sun_earth_states(seconds: ArrayLike) -> tuple[NDArray[np.float64], NDArray[n
     2. Earth: Moisson and Bretagnon 2001, Celest. Mech. Dyn. Astron. 80:205 (VSOP2000),
        simplified; within 12 km of DE405 over 1900 to 2100 (``epv00`` of ERFA).
     """
+    sun, days = sun_states(seconds)
+    import erfa
+
+    return sun, _flat(erfa.epv00(_J2000_JULIAN_DATE, days)[0]) + sun
+
+
+def sun_states(seconds: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the Sun alone as `sun_earth_states` does, and the days past J2000, shape (t,)."""
     t = np.atleast_1d(np.asarray(seconds, dtype=float))
     if np.any(np.abs(t) > _RANGE_SECONDS):
         raise ArgumentError(
@@ -43,15 +51,19 @@ def sun_earth_states(seconds: ArrayLike) -> tuple[NDArray[np.float64], NDArray[n
     import erfa
 
     days = t / SECONDS_PER_DAY
-    mars = _flat(erfa.plan94(_J2000_JULIAN_DATE, days, _MARS))
-    earth = _flat(erfa.epv00(_J2000_JULIAN_DATE, days)[0])
-    return -mars, earth - mars
+    return -_flat(erfa.plan94(_J2000_JULIAN_DATE, days, _MARS)), days
 
 
 def _flat(pv: NDArray) -> NDArray[np.float64]:
     """States (t, 6) in SI of ERFA's structured positions and velocities in au and au/day."""
     au = ASTRONOMICAL_UNIT.value
     return np.concatenate([pv["p"] * au, pv["v"] * (au / SECONDS_PER_DAY)], axis=-1)
+
+
+def sun_mci(epoch: float, times: ArrayLike) -> NDArray[np.float64]:
+    """Places of the Sun, which take less than the Earth's, as `sun_earth_mci`, m, shape (t, 3)."""
+    sun, _ = sun_states(epoch + np.atleast_1d(np.asarray(times, dtype=float)))
+    return np.asarray(sun[:, :3] @ mci_from_icrf(epoch).T)
 
 
 def sun_earth_mci(

@@ -160,9 +160,22 @@ def sights_along(
 ) -> Sights:
     """Who is in view of a user at every epoch; parameters as of `errors_along`."""
     moved = motion or design.motion
+    return Sights(*seen_along(design, mover, times, moved, beam), ranges_at(design, times, moved))
+
+
+def ranges_at(design: Design, times: Array, motion: Motion) -> Ranges:
+    """What ranges are worth at every epoch, as kernels take it."""
+    worth = range_errors(design, times, motion)
+    return Ranges(worth.forms, worth.sun, worth.lit, worth.numbers)
+
+
+def seen_along(
+    design: Design, mover: Mover, times: Array, motion: Motion, beam: float | None = None
+) -> tuple[Array, NDArray[np.bool_], NDArray[np.int64]]:
+    """Where satellites are at every epoch and who is in view, first three of `Sights`."""
     c, radius = design.constellation, design.figure.equatorial_radius
     angle = prime_meridian_angle(c.epoch, times)
-    r = np.moveaxis(mcmf_from_mci(moved.states(c, times)[0], angle), 0, 1)
+    r = np.moveaxis(mcmf_from_mci(motion.states(c, times)[0], angle), 0, 1)
     line = r - mover.r[:, None]
     u = line / np.linalg.norm(line, axis=2)[..., None]
     if mover.mask is None:
@@ -176,9 +189,7 @@ def sights_along(
     around = seen.sum(axis=1)
     if beam is not None:
         seen &= np.einsum("tni,tni->tn", r, u) / np.linalg.norm(r, axis=2) >= np.cos(beam)
-    worth = range_errors(design, times, moved)
-    ranges = Ranges(worth.forms, worth.sun, worth.lit, worth.numbers)
-    return Sights(np.ascontiguousarray(r / radius), seen, around, ranges)
+    return np.ascontiguousarray(r / radius), seen, around
 
 
 def errors_along(

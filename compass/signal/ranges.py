@@ -11,7 +11,7 @@ from compass.core.ionosphere import sunlit_table
 from compass.design import Design
 from compass.frames import mcmf_from_mci, prime_meridian_angle
 from compass.orbits.motion import Motion
-from compass.planets import sun_earth_mci
+from compass.planets import sun_mci
 from compass.signal.budget import mean_age_covariance, receiver_numbers
 from compass.signal.ionosphere import SCALE_HEIGHT, SHELL, zenith_delay
 
@@ -96,8 +96,9 @@ def _forms(
     axes = np.moveaxis(radial_along_cross(r, v), 2, 0)  # (n, t, 3, 3) to (3, n, t, 3)
     fixed = np.stack([mcmf_from_mci(each, angle) for each in axes], axis=2)
     p = mean_age_covariance(design.signal, c.size)
-    turned = np.einsum("ntai,nab,ntbj->tnij", fixed, p[:, :3, :3], fixed)
-    with_clock = np.einsum("ntai,na->tni", fixed, p[:, :3, 3])
+    inertial = np.swapaxes(fixed, 2, 3)
+    turned = np.swapaxes(inertial @ p[:, np.newaxis, :3, :3] @ fixed, 0, 1)
+    with_clock = np.swapaxes(inertial @ p[:, np.newaxis, :3, 3, np.newaxis], 0, 1)[..., 0]
     forms = np.empty((seconds.size, c.size, 10))
     for k, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))):
         forms[..., k] = turned[..., i, j]
@@ -112,7 +113,7 @@ def _sun(
     assert design.signal is not None
     if not _delay(design):
         return np.zeros((seconds.size, 3))
-    sun = sun_earth_mci(design.constellation.epoch, seconds)[0][:, :3]
+    sun = sun_mci(design.constellation.epoch, seconds)
     turned = mcmf_from_mci(sun, angle)
     return np.asarray(turned / np.linalg.norm(turned, axis=-1, keepdims=True))
 

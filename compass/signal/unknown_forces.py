@@ -12,7 +12,7 @@ from compass.frames import prime_meridian_angle
 from compass.orbits.forces import SHADOWS, ForceModel
 from compass.orbits.gravity import built_in_field, built_in_sigmas, unit_terms
 from compass.orbits.motion import Motion
-from compass.planets import sun_earth_mci
+from compass.planets import sun_mci
 
 Array = NDArray[Any]
 
@@ -63,7 +63,7 @@ def pushes_along(design: Design, motion: Motion, times: Array, r: Array) -> Arra
     out = np.empty((*r.shape, 2 + len(names)))
     pushes(
         np.ascontiguousarray(r),
-        np.ascontiguousarray(sun_earth_mci(epoch, times)[0][:, :3]),
+        np.ascontiguousarray(sun_mci(epoch, times)),
         prime_meridian_angle(epoch, times) + field.meridian,
         forces.sunlight,
         SHADOWS.index(forces.shadow),
