@@ -7,7 +7,7 @@ import numpy as np
 
 from compass.document.numbers import significant
 from compass.entry.dispersed import Dispersed, beyond_words
-from compass.entry.quantiles import share_bounds
+from compass.quantities.draws import share_bounds
 from compass.units import KM
 
 

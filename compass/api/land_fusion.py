@@ -9,7 +9,7 @@ from compass.document.blocks import Picture, Section, Table, arranged
 from compass.entry.accuracy import error_ellipse
 from compass.entry.faults import Fault
 from compass.entry.fused_kinds import Kind
-from compass.entry.quantiles import share_bounds
+from compass.quantities.draws import share_bounds
 from compass.study.fusion import SETTLING, TITLES, FusionRuns
 from compass.words import capital
 

@@ -13,12 +13,12 @@ from compass.entry.consistency import FALSE_ALARM, nees_bounds
 from compass.entry.covariance import LONGEST_STEP
 from compass.entry.guidance import GROUND, Dispersion, Guidance
 from compass.entry.model import EntryModel
-from compass.entry.quantiles import quantile_bounds
 from compass.entry.start import Trigger
 from compass.entry.trajectory import watched_level
 from compass.entry.views import cartesian_of, local_axes
 from compass.errors import ArgumentError
 from compass.frames import direction
+from compass.quantities.draws import quantile_bounds
 from compass.quantities.percentile import percentile
 
 Array = NDArray[np.float64]

@@ -20,7 +20,6 @@ from compass.entry.guidance import Dispersion, with_bank
 from compass.entry.layout import Part
 from compass.entry.model import EntryModel
 from compass.entry.navigation import MonteCarlo, run_monte_carlo
-from compass.entry.quantiles import percentiles
 from compass.entry.radio import WAKE, ElectronModel, ElectronTable
 from compass.entry.trajectory import fly
 from compass.entry.unknowns import NOTHING, Unknowns
@@ -29,6 +28,7 @@ from compass.errors import ArgumentError
 from compass.frames import Figure, latitude_longitude, prime_meridian_angle
 from compass.inputs.scenario import Scenario
 from compass.orbits import Constellation, states_mci
+from compass.quantities.draws import percentiles
 from compass.sites import Mask
 from compass.study.judge import air_not_known, campaign_of, due, judge_entries
 from compass.study.judgement import Judgement

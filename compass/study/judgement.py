@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.entry.campaign import Campaign
-from compass.entry.quantiles import percentiles, quantile_bounds, share_bounds
 from compass.entry.unknowns import Unknowns
 from compass.orbits import Constellation
+from compass.quantities.draws import percentiles, quantile_bounds, share_bounds
 from compass.quantities.merits import median_number
 from compass.quantities.percentile import percentile
 

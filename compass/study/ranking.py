@@ -13,10 +13,10 @@ from compass.entry.campaign import Campaign
 from compass.entry.dispersed import beyond_words
 from compass.entry.doubts import NO_DOUBTS, Doubts
 from compass.entry.guidance import Dispersion
-from compass.entry.quantiles import percentiles
 from compass.entry.schedule import Measurements
 from compass.errors import ArgumentError, said_of
 from compass.inputs.scenario import Scenario
+from compass.quantities.draws import percentiles
 from compass.quantities.percentile import percentile
 from compass.sites import Site
 from compass.study.certified import certified_areas

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from compass.entry.quantiles import percentiles, quantile_bounds, share_bounds
+from compass.quantities.draws import percentiles, quantile_bounds, share_bounds
 
 
 @pytest.mark.parametrize("draw", [np.random.Generator.normal, np.random.Generator.standard_cauchy])
