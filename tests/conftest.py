@@ -58,6 +58,7 @@ def little_to_certify():
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("compass.study.order.LEVELS", {})
+        patch.setattr("compass.coverage.drawn.DRAWS", 100 if numba.config.DISABLE_JIT else 4096)
         if numba.config.DISABLE_JIT:
             patch.setattr("compass.coverage.certified_geometry.BUDGET_BOXES", 0)
             patch.setattr("compass.coverage.clearance.MARGIN_BOXES", 100)

@@ -7,7 +7,7 @@ from typing import Any
 
 from compass.api.cluster import check_cluster
 from compass.api.given import given_design, given_places, in_metres
-from compass.api.map_result import MapResult
+from compass.api.map_result import MapResult, with_intervals
 from compass.api.map_statistics import epochs_on, folds_met
 from compass.api.progress import bar, foretell, parts_bar
 from compass.arguments import checked
@@ -170,10 +170,10 @@ def map(
     with parts_bar(progress, "bounds") as effort.progress:
         certified = certified_figures(read, options, effort, folds_met(made.dataset))
         areas = certified_areas(read, options, *places, effort)
-    result = MapResult(read, made, certified, areas)
+    result = MapResult(read, made, certified, areas, MapRows(read, options).drawn())
     if each_loss:
         add_losses(made, read, options, workers, progress=progress)
-    made.dataset.attrs |= _attributes(certified) | {"sampled": result.sampled}
+    made.dataset.attrs |= _attributes(certified, result) | {"sampled": result.sampled}
     return result
 
 
@@ -204,9 +204,15 @@ def add_losses(
     made.dataset.coords["lost"] = list(names)
 
 
-def _attributes(certified: CertifiedGeometry | None) -> dict[str, Any]:
-    """Return the brackets as attributes of a dataset."""
-    if certified is None:
-        return {}
-    known = {f"{name.replace('.', '_')}_bracket": ends for name, ends in certified.brackets.items()}
-    return known | {"certified_scope": certified.scope}
+def _attributes(certified: CertifiedGeometry | None, result: MapResult) -> dict[str, Any]:
+    """Return brackets, and intervals where there are none, as attributes of a dataset."""
+    found: dict[str, Any] = {}
+    if certified is not None:
+        brackets = certified.brackets.items()
+        found = {f"{name.replace('.', '_')}_bracket": ends for name, ends in brackets}
+        found["certified_scope"] = certified.scope
+    if result.drawn is not None:
+        intervals = with_intervals(result.numbers())
+        found |= {f"{name.replace('.', '_')}_interval": ends for name, ends in intervals}
+        found["drawn"] = result.interval
+    return found

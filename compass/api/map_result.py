@@ -1,6 +1,7 @@
 """The maps of a design as text, numbers, pictures and a file."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -24,17 +25,18 @@ from compass.conventions import dated
 from compass.coverage.areas import AreaFigures
 from compass.coverage.certified_geometry import CertifiedGeometry
 from compass.coverage.certified_percentile import GREATEST
+from compass.coverage.drawn import Drawn
 from compass.coverage.errors import ERRORS
 from compass.coverage.files import write_map
 from compass.coverage.gaps import next_prime
 from compass.coverage.maps import DOPS
 from compass.coverage.protection import LEVELS
 from compass.design import Design
-from compass.document import Bracket, Page, Sampled, Sentence, Table, Value, Verdict
+from compass.document import Bracket, Interval, Page, Sampled, Sentence, Table, Value, Verdict
 from compass.document.blocks import facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
-from compass.quantities import QUANTITIES, quantity
+from compass.quantities import QUANTITIES, Quantity, quantity
 from compass.signal.budget import basis
 from compass.study.mapping import DesignMap
 
@@ -61,12 +63,16 @@ class MapResult(Result):
         has no bounds or none were asked for.
     areas
         Figures at the sites and in the regions that were asked for.
+    drawn
+        Figures at random places and moments, by which shares and percentiles are known that are
+        not certified; None where nothing was drawn.
     """
 
     design: Design = field(repr=False)
     made: DesignMap = field(repr=False)
     certified: CertifiedGeometry | None = None
     areas: tuple[AreaFigures, ...] = ()
+    drawn: Drawn | None = field(default=None, repr=False)
 
     @property
     def dataset(self) -> "xr.Dataset":
@@ -87,10 +93,10 @@ class MapResult(Result):
 
     def evidence(self) -> dict[str, str]:
         """How well each number of the JSON is known, by its name there; `others` is the rest."""
-        found = {}
+        found = dict.fromkeys((name for name, _ in with_intervals(self.numbers())), self.interval)
         if self.certified:
             names = (*self.certified.brackets, "pdop_worst_bracket")
-            found = dict.fromkeys(names, f"between proven bounds, {self.certified.scope}")
+            found |= dict.fromkeys(names, f"between proven bounds, {self.certified.scope}")
         if self.areas:
             found["areas"] = AREAS_KNOWN
         gaps = f"sampled at cells, at each to {self.dataset.attrs['gap_step_s']:.3g} s"
@@ -110,12 +116,17 @@ class MapResult(Result):
 
     def numbers(self) -> dict[str, Any]:
         """Numbers over all area and time; certified ones are the middle of their brackets."""
-        numbers = statistics(self.dataset)
+        numbers = statistics(self.dataset, self.drawn)
         if self.certified:
             known = self.certified.numbers()
             several = (*self.certified.dops, "fold_share")
             numbers |= known | {name: _beside(numbers[name] | known[name]) for name in several}
-        return numbers
+        return _beside(numbers)
+
+    @property
+    def interval(self) -> str:
+        """How well what was drawn is known, in words."""
+        return f"{Interval.WORDS}, {self.drawn.how if self.drawn else ''}"
 
     def document(self) -> Page:
         """Fold and availability in a sentence, then the numbers."""
@@ -136,14 +147,14 @@ class MapResult(Result):
                 *self.tables(),
                 *self.error_blocks(),
                 *self.protection_blocks(),
-                *(Sentence(said) for said in self.certain()),
+                *(Sentence(said) for said in (*self.certain(), *self.by_chance())),
                 Sentence(others + self.sampled),
                 *self._between_epochs(),
             ),
         )
 
     def _percentile(self, name: str, numbers: dict[str, Any], percentile: str) -> Value:
-        """One percentile of a dilution, with its bracket where there is one.
+        """One percentile of a dilution, with its bounds.
 
         Infinite where it is beyond `GREATEST`, as it counts.
         """
@@ -151,18 +162,34 @@ class MapResult(Result):
         known = Bracket.beside(of, percentile)
         if known is not None and known.low >= GREATEST:
             return Value(quantity(name), math.inf, Bracket(math.inf, math.inf))
-        return Value(quantity(name), of[percentile], known)
+        return self.value(quantity(name), of, percentile)
+
+    def value(self, what: Quantity, of: dict[str, Any], key: str, whose: str = "") -> Value:
+        """A number with the bounds that stand beside it; else as cells and epochs were sampled."""
+        how = self.drawn.how if self.drawn else ""
+        known = Bracket.beside(of, key) or Interval.beside(of, key, how) or self.looked
+        return Value(what, of[key], known, whose)
 
     def certain(self) -> tuple[str, ...]:
         """What was certified, and how, in a sentence; nothing where nothing was."""
         if not self.certified:
             return ()
         holds = (
-            "Figures shown between bounds hold everywhere and not only at cells"
+            "Figures between proven bounds hold everywhere and not only at cells"
             if self.certified.brackets
-            else "No figures are known between bounds"
+            else "No figures are known between proven bounds"
         )
         return f"{holds}, {self.certified.scope}.", *self._worst()
+
+    def by_chance(self) -> tuple[str, ...]:
+        """Of what the bounds are that are not proven, in a sentence; nothing without any."""
+        if self.drawn is None:
+            return ()
+        hours = self.dataset.attrs["period_s"] / 3600
+        return (
+            f"Other bounds hold in 95 of 100 cases, each by itself: by {self.drawn.how} in "
+            f"{hours:.6g} h, anywhere by area.",
+        )
 
     def _worst(self) -> tuple[str, ...]:
         """The largest PDOP, and where, in a sentence; nothing where it was not looked for."""
@@ -172,7 +199,12 @@ class MapResult(Result):
     @cached_property
     def errors(self) -> dict[str, Any]:
         """Numbers of the errors of fixes, as `compass.api.map_statistics.error_statistics`."""
-        return error_statistics(self.made.dataset)
+        return error_statistics(self.made.dataset, self.drawn)
+
+    @cached_property
+    def levels(self) -> dict[str, Any]:
+        """Of protection levels, as `compass.api.map_statistics.protection_statistics`."""
+        return protection_statistics(self.made.dataset, self.drawn)
 
     def error_blocks(self) -> tuple[Table | Sentence, ...]:
         """Errors of fixes over area and time, what they mean, and what they are made of."""
@@ -181,40 +213,24 @@ class MapResult(Result):
         return self.error_table(), *self.error_words(), *self.budget_blocks()
 
     def error_table(self) -> Table:
-        """Errors of fixes over area and time, with what sampling leaves of doubt."""
-        made, attrs = self.dataset, self.dataset.attrs
-        percentiles = made.global_percentile.values.tolist()
-        rows = []
-        for name in ERRORS:
-            of = made.sel(error=name)
-            values = (
-                Value(
-                    quantity(name),
-                    float(value),
-                    Sampled(float(doubt) if np.isfinite(doubt) else None),
-                )
-                for value, doubt in zip(
-                    of.global_error.values, of.global_error_sampling.values, strict=True
-                )
+        """Errors of fixes over area and time, between the bounds that draws leave."""
+        percentiles = [f"p{q}" for q in self.dataset.global_percentile.values.tolist()]
+        rows = [
+            (
+                quantity(name).title,
+                *(self.value(quantity(name), self.errors[name], p) for p in percentiles),
+                self.value(quantity("error_share"), self.errors[name], "share"),
             )
-            share = Value(
-                quantity("error_share"),
-                float(of.global_error_share),
-                Sampled(float(of.global_error_share_sampling)),
-            )
-            rows.append((quantity(name).title, *values, share))
-        header = (
-            "",
-            *(f"p{int(q)}" for q in percentiles),
-            f"% within {attrs['error_limit_m']:g} m",
-        )
+            for name in ERRORS
+        ]
+        header = ("", *percentiles, f"% within {self.errors['error_limit_m']:g} m")
         title = "Errors of a fix, m, one sigma: percentiles over area and time"
         return Table(title, header, tuple(rows))
 
     def error_words(self) -> tuple[Sentence, ...]:
         """What a rover anywhere knows of its place, and why there is no fix where there is none."""
         errors, attrs = self.errors, self.dataset.attrs
-        horizontal, vertical = (Value(quantity(q), errors[q]) for q in ROVER.values())
+        horizontal, vertical = (self.value(quantity(q), errors, q) for q in ROVER.values())
         known = "their variances" if attrs["error_weights"] == "variance" else "nothing: all alike"
         rover = (
             "a rover anywhere: no error holds for 95 % of area and time, for in more than 5 % of "
@@ -225,20 +241,20 @@ class MapResult(Result):
                 f"a rover anywhere: {horizontal} m horizontal, {vertical} m vertical, 95 % of its "
                 "fixes for 95 % of area and time (1.96 times one sigma, at least 95 % whatever the "
                 f"shape of the error ellipse), with {basis(self.design)}; it weighs ranges by "
-                f"{known}; ± is a standard error of sampling"
+                f"{known}; {horizontal.evidence}"
             )
         return tuple(Sentence(words) for words in (rover, *self.why_no_fix()))
 
     def why_no_fix(self) -> tuple[str, ...]:
         """Where errors are infinite: in how much of area and time, and why; nothing where never."""
         errors = self.errors
-        none = 1.0 - errors["fix_share"]
-        if none < ROUNDING:
+        if 1.0 - errors["fix_share"] < ROUNDING:
             return ()
         few, masked, singular = (
-            Value(quantity("part_share"), errors[name])
+            self.value(quantity("part_share"), errors, name)
             for name in ("fewer_than_four_share", "masked_share", "singular_share")
         )
+        none = self.value(quantity("part_share"), _others("fix_share", errors), "fix_share")
         lowest = float(np.min(self.dataset.attrs["elevation_mask_deg"]))
         mask = (
             f" ({masked} % would have four, were nothing hidden above the plain horizon: the mask "
@@ -252,13 +268,13 @@ class MapResult(Result):
             else ""
         )
         return (
-            f"errors are infinite in {Value(quantity('part_share'), none)} % of area and time: in "
+            f"errors are infinite in {none} % of area and time: in "
             f"{few} % fewer than four satellites are in view{mask}{lines}",
         )
 
     def why_no_level(self) -> tuple[str, ...]:
         """As `why_no_fix`, of protection levels."""
-        found = protection_statistics(self.dataset)
+        found = self.levels
         none = 1.0 - found["level_share"]
         if none < ROUNDING:
             return ()
@@ -309,18 +325,19 @@ class MapResult(Result):
         promise = self.design.integrity
         if "global_protection" not in self.dataset or promise is None:
             return ()
-        made = self.dataset
-        found = protection_statistics(made)
+        found = self.levels
+        percentiles = [f"p{q}" for q in self.dataset.global_percentile.values.tolist()]
         rows = tuple(
             (
                 quantity(name).title,
-                *(Value(quantity(name), found[name][p]) for p in list(found[name])),
+                *(self.value(quantity(name), found[name], p) for p in percentiles),
             )
             for name in LEVELS
         )
-        header = ("", *(f"p{int(q)}" for q in made.global_percentile.values))
+        header = ("", *percentiles)
         shares = [
-            Value(quantity(name), found[name]) for name in ("detection_share", "protection_share")
+            self.value(quantity(name), found, name)
+            for name in ("detection_share", "protection_share")
         ]
         return (
             Table("Protection levels, m: percentiles over area and time", header, rows),
@@ -395,20 +412,12 @@ class MapResult(Result):
                     for name in ("min", "mean", "max")
                 ),
                 *(
-                    Value(
-                        share,
-                        folds[k],
-                        Bracket.beside(folds, k) or sampled,
-                        f"at least {k} in view",
-                    )
+                    self.value(share, folds, k, f"at least {k} in view")
                     for k in map(str, folds_met(self.dataset))
                     if int(k) >= min(fold, count["min"])  # fewer are in view everywhere
                 ),
-                Value(
-                    quantity("availability"),
-                    numbers["availability"],
-                    Bracket.beside(numbers, "availability") or sampled,
-                    whose=f"{threshold:g} or less",
+                self.value(
+                    quantity("availability"), numbers, "availability", f"{threshold:g} or less"
                 ),
                 *(
                     Value(quantity(name), numbers[name], followed, f"{fold} in view")
@@ -431,8 +440,9 @@ class MapResult(Result):
 
     def _known(self, name: str, percentiles: list[str]) -> str:
         """How well the percentiles of a dilution are known, in words."""
-        sampled, evidence = str(self.looked), self.evidence()
-        proven = [p for p in percentiles if f"{name}.{p}" in evidence]
+        sampled = self.interval if self.drawn else str(self.looked)
+        brackets = self.certified.brackets if self.certified else {}
+        proven = [p for p in percentiles if f"{name}.{p}" in brackets]
         if not proven:
             return sampled
         rest = f"; the rest {sampled}" if len(proven) < len(percentiles) else ""
@@ -537,10 +547,34 @@ class MapResult(Result):
 
 
 def _beside(known: dict[str, Any]) -> dict[str, Any]:
-    """Numbers in their order, the bracket of each behind it."""
-    names = (name for name in known if not name.endswith("_bracket"))
-    pairs = ((name, f"{name}_bracket") for name in names)
-    return {key: known[key] for pair in pairs for key in pair if key in known}
+    """Numbers in their order, behind each its bracket; else its interval."""
+    found: dict[str, Any] = {}
+    for name, value in known.items():
+        if name.endswith((Bracket.SUFFIX, Interval.SUFFIX)):
+            continue
+        found[name] = value
+        for key in (name + Bracket.SUFFIX, name + Interval.SUFFIX):
+            if key in known:
+                found[key] = known[key]
+                break
+    return found | {name: known[name] for name in ("pdop_worst_bracket",) if name in known}
+
+
+def with_intervals(known: dict[str, Any], path: str = "") -> Iterator[tuple[str, list[float]]]:
+    """Names of numbers with an interval beside them, and that."""
+    for name, value in known.items():
+        if isinstance(value, dict):
+            yield from with_intervals(value, f"{path}{name}.")
+        elif name.endswith(Interval.SUFFIX):
+            yield path + name.removesuffix(Interval.SUFFIX), value
+
+
+def _others(name: str, known: dict[str, Any]) -> dict[str, Any]:
+    """One less a share, and its bounds."""
+    found = {name: 1.0 - known[name]}
+    if (ends := known.get(name + Interval.SUFFIX)) is not None:
+        found[name + Interval.SUFFIX] = [1.0 - ends[1], 1.0 - ends[0]]
+    return found
 
 
 def _scale(name: str, values: "xr.DataArray") -> Any:

@@ -3,7 +3,11 @@
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from compass.coverage.drawn import Drawn
+from compass.quantities.draws import quantile_bounds, share_bounds
+from compass.quantities.percentile import percentile
 from compass.ranging import FACTOR_95
 from compass.words import counted
 
@@ -16,38 +20,76 @@ ROVER = {
     "error_vertical_m": "rover_vertical_m",
 }
 
+#: Shares of area and time with levels within the alert limits, as kernels and draws name them.
+PROTECTED = {
+    "protection_share": "both",
+    "protection_horizontal_share": "horizontal",
+    "protection_vertical_share": "vertical",
+}
+
 
 def epochs_on(epochs: int, grid: str) -> str:
     """At how many epochs and on which cells a map was looked at."""
     return f"{counted(epochs, 'epoch')} on {grid}"
 
 
-def statistics(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Area- and time-weighted numbers of a map, as in the JSON of ``compass map``."""
-    shares = dataset.global_fold_share
-    dops = {
-        str(name): {
-            f"p{int(q)}": float(dataset.global_dop.sel(dop=name, global_percentile=q))
-            for q in dataset.global_percentile.values
+def statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, Any]:
+    """Area- and time-weighted numbers of a map, as in the JSON of ``compass map``.
+
+    Shares and percentiles are those of what was drawn, with their bounds; without any, of cells.
+    """
+    shares, dops = dataset.global_fold_share, dataset.dop.values.tolist()
+    if drawn:
+        folds = [known_share(str(k), drawn.count >= k) for k in folds_met(dataset)]
+        good = drawn.values["pdop"] <= dataset.attrs["pdop_threshold"]
+        known = {
+            "fold_share": {key: value for each in folds for key, value in each.items()},
+            **known_share("availability", good),
         }
-        for name in dataset.dop.values
-    }
+        dilutions = {name: _percentiles(dataset, drawn.values[name]) for name in dops}
+    else:
+        known = {
+            "fold_share": {str(k): float(shares.sel(global_fold=k)) for k in folds_met(dataset)},
+            "availability": float(dataset.global_availability),
+        }
+        dilutions = {name: _of_cells(dataset, dataset.global_dop.sel(dop=name)) for name in dops}
     return {
         "count": {
             "min": int(dataset.count_min.min()),
             "mean": float(dataset.global_count_mean),
             "max": int(dataset.count_max.max()),
         },
-        "fold_share": {str(k): float(shares.sel(global_fold=k)) for k in folds_met(dataset)},
-        "availability": float(dataset.global_availability),
+        **known,
         "longest_gap_s": float(dataset.longest_gap.max()),
         "mean_response_time_s": float(
             (dataset.mean_response_time.mean("lon") * dataset.cell_share * dataset.lon.size).sum()
         ),
-        **dops,
-        **error_statistics(dataset),
-        **protection_statistics(dataset),
+        **dilutions,
+        **error_statistics(dataset, drawn),
+        **protection_statistics(dataset, drawn),
     }
+
+
+def known_share(name: str, hits: NDArray[np.bool_]) -> dict[str, Any]:
+    """The share of draws that had something, and its bounds beside it."""
+    share = float(hits.mean())
+    return {name: share, f"{name}_interval": list(share_bounds(share, hits.size))}
+
+
+def _percentiles(dataset: "xr.Dataset", values: NDArray[np.float64]) -> dict[str, Any]:
+    """Percentiles of draws, and their bounds beside them."""
+    found: dict[str, Any] = {}
+    order = np.sort(values)
+    for q in dataset.global_percentile.values.tolist():
+        found[f"p{q}"] = float(percentile(order, q))
+        found[f"p{q}_interval"] = list(quantile_bounds(order, q))
+    return found
+
+
+def _of_cells(dataset: "xr.Dataset", values: "xr.DataArray") -> dict[str, Any]:
+    """Percentiles of cells and epochs."""
+    percents = dataset.global_percentile.values.tolist()
+    return {f"p{q}": float(values.sel(global_percentile=q)) for q in percents}
 
 
 def folds_met(dataset: "xr.Dataset") -> list[int]:
@@ -57,31 +99,28 @@ def folds_met(dataset: "xr.Dataset") -> list[int]:
     return [int(k) for k, share in known if k and (k <= wanted or share > 0.0)]
 
 
-def error_statistics(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Percentiles of the errors of fixes over area and time, with their sampling errors."""
+def error_statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, Any]:
+    """Percentiles of the errors of fixes over area and time, as of `statistics`."""
     if "global_error" not in dataset:
         return {}
-    names = [f"p{int(q)}" for q in dataset.global_percentile.values]
     found: dict[str, Any] = {}
+    limit = dataset.attrs["error_limit_m"]
     for name in dataset.error.values.tolist():
+        if drawn and name in drawn.values:
+            values = drawn.values[name]
+            found[name] = _percentiles(dataset, values) | known_share("share", values <= limit)
+            continue
         of = dataset.sel(error=name)
-        found[name] = dict(zip(names, of.global_error.values.tolist(), strict=True))
-        found[name]["sampling"] = dict(
-            zip(names, of.global_error_sampling.values.tolist(), strict=True)
-        )
-        found[name]["share"] = float(of.global_error_share)
-        found[name]["share_sampling"] = float(of.global_error_share_sampling)
+        found[name] = _of_cells(dataset, of.global_error) | {"share": float(of.global_error_share)}
     for name, most in ROVER.items():
-        found[most] = FACTOR_95 * found[name]["p95"]
-    return (
-        found
-        | no_fix(dataset)
-        | _budget(dataset)
-        | {"error_limit_m": dataset.attrs["error_limit_m"]}
-    )
+        of_rover = found[name]
+        found[most] = FACTOR_95 * of_rover["p95"]
+        if "p95_interval" in of_rover:
+            found[f"{most}_interval"] = [FACTOR_95 * end for end in of_rover["p95_interval"]]
+    return found | no_fix(dataset, drawn) | _budget(dataset, found) | {"error_limit_m": limit}
 
 
-def _budget(dataset: "xr.Dataset") -> dict[str, Any]:
+def _budget(dataset: "xr.Dataset", found: dict[str, Any]) -> dict[str, Any]:
     """What a fix is made of: the range's error, its parts, and by how much geometry enlarges it."""
     parts = dataset.part.values.tolist()
     if not np.isfinite(sigma := float(dataset.range_error_rms)):
@@ -92,34 +131,32 @@ def _budget(dataset: "xr.Dataset") -> dict[str, Any]:
         by_error[name] = {
             "parts": dict(zip(parts, of.fix_part.values.tolist(), strict=True)),
             "geometry": {
-                f"p{int(q)}": float(of.global_error.sel(global_percentile=q)) / sigma
-                for q in dataset.global_percentile.values
+                f"p{q}": found[name][f"p{q}"] / sigma
+                for q in dataset.global_percentile.values.tolist()
             },
         }
     of_range = dict(zip(parts, dataset.range_part.values.tolist(), strict=True))
     return {"fix_budget": {"range_error_m": sigma, "range_parts": of_range, **by_error}}
 
 
-def protection_statistics(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Percentiles of the protection levels over area and time, and shares that they make."""
+def protection_statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, Any]:
+    """Percentiles of the protection levels over area and time, and shares, as of `statistics`."""
     if "global_protection" not in dataset:
         return {}
-    names = [f"p{int(q)}" for q in dataset.global_percentile.values]
-    found: dict[str, Any] = {
-        name: dict(
-            zip(names, dataset.global_protection.sel(level=name).values.tolist(), strict=True)
-        )
-        for name in dataset.level.values.tolist()
-    }
     shares = dataset.global_protection_share
-    return found | {
-        "detection_share": float(shares.sel(protected="detectable")),
-        "protection_share": float(shares.sel(protected="both")),
-        "protection_horizontal_share": float(shares.sel(protected="horizontal")),
-        "protection_vertical_share": float(shares.sel(protected="vertical")),
-        **no_level(dataset),
-        **_after_loss(dataset),
-    }
+    found: dict[str, Any] = {}
+    for name in dataset.level.values.tolist():
+        if drawn and name in drawn.values:
+            found[name] = _percentiles(dataset, drawn.values[name])
+        else:
+            found[name] = _of_cells(dataset, dataset.global_protection.sel(level=name))
+    found["detection_share"] = float(shares.sel(protected="detectable"))
+    for name, protected in PROTECTED.items():
+        if drawn and protected in drawn.protected:
+            found |= known_share(name, drawn.protected[protected])
+        else:
+            found[name] = float(shares.sel(protected=protected))
+    return found | no_level(dataset) | _after_loss(dataset)
 
 
 def in_view_share(dataset: "xr.Dataset", count: int) -> float:
@@ -128,16 +165,24 @@ def in_view_share(dataset: "xr.Dataset", count: int) -> float:
     return float(shares[count]) if count < shares.size else 0.0
 
 
-def no_fix(dataset: "xr.Dataset") -> dict[str, float]:
-    """Share of area and time with a fix, and why there is none in the rest."""
-    fixed, four = float(dataset.global_fix_share), in_view_share(dataset, 4)
+def no_fix(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, Any]:
+    """Share of area and time with a fix, and why there is none in the rest, as of `statistics`."""
     masked, plain = dataset.four_in_view.values.tolist()
-    return {
-        "fix_share": fixed,
-        "fewer_than_four_share": 1.0 - four,
-        "masked_share": plain - masked,
-        "singular_share": max(four - fixed, 0.0),
-    }
+    if drawn and drawn.satellites >= 4:
+        fixed, four = np.isfinite(drawn.values["pdop"]), drawn.count >= 4
+        known = {
+            **known_share("fix_share", fixed),
+            **known_share("fewer_than_four_share", ~four),
+            **known_share("singular_share", four & ~fixed),
+        }
+    else:
+        fix_share, in_view = float(dataset.global_fix_share), in_view_share(dataset, 4)
+        known = {
+            "fix_share": fix_share,
+            "fewer_than_four_share": 1.0 - in_view,
+            "singular_share": max(in_view - fix_share, 0.0),
+        }
+    return known | {"masked_share": plain - masked}
 
 
 def no_level(dataset: "xr.Dataset") -> dict[str, float]:

@@ -41,10 +41,6 @@ XX, YY, ZZ, XY, XZ, YZ, X, Y, Z, W, N, PX, PY, SUNLIT = (k * TILE for k in range
 VXX, VYY, VZZ, VXY, VXZ, VYZ, VX, VY, VZ, V = (k * TILE for k in range(14, 24))
 PARTS = 24
 
-#: Interleaved samples of the map, each of a quarter of the epochs of every row, that tell how well
-#: its percentiles are known.
-SAMPLES = 4
-
 
 @inline_kernel
 def range_variance(x, y, z, w, sine, lit, q, numbers):
@@ -302,7 +298,7 @@ def error_scratch(satellites, columns, azimuths):
 
 @kernel
 def error_map_row(
-    r, cos_cap, row, ranges, limit, weight, row_number, good, errors, histograms
+    r, cos_cap, row, ranges, limit, weight, good, errors, histograms
 ):  # fmt: skip
     """Errors of one row over all epochs.
 
@@ -314,14 +310,12 @@ def error_map_row(
         Largest error that counts as within.
     weight
         Weight of a cell at an epoch in the histograms.
-    row_number
-        Of the row, which with the epoch says to which sample its values belong.
     good
         Filled; share of time within the limit, shape (4, column).
     errors
         Filled; shape (4, column, epoch): for order statistics over time.
     histograms
-        Added to; shape (`SAMPLES`, 4, BINS + 1).
+        Added to; shape (4, BINS + 1).
     """
     epochs, m = r.shape[0], row.cos_lon.size
     scratch = error_scratch(r.shape[1], m, row.azimuths.size)
@@ -332,7 +326,7 @@ def error_map_row(
             for j in range(m):
                 errors[d, j, t] = found[d, j]
                 within[d, j] += 1.0 if found[d, j] <= limit else 0.0
-            add_to_histogram(found[d], weight, histograms[(t + row_number) % SAMPLES, d])
+            add_to_histogram(found[d], weight, histograms[d])
     for d in range(4):
         for j in range(m):
             good[d, j] = within[d, j] / epochs
@@ -394,4 +388,4 @@ def errors_over_time(places, ups, r, seen, aloft, ranges, out):
 
 def empty_error_histograms() -> np.ndarray:
     """Histograms of the errors, ready to be added to."""
-    return np.zeros((SAMPLES, 4, BINS + 1))
+    return np.zeros((4, BINS + 1))

@@ -93,15 +93,3 @@ def histogram_quantile(histogram: np.ndarray, q: float) -> float:
     inside = min(max((target - below) / histogram[b], 0.0), 1.0)
     octave, place = divmod(b, 1 << BITS)
     return math.ldexp(1.0 + (place + inside) / (1 << BITS), octave + LOWEST)
-
-
-def histogram_share(histogram: np.ndarray, value: float) -> float:
-    """Share of the weight at or below a positive value, to the width of a bin; nan if empty."""
-    total = histogram.sum()
-    if not total > 0:
-        return math.nan
-    fraction, octave = math.frexp(value)
-    place = (octave - 1 - LOWEST) * (1 << BITS) + (2.0 * fraction - 1.0) * (1 << BITS)
-    b = min(max(int(place), 0), BINS - 1)
-    inside = min(max(place - b, 0.0), 1.0)
-    return float((histogram[:b].sum() + inside * histogram[b]) / total)

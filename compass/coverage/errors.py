@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.error import SAMPLES, Ranges, empty_error_histograms, error_map_row
+from compass.core.error import Ranges, empty_error_histograms, error_map_row
 from compass.core.ranking import histogram_quantile
 from compass.coverage.grid import Grid
 from compass.coverage.maps import CELL_PERCENTILES, nearest_ranks
@@ -61,10 +61,9 @@ def error_map(
     xarray.Dataset
         Over (percentile, lat, lon): ``error_horizontal_m``, ``error_vertical_m``,
         ``error_position_m``, ``error_time_m``; over (error, lat, lon): ``error_share``; global:
-        ``global_error`` and its ``global_error_sampling`` over (error, global_percentile),
-        ``global_error_share`` and its ``global_error_share_sampling`` over error,
-        ``global_fix_share``. The sampling errors are standard errors from four interleaved
-        quarters of the epochs of every row.
+        ``global_error`` over (error, global_percentile), ``global_error_share`` over error,
+        ``global_fix_share``. How well cells and epochs tell these is not known: see
+        `compass.coverage.drawn`.
 
     Raises
     ------
@@ -105,7 +104,6 @@ def error_rows(
             worth,
             limit,
             cell_share[i] / epochs,
-            i,
             good,
             errors,
             histograms,
@@ -126,7 +124,7 @@ def _dataset(
     """Name, describe and summarise."""
     import xarray as xr
 
-    quantiles, errors = sampled_quantiles(total)
+    quantiles = [[histogram_quantile(h, q / 100) for q in PERCENTILES] for h in total]
     by_row = share.mean(axis=2, dtype=np.float64)
     over_all = by_row @ row_weight
     data: dict[str, tuple] = {
@@ -145,22 +143,12 @@ def _dataset(
             quantiles,
             _attrs("percentile over area and time, one sigma", "m"),
         ),
-        "global_error_sampling": (
-            ("error", "global_percentile"),
-            errors,
-            _attrs("standard error of the percentile from sampling cells and epochs", "m"),
-        ),
         "global_fix_share": (
             (),
-            finite_share(total[:, 0].sum(axis=0)),
+            finite_share(total[0]),
             _attrs("share of area and time with a fix"),
         ),
         "global_error_share": ("error", over_all, _attrs(f"share of area and time {within}")),
-        "global_error_share_sampling": (
-            "error",
-            _share_sampling(total, limit),
-            _attrs("standard error of the share from sampling cells and epochs"),
-        ),
     }
     coords = {
         "percentile": ("percentile", list(CELL_PERCENTILES), {"units": "percent"}),
@@ -168,40 +156,6 @@ def _dataset(
         "error": ("error", list(ERRORS)),
     }
     return xr.Dataset(data, coords, {"error_limit_m": limit})
-
-
-def sampled_quantiles(
-    histograms: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Percentiles of each error and their standard errors, each (error, percentile).
-
-    From the samples' own percentiles: spread over root of their number; infinite where one is.
-    """
-    whole = histograms.sum(axis=0)
-    found = np.array([[histogram_quantile(h, q / 100) for q in PERCENTILES] for h in whole])
-    each = np.array(
-        [
-            [[histogram_quantile(h, q / 100) for q in PERCENTILES] for h in part]
-            for part in histograms
-        ]
-    )
-    return found, _standard_error(each)
-
-
-def _standard_error(each: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Standard error of the mean of independent samples, the first axis; infinite if one is."""
-    finite = np.all(np.isfinite(each), axis=0)
-    spread = np.std(np.where(finite, each, 0.0), axis=0, ddof=1) / np.sqrt(SAMPLES)
-    # what rounding leaves of equal shares is no spread
-    return np.where(finite, np.where(spread < 1e-12, 0.0, spread), np.inf)
-
-
-def _share_sampling(histograms: NDArray[np.float64], limit: float) -> NDArray[np.float64]:
-    """Standard error of the share within a limit, from the samples' own; shape (error,)."""
-    from compass.core.ranking import histogram_share
-
-    each = np.array([[histogram_share(h, limit) for h in part] for part in histograms])
-    return _standard_error(each)
 
 
 def finite_share(histogram: NDArray[np.float64]) -> float:

@@ -16,7 +16,7 @@ from compass.document.blocks import (
     Table,
     Verdict,
 )
-from compass.document.evidence import Bracket, Evidence, Proven, Sampled
+from compass.document.evidence import Bracket, Evidence, Interval, Proven, Sampled
 from compass.document.html import html
 from compass.document.numbers import Value
 from compass.document.text import text
@@ -28,6 +28,7 @@ __all__ = [
     "Bracket",
     "Details",
     "Evidence",
+    "Interval",
     "Page",
     "Picture",
     "Proven",

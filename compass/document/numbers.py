@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, floor, inf, isfinite, isnan, log10
 
-from compass.document.evidence import Bracket, Evidence, Proven, Sampled
+from compass.document.evidence import Between, Evidence, Proven, Sampled
 from compass.quantities import Quantity
 
 #: Numbers nearer to zero than this are written with a power of ten.
@@ -31,7 +31,7 @@ class Value:
     def __str__(self) -> str:
         """The value in the quantity's digits, with bounds or an error, without the unit."""
         q, evidence = self.quantity, self.evidence
-        if isinstance(evidence, Bracket) and evidence.low != evidence.high:
+        if isinstance(evidence, Between) and evidence.low != evidence.high:
             return _between(evidence, q)
         if isinstance(evidence, Proven) and isinstance(self.value, float) and q.better:
             # never better than what was proven
@@ -85,8 +85,8 @@ def in_words(value: float | int | str | bool | None, quantity: Quantity) -> str:
     return significant(100.0 * value if quantity.form == "share" else value, quantity.digits)
 
 
-def _between(bounds: Bracket, quantity: Quantity) -> str:
-    """Two proven bounds, to no finer digits than a hundredth of what lies between them."""
+def _between(bounds: Between, quantity: Quantity) -> str:
+    """Two bounds, to no finer digits than a hundredth of what lies between them."""
     scale = 100.0 if quantity.form == "share" else 1.0
     width = scale * (bounds.high - bounds.low)
     most = 2 - floor(log10(width)) if 0.0 < width < inf else None

@@ -17,7 +17,7 @@ from compass.coverage.certified_percentile import GREATEST
 from compass.coverage.site import site_coverage
 from compass.coverage.verdict import Verdict
 from compass.design import Design
-from compass.document import Answer, Answers, Bracket, Proven, Sampled, Section, Sentence, Value
+from compass.document import Answer, Answers, Bracket, Proven, Section, Sentence, Value
 from compass.document.blocks import Block
 from compass.document.numbers import significant
 from compass.orbits.symmetry import one_circle
@@ -25,7 +25,6 @@ from compass.pages.design_results import DesignResults
 from compass.pages.lasting import lasting_advice, lasting_answers, lasting_promise
 from compass.pages.neighbours import Neighbour
 from compass.quantities import quantity
-from compass.ranging import FACTOR_95
 from compass.signal.budget import basis
 from compass.study.choice import notation
 from compass.words import counted
@@ -182,8 +181,8 @@ def accurate(results: DesignResults) -> str:
         )
     if errors:
         return (
-            f"A rover anywhere knows its place to {errors[0].written} horizontally: 95 % of its "
-            f"fixes, in 95 % of area and time, with {basis(results.design)}."
+            f"A rover anywhere knows its place within {errors[0].written} horizontally: 95 % of "
+            f"its fixes, in 95 % of area and time, with {basis(results.design)}."
         )
     for key, share in (("p95", "95 %"), ("p50", "half")):
         value = _known(results, "gdop", numbers["gdop"], key)
@@ -202,8 +201,7 @@ def _errors(results: DesignResults, numbers: dict[str, Any]) -> list[Answer]:
         return []
     rows = []
     for name, most in ROVER.items():
-        doubt = FACTOR_95 * numbers[name]["sampling"]["p95"]
-        value = Value(quantity(most), numbers[most], Sampled(doubt, "over area and time"))
+        value = results.mapped.value(quantity(most), numbers, most)
         said = f"A rover anywhere: {name.split('_')[1]}, 95 % of fixes, 95 % of area and time"
         evidence = f"{value.evidence}; with {basis(results.design)}"
         fixed = np.isfinite(numbers[most])

@@ -60,7 +60,7 @@ from compass.quantities import quantity
 from compass.quantities.percentile import percentile
 from compass.sites import Site
 from compass.study.certified import certified_areas, certified_figures
-from compass.study.mapping import MapOptions, make_map, provenance
+from compass.study.mapping import MapOptions, MapRows, make_map, provenance
 
 
 def design_report(
@@ -121,7 +121,8 @@ def look_at(
     areas = certified_areas(design, options, *places)
     if design.signal is not None and design.integrity is not None:
         add_losses(made, design, replace(options, step_deg=LOSS_STEP_DEG, epochs=LOSS_EPOCHS))
-    mapped = MapResult(design, made, certified, areas)
+    drawn = MapRows(design, options).drawn()
+    mapped = MapResult(design, made, certified, areas, drawn)
     progress("continuous fold")
     lost = 1 if design.constellation.size > 1 else 0
     proven = fold(design, motion="two-body", losses=lost)

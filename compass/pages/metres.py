@@ -99,7 +99,7 @@ def fix_budget_picture(mapped: MapResult) -> list[Picture]:
     parts = [str(part) for part in dataset.part.values]
     bars = [("one range", sigma, budget["range_parts"], 1.0)]
     for name, percent in BARS:
-        size = float(dataset.global_error.sel(error=name, global_percentile=percent))
+        size = mapped.errors[name][f"p{percent}"]
         label = f"{quantity(name).title.removesuffix(' error')},\n{percent} % below"
         if np.isfinite(size):
             bars.append((label, size, budget[name]["parts"], size / sigma))

@@ -1,7 +1,7 @@
 """From a design to its coverage map, with the provenance that the map carries."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 import compass
 from compass.allowed import check_all_allowed
 from compass.conventions import epoch_text
+from compass.coverage.drawn import Drawn, drawn
 from compass.coverage.errors import error_map, error_rows
 from compass.coverage.fix_budget import PARTS, fix_budget
 from compass.coverage.gaps import GapTrack, coverage_gaps, gap_rows, shortest_pass
@@ -176,6 +177,23 @@ class MapRows:
     def ranges(self) -> RangeErrors:
         """Errors of the ranges at the epochs."""
         return range_errors(self.design, self.times, self.motion, self.options.weights)
+
+    def drawn(self) -> Drawn | None:
+        """Figures at random places and moments of what is mapped; None without satellites.
+
+        Errors are those of ranges weighed by their variances; there are none of others.
+        """
+        design, motion, start = self.design, self.motion, float(self.times[0])
+        if not design.constellation.size:
+            return None
+        equal = self.options.weights == "equal"
+        asked = replace(
+            design, motion=motion, mask=self.mask, signal=None if equal else design.signal
+        )
+        stop = start + self.duration
+        if motion.table is not None:  # no table is asked beyond its end
+            stop = min(stop, motion.table.stop)
+        return drawn(asked, (start, stop))
 
     @cached_property
     def track(self) -> GapTrack:

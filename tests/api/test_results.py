@@ -1,6 +1,7 @@
 """What holds of every command's result."""
 
 import json
+import re
 from dataclasses import FrozenInstanceError, fields, replace
 
 import numpy as np
@@ -212,8 +213,12 @@ def test_a_map_that_misses_the_fold_says_so(seed):
     assert fewest.split()[4] == "4" and fewest.endswith(f"  {sampled}")
     (longest,) = (line for line in missed.splitlines() if line.startswith("longest time below"))
     assert "  ∞  " in longest and "∞ ±" not in missed
+    shares = [line for line in missed.splitlines() if line.startswith("share of area and time, at")]
+    assert len(shares) == 6 and all(line.endswith("  between proven bounds") for line in shares)
     (hdop,) = (line for line in missed.splitlines() if line.startswith("HDOP"))
-    assert hdop.endswith(f"  {sampled}")
+    assert re.search(
+        r"  bounds that hold in 95 of 100 cases, [\d,]+ random places and moments$", hdop
+    )
 
 
 def test_what_show_says_of_explicit_elements(designs):

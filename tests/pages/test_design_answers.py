@@ -233,15 +233,18 @@ def test_a_rover_anywhere_is_answered_where_a_signal_is_known(met):
     signal = Signal(ephemeris=(2, 8, 5), clock_sigma=3, receiver=Receiver(0.5))
     found = replace(met, design=replace(met.design, signal=signal))
     numbers = {
-        name: {"p95": 12.0, "sampling": {"p95": 0.5}}
-        for name in ("error_horizontal_m", "error_vertical_m")
-    } | {"rover_horizontal_m": 23.5, "rover_vertical_m": 23.5}
+        f"rover_{name}_m{ending}": value
+        for name in ("horizontal", "vertical")
+        for ending, value in (("", 23.5), ("_interval", [23.1, 24.6]))
+    }
     row, _ = _errors(found, numbers)
     assert row.question.startswith("A rover anywhere: horizontal, 95 % of fixes")
-    assert row.written.startswith("23.50 ± 0.98") and "2, 8, 5, 3 m (radial" in row.sure
+    assert row.written.startswith("23.1 to 24.6") and "in 95 of 100 cases" in row.sure
+    assert "2, 8, 5, 3 m (radial" in row.sure
     assert _errors(replace(met, design=replace(met.design, signal=None)), {}) == []
-    told = accurate(replace(found, mapped=SimpleNamespace(numbers=lambda: numbers)))
-    assert told.startswith("A rover anywhere knows its place to 23.50 ± 0.98 m horizontally: 95 %")
+    mapped = SimpleNamespace(numbers=lambda: numbers, value=met.mapped.value)
+    told = accurate(replace(found, mapped=mapped))
+    assert "knows its place within 23.1 to 24.6 m horizontally: 95 % of its fixes" in told
 
 
 def test_maps_and_losses_of_a_page(met):

@@ -81,7 +81,7 @@ def test_it_is_said_why_errors_and_levels_are_infinite():
         step_deg=30, epochs=5, duration_h=7, budget_s=0.01,
     )  # fmt: skip
     known = made.to_dict()
-    four = float(made.dataset.global_fold_share.sel(global_fold=4))
+    four = float((made.drawn.count >= 4).mean())
     assert known["fewer_than_four_share"] == pytest.approx(1 - four) and 0.01 < four < 0.99
     reasons = known["fewer_than_four_share"] + known["singular_share"]
     assert reasons == pytest.approx(1 - known["fix_share"]) and known["masked_share"] > 0.01

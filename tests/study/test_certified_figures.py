@@ -9,6 +9,8 @@ import compass
 from compass.coverage.certified_effort import Effort
 from compass.coverage.share import mean_fold_shares
 from compass.errors import ArgumentError
+from compass.quantities.draws import quantile_bounds
+from compass.quantities.percentile import percentile
 from compass.study.certified import certified_figures
 from compass.study.mapping import MapOptions
 
@@ -75,12 +77,15 @@ def test_without_bounds_the_sample_is_said(seed_design, monkeypatch):
     monkeypatch.setattr("compass.coverage.certified_geometry.BUDGET_BOXES", 0)
     made = compass.map(seed_design, step_deg=30, epochs=2)
     numbers, evidence = made.numbers(), made.evidence()
-    sampled = made.dataset.global_dop.sel(dop="gdop", global_percentile=95)
-    assert numbers["gdop"]["p95"] == sampled < np.inf
-    assert numbers["availability"] == made.dataset.global_availability > 0.0
+    values = made.drawn.values
+    assert numbers["gdop"]["p95"] == percentile(values["gdop"], 95) < np.inf
+    assert numbers["gdop"]["p95_interval"] == list(quantile_bounds(values["gdop"], 95))
+    assert numbers["availability"] == (values["pdop"] <= 6.0).mean() > 0.0
+    assert made.dataset.attrs["gdop_p95_interval"] == numbers["gdop"]["p95_interval"]
     assert not [name for name in (*numbers, *numbers["gdop"]) if name.endswith("_bracket")]
-    assert not {"availability", "gdop.p95"} & set(evidence)
-    assert "No figures are known between bounds" in str(made) and "∞" not in str(made)
+    for name in ("availability", "gdop.p95", "fold_share.5"):
+        assert evidence[name].startswith("bounds that hold in 95 of 100 cases")
+    assert "No figures are known between proven bounds" in str(made) and "∞" not in str(made)
     assert "availability_bracket" not in made.dataset.attrs
     beyond = {"p95": np.inf, "p95_bracket": [1e5, np.inf]}  # the largest limit looked at
     assert str(made._percentile("gdop", {"gdop": beyond}, "p95")) == "∞"
