@@ -30,12 +30,12 @@ def share_bounds(share: float, draws: int) -> tuple[float, float]:
     ----------
     Clopper and Pearson 1934, Biometrika 26, 404-413.
     """
-    from scipy.stats import beta
+    from scipy.special import betaincinv  # statistics load much more than they need
 
     hits, tail = share * draws, 0.5 * (1.0 - CONFIDENCE)
     return (
-        float(beta.ppf(tail, hits, draws - hits + 1)) if hits > 0 else 0.0,
-        float(beta.ppf(1.0 - tail, hits + 1, draws - hits)) if hits < draws else 1.0,
+        float(betaincinv(hits, draws - hits + 1, tail)) if hits > 0 else 0.0,
+        float(betaincinv(hits + 1, draws - hits, 1.0 - tail)) if hits < draws else 1.0,
     )
 
 
@@ -50,13 +50,14 @@ def quantile_bounds(values: NDArray[np.float64], percent: float) -> tuple[float,
     ----------
     David and Nagaraja 2003, Order Statistics, 3rd edition, section 7.1.
     """
-    from scipy.stats import binom
+    from scipy.special import bdtr
 
     n, order = values.size, np.sort(values)
     tail = 0.5 * (1.0 - CONFIDENCE)
     # fewer than `low` lie below with less than the tail's probability, and so above
-    low = int(binom.ppf(tail, n, percent / 100))
-    high = int(binom.ppf(1.0 - tail, n, percent / 100)) + 1
+    below = bdtr(np.arange(n + 1), n, percent / 100)
+    low, high = (int(np.searchsorted(below, share)) for share in (tail, 1.0 - tail))
+    high += 1
     return (
         float(order[low - 1]) if low >= 1 else -np.inf,
         float(order[high - 1]) if high <= n else np.inf,
