@@ -116,6 +116,10 @@ class MapResult(Result):
 
     def numbers(self) -> dict[str, Any]:
         """Numbers over all area and time; certified ones are the middle of their brackets."""
+        return self._numbers
+
+    @cached_property
+    def _numbers(self) -> dict[str, Any]:
         numbers = statistics(self.dataset, self.drawn)
         if self.certified:
             known = self.certified.numbers()

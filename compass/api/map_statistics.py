@@ -3,11 +3,9 @@
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compass.coverage.drawn import Drawn
-from compass.quantities.draws import quantile_bounds, share_bounds
-from compass.quantities.percentile import percentile
+from compass.quantities.draws import percentiles, share_of
 from compass.ranging import FACTOR_95
 from compass.words import counted
 
@@ -40,13 +38,13 @@ def statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, A
     """
     shares, dops = dataset.global_fold_share, dataset.dop.values.tolist()
     if drawn:
-        folds = [known_share(str(k), drawn.count >= k) for k in folds_met(dataset)]
+        folds = [share_of(str(k), drawn.count >= k) for k in folds_met(dataset)]
         good = drawn.values["pdop"] <= dataset.attrs["pdop_threshold"]
         known = {
             "fold_share": {key: value for each in folds for key, value in each.items()},
-            **known_share("availability", good),
+            **share_of("availability", good),
         }
-        dilutions = {name: _percentiles(dataset, drawn.values[name]) for name in dops}
+        dilutions = {name: percentiles(drawn.values[name], _percents(dataset)) for name in dops}
     else:
         known = {
             "fold_share": {str(k): float(shares.sel(global_fold=k)) for k in folds_met(dataset)},
@@ -70,26 +68,14 @@ def statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, A
     }
 
 
-def known_share(name: str, hits: NDArray[np.bool_]) -> dict[str, Any]:
-    """The share of draws that had something, and its bounds beside it."""
-    share = float(hits.mean())
-    return {name: share, f"{name}_interval": list(share_bounds(share, hits.size))}
-
-
-def _percentiles(dataset: "xr.Dataset", values: NDArray[np.float64]) -> dict[str, Any]:
-    """Percentiles of draws, and their bounds beside them."""
-    found: dict[str, Any] = {}
-    order = np.sort(values)
-    for q in dataset.global_percentile.values.tolist():
-        found[f"p{q}"] = float(percentile(order, q))
-        found[f"p{q}_interval"] = list(quantile_bounds(order, q))
-    return found
+def _percents(dataset: "xr.Dataset") -> list[int]:
+    """Which percentiles a map tells."""
+    return list(dataset.global_percentile.values.tolist())
 
 
 def _of_cells(dataset: "xr.Dataset", values: "xr.DataArray") -> dict[str, Any]:
     """Percentiles of cells and epochs."""
-    percents = dataset.global_percentile.values.tolist()
-    return {f"p{q}": float(values.sel(global_percentile=q)) for q in percents}
+    return {f"p{q}": float(values.sel(global_percentile=q)) for q in _percents(dataset)}
 
 
 def folds_met(dataset: "xr.Dataset") -> list[int]:
@@ -108,7 +94,9 @@ def error_statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[
     for name in dataset.error.values.tolist():
         if drawn and name in drawn.values:
             values = drawn.values[name]
-            found[name] = _percentiles(dataset, values) | known_share("share", values <= limit)
+            found[name] = percentiles(values, _percents(dataset)) | share_of(
+                "share", values <= limit
+            )
             continue
         of = dataset.sel(error=name)
         found[name] = _of_cells(dataset, of.global_error) | {"share": float(of.global_error_share)}
@@ -130,10 +118,7 @@ def _budget(dataset: "xr.Dataset", found: dict[str, Any]) -> dict[str, Any]:
         of = dataset.sel(error=name)
         by_error[name] = {
             "parts": dict(zip(parts, of.fix_part.values.tolist(), strict=True)),
-            "geometry": {
-                f"p{q}": found[name][f"p{q}"] / sigma
-                for q in dataset.global_percentile.values.tolist()
-            },
+            "geometry": {f"p{q}": found[name][f"p{q}"] / sigma for q in _percents(dataset)},
         }
     of_range = dict(zip(parts, dataset.range_part.values.tolist(), strict=True))
     return {"fix_budget": {"range_error_m": sigma, "range_parts": of_range, **by_error}}
@@ -147,13 +132,13 @@ def protection_statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> 
     found: dict[str, Any] = {}
     for name in dataset.level.values.tolist():
         if drawn and name in drawn.values:
-            found[name] = _percentiles(dataset, drawn.values[name])
+            found[name] = percentiles(drawn.values[name], _percents(dataset))
         else:
             found[name] = _of_cells(dataset, dataset.global_protection.sel(level=name))
     found["detection_share"] = float(shares.sel(protected="detectable"))
     for name, protected in PROTECTED.items():
         if drawn and protected in drawn.protected:
-            found |= known_share(name, drawn.protected[protected])
+            found |= share_of(name, drawn.protected[protected])
         else:
             found[name] = float(shares.sel(protected=protected))
     return found | no_level(dataset) | _after_loss(dataset)
@@ -171,9 +156,9 @@ def no_fix(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, Any]:
     if drawn and drawn.satellites >= 4:
         fixed, four = np.isfinite(drawn.values["pdop"]), drawn.count >= 4
         known = {
-            **known_share("fix_share", fixed),
-            **known_share("fewer_than_four_share", ~four),
-            **known_share("singular_share", four & ~fixed),
+            **share_of("fix_share", fixed),
+            **share_of("fewer_than_four_share", ~four),
+            **share_of("singular_share", four & ~fixed),
         }
     else:
         fix_share, in_view = float(dataset.global_fix_share), in_view_share(dataset, 4)

@@ -1,5 +1,7 @@
-"""Percentiles of what was drawn, with the bounds that so few draws leave them."""
+"""Percentiles and shares of what was drawn, with the bounds that so few draws leave them."""
 
+from collections.abc import Sequence
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -11,17 +13,30 @@ from compass.quantities.percentile import percentile
 CONFIDENCE = 0.95
 
 
-def percentiles(values: NDArray[np.float64]) -> dict[str, Any]:
-    """Median and 95th percentile of independent draws, with their bounds, ``p95_interval``."""
+def percentiles(
+    values: NDArray[np.float64], percents: Sequence[float] = (50, 95)
+) -> dict[str, Any]:
+    """Percentiles of independent draws, ``p95``, with their bounds, ``p95_interval``."""
     found: dict[str, Any] = {}
-    for percent in (50, 95):
-        found[f"p{percent}"] = float(percentile(values, percent))
-        found[f"p{percent}_interval"] = list(quantile_bounds(values, percent))
+    order = np.sort(values)  # once: what is in order already is sorted at once
+    for percent in percents:
+        found[f"p{percent}"] = float(percentile(order, percent))
+        found[f"p{percent}_interval"] = list(quantile_bounds(order, percent))
     return found
 
 
-def share_bounds(share: float, draws: int) -> tuple[float, float]:
-    """Bounds of a probability by the share of independent draws that had it, as `CONFIDENCE` says.
+def share_of(name: str, hits: NDArray[np.bool_]) -> dict[str, Any]:
+    """Share of independent draws that had something, by its name, with its bounds beside it."""
+    share = float(hits.mean())
+    return {name: share, f"{name}_interval": list(share_bounds(share, hits.size))}
+
+
+def share_bounds(
+    share: float, draws: int, tail: float = 0.5 * (1.0 - CONFIDENCE)
+) -> tuple[float, float]:
+    """Bounds of a probability by the share of independent draws that had it.
+
+    Either is wrong in a share `tail` of all cases at most.
 
     By Clopper and Pearson: the probabilities at which so many or more, and so many or fewer, would
     be as rare as either tail. Of draws that have it in part the bounds are wider than they need be.
@@ -32,7 +47,7 @@ def share_bounds(share: float, draws: int) -> tuple[float, float]:
     """
     from scipy.special import betaincinv  # statistics load much more than they need
 
-    hits, tail = share * draws, 0.5 * (1.0 - CONFIDENCE)
+    hits = share * draws
     return (
         float(betaincinv(hits, draws - hits + 1, tail)) if hits > 0 else 0.0,
         float(betaincinv(hits + 1, draws - hits, 1.0 - tail)) if hits < draws else 1.0,
@@ -50,15 +65,21 @@ def quantile_bounds(values: NDArray[np.float64], percent: float) -> tuple[float,
     ----------
     David and Nagaraja 2003, Order Statistics, 3rd edition, section 7.1.
     """
-    from scipy.special import bdtr
-
     n, order = values.size, np.sort(values)
     tail = 0.5 * (1.0 - CONFIDENCE)
     # fewer than `low` lie below with less than the tail's probability, and so above
-    below = bdtr(np.arange(n + 1), n, percent / 100)
-    low, high = (int(np.searchsorted(below, share)) for share in (tail, 1.0 - tail))
+    low, high = (_binomial_quantile(q, n, percent / 100) for q in (tail, 1.0 - tail))
     high += 1
     return (
         float(order[low - 1]) if low >= 1 else -np.inf,
         float(order[high - 1]) if high <= n else np.inf,
     )
+
+
+def _binomial_quantile(probability: float, draws: int, share: float) -> int:
+    """Fewest hits that so many draws do not exceed with at least a probability."""
+    from scipy.special import bdtr, bdtrik
+
+    hits = max(ceil(bdtrik(probability, draws, share)), 0)
+    # rounding may take the inverse to the next
+    return hits - 1 if hits and bdtr(hits - 1, draws, share) >= probability else hits
