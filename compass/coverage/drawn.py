@@ -12,12 +12,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.error import NUMBERS, Ranges
-from compass.core.integrity import levels_over_time
 from compass.coverage.errors import ERRORS
 from compass.coverage.grid import latitude_of_area
-from compass.coverage.moving import Mover, Sights, fix_errors, ranges_at, seen_along
-from compass.coverage.protection import LEVELS, promise_of
+from compass.coverage.moving import (
+    Mover,
+    Sights,
+    dilutions_along,
+    fix_errors,
+    metre_ranges,
+    ranges_at,
+    seen_along,
+)
+from compass.coverage.protection import levels_along
 from compass.coverage.region import GLOBE
 from compass.coverage.samples import stand
 from compass.coverage.users import region_users
@@ -106,23 +112,16 @@ def drawn(
 def _figures(design: Design, users: Mover, times: Array) -> Drawn:
     """All figures of one user a moment."""
     r, seen, around = seen_along(design, users, times, design.motion)
-    sights = Sights(r, seen, around, _alike(*seen.shape))
-    horizontal, vertical, position, time = fix_errors(design, users, sights).T
+    sights = Sights(r, seen, around, metre_ranges(*seen.shape))
+    values = dilutions_along(design, users, sights)
     protected: dict[str, NDArray[np.bool_]] = {}
-    values = {
-        "gdop": np.hypot(position, time),
-        "pdop": position,
-        "hdop": horizontal,
-        "vdop": vertical,
-        "tdop": time,
-    }
     if design.signal is not None:
         sights = replace(sights, ranges=ranges_at(design, times, design.motion))
         values |= dict(zip(ERRORS, fix_errors(design, users, sights).T, strict=True))
-        if design.integrity is not None and design.constellation.size >= FEWEST:
-            across, up = levels = _levels(design, users, sights).T
-            values |= dict(zip(LEVELS, levels, strict=True))
-            promise = design.integrity
+        if (promise := design.integrity) and design.constellation.size >= FEWEST:
+            levels = levels_along(design, users, sights)
+            values |= levels
+            across, up = levels.values()
             within = across <= promise.alert_horizontal, up <= promise.alert_vertical
             protected = {
                 "horizontal": within[0],
@@ -130,27 +129,3 @@ def _figures(design: Design, users: Mover, times: Array) -> Drawn:
                 "both": within[0] & within[1],
             }
     return Drawn(design.constellation.size, around, values, protected)
-
-
-def _alike(moments: int, satellites: int) -> Ranges:
-    """Ranges of one metre all: errors of a fix are dilutions then."""
-    forms = np.zeros((moments, satellites, 10))
-    forms[..., 9] = 1.0
-    return Ranges(forms, np.zeros((moments, 3)), np.zeros(2), np.zeros(NUMBERS))
-
-
-def _levels(design: Design, users: Mover, sights: Sights) -> Array:
-    """Protection levels of one user a moment, shape (t, 2)."""
-    assert design.integrity is not None
-    levels = np.empty((len(users.r), len(LEVELS)))
-    levels_over_time(
-        np.ascontiguousarray(users.r / design.figure.equatorial_radius),
-        np.ascontiguousarray(users.axes),
-        sights.r,
-        sights.seen,
-        users.aloft,
-        sights.ranges,
-        promise_of(design.integrity, sights.r.shape[1]),
-        levels,
-    )
-    return levels

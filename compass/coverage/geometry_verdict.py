@@ -365,9 +365,8 @@ def _verdict(
         latitude = centric(users.south, users.figure)
         verdict = replace(verdict, worst=Worst(None, latitude, None, least.high, "share"))
     if met is None:
-        late = f", stopped early ({least.stopped}); --budget-s (budget_s) looks longer"
-        late = late if least.stopped else ""
-        bounds = f"lies between {low:.6g} and {high:.6g}"
-        reason = f"the share with {asked.title} {bounds}"
-        return replace(verdict, reason=reason + late)
+        reason = f"the share with {asked.title} lies between {low:.6g} and {high:.6g}"
+        if least.stopped:
+            reason += f", stopped early ({least.stopped}); --budget-s (budget_s) looks longer"
+        return replace(verdict, reason=reason)
     return verdict

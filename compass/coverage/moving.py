@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.error import Ranges, errors_over_time
+from compass.core.error import NUMBERS, Ranges, errors_over_time
 from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import (
@@ -226,6 +226,28 @@ def errors_along(
     """
     sights = sights_along(design, mover, times, motion, beam=beam)
     return sights.seen.sum(axis=1), fix_errors(design, mover, sights), sights.around
+
+
+def metre_ranges(moments: int, satellites: int) -> Ranges:
+    """Ranges of one metre all: errors of a fix are dilutions then."""
+    forms = np.zeros((moments, satellites, 10))
+    forms[..., 9] = 1.0
+    return Ranges(forms, np.zeros((moments, 3)), np.zeros(2), np.zeros(NUMBERS))
+
+
+def dilutions_along(design: Design, mover: Mover, sights: Sights) -> dict[str, Array]:
+    """Dilutions of a user's fixes at every epoch by name; infinite without one.
+
+    `sights` are with `metre_ranges`.
+    """
+    horizontal, vertical, position, time = fix_errors(design, mover, sights).T
+    return {
+        "gdop": np.hypot(position, time),
+        "pdop": position,
+        "hdop": horizontal,
+        "vdop": vertical,
+        "tdop": time,
+    }
 
 
 def fix_errors(design: Design, mover: Mover, sights: Sights) -> Array:

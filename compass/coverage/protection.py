@@ -9,13 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.error import Ranges
-from compass.core.integrity import FACTOR, RISK, Promise, empty_level_histograms, protection_row
+from compass.core.integrity import (
+    FACTOR,
+    RISK,
+    Promise,
+    empty_level_histograms,
+    levels_over_time,
+    protection_row,
+)
 from compass.core.ranking import histogram_quantile
 from compass.coverage.errors import PERCENTILES, finite_share
 from compass.coverage.grid import Grid
 from compass.coverage.maps import CELL_PERCENTILES, nearest_ranks
+from compass.coverage.moving import Mover, Sights
 from compass.coverage.rows import Part, Rows, by_threads, gathered
 from compass.coverage.view import View
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.integrity import Integrity
 from compass.signal.ranges import RangeErrors
@@ -57,6 +66,23 @@ def promise_of(integrity: Integrity, satellites: int) -> Promise:
         np.array([integrity.unmonitored(n) for n in range(satellites + 1)]) / integrity.hazard,
         np.array([integrity.alert_horizontal, integrity.alert_vertical]),
     )
+
+
+def levels_along(design: Design, mover: Mover, sights: Sights) -> dict[str, NDArray[np.float64]]:
+    """Protection levels of a user at every epoch, m, by `LEVELS`; infinite where there is none."""
+    assert design.integrity is not None
+    levels = np.empty((len(mover.r), len(LEVELS)))
+    levels_over_time(
+        np.ascontiguousarray(mover.r / design.figure.equatorial_radius),
+        np.ascontiguousarray(mover.axes),
+        sights.r,
+        sights.seen,
+        mover.aloft,
+        sights.ranges,
+        promise_of(design.integrity, sights.r.shape[1]),
+        levels,
+    )
+    return dict(zip(LEVELS, levels.T, strict=True))
 
 
 def protection_map(

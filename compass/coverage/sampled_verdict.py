@@ -6,24 +6,30 @@ normal number four of its sigmas. Samples refute an always, and never prove one.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import betaincinv
 
-from compass.core.integrity import levels_over_time
 from compass.coverage.errors import ERRORS
 from compass.coverage.fold_verdict import Course
-from compass.coverage.moving import Mover, Sights, fix_errors, sights_along
-from compass.coverage.protection import LEVELS, promise_of
+from compass.coverage.moving import (
+    Mover,
+    Sights,
+    dilutions_along,
+    fix_errors,
+    metre_ranges,
+    seen_along,
+    sights_along,
+)
+from compass.coverage.protection import LEVELS, levels_along
 from compass.coverage.samples import points_in, stand
 from compass.coverage.users import Users, centric
 from compass.coverage.verdict import Verdict, Worst
 from compass.design import DILUTIONS, Design, Requirement
 from compass.errors import ArgumentError
 from compass.frames import east_north_up, latitude_longitude, planetographic_latitude
-from compass.ranging import FACTOR_95, Signal
+from compass.quantities.draws import share_bounds
+from compass.ranging import FACTOR_95
 
 #: Samples of each group of users at first, and at most: doubled until the share is decided.
 FIRST, MOST = 4096, 131072
@@ -33,12 +39,6 @@ DOUBT = 3.167e-5
 
 #: From when on moments are for a claim that holds for ever, on circles where it counts from none.
 EVER = (0.0, 1e7)
-
-#: Ranges of one metre all: errors of a fix are dilutions then.
-ALIKE = Signal(clock_sigma=1.0)
-
-#: Columns of dilutions and of errors among errors of a fix; GDOP is made of two.
-COLUMNS = {"hdop": 0, "vdop": 1, "pdop": 2, "tdop": 3} | {name: k for k, name in enumerate(ERRORS)}
 
 
 def sampled_verdict(
@@ -65,7 +65,7 @@ def sampled_verdict(
     ArgumentError
         Levels without an ``[integrity]`` or a ``[signal]``, errors without a ``[signal]``.
     """
-    design = _worth(design, name)
+    _check_tables(design, name)
     wanted, in_sum = requirement.share, requirement.share_of == "area-time"
     scale = FACTOR_95 if name in ERRORS and requirement.error_as == "95-percent" else 1.0
     found: list[tuple[list[_Samples], tuple[str, ...], int]] = []
@@ -106,8 +106,8 @@ def sampled_verdict(
     )
 
 
-def _worth(design: Design, name: str) -> Design:
-    """Return the design with ranges of one metre for dilutions; else what it needs must be there.
+def _check_tables(design: Design, name: str) -> None:
+    """Refuse a figure whose tables the design has not.
 
     Raises
     ------
@@ -115,14 +115,13 @@ def _worth(design: Design, name: str) -> Design:
         A table is missing.
     """
     if name in DILUTIONS:
-        return replace(design, signal=ALIKE)
+        return
     if design.signal is None:
         raise ArgumentError(
             "signal: missing; errors in metres follow from the errors of ranges: add a [signal]"
         )
     if name in LEVELS and design.integrity is None:
         raise ArgumentError("integrity: missing; levels follow from what is promised: add it")
-    return design
 
 
 class _Samples:
@@ -146,14 +145,16 @@ class _Samples:
     @property
     def low(self) -> float:
         """Bound of the share that keeps the limit, from below."""
-        kept = self.count - self.broken
-        return float(betaincinv(kept, self.broken + 1, DOUBT)) if kept else 0.0
+        return self._bounds[0]
 
     @property
     def high(self) -> float:
         """Bound from above."""
-        kept = self.count - self.broken
-        return float(betaincinv(kept + 1, self.broken, 1.0 - DOUBT)) if self.broken else 1.0
+        return self._bounds[1]
+
+    @property
+    def _bounds(self) -> tuple[float, float]:
+        return share_bounds(1.0 - self.broken / self.count, self.count, DOUBT)
 
     def go_on(self, wanted: float) -> None:
         """Take as many as it needs, each time as many as there are."""
@@ -176,7 +177,7 @@ class _Samples:
         latitude, longitude = _places(users, course.span is None, self.rng, count)
         axes = east_north_up(latitude, longitude)
         mover = Mover("", stand(users, latitude, axes[:, 2]), axes, users.mask)
-        sights = sights_along(design, mover, times, beam=users.beam)
+        sights = _sights(design, name, mover, times, users.beam)
         sights.seen[:, gone] = False
         values = _values(design, name, mover, sights)
         self.count += count
@@ -205,23 +206,20 @@ def _places(
     return planetographic_latitude(latitude, users.figure), longitude
 
 
+def _sights(
+    design: Design, name: str, mover: Mover, times: NDArray[np.float64], beam: float | None
+) -> Sights:
+    """Who is in view, with ranges that are alike for dilutions."""
+    if name not in DILUTIONS:
+        return sights_along(design, mover, times, beam=beam)
+    seen = seen_along(design, mover, times, design.motion, beam)
+    return Sights(*seen, metre_ranges(*seen[1].shape))
+
+
 def _values(design: Design, name: str, mover: Mover, sights: Sights) -> NDArray[np.float64]:
     """Value of the figure at each sample, infinite where there is none."""
-    if name not in LEVELS:
-        errors = fix_errors(design, mover, sights)
-        if name == "gdop":
-            return np.hypot(errors[:, COLUMNS["pdop"]], errors[:, COLUMNS["tdop"]])
-        return errors[:, COLUMNS[name]]
-    assert design.integrity is not None
-    levels = np.empty((len(mover.r), len(LEVELS)))
-    levels_over_time(
-        np.ascontiguousarray(mover.r / design.figure.equatorial_radius),
-        np.ascontiguousarray(mover.axes),
-        sights.r,
-        sights.seen,
-        mover.aloft,
-        sights.ranges,
-        promise_of(design.integrity, sights.r.shape[1]),
-        levels,
-    )
-    return levels[:, list(LEVELS).index(name)]
+    if name in DILUTIONS:
+        return dilutions_along(design, mover, sights)[name]
+    if name in LEVELS:
+        return levels_along(design, mover, sights)[name]
+    return dict(zip(ERRORS, fix_errors(design, mover, sights).T, strict=True))[name]
