@@ -226,38 +226,27 @@ def assessment_dataset(assessment: Assessment) -> "xr.Dataset":
     """Everything over time: the trajectory's variables, view, observability, bound and errors."""
     data = trajectory_dataset(assessment.flight)
     mc, by_time = assessment.monte_carlo, ("time",)
+    observability, bound = assessment.observability, assessment.bound
     columns = {
         "observability_degree": (
-            assessment.observability.spherical_degree,
+            observability.spherical_degree,
             "1",
             "smallest over largest singular value of the observability matrix of radius, angles "
             "and speed, in m, s, rad",
         ),
         "observability_degree_scaled": (
-            assessment.observability.degree,
+            observability.degree,
             "1",
             "the same of position and velocity, with lengths in 3400 km and times in 100 s",
         ),
-        "observability_rank": (
-            assessment.observability.rank,
-            "1",
-            "rank of the observability matrix",
-        ),
+        "observability_rank": (observability.rank, "1", "rank of the observability matrix"),
         "geometric_index": (
-            assessment.observability.index,
+            observability.index,
             "1",
             "sum over triples of beacons of [n_i . (n_j x n_k)]^2",
         ),
-        "position_bound": (
-            assessment.bound.position_sigma,
-            "m",
-            "Cramer-Rao bound of the position",
-        ),
-        "velocity_bound": (
-            assessment.bound.velocity_sigma,
-            "m s-1",
-            "Cramer-Rao bound of the velocity",
-        ),
+        "position_bound": (bound.position_sigma, "m", "Cramer-Rao bound of the position"),
+        "velocity_bound": (bound.velocity_sigma, "m s-1", "Cramer-Rao bound of the velocity"),
         "position_rms_error": (mc.position_rms, "m", "root mean square position error"),
         "velocity_rms_error": (mc.velocity_rms, "m s-1", "root mean square velocity error"),
         "position_sigma": (_mean_sigma(mc, 0), "m", "position sigma claimed by the filter"),

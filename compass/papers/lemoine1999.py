@@ -41,7 +41,7 @@ _DIFFERENCES = (
     "here the Earth tracks all day, errors of the field stand for degrees to 3 of a later one, and "
     "neither drag nor desaturation manoeuvres are there; of February's cross-track passes of 8 h a "
     "day would make up to 2.6 m, a field ten times less known 7.2 m and seven times the radial "
-    "overlap printed; the paper's own fields decide: five of them gave 42.64 to 10034 m"
+    "overlap printed; five of the paper's own fields gave 42.64 to 10034 m: which it is may decide"
 )
 
 
