@@ -14,7 +14,8 @@ from compass.cli.shared import check_outputs, command_line, emit_json, say, want
 def command(design: Path, output: Path | None, opened: bool | None) -> None:
     """Show a DESIGN on a globe: one page, without a network, opened in a browser.
 
-    Satellites move with a slider; every place shows how many it sees, or its GDOP.
+    Satellites move with a slider; every place shows how many it sees, its GDOP or, of a design
+    with a table [signal], how many metres a fix errs there.
     """
     page = output or Path("views") / f"{design.stem}.html"
     read = compass.read_design(design)

@@ -5,7 +5,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from compass.api.given import given_design
+from compass.api.given import given_in_metres
 from compass.api.results import Result
 from compass.arguments import checked
 from compass.design import Design
@@ -83,7 +83,7 @@ def view(design: Design | str | Path, *, command: str = "") -> ViewResult:
     >>> "canvas" in compass.view("designs/compass-15-5-1.toml").page
     True
     """
-    shown = given_design(design)
+    shown = given_in_metres(design)
     made = provenance(shown, command)
     rows = [
         ("command", command or "made from Python"),

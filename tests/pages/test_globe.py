@@ -7,12 +7,16 @@ import numpy as np
 import pytest
 
 import compass
+from compass.coverage.errors import error_map
+from compass.coverage.grid import make_grid
 from compass.coverage.site import site_coverage
+from compass.coverage.view import view
 from compass.inputs import read_design_text
 from compass.orbits import positions_mcmf
 from compass.pages.globe.scene import scene
 from compass.pictures.colours import count_colours, count_map
 from compass.pictures.relief import elevation, finer_shade, shade
+from compass.signal.ranges import range_errors
 from compass.sites import Mask, Site
 
 OVAL = """
@@ -32,6 +36,41 @@ name = "</script>"
 latitude_deg = 10
 longitude_deg = 20
 """
+
+#: Every term of a range's error, clocks that know of their orbits, one satellite worse.
+METRES = """
+name = "in metres"
+figure = "iau-ellipsoid"
+[constellation]
+pattern = "walker-delta"
+satellites = 15
+planes = 5
+phasing = 1
+inclination_deg = 45
+radius_km = 20427
+[motion]
+model = "j2"
+[coverage]
+mask_deg = 5
+[[station]]
+name = "A"
+latitude_deg = 3
+longitude_deg = 5
+[[link]]
+between = ["satellite", "station"]
+frequency_mhz = 2200
+eirp_dbw = 10
+g_over_t_db_per_k = -25
+[signal]
+clock = "rafs"
+update_h = 6
+covariance_m2 = MATRICES
+common_m = { time = 1.5, orientation_mas = 3 }
+receiver = { noise_m = 0.5, zenith_m = 0.5, chip_m = 150 }
+ionosphere_tec = 10
+"""
+ONE = [[4, 1, 0, 2], [1, 64, 0, -3], [0, 0, 25, 0], [2, -3, 0, 9]]
+WORSE = [[900, 0, 0, 0], [0, 400, 0, 0], [0, 0, 100, 0], [0, 0, 0, 400]]
 
 
 def test_paths_of_the_scene_are_those_of_the_orbits(seed_design):
@@ -119,6 +158,47 @@ def test_numbers_of_the_globe_are_those_of_the_map(browser, tmp_path, seed_desig
 
 
 @pytest.mark.browser
+@pytest.mark.parametrize("matrices", [ONE, [WORSE, *[ONE] * 14]], ids=["alike", "each"])
+def test_metres_of_the_globe_are_those_of_the_map(browser, tmp_path, matrices):
+    design = read_design_text(METRES.replace("MATRICES", str(matrices)))
+    page = compass.view(design).write(tmp_path / "globe.html")
+    assert page.stat().st_size < 6e6
+    browser.get(page.as_uri())
+    figure, times = design.figure, [0.0, 30_000.0]
+    grid = make_grid("equal-angle", 20.0, figure.polar_radius / figure.equatorial_radius)
+    places = [(lat, lon) for lat in np.degrees(grid.latitude) for lon in np.degrees(grid.longitude)]
+    script = """
+      const globe = document.querySelector(".globe").globe, names = arguments[2];
+      return arguments[0].map(t => arguments[1].map(([lat, lon]) => {
+        const found = globe.at(lat, lon, t);
+        return names.map(name => Number.isFinite(found[name]) ? found[name] : null);
+      }));
+    """
+    names = ["error_horizontal_m", "error_vertical_m", "error_position_m", "error_time_m"]
+    shown = np.array(browser.execute_script(script, times, places, names), dtype=float)
+    for values, t in zip(shown, times, strict=True):
+        sky = view(design.constellation, [t], figure.equatorial_radius, design.mask, design.motion)
+        mapped = error_map(sky, grid, range_errors(design, [t]))
+        for k, name in enumerate(names):
+            wanted = mapped[name].sel(percentile=50).values.ravel()
+            assert np.isfinite(wanted).mean() > 0.9  # one epoch: every percentile is its value
+            assert np.allclose(np.nan_to_num(values[:, k], nan=np.inf), wanted, rtol=1e-4)
+    canvas = browser.find_element("css selector", ".globe canvas")
+    before = browser.execute_script("return arguments[0].toDataURL()", canvas)
+    browser.find_element("css selector", "option[value=error_vertical_m]").click()
+    assert browser.execute_script("return arguments[0].toDataURL()", canvas) != before
+    assert "100 m" in browser.find_element("css selector", ".legend").text
+    canvas.send_keys("\ue015")  # arrow down: values of the middle, without a pointer
+    told = browser.find_element("css selector", ".readout").text
+    middle = browser.execute_script(
+        "const g = document.querySelector('.globe').globe;"
+        "return g.at(g.lat * 180 / Math.PI, g.lon * 180 / Math.PI, g.time)"
+    )
+    assert f"vertical error {middle['error_vertical_m']:.3g} m" in told
+    assert browser.get_log("browser") == []
+
+
+@pytest.mark.browser
 def test_the_globe_moves_and_obeys_the_keyboard(browser, tmp_path, seed_design):
     path = compass.view(seed_design).write(tmp_path / "globe.html")
     browser.get(path.as_uri())
@@ -146,7 +226,7 @@ def test_the_globe_moves_and_obeys_the_keyboard(browser, tmp_path, seed_design):
     browser.find_element("name", "far").click()
     assert state()[3] < 0.2
     browser.find_element("css selector", "option[value=gdop]").click()
-    assert "none" in browser.find_element("css selector", ".legend").text
+    assert "no fix" in browser.find_element("css selector", ".legend").text
     sideways = {"width": 844, "height": 390, "deviceScaleFactor": 1, "mobile": True}
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", sideways)
     assert 300 < canvas.size["height"] < 390  # a phone held sideways shows all of it

@@ -14,6 +14,10 @@ _CAPTION = (
     "What the satellites see at the moment of the slider, computed in the page. Red: fewer in view "
     "than wanted. Squares: stations, green while they see enough."
 )
+_HINT = (
+    "Point at a place for its values; drag to turn, or use the arrow keys; "
+    "once clicked, the wheel zooms."
+)
 
 
 def globe(design: Design, still: Picture | None = None) -> Interactive:
@@ -23,8 +27,9 @@ def globe(design: Design, still: Picture | None = None) -> Interactive:
     values = json.dumps(shown, allow_nan=False).replace("<", "\\u003c")
     drawn = Environment(autoescape=True, loader=PackageLoader("compass.pages", "globe"))
     html = drawn.get_template("globe.html").render(
-        values=values, duration=shown["duration_s"], gaps=bool(shown["gaps"]), name=design.name
-    )
+        values=values, duration=shown["duration_s"], gaps=bool(shown["gaps"]), name=design.name,
+        fields=shown["fields"], hint=_HINT,
+    )  # fmt: skip
     note = "" if design.mask.is_constant else " The mask is taken at its highest all around."
     title = f"Globe of {design.name}"
     return Interactive(
@@ -34,5 +39,8 @@ def globe(design: Design, still: Picture | None = None) -> Interactive:
 
 @cache
 def script() -> str:
-    """Return the globe's script, once a page."""
-    return (files("compass.pages") / "globe" / "globe.js").read_text(encoding="utf-8")
+    """Return the globe's script, once a page, in a scope of its own."""
+    folder = files("compass.pages") / "globe"
+    parts = (folder / name for name in ("sight.js", "drawing.js", "globe.js"))
+    told = "\n".join(part.read_text(encoding="utf-8") for part in parts)
+    return f"(() => {{\n{told}}})();\n"

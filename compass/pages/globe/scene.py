@@ -1,18 +1,18 @@
 """What the globe draws, as plain values: paths, stations, gaps, relief, colours."""
 
-import base64
 from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import to_rgb
-from numpy.typing import NDArray
 
 from compass.bodies import MARS_ROTATION_RATE
+from compass.coverage.errors import ERRORS
 from compass.coverage.gap import gap, gap_outline
 from compass.design import Design
 from compass.frames import prime_meridian_angle
 from compass.orbits import orbital_period, positions_mci, positions_mcmf, repeat_period
+from compass.pages.globe.worth import packed, worth
 from compass.pictures.colours import count_colours
 from compass.pictures.places import PLACES
 from compass.pictures.relief import shade
@@ -44,7 +44,6 @@ def scene(design: Design) -> dict[str, Any]:
     duration = min(duration, step * (samples - 1))
     times = np.linspace(0.0, duration, samples)
     path = np.moveaxis(positions_mcmf(c, times, design.motion), 0, 1) / KM
-    low, high = quantity("gdop").limits or (1.0, 10.0)
     return {
         "names": list(c.satellite_names),
         "groups": [n % len(CYCLE) for n in _planes(design)],
@@ -74,9 +73,10 @@ def scene(design: Design) -> dict[str, Any]:
         "places": [(p.name, p.latitude_deg, p.longitude_deg) for p in PLACES if not p.landing],
         "relief": packed(np.rint(255 * shade()).astype(np.uint8)),
         "count_colours": [_rgb(colour) for colour in count_colours(design.fold, MOST_COUNTED)],
-        "gdop_colours": [*(_rgb(x) for x in colormaps["magma_r"](np.linspace(0, 1, 40))), _GREY],
-        "gdop_range": [low, high],
-        "gdop_ticks": list(quantity("gdop").ticks),
+        "shades": [_rgb(x) for x in colormaps["magma_r"](np.linspace(0, 1, 40))],
+        "none": _GREY,
+        "fields": [_field(name) for name in ("gdop", *(ERRORS if design.signal else ()))],
+        "worth": worth(design, duration),
     }
 
 
@@ -85,9 +85,16 @@ _LIGHT = tuple(tuple(0.45 + 0.55 * x for x in to_rgb(colour)) for colour in CYCL
 _GREY = [138, 143, 152]
 
 
-def packed(values: NDArray[Any]) -> str:
-    """Bytes of an array as text."""
-    return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode("ascii")
+def _field(name: str) -> dict[str, Any]:
+    """What a dilution or an error is called, and the colours that all pictures of it share."""
+    told = quantity(name)
+    return {
+        "name": name,
+        "title": told.title,
+        "unit": told.shown_unit,
+        "range": told.limits,
+        "ticks": told.ticks,
+    }
 
 
 def _planes(design: Design) -> list[int]:
