@@ -300,7 +300,7 @@ class FoldResult(FoldClaim):
         axes
             Where to; new ones without.
         """
-        from compass.pictures.style import CYCLE, MARS, axes_or_new
+        from compass.pictures.style import CYCLE, MARS, axes_or_new, whole_numbers
 
         drawn = axes_or_new(axes)
         shares = self.coverage.shares
@@ -312,6 +312,7 @@ class FoldResult(FoldClaim):
             ylabel=quantity("fold_share").heading,
             title=f"{self.design.name}: {self.outcome}, {self.fold}-fold",
         )
+        whole_numbers(drawn.xaxis)
         return drawn
 
 

@@ -3,12 +3,21 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.ticker import MaxNLocator
 
 from compass.api.map_result import MapResult
 from compass.document.blocks import Picture
 from compass.pictures.maps import LARGE, draw_map, map_figure, ranged_bar
-from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, look, new_figure, picture
+from compass.pictures.style import (
+    CYCLE,
+    FAINT,
+    HALF,
+    INK,
+    MARS,
+    look,
+    new_figure,
+    picture,
+    whole_numbers,
+)
 from compass.quantities import quantity
 from compass.words import capital
 
@@ -216,7 +225,7 @@ def fold_pictures(dataset: "xr.Dataset") -> list[Picture]:
             ylim=(0, None),
             title="Satellites in view over time",
         )
-        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+        whole_numbers(axes.yaxis)
         axes.margins(x=0)
         axes.grid(True, color=FAINT, alpha=0.4)
         axes.legend(

@@ -18,7 +18,17 @@ from compass.orbits import Constellation, orbital_period, positions_mcmf
 from compass.orbits.symmetry import one_circle
 from compass.pages.neighbours import Neighbour
 from compass.pictures.maps import LARGE, draw_map
-from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, look, new_figure, picture
+from compass.pictures.style import (
+    CYCLE,
+    FAINT,
+    HALF,
+    INK,
+    MARS,
+    look,
+    new_figure,
+    picture,
+    whole_numbers,
+)
 from compass.words import counted
 
 
@@ -175,7 +185,7 @@ def _fold_over_time(
         above.set(ylabel="exact fold", title="Fold over one orbit, exact at each moment")
         above.set_ylim(bottom=0)
         above.legend(ncols=3, frameon=False, loc="lower right")
-        above.yaxis.get_major_locator().set_params(integer=True)
+        whole_numbers(above.yaxis)
         below.plot(hours, np.degrees(needed), color=INK, lw=1.2)
         if one_circle(c) and c.size:
             cap = np.degrees(caps_of(c, sphere, mask, 0.0)[1][0])

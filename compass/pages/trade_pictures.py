@@ -5,7 +5,6 @@ from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.ticker import MaxNLocator
 
 from compass.coverage.grid import equal_angle_grid
 from compass.coverage.maps import coverage_map
@@ -16,7 +15,7 @@ from compass.orbits import repeat_period
 from compass.pages.trade_finalists import doubt
 from compass.pictures.front import draw_front, label
 from compass.pictures.maps import draw_map, ranged_bar
-from compass.pictures.style import CYCLE, INK, MARS, look, new_figure, picture
+from compass.pictures.style import CYCLE, INK, MARS, look, new_figure, picture, whole_numbers
 from compass.quantities.merits import MERITS
 from compass.quantities.percentile import percentile
 from compass.sites import Mask
@@ -124,7 +123,7 @@ def _axis(axes: Any, name: str, names: list[Any]) -> np.ndarray:
         axes.set_xlim(-0.6, len(names) - 0.4)
         return np.arange(len(names), dtype=float)
     if name in ("satellites", "planes", "phasing"):
-        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        whole_numbers(axes.xaxis)
     return np.array(names, dtype=float)
 
 
@@ -189,6 +188,8 @@ def sensitivity_pictures(study: Study, results: "xr.Dataset") -> list[Picture]:
                     color=CYCLE[0],
                     label="median",
                 )
+                if MERITS[objective.figure].quantity.form == "count":
+                    whole_numbers(axes.yaxis)
                 axes.set_ylabel(label(objective.figure, 30), fontsize=8)
             panels[0].legend(frameon=False, fontsize=8)
             title = MERITS[objective.figure].title

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from compass.pictures.style import CYCLE, MARS, axes_or_new, look
+from compass.pictures.style import CYCLE, MARS, axes_or_new, look, whole_numbers
 from compass.quantities import Quantity
 
 if TYPE_CHECKING:
@@ -43,4 +43,6 @@ def draw_bars(
         drawn.set_ylim(max(len(names), 4) - 0.5, -0.5)  # the first on top; no bar too broad
         drawn.set(xlabel=quantity.heading, title=title)
         drawn.grid(axis="x", alpha=0.3)
+        if quantity.form == "count":
+            whole_numbers(drawn.xaxis)
     return drawn

@@ -4,9 +4,9 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.ticker import MaxNLocator, ScalarFormatter
+from matplotlib.ticker import ScalarFormatter
 
-from compass.pictures.style import CYCLE, FAINT
+from compass.pictures.style import CYCLE, FAINT, whole_numbers
 from compass.quantities.merits import MERITS
 from compass.study.bounds import ends
 
@@ -33,7 +33,7 @@ def draw_front(axes: "Axes", results: "xr.Dataset", a: str, b: str) -> None:
             bars(across[known], low[known], high[known], color=CYCLE[0], lw=1.5)
     for axis, name in ((axes.xaxis, a), (axes.yaxis, b)):
         if MERITS[name].quantity.form == "count":
-            axis.set_major_locator(MaxNLocator(integer=True))
+            whole_numbers(axis)
     least = np.min(y[good], initial=np.inf)
     ratio = np.max(y[good]) / least if np.isfinite(least) and least > 0 else 1.0
     if ratio > 5:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from compass.frames import SECONDS_PER_DAY
-from compass.pictures.style import CYCLE, INK, look
+from compass.pictures.style import CYCLE, INK, look, whole_numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,6 +27,7 @@ def draw_series(axes: "Axes", dataset: "xr.Dataset", name: str, fold: int) -> No
             draw(days, shown, color=CYCLE[k % len(CYCLE)], lw=1.0, label=station)
         if name == "count":
             axes.axhline(fold, color=INK, lw=0.8, ls="--", label=f"{fold} wanted")
+            whole_numbers(axes.yaxis)
         axes.set_xlabel("time after the epoch (days)")
         word = {"count": "satellites in view", "age_h": f"since {fold} were last in view (h)"}
         axes.set_ylabel(word.get(name, f"{name.upper()}, up to {TALLEST:g}"))

@@ -12,10 +12,11 @@ from typing import Any
 
 from matplotlib import font_manager, rc_context
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
-from matplotlib.ticker import LogFormatterMathtext
+from matplotlib.ticker import LogFormatterMathtext, MaxNLocator
 
 from compass.document import Picture
 from compass.pictures.reading import Field, Rows, reading
@@ -160,6 +161,11 @@ def new_figure(width: float = 8.0, height: float = 4.5, **options: Any) -> Figur
 def look() -> Any:
     """Return a context manager: axes made and artists drawn inside take the project's look."""
     return rc_context(_RC | {"font.family": _families()})
+
+
+def whole_numbers(axis: Axis) -> None:
+    """Mark an axis of what is counted at whole numbers alone, be there but one of them on it."""
+    axis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
 
 
 def axes_or_new(axes: Axes | None, width: float = 8.0, height: float = 4.5) -> Axes:
