@@ -9,7 +9,7 @@ def counted(number: float, noun: str) -> str:
 
     Fractions have six digits: ``0.5 days``.
     """
-    hisses = noun.endswith(("ch", "s")) and not noun.endswith("och")
+    hisses = noun.endswith(("ch", "s", "x")) and not noun.endswith("och")
     many = "" if number == 1 else "es" if hisses else "s"
     return f"{number if isinstance(number, Integral) else format(number, 'g')} {noun}{many}"
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_percentile import CertifiedPercentile
+from compass.coverage.certified_rounds import ended
 from compass.coverage.certified_share import CertifiedShare
 from compass.coverage.certified_worst import CertifiedWorst
 from compass.design import PDOP_MAX
@@ -18,6 +19,7 @@ from compass.frames import Figure
 from compass.orbits import Constellation
 from compass.orbits.motion import AnyMotion
 from compass.sites import Mask
+from compass.words import counted
 
 #: How near bounds of a share are to come, of one by fold, and of a percentile, relative to it.
 WIDTH, FOLD_WIDTH, PRECISION = 2e-4, 2e-3, 2e-2
@@ -87,8 +89,8 @@ class CertifiedGeometry:
         percentiles = [p.stopped for of in self.dops.values() for p in of.values()]
         folds = [share.stopped for share in self.folds.values()]
         reasons = [self.availability.stopped, *percentiles, *folds]
-        late = "; ".join(dict.fromkeys(f"stopped early: {why}" for why in reasons if why))
-        how = f"branch and bound, {self.availability.boxes} boxes"
+        late = "; ".join(dict.fromkeys(ended(why) for why in reasons if why))
+        how = f"branch and bound, {counted(self.availability.boxes, 'box')}"
         return "; ".join(part for part in (self.availability.scope, how, late) if part)
 
 

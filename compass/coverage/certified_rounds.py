@@ -17,6 +17,19 @@ PIECE = 2048
 #: and the clock is looked at between pieces.
 WHOLE = 64
 
+#: What it means that a search stopped, by `Rounds.stopped`.
+_ENDED = {
+    "time": "the time allowed was over",
+    "boxes": "as many boxes of places and moments as allowed had been looked at",
+    "resolution": "smaller boxes could not be told apart",
+    "interrupted": "it was interrupted",
+}
+
+
+def ended(stopped: str) -> str:
+    """Why a search ended with its bounds wider apart than wanted, in words."""
+    return f"ended early: {_ENDED.get(stopped, stopped)}"
+
 
 def fewer(boxes: int, satellites: int) -> int:
     """Boxes of a piece of work that takes as long with many satellites as `boxes` with `WHOLE`."""

@@ -14,7 +14,7 @@ from compass.core.certified.worst import LEAF, pursue
 from compass.cores import shared
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_question import DOPS, Asked, Question
-from compass.coverage.certified_rounds import fewer
+from compass.coverage.certified_rounds import ended, fewer
 from compass.coverage.certified_witness import WorstWitness, dilution_at
 from compass.errors import ArgumentError
 from compass.frames import planetocentric_latitude
@@ -73,7 +73,7 @@ class CertifiedWorst:
     def sentence(self) -> str:
         """What is known, in words."""
         if self.witness is None:
-            return f"not known: stopped early ({self.stopped})"
+            return f"not known: {ended(self.stopped)}"
         w = self.witness
         where = (
             f"latitude {np.degrees(w.latitude):z.3f} deg, longitude {np.degrees(w.longitude):z.3f} "

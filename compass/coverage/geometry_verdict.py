@@ -19,6 +19,7 @@ from compass.coverage.certified_ranges import (
     sigma_allowed,
     skies_of,
 )
+from compass.coverage.certified_rounds import ended
 from compass.coverage.certified_share import CertifiedShare
 from compass.coverage.certified_witness import WorstWitness, in_view
 from compass.coverage.certified_worst import CertifiedAlways
@@ -367,6 +368,6 @@ def _verdict(
     if met is None:
         reason = f"the share with {asked.title} lies between {low:.6g} and {high:.6g}"
         if least.stopped:
-            reason += f", stopped early ({least.stopped}); --budget-s (budget_s) looks longer"
+            reason += f"; {ended(least.stopped)}; --budget-s (budget_s) looks longer"
         return replace(verdict, reason=reason)
     return verdict

@@ -38,7 +38,8 @@ from compass.document.blocks import (
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.symmetry import one_circle
 from compass.pages.access import access_section
-from compass.pages.answers import answer_section, subtitle
+from compass.pages.advice import answer_section
+from compass.pages.answers import subtitle
 from compass.pages.coverage import (
     count_picture,
     dilution_pictures,

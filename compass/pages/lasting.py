@@ -64,10 +64,8 @@ def lasting_answers(design: Design, outlook: Outlook) -> list[Answer]:
     return rows
 
 
-def lasting_promise(design: Design, outlook: Outlook | None) -> str:
-    """How long what was found at the epoch holds, in a sentence, of orbits that last."""
-    if outlook is None or not outlook.lasts:
-        return ""
+def lasting_sentence(design: Design, outlook: Outlook) -> str:
+    """How long it has what is asked of it, in a sentence."""
     row = lasting_answers(design, outlook)[0]
     return f"{row.question} {row.written}."
 

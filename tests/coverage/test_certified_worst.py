@@ -133,7 +133,7 @@ def test_fewer_than_four_in_view_are_infinite_and_told():
 def test_without_time_nothing_is_known():
     found = certified_worst(walker(6, 3, 1), place=Circle(0.3), budget_s=0.0)
     assert (found.low, found.high, found.witness) == (0.0, math.inf, None)
-    assert "stopped early (time)" in found.sentence
+    assert "ended early: the time allowed was over" in found.sentence
     claim = certified_always(walker(6, 3, 1), 5.0, place=Circle(0.3), budget_s=0.0)
     assert claim.outcome == Outcome.UNDECIDED
 

@@ -16,24 +16,22 @@ from compass.cli.search import command as search
 from compass.document import Sampled
 from compass.errors import ArgumentError
 from compass.inputs import read_design_text
+from compass.pages.advice import accurate, answer_section, search_line, what_to_do
 from compass.pages.answers import (
     ANSWERS,
     _dilution,
-    _errors,
-    accurate,
-    answer_section,
     flown,
     geometry,
     latitude_words,
     losses,
     moment_words,
-    search_line,
-    what_to_do,
+    rover_errors,
 )
 from compass.pages.design_results import DesignResults
 from compass.pages.neighbours import Neighbour
 from compass.ranging import Receiver, Signal
 from compass.study.mapping import MapOptions, make_map
+from tests.pages.test_lasting_section import told
 
 FILE = """
 name = "few"
@@ -94,11 +92,11 @@ def test_what_is_met_is_said_with_its_margin_and_how_sure(met):
 
 
 def test_the_advice_names_the_rival_and_what_would_change_it(met):
-    (words,) = what_to_do(met, beside(met, 3.0, 20.0))
+    words = what_to_do(met, beside(met, 3.0, 20.0))
     assert words.startswith("Build it as it is")
     assert "rival of the same size: 90°: 5/5/1, with a mask up to 20° instead of 11." in words
     assert "A mask above 11." in words and "loss of one satellite: then 0 in view" in words
-    (words,) = what_to_do(met, beside(met, 3.0, 4.0))
+    words = what_to_do(met, beside(met, 3.0, 4.0))
     assert "No other phasing or inclination" in words
 
 
@@ -110,10 +108,16 @@ def test_what_is_missed_is_not_to_be_built():
     assert words.startswith("Do not build it for 4-fold coverage above 0°")
     assert "Build 90°: 5/5/1 in its place: as many satellites, with a mask up to 2°." in words
     assert "instead" not in words
-    (words,) = what_to_do(found, beside(found, -80.0, -70.0))  # no rival: its mask is lower still
+    words = what_to_do(found, beside(found, -80.0, -70.0))  # no rival: its mask is lower still
     assert "No other phasing or inclination" in words and "rival" not in words
     line = "compass search --fold 4 --mask-deg 0 --radius-km 20427.7"
     assert line in words and words.endswith(" --max-satellites 64.")
+    # 4 spheres over the part of one that a satellite sees: acos(3396.19 / 20427.7) is 80.4 degrees
+    assert "How many it takes, 10 or more by the area that each sees, is found by" in words
+    assert "In more than half of area and time" in words
+    lost = told(outcome="refuted", days_proven=0.0, loss="0 in view at the equator", keeping=None)
+    words = what_to_do(replace(found, outlook=lost), [])
+    assert "lasts no time: at the epoch 0 in view at the equator. In more than half" in words
     assert losses(found) == []
     assert "missed" in compass.document.text(compass.document.Page("x", section.blocks))
 
@@ -121,7 +125,7 @@ def test_what_is_missed_is_not_to_be_built():
 @pytest.mark.slow
 def test_no_loss_changes_a_refusal():
     found = look(4, lost=1)
-    assert found.fold.coverage.losses and "loss of one" not in what_to_do(found, [])[0]
+    assert found.fold.coverage.losses and "loss of one" not in what_to_do(found, [])
 
 
 def test_the_search_that_is_advised_is_one_that_runs():
@@ -206,9 +210,9 @@ def test_how_accurate_a_fix_is_is_one_sentence():
     none = mapped(gdop={"p50": np.inf, "p95": np.inf, "p50_bracket": (1e5, np.inf)})
     assert accurate(none).endswith("ranges of one moment give no fix.")
     half = mapped(gdop={"p50": 2.0, "p95": 9.0, "p95_bracket": (8.0, np.inf)})
-    assert accurate(half) == "GDOP is below 2 in half of area and time."
+    assert accurate(half).startswith("GDOP is below 2 in half of area and time: a fix")
     most = mapped(gdop={"p50": 2.0, "p95": 3.4, "p95_bracket": (3.4059, 3.4101)})
-    assert accurate(most) == "GDOP is below 3.42 in 95 % of area and time."
+    assert accurate(most).startswith("GDOP is below 3.42 in 95 % of area and time: a fix")
 
 
 def test_requirements_come_first_and_decide_the_advice(met):
@@ -220,12 +224,12 @@ def test_requirements_come_first_and_decide_the_advice(met):
     assert rows[0].question == "ever: 1 satellite, always" and "proven" in rows[0].sure
     assert ANSWERS[1](found)[0].holds is None  # the coverage is not what was asked for
     assert "bracket" not in "".join(row.sure for row in rows)
-    (words,) = what_to_do(found, [])
+    words = what_to_do(found, [])
     missed = [v.requirement.name for v in checked.verdicts if v.met is False]
     assert ("Do not build it" in words) is bool(missed)
     for met_, start in ((True, "Build it as it is: it meets all of its 2"), (None, "Decide after")):
-        told = replace(checked, verdicts=tuple(replace(v, met=met_) for v in checked.verdicts))
-        assert what_to_do(replace(found, checked=told), [])[0].startswith(start)
+        changed = replace(checked, verdicts=tuple(replace(v, met=met_) for v in checked.verdicts))
+        assert what_to_do(replace(found, checked=changed), []).startswith(start)
     assert ANSWERS[0](met) == []
 
 
@@ -237,14 +241,14 @@ def test_a_rover_anywhere_is_answered_where_a_signal_is_known(met):
         for name in ("horizontal", "vertical")
         for ending, value in (("", 23.5), ("_interval", [23.1, 24.6]))
     }
-    row, _ = _errors(found, numbers)
+    row, _ = rover_errors(found, numbers)
     assert row.question.startswith("A rover anywhere: horizontal, 95 % of fixes")
     assert row.written.startswith("23.1 to 24.6") and "in 95 of 100 cases" in row.sure
     assert "2, 8, 5, 3 m (radial" in row.sure
-    assert _errors(replace(met, design=replace(met.design, signal=None)), {}) == []
+    assert rover_errors(replace(met, design=replace(met.design, signal=None)), {}) == []
     mapped = SimpleNamespace(numbers=lambda: numbers, value=met.mapped.value)
-    told = accurate(replace(found, mapped=mapped))
-    assert "knows its place within 23.1 to 24.6 m horizontally: 95 % of its fixes" in told
+    said = accurate(replace(found, mapped=mapped))
+    assert "knows its place within 23.1 to 24.6 m horizontally: 95 % of its fixes" in said
 
 
 def test_maps_and_losses_of_a_page(met):
@@ -285,6 +289,6 @@ def test_a_place_on_the_equator_and_a_gdop_of_nobody_are_words(met):
         "0.2° S",
         "41.8° N",
     ]
-    for low, said in ((1e5, "no fix in so much of it"), (3.4, "3.4 to ∞")):
+    for low, said in ((1e5, "none: over 5 % of it has no fix"), (3.4, "3.4 to ∞")):
         found, holds, sure = _dilution(met, {"p95": np.inf, "p95_bracket": (low, np.inf)}, "p95")
         assert (str(found), holds) == (said, None) and "proven" in sure

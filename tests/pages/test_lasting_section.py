@@ -29,8 +29,8 @@ from compass.pages.lasting import (
     TITLE,
     lasting_advice,
     lasting_answers,
-    lasting_promise,
     lasting_section,
+    lasting_sentence,
     lasting_verdicts,
     until_leap,
 )
@@ -227,8 +227,8 @@ def test_of_paths_known_for_days_no_years_and_no_slots_are_spoken_of():
     assert (row.question, row.written) == (
         "On its given paths it lasts", "1.25 days, all they are given for",
     )  # fmt: skip
-    assert lasting_promise(given, found) == f"{row.question} {row.written}."
-    assert lasting_promise(given, lost) == lasting_promise(given, None) == ""
+    assert lasting_sentence(given, found) == f"{row.question} {row.written}."
+    assert lasting_sentence(given, lost) == "On its given paths it lasts 1.7 days."
     assert lasting_verdicts(given, found)[0].word == "Lasts 1.25 days, all they are given for"
     assert Glance(given, 1.25, 1.25, "").sentence.endswith("1.25 days, all they are given for.")
     # looked at for less than they are given for, or lost there: nobody leaves given paths alone

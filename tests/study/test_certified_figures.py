@@ -64,7 +64,7 @@ def test_drifting_orbits_over_a_duration_have_brackets(seed_design, monkeypatch)
     monkeypatch.setattr("compass.coverage.certified_geometry.BUDGET_BOXES", 0)
     found = certified_figures(seed_design, MapOptions(motion="j2", duration_h=2.0))
     assert "over 2 h from the epoch, mean motion under J2" in found.scope
-    assert "stopped early: boxes" in found.scope
+    assert "ended early: as many boxes of places and moments as allowed" in found.scope
     assert (found.dops["gdop"][95].low, found.dops["gdop"][95].high) == (0.0, np.inf)
     nothing = {"gdop": {}, "pdop": {}, "tdop": {}, "fold_share": {}}
     assert found.numbers() == nothing  # bounds that say nothing are none

@@ -1,0 +1,169 @@
+"""The first section of a design's page: what to do, the answers, the picture that carries them."""
+
+import shlex
+from collections.abc import Sequence
+
+import numpy as np
+
+from compass.allowed import RANGES
+from compass.api.check import CheckResult
+from compass.coverage.cap import cap_radius
+from compass.coverage.certificate import Outcome
+from compass.coverage.certified_percentile import GREATEST
+from compass.design import Design
+from compass.document import Answers, Bracket, Proven, Section, Sentence, Value
+from compass.document.blocks import Block
+from compass.document.numbers import significant
+from compass.orbits.symmetry import one_circle
+from compass.pages.answers import ANSWERS, ENOUGH, LOCATE, known_figure, rover_errors
+from compass.pages.design_results import DesignResults
+from compass.pages.lasting import lasting_advice, lasting_sentence
+from compass.pages.neighbours import Neighbour
+from compass.signal.budget import basis
+
+
+def answer_section(
+    results: DesignResults, carrying: Sequence[Block], neighbours: Sequence[Neighbour]
+) -> Section:
+    """The answers, the picture that carries them, and what to do."""
+    rows = tuple(row for question in ANSWERS for row in question(results))
+    advice = Sentence(what_to_do(results, neighbours))
+    return Section("The answer", (advice, Answers("Met, and how sure", rows), *carrying))
+
+
+def accurate(results: DesignResults) -> str:
+    """How accurate a fix is, in a sentence."""
+    if results.design.constellation.size < ENOUGH:
+        return f"A fix from ranges of one moment takes four satellites in view: see {LOCATE}."
+    numbers = results.mapped.numbers()
+    errors = rover_errors(results, numbers)
+    if errors and not np.isfinite(numbers["rover_horizontal_m"]):
+        none, few = 1.0 - numbers["fix_share"], numbers["fewer_than_four_share"]
+        return (
+            f"A rover has no fix in {significant(100.0 * none, 3)} % of area and time: in "
+            f"{significant(100.0 * few, 3)} % it sees fewer than four satellites."
+        )
+    if errors:
+        return (
+            f"A rover anywhere knows its place within {errors[0].written} horizontally: 95 % of "
+            f"its fixes, in 95 % of area and time, with {basis(results.design)}."
+        )
+    for key, share in (("p95", "95 %"), ("p50", "half")):
+        value = known_figure(results, "gdop", numbers["gdop"], key)
+        if isinstance(value.evidence, Bracket):
+            value = Value(value.quantity, value.evidence.high, Proven())
+        if value.value is not None and np.isfinite(value.value):
+            return (
+                f"GDOP is below {value} in {share} of area and time: a fix, place and time, errs "
+                "less than so many times the error of a range."
+            )
+    if numbers["gdop"].get("p50_bracket", (0.0,))[0] >= GREATEST:
+        return "In more than half of area and time ranges of one moment give no fix."
+    return "In more than half of area and time no bound of GDOP is known."
+
+
+def _of_requirements(checked: CheckResult, real: str) -> str:
+    """What to do about a design that is asked for something of its own."""
+    missed = [v.requirement.name for v in checked.verdicts if v.met is False]
+    open_ = [v.requirement.name for v in checked.verdicts if v.met is None]
+    count = len(checked.verdicts)
+    if missed:
+        listed = ", ".join(f"“{name}”" for name in missed)
+        which = (
+            f"its requirement {listed}" if count == 1 else f"{listed} of its {count} requirements"
+        )
+        line = search_line(checked.design, f"--require {shlex.quote(checked.design.label)}")
+        remedy = f"What meets {'it' if count == 1 else 'all'} is found by {line}."
+        return f"Do not build it as it is: it misses {which}. {remedy}"
+    if open_:
+        listed = ", ".join(f"“{name}”" for name in open_)
+        return f"Decide after a finer look: {listed} cannot be told yet. {real}"
+    said = f"it meets {'its requirement' if count == 1 else f'all of its {count} requirements'}"
+    return f"Build it as it is: {said}." if not real else f"On undisturbed orbits {said}. {real}"
+
+
+def search_line(design: Design, wanted: str) -> str:
+    """The command line that finds the smallest that has what is `wanted`.
+
+    At the design's own radius, where its orbits are circles of one, else at the areosynchronous.
+    """
+    axes = design.constellation.semi_major_axis / 1e3
+    own = axes.size and one_circle(design.constellation)
+    orbit = f"--radius-km {axes[0]:.6g}" if own else "--orbit areosynchronous"
+    most = RANGES["max_satellites"].most  # sizes are tried one after the other, up to the first
+    return f"compass search {wanted} {orbit} --max-satellites {most:g}"
+
+
+def what_to_do(results: DesignResults, neighbours: Sequence[Neighbour]) -> str:
+    """Recommend; say how long it lasts and how accurate it is, its rival, what would change it."""
+    result, outlook = results.fold, results.outlook
+    wanted = f"{result.fold}-fold coverage above {result.mask_deg:g}°"
+    missed = result.outcome is Outcome.REFUTED
+    if results.checked is not None:
+        missed = any(verdict.met is False for verdict in results.checked.verdicts)
+    # what has it from the first is told how to keep it; all else how long it has it
+    keeping = "" if missed or outlook is None else lasting_advice(results.design, outlook)
+    lasts = "" if keeping or outlook is None else lasting_sentence(results.design, outlook)
+    fix = accurate(results)
+    if results.checked is not None:
+        fix = fix.replace("GDOP is below", "Over all of Mars GDOP is below")
+        return _told(_of_requirements(results.checked, keeping), lasts, fix)
+    when = result.scope.split(",")[0]
+    words = {
+        Outcome.PROVEN: f"Build it as it is: it has {wanted}, proven {when}."
+        if not keeping
+        else f"It has {wanted}, proven {when} on undisturbed orbits. {keeping}",
+        Outcome.REFUTED: f"Do not build it for {wanted}: there is a place and a moment without.",
+    }.get(result.outcome, f"Decide after a finer look: {wanted} is neither proven nor refuted.")
+    return _told(words, lasts, fix, *_rivals(results, neighbours), *_of_losses(results))
+
+
+def _told(*sentences: str) -> str:
+    return " ".join(sentence for sentence in sentences if sentence)
+
+
+def _rivals(results: DesignResults, neighbours: Sequence[Neighbour]) -> list[str]:
+    """What to build in its place, or what is as large and how it compares."""
+    result = results.fold
+    margin = result.mask_margin_deg
+    here = -np.inf if margin is None else margin
+    best = max(neighbours, key=lambda n: n.mask_deg, default=None)
+    there = f"a mask up to {significant(best.mask_deg, 3)}°" if best else ""
+    if here < result.mask_deg:  # of a miss there is no room to speak of
+        if best and best.mask_deg >= result.mask_deg:
+            return [f"Build {best.notation} in its place: as many satellites, with {there}."]
+        others = "No other phasing or inclination of as many satellites has it." if best else ""
+        line = search_line(results.design, f"--fold {result.fold} --mask-deg {result.mask_deg:g}")
+        return [others, f"How many it takes{_at_least(results)} is found by {line}."]
+    sure = result.margins().rows[3][1]  # rounded to the safe side, as the table has it
+    said = [f"A mask above {sure}° would change this."]
+    if best:
+        said.insert(
+            0,
+            f"Its rival of the same size: {best.notation}, with {there} instead of {sure}°."
+            if best.mask_deg > here + 0.1
+            else "No other phasing or inclination of as many satellites has more margin.",
+        )
+    return said
+
+
+def _at_least(results: DesignResults) -> str:
+    """How many satellites it takes at its radius whatever their pattern, by the area of caps."""
+    c, result = results.design.constellation, results.fold
+    if not (c.size and one_circle(c)):
+        return ""
+    sphere, mask = results.design.figure.equatorial_radius, np.radians(result.mask_deg)
+    seen = 0.5 * (1.0 - np.cos(cap_radius(float(c.semi_major_axis[0]), sphere, float(mask))))
+    return f", {int(np.ceil(result.fold / seen - 1e-9))} or more by the area that each sees,"
+
+
+def _of_losses(results: DesignResults) -> list[str]:
+    """That the loss of one satellite would change the advice, if it would."""
+    result, size = results.fold, results.design.constellation.size
+    margin = result.mask_margin_deg
+    if margin is None or margin < result.mask_deg or not result.coverage.losses:
+        return []
+    least = min(sets.least[0] for sets in result.coverage.losses[0])
+    if size == 1 or not least < result.fold <= size:
+        return []
+    return [f"So would the loss of one satellite: then {least} in view is all that is sure."]
