@@ -1,6 +1,12 @@
 import os
 import signal
+import sys
 from pathlib import Path
+
+if "--interpreted" in sys.argv:
+    # before anything: the files beside this one in folders that are asked for import kernels
+    # before options are read; workers and programs that tests start inherit it
+    os.environ["NUMBA_DISABLE_JIT"] = "1"
 
 import numba
 import pytest
@@ -22,10 +28,8 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
-    if config.getoption("interpreted"):
-        # workers and programs that tests start inherit it; numba read its own copy when imported
-        os.environ["NUMBA_DISABLE_JIT"] = "1"
-        numba.config.reload_config()
+    if config.getoption("interpreted") and not numba.config.DISABLE_JIT:
+        raise pytest.UsageError("--interpreted: give it on the command line")
 
 
 DESIGNS = Path(__file__).parents[1] / "designs"

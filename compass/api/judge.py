@@ -270,7 +270,9 @@ def judge(
             lander,
             campaign,
             radius=radius,
-            unknowns=doubts_of(lander, doubts).of(candidates[0]),
+            unknowns=doubts_of(lander, doubts).of(
+                candidates[0].signal, candidates[0].constellation.size
+            ),
             threads=threads,
             progress=bars,
         )

@@ -11,12 +11,11 @@ from compass.core.jit import fast_kernel, kernel
 
 @fast_kernel
 def matmul(a, b, out):
-    """Write the product of two square matrices into `out` (not one of the factors)."""
-    n = out.shape[0]
-    for i in range(n):
-        for j in range(n):
+    """Write ``a b`` into `out` (not one of the factors), of the rows of `b` that `a` takes."""
+    for i in range(a.shape[0]):
+        for j in range(b.shape[1]):
             total = 0.0
-            for k in range(n):
+            for k in range(a.shape[1]):
                 total += a[i, k] * b[k, j]
             out[i, j] = total
 

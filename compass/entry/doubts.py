@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from compass.allowed import check_all_allowed
-from compass.design import Design
 from compass.entry.unknowns import Unknowns
+from compass.ranging import Signal
 from compass.signal.budget import mean_age_covariance
 
 
@@ -36,14 +36,14 @@ class Doubts:
 
     def __post_init__(self) -> None:
         check_all_allowed(orbit_m=self.orbit_m, satellite_clock_m=self.satellite_clock_m)
-        self.of(None)
+        self.of(None, 0)
 
-    def of(self, design: Design | None) -> Unknowns:
-        """What is not known with a design: of its satellites what its [signal] says, if it does."""
-        satellites = np.diag(np.square([*self.orbit_m, self.satellite_clock_m]))
-        if design is not None and design.signal is not None:
-            satellites = mean_age_covariance(design.signal, design.constellation.size)
-        return Unknowns((self.clock_m, self.clock_drift_m_s), satellites, self.range_bias_m)
+    def of(self, signal: Signal | None, satellites: int) -> Unknowns:
+        """What is not known with so many satellites: of them what their [signal] says, if any."""
+        given = np.diag(np.square([*self.orbit_m, self.satellite_clock_m]))
+        if signal is not None:
+            given = mean_age_covariance(signal, satellites)
+        return Unknowns((self.clock_m, self.clock_drift_m_s), given, self.range_bias_m)
 
     def sentence(self, own: list[str]) -> str:
         """Say what is counted; `own` names the designs whose satellites have their own errors."""

@@ -68,12 +68,8 @@ class Unknowns:
         given = np.array(np.broadcast_to(self.satellites, (count, 4, 4)))
         if not one_way:
             given[:, 3], given[:, :, 3] = 0.0, 0.0
-        values, vectors = np.linalg.eigh(given)
         out = np.zeros((count, COMPONENTS, COMPONENTS))
-        # the symmetric root: independent components stay apart
-        out[:, :4, :4] = (vectors * np.sqrt(np.maximum(values, 0.0))[:, None]) @ np.swapaxes(
-            vectors, 1, 2
-        )
+        out[:, :4, :4] = covariance_roots(given)
         out[:, 4, 4] = self.range_bias
         return out
 
@@ -96,6 +92,13 @@ class Unknowns:
         if beacons.size and sigmas.min() > 0:
             parts.append(Part("bias", tuple(sigmas.tolist()), considered=True))
         return tuple(parts)
+
+
+def covariance_roots(covariances: Array) -> Array:
+    """Symmetric square roots of (..., n, n); independent components stay apart."""
+    values, vectors = np.linalg.eigh(covariances)
+    scaled = vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :]
+    return np.asarray(scaled @ np.swapaxes(vectors, -1, -2))
 
 
 def range_rows(beacons: Beacons, path: Array, omega: float) -> Array:

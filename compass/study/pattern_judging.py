@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.bodies import MARS_GM, sidereal_day
+from compass.core.entry.pattern_unknowns import NotKnown
 from compass.core.entry.patterns import Entries, Limb, judge_patterns
-from compass.design import Design
 from compass.entry.campaign import Campaign
-from compass.entry.doubts import NO_DOUBTS
+from compass.entry.unknowns import covariance_roots
 from compass.errors import ArgumentError
 from compass.frames import prime_meridian_angle
 from compass.inputs.study import Study
@@ -45,10 +45,9 @@ def judged(study: Study, campaign: Campaign, c: Constellation, mask_deg: float) 
     entry = study.entry
     assert entry is not None
     mask = Mask.constant(float(np.radians(mask_deg)))
-    design = Design(c, figure=study.figure, mask=mask, signal=study.signal)
     judgement = judge_entries(
         c, campaign, entry.scenario, figure=study.figure, mask=mask,
-        unknowns=doubts_of(entry.scenario, entry.doubts).of(design),
+        unknowns=doubts_of(entry.scenario, entry.doubts).of(study.signal, c.size),
     )  # fmt: skip
     figures = worked_out("entry", {**judgement.known, "goal_m": entry.goal})
     return {name: float(values[0]) for name, values in figures.items()}
@@ -66,10 +65,7 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         As `compass.study.judge.judge_entries`.
     """
     assert study.entry is not None
-    plain = study.entry.scenario.measurements.plain
-    doubts = doubts_of(study.entry.scenario, study.entry.doubts)
-    known = doubts == NO_DOUBTS and study.signal is None
-    if not (known and plain):  # the kernel of many patterns carries nothing unknown
+    if not study.entry.scenario.measurements.plain:
         entries = entries_of(study)
         each = [
             judged(study, entries, make_constellation(row), float(row["mask_deg"])) for row in rows
@@ -105,6 +101,7 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         campaign.model.omega,
         float(campaign.times[1]),
         Limb(sphere, np.sin(mask), np.cos(mask)),
+        _not_known(study, rows),
         sigma,
         blind,
         counts,
@@ -117,3 +114,22 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         "goal_m": study.entry.goal,
     }
     return worked_out("entry", found)
+
+
+def _not_known(study: Study, rows: NDArray) -> NotKnown:
+    """What landers of a study do not know with each candidate: of its satellites the roots.
+
+    A clock and a bias do the same to a range one way, so their variances are one.
+    """
+    assert study.entry is not None
+    doubts = doubts_of(study.entry.scenario, study.entry.doubts)
+    sizes = rows["satellites"]
+    covariances = np.zeros((rows.size, sizes.max(initial=0), 4, 4))
+    for n in np.unique(sizes):
+        unknowns = doubts.of(study.signal, n)
+        covariances[sizes == n, :n] = unknowns.satellites
+    covariances[..., 3, 3] += doubts.range_bias_m**2
+    clock = unknowns.clock_sigmas() if rows.size else np.zeros(0)
+    if not covariances.any():
+        return NotKnown(clock, np.zeros((*covariances.shape[:3], 0)))
+    return NotKnown(clock, covariance_roots(covariances))

@@ -121,7 +121,7 @@ def rank_designs(
     for design in progress(designs, total=len(designs), desc="designs"):
         with said_of(design.label):
             place: dict[str, Any] = {"figure": design.figure, "mask": design.mask}
-            c, unknowns = design.constellation, doubts.of(design)
+            c, unknowns = design.constellation, doubts.of(design.signal, design.constellation.size)
             place["unknowns"] = unknowns
             found = judge_entries(c, campaign, scenario, threads=threads, **place)
             kept.append(found)
@@ -165,7 +165,7 @@ def rank_designs(
                     seed=seed,
                     figure=design.figure,
                     mask=design.mask,
-                    unknowns=doubts.of(design),
+                    unknowns=doubts.of(design.signal, design.constellation.size),
                     ground=ground,
                     threads=threads,
                     **air,

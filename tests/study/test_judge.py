@@ -481,10 +481,10 @@ def test_the_filter_knows_what_it_does_not_know(short, five):
 
 def test_doubts_are_said_and_taken_from_a_design(seed_design):
     doubts = Doubts()
-    usual = doubts.of(seed_design)
+    usual = doubts.of(None, seed_design.constellation.size)
     assert np.diag(usual.satellites).tolist() == [4, 64, 25, 9] and usual.clock == (3e4, 0.3)
     signal = Signal(ephemeris=(1.0, 2.0, 3.0), clock_sigma=0.5)
-    own = doubts.of(replace(seed_design, signal=signal))
+    own = doubts.of(signal, seed_design.constellation.size)
     assert own.satellites.shape == (15, 4, 4)
     assert np.diag(own.satellites[7]) == pytest.approx([1, 4, 9, 0.25])
     assert "orbits and clocks of x by its own table [signal]" in doubts.sentence(["x"])

@@ -18,7 +18,7 @@ from compass.core.entry.measure import AIR, ATTITUDE, GYRO, IMU, LIFT, PLACES, m
 from compass.core.entry.rates import COLUMNS
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.jit import fast_kernel, kernel
-from compass.core.smallmatrix import cholesky, cholesky_solve
+from compass.core.smallmatrix import cholesky, cholesky_solve, matmul
 
 #: What a satellite's errors do to what is measured, a number each: its radial, its along and its
 #: cross error; its clock and the bias of its ranges, which no range tells apart.
@@ -70,7 +70,7 @@ def fly_many(
                     paths[m, t - 1], worlds[m, 0], p[RATIO] + worlds[m, 1], p, banks[m],
                     times[t - 1], times[t], longest, here, phi,
                 )  # fmt: skip
-                _product(phi, spread, gain)
+                matmul(phi, spread, gain)
                 spread[:6] = gain
             else:
                 gain[:] = spread[:6]
@@ -81,17 +81,6 @@ def fly_many(
             if watch >= 0 and watched(here, watch, p) <= level:
                 stops[m] = t
                 break
-
-
-@fast_kernel
-def _product(a, b, out):
-    """Write ``a b`` into `out`, of as many rows as `a` and of the rows of `b` that it takes."""
-    for i in range(a.shape[0]):
-        for j in range(b.shape[1]):
-            total = 0.0
-            for k in range(a.shape[1]):
-                total += a[i, k] * b[k, j]
-            out[i, j] = total
 
 
 @fast_kernel
@@ -345,8 +334,8 @@ def _eliminate(told, erring, root, share, sums):
     ways[WAYS - 1] += root[WAYS]  # clock and bias do the same to a range
     cross, half = np.empty((size, errors)), np.empty((WAYS, errors))
     own, low = np.empty((errors, errors)), np.empty((errors, errors))
-    _product(told, ways, cross)
-    _product(erring, ways, half)
+    matmul(told, ways, cross)
+    matmul(erring, ways, half)
     for a in range(errors):
         for b in range(errors):
             own[a, b] = 1.0 if a == b else 0.0

@@ -1,15 +1,10 @@
 """Many patterns judged in one call: what their satellites tell landers, entry by entry.
 
-The satellites of a pattern share radius and phase x, and all turn against the Mars-fixed axes by
-the same angle W. With ``P cos x + Q sin x`` in inertial axes, each is in Mars-fixed ones at
-
-    (P1 a + Q1 b + P2 c + Q2 d,  P2 a + Q2 b - P1 c - Q1 d,  P3 e + Q3 f)
-
-where ``a, b, c, d, e, f = cos W cos x, cos W sin x, sin W cos x, sin W sin x, cos x, sin x`` times
-the radius are the same for all of them. So a satellite at an epoch costs some products and no
-interpolation. What all satellites together tell at an epoch about Cartesian position and velocity
-is the matrix ``M = sum w c c^T`` over their rows of the measurement matrix; the gains G of
+What all satellites together tell at an epoch about Cartesian position and velocity is the matrix
+``M = sum w c c^T`` over their rows of the measurement matrix; the gains G of
 `compass.core.entry.many.fly_many` carry it over to u but once: ``F = sum over epochs of G^T M G``.
+Clocks and satellites' own errors, where they are not known, are
+`compass.core.entry.pattern_unknowns`.
 """
 
 import math
@@ -18,22 +13,34 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.many import bound
+from compass.core.entry.many import WAYS, bound
+from compass.core.entry.pattern_unknowns import add_clock, add_satellite, take_out
+from compass.core.entry.tile import (
+    COUNT,
+    END,
+    KNOWN,
+    PP,
+    PV,
+    PX,
+    RANGES,
+    SECONDS,
+    TILE,
+    TO_RATES,
+    VV,
+    WEIGHT,
+    WORK,
+    difference,
+    in_view,
+    set_basis,
+    set_limits,
+    tabulate,
+)
 from compass.core.jit import fast_kernel, inline_kernel, kernel
 from compass.core.screen import circles, pattern_angles
 from compass.core.smallmatrix import cholesky
 
 EPS = np.finfo(np.float64).eps
 
-# Epochs are worked through in tiles. All that a tile needs lies in one flat array, part after
-# part, a constant distance apart: so the compiler knows that the parts do not overlap, and works
-# on several epochs at once; and the tile stays in the first-level cache.
-TILE = 128
-A, B, C, D, E, F, PX, PY, PZ = (k * TILE for k in range(9))  # functions of time, the lander
-TO_RATES = 9 * TILE  # from each of these to its rate
-LIMIT, WEIGHT, WORK, COUNT = 18 * TILE, 19 * TILE, 20 * TILE, 26 * TILE
-# blocks of M: position with itself, velocity with itself, position with velocity
-PP, VV, PV, END = 27 * TILE, 33 * TILE, 39 * TILE, 48 * TILE
 PARTS_OF_M = PP + TILE * np.array(
     [
         [0, 1, 2, 12, 13, 14],
@@ -69,8 +76,8 @@ class Limb(NamedTuple):
 
 @kernel
 def judge_patterns(
-    patterns, radius, motion, begins, angles, entries, variances, omega, dt, limb, sigma, blind,
-    counts,
+    patterns, radius, motion, begins, angles, entries, variances, omega, dt, limb, unknown, sigma,
+    blind, counts,
 ):  # fmt: skip
     """Bounds, observability and satellites in view of c patterns in m entries.
 
@@ -88,6 +95,8 @@ def judge_patterns(
         As in `compass.core.entry.many.information`.
     limb
         What blocks the view.
+    unknown
+        What is `compass.core.entry.pattern_unknowns.NotKnown`.
     sigma
         Takes the posterior sigma of position (m) and velocity (m/s) at the end, (c, m, 2).
     blind
@@ -98,109 +107,72 @@ def judge_patterns(
     star, satellites, planes, phasing, inclination = patterns
     paths, gains, stops, weights = entries
     sphere_radius, sin_mask, cos_mask = limb
-    size, d = satellites.size, gains.shape[3]
+    own_clock, roots = unknown
+    size, motions, most = satellites.size, gains.shape[3], satellites.max()
+    d = motions + own_clock.size
+    doubted, erring = d > motions or roots.shape[3] > 0, roots.shape[3] > 0
     rated = not math.isnan(variances[1])
-    axes = np.empty((size, satellites.max(), 2, 3))
+    axes = np.empty((size, most, 2, 3))
     span = (stops.max() // TILE + 1) * TILE
     clock, turn = np.empty((size, 2, span)), np.empty((2, span))
     for c in range(size):
         n = satellites[c]
         raan, u = pattern_angles(star[c], n, planes[c], phasing[c])
         circles(raan, u, inclination[c], axes[c, :n, 0], axes[c, :n, 1])
-        _tabulate(motion[c] * dt, clock[c])
-    _tabulate(omega * dt, turn)
+        tabulate(motion[c] * dt, clock[c])
+    tabulate(omega * dt, turn)
     rows = 6 if rated else 3  # of M and G: ranges tell nothing about velocity
-    tile, gain = np.empty(END), np.empty((d, rows * TILE))
+    tile, gain, end = np.zeros(END), np.empty((motions, rows * TILE)), np.zeros((6, d))
     packed, low, y = np.empty((size, d * (d + 1) // 2)), np.empty((d, d)), np.empty(d)
+    # by satellite: what it tells about u and its own errors, and about these alone
+    told, own = np.empty((size, most, d, WAYS)), np.empty((size, most, WAYS, WAYS))
     counts[:] = 0
     for m in range(stops.size):
-        packed[:] = 0.0
+        packed[:], told[:], own[:] = 0.0, 0.0, 0.0
         for first in range(0, stops[m] + 1, TILE):
             width = min(TILE, stops[m] + 1 - first)
             for t in range(TILE):
                 # past the end the last epoch again, without weight
                 at = min(first + t, stops[m])
                 tile[WEIGHT + t] = weights[m, at] if t < width else 0.0
+                tile[SECONDS + t] = at * dt
                 for i in range(rows):
                     tile[PX + i % 3 * TILE + i // 3 * TO_RATES + t] = paths[m, at, i]
-                    for j in range(d):
+                    for j in range(motions):
                         gain[j, i * TILE + t] = gains[m, at, i, j]
             for c in range(size):
-                _set_limits(tile, sphere_radius, sin_mask[c], cos_mask[c])
-                _set_basis(
+                set_limits(tile, sphere_radius, sin_mask[c], cos_mask[c])
+                set_basis(
                     tile, clock[c, :, first:], turn[:, first:], motion[c] * begins[c, m],
                     angles[c, m], radius[c], motion[c], omega,
                 )  # fmt: skip
-                tile[COUNT : END if rated else VV] = 0.0
+                tile[COUNT : KNOWN if rated else VV] = 0.0
+                tile[RANGES:SECONDS] = 0.0
                 for s in range(satellites[c]):
                     p, q = axes[c, s]
                     _add_range(tile, p, q, variances[0])
                     if rated:
                         _add_rate(tile, p, q, variances[1])
+                    if doubted:
+                        add_satellite(
+                            tile, p, q, motion[c], omega, variances, gain, own_clock, told[c, s],
+                            own[c, s],
+                        )  # fmt: skip
                 for t in range(width):
                     counts[c, int(tile[COUNT + t])] += 1
                 _inform(tile, gain, packed[c])
+                if d > motions:
+                    add_clock(tile, gain, own_clock, packed[c])
+        end[:, :motions] = gains[m, stops[m]]
         for c in range(size):
+            for s in range(satellites[c] if erring else 0):
+                take_out(told[c, s], own[c, s], roots[c, s], packed[c])
             blind[c, m] = _is_blind(packed[c], stops.max() + 1, low)
             k = -1
             for a in range(d):
                 k += a + 1
                 packed[c, k] += 1.0
-            bound(packed[c], gains[m, stops[m]], low, y, sigma[c, m])
-
-
-@kernel
-def _tabulate(step, out):
-    """Cosines and sines of 0, 1, 2 ... steps, shape (2, t)."""
-    for t in range(out.shape[1]):
-        out[0, t], out[1, t] = math.cos(step * t), math.sin(step * t)
-
-
-@fast_kernel
-def _set_limits(tile, radius, sin_mask, cos_mask):
-    """Square, with its sign, of distance from the centre times sine of the lowest elevation seen.
-
-    See `compass.core.entry.many.horizon`; squares save a root a satellite.
-    """
-    for t in range(TILE):
-        x, y, z = tile[PX + t], tile[PY + t], tile[PZ + t]
-        squared = x * x + y * y + z * z
-        near = min(radius * radius, squared)
-        low = sin_mask * math.sqrt(near) - cos_mask * math.sqrt(squared - near)
-        tile[LIMIT + t] = low * abs(low)
-
-
-@fast_kernel
-def _set_basis(tile, clock, turn, phase, angle, radius, motion, omega):
-    """Functions of time whose sums are the satellites' positions, then those of velocities."""
-    ca, sa = math.cos(angle), math.sin(angle)
-    cp, sp = radius * math.cos(phase), radius * math.sin(phase)
-    for t in range(TILE):
-        e, f = cp * clock[0, t] - sp * clock[1, t], sp * clock[0, t] + cp * clock[1, t]
-        c, s = ca * turn[0, t] - sa * turn[1, t], sa * turn[0, t] + ca * turn[1, t]
-        ce, cf, se, sf = c * e, c * f, s * e, s * f
-        tile[A + t], tile[B + t], tile[C + t] = ce, cf, se
-        tile[D + t], tile[E + t], tile[F + t] = sf, e, f
-        at = TO_RATES + t
-        tile[A + at], tile[B + at] = -omega * se - motion * cf, motion * ce - omega * sf
-        tile[C + at], tile[D + at] = omega * ce - motion * sf, omega * cf + motion * se
-        tile[E + at], tile[F + at] = -motion * f, motion * e
-
-
-@inline_kernel
-def _difference(tile, t, p1, p2, p3, q1, q2, q3):
-    """Lander less satellite at an epoch: positions, or velocities with t `TO_RATES` more."""
-    x = tile[PX + t] - p1 * tile[A + t] - q1 * tile[B + t] - p2 * tile[C + t] - q2 * tile[D + t]
-    y = tile[PY + t] - p2 * tile[A + t] - q2 * tile[B + t] + p1 * tile[C + t] + q1 * tile[D + t]
-    z = tile[PZ + t] - p3 * tile[E + t] - q3 * tile[F + t]
-    return x, y, z
-
-
-@inline_kernel
-def _in_view(tile, t, x, y, z, squared):
-    """1 if a satellite stands above the lowest elevation in view, else 0."""
-    up = -(x * tile[PX + t] + y * tile[PY + t] + z * tile[PZ + t])
-    return 1.0 if up * abs(up) >= tile[LIMIT + t] * squared else 0.0
+            bound(packed[c], end, low, y, sigma[c, m])
 
 
 @inline_kernel
@@ -221,9 +193,9 @@ def _add_range(tile, p, q, variance):
     p1, p2, p3, q1, q2, q3 = p[0], p[1], p[2], q[0], q[1], q[2]
     scale = 0.0 if math.isnan(variance) else 1.0 / variance
     for t in range(TILE):
-        x, y, z = _difference(tile, t, p1, p2, p3, q1, q2, q3)
+        x, y, z = difference(tile, t, p1, p2, p3, q1, q2, q3)
         squared = x * x + y * y + z * z
-        seen = _in_view(tile, t, x, y, z, squared)
+        seen = in_view(tile, t, x, y, z, squared)
         tile[COUNT + t] += seen
         _add_square(tile, PP + t, seen * scale * tile[WEIGHT + t] / squared, x, y, z)
 
@@ -236,12 +208,12 @@ def _add_rate(tile, p, q, variance):
     """
     p1, p2, p3, q1, q2, q3 = p[0], p[1], p[2], q[0], q[1], q[2]
     for t in range(TILE):
-        x, y, z = _difference(tile, t, p1, p2, p3, q1, q2, q3)
+        x, y, z = difference(tile, t, p1, p2, p3, q1, q2, q3)
         squared = x * x + y * y + z * z
-        w = _in_view(tile, t, x, y, z, squared) * tile[WEIGHT + t] / variance
+        w = in_view(tile, t, x, y, z, squared) * tile[WEIGHT + t] / variance
         near = 1.0 / math.sqrt(squared)
         x, y, z = x * near, y * near, z * near
-        cx, cy, cz = _difference(tile, TO_RATES + t, p1, p2, p3, q1, q2, q3)
+        cx, cy, cz = difference(tile, TO_RATES + t, p1, p2, p3, q1, q2, q3)
         rate = cx * x + cy * y + cz * z
         cx, cy, cz = (cx - rate * x) * near, (cy - rate * y) * near, (cz - rate * z) * near
         _add_square(tile, PP + t, w, cx, cy, cz)
