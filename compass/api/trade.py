@@ -31,7 +31,7 @@ from compass.study.cluster import Cluster, Tls
 from compass.study.columns import Shown, shown
 from compass.study.judge import check_lander, doubts_of
 from compass.study.requirement_figures import requirement_columns, shown_requirements
-from compass.study.results import first_front, read_results, write_results
+from compass.study.results import first_front, results_of, write_results
 from compass.study.sampling import front_known, rests_on_samples, sampled_over, sampling_of
 from compass.study.stages import StudyJob
 from compass.study.store import Store
@@ -382,7 +382,7 @@ def trade(
             summary = run_trade(read, store, team, bars)
         finally:
             team.close()
-        results = read_results(read, folder)
+        results = results_of(read, store.batches, store.path)
         write_results(results, folder / "trade.nc")
     return TradeResult(read, folder, summary, results, tuple(errors_by_clock(read, results)))
 

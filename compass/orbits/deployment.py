@@ -160,10 +160,9 @@ def cheapest_drift(
     delta_v, wait
         m/s and s, shape (n,).
     """
-    a = np.atleast_1d(np.asarray(radius, dtype=float))[:, None]
-    i = np.atleast_1d(np.asarray(inclination, dtype=float))[:, None]
-    apart = np.atleast_1d(np.asarray(parting, dtype=float))[:, None]
-    planes = np.atleast_1d(np.asarray(planes_a_launch))[:, None]
+    each = np.column_stack([radius, inclination, parting, planes_a_launch]).astype(float)
+    alike, which = np.unique(each, axis=0, return_inverse=True)  # but for phases and numbers
+    a, i, apart, planes = alike.T[:, :, None]
     radii = np.atleast_1d(np.asarray(waiting, dtype=float))[None, :]
     rate = secular_rates(radii, 0.0, i, gm)[0] - secular_rates(a, 0.0, i, gm)[0]
     # eastwards the last plane is the farthest, westwards the first
@@ -171,8 +170,7 @@ def cheapest_drift(
     with np.errstate(divide="ignore", invalid="ignore"):
         waits = np.where(planes > 1, np.where(rate == 0.0, np.inf, way / np.abs(rate)), 0.0)
     cost = np.where(waits <= longest, hohmann(launched, radii, gm) + hohmann(radii, a, gm), np.inf)
-    best = cost.argmin(axis=1)
-    each = np.arange(best.size)
-    found = cost[each, best]
-    reached = np.isfinite(found)
-    return np.where(reached, found, np.nan), np.where(reached, waits[each, best], np.nan)
+    best = cost.argmin(axis=1)[:, None]
+    found = np.stack([np.take_along_axis(values, best, axis=1) for values in (cost, waits)])
+    found = np.where(np.isfinite(found[0]), found, np.nan)[:, which.ravel(), 0]
+    return found[0], found[1]

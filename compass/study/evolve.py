@@ -17,7 +17,7 @@ from compass.study.area_figures import area_columns
 from compass.study.candidates import blocks, identities, pick
 from compass.study.requirement_figures import requirement_columns
 from compass.study.stages import passing
-from compass.study.store import Store, read_lines
+from compass.study.store import Store
 
 VARIABLES = ("kind", "size", "planes", "phasing", "inclination", "radius", "mask")
 
@@ -26,34 +26,34 @@ STEPS = 10_000
 
 
 class Known:
-    """All figures in a store, of the few candidates of an optimiser; each line is read once."""
+    """All figures in a store, of the few candidates of an optimiser; each batch is read once."""
 
-    def __init__(self, store: Store, study: Study) -> None:
-        self._path, self._study, self._end = store.path, study, 0
+    def __init__(self, store: Store) -> None:
+        study, self._batches = store.study, store.batches
+        self._taken = dict.fromkeys(store.batches, 0)
         self._names = (*MERITS, *area_columns(study), *requirement_columns(study))
         self._values: dict[str, NDArray[np.float64]] = {}
 
     def figures(self, keys: list[str]) -> dict[str, NDArray[np.float64]]:
         """By name those of some candidates, nan where there is none; shape (n,) each."""
-        self._read()
+        self._take_in()
         unknown = np.full(len(self._names), np.nan)
         table = [self._values.get(key, unknown) for key in keys]
         return dict(zip(self._names, np.array(table).T, strict=True))
 
-    def _read(self) -> None:
+    def _take_in(self) -> None:
         """Take in what was added since."""
         names = list(self._names)
-        for line in read_lines(self._path, self._study, self._end):
-            self._end = line.end
-            if line.batch is None:
-                continue
-            found = line.batch.found.figures
-            if not set(found) <= set(names):  # bounds, which a run adds at its end
-                continue
-            columns = [names.index(name) for name in found]
-            values = np.column_stack(list(found.values()))
-            for key, row in zip(identities(line.batch.rows), values, strict=True):
-                self._values.setdefault(key, np.full(len(names), np.nan))[columns] = row
+        for stage, batches in self._batches.items():
+            for batch in batches[self._taken[stage] :]:
+                found = batch.found.figures
+                if not set(found) <= set(names):  # bounds, which a run adds at its end
+                    continue
+                columns = [names.index(name) for name in found]
+                values = np.column_stack(list(found.values()))
+                for key, row in zip(identities(batch.rows), values, strict=True):
+                    self._values.setdefault(key, np.full(len(names), np.nan))[columns] = row
+            self._taken[stage] = len(batches)
 
 
 def evolve(
@@ -98,7 +98,7 @@ def evolve(
         name: Integer(bounds=(0, STEPS - 1)) if k < 4 else Real(bounds=(0.0, 1.0))
         for k, name in enumerate(VARIABLES)
     }
-    known = Known(store, study)
+    known = Known(store)
     with bars("generation", generations, 0) as bar:
 
         class _Problem(Problem):

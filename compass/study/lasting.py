@@ -19,8 +19,9 @@ from compass.frames import SECONDS_PER_DAY, Figure, prime_meridian_angle
 from compass.inputs.study import Study
 from compass.orbits import Constellation
 from compass.orbits.forces import ForceModel
+from compass.orbits.gravity import GravityField
 from compass.orbits.motion import Motion
-from compass.orbits.resonance import slow_pushes
+from compass.orbits.resonance import SlowPushes, slow_pushes
 from compass.orbits.trajectory import COARSE, Trajectory
 from compass.orbits.trimming import beat_of, can_trim, trimmed_path
 from compass.quantities.merits import worked_out
@@ -36,6 +37,14 @@ BOX = 0.5
 PARTS, SHORT = (0.0625, 0.25, 1), 20.0
 
 _forces = lru_cache(maxsize=1)(ForceModel)
+
+
+@lru_cache(maxsize=4)  # batches of one study have the same orbits
+def _slow(
+    field: GravityField, radius_km: tuple[float, ...], inclination_deg: tuple[float, ...]
+) -> SlowPushes:
+    """Pushes on circles."""
+    return slow_pushes(field, np.array(radius_km) * 1e3, np.radians(inclination_deg))
 
 
 def keeping_law(
@@ -57,7 +66,9 @@ def keeping_law(
     """
     field = ((motion and motion.forces) or _forces()).field
     orbits, group = np.unique(rows[["radius_km", "inclination_deg"]], return_inverse=True)
-    slow = slow_pushes(field, orbits["radius_km"] * 1e3, np.radians(orbits["inclination_deg"]))
+    slow = _slow(
+        field, tuple(orbits["radius_km"].tolist()), tuple(orbits["inclination_deg"].tolist())
+    )
     largest = np.empty(rows.size)
     meridian = float(prime_meridian_angle(0.0, 0.0)) + field.meridian
     push_on_patterns(

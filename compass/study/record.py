@@ -168,11 +168,13 @@ def _numbers(values: Any, size: int, name: str) -> NDArray[np.float64]:
     """Numbers, null for nan and words for infinities, exactly `size` of them."""
     if len(_is(values, list, name)) != size:
         raise DamagedError(f"{name}: {len(values)} values for {size} candidates")
-    words = [v for v in values if type(v) not in (int, float, type(None))]
-    if not all(type(v) is str and v in ("inf", "-inf") for v in words):
-        raise DamagedError(f"{name}: must be numbers")
+    words = []
+    if not set(map(type, values)) <= {int, float, type(None)}:
+        words = [v for v in values if type(v) not in (int, float, type(None))]
+        if not all(type(v) is str and v in ("inf", "-inf") for v in words):
+            raise DamagedError(f"{name}: must be numbers")
     try:
-        found = np.array([np.nan if v is None else float(v) for v in values])
+        found = np.array(values, dtype=float)  # nan of null
     except OverflowError as error:
         raise DamagedError(f"{name}: a number beyond all numbers") from error
     if np.isinf(found).sum() != len(words):

@@ -32,7 +32,36 @@ _ENDS = {end for figure in BETWEEN for end in ends(figure)}
 
 
 def read_results(study: Study, folder: Path) -> "xr.Dataset":
+    """Read what `results_of` says from a study's store.
+
+    Raises
+    ------
+    ArgumentError
+        There is no store, it is of another study or version, or nothing is finished in it.
+    """
+    path = folder / FILE
+    if not path.is_file():
+        raise ArgumentError(
+            f"{path}: no such store; run `compass trade {study.label}` first, or say where it is"
+        )
+    batches: dict[str, list[Batch]] = {stage: [] for stage in FINDERS}
+    for line in read_lines(path, study):
+        if line.batch is not None:
+            batches[line.batch.stage].append(line.batch)
+    return results_of(study, batches, path)
+
+
+def results_of(study: Study, batches: dict[str, list[Batch]], path: Path) -> "xr.Dataset":
     """Return every candidate that has been looked at, with every figure of merit known of it.
+
+    Parameters
+    ----------
+    study
+        Whose candidates they are.
+    batches
+        What is stored of each stage.
+    path
+        Where, for messages.
 
     Returns
     -------
@@ -51,19 +80,10 @@ def read_results(study: Study, folder: Path) -> "xr.Dataset":
     Raises
     ------
     ArgumentError
-        There is no store, it is of another study or version, or nothing is finished in it.
+        Nothing is finished.
     """
     import xarray as xr
 
-    path = folder / FILE
-    if not path.is_file():
-        raise ArgumentError(
-            f"{path}: no such store; run `compass trade {study.label}` first, or say where it is"
-        )
-    batches: dict[str, list[Batch]] = {stage: [] for stage in FINDERS}
-    for line in read_lines(path, study):
-        if line.batch is not None:
-            batches[line.batch.stage].append(line.batch)
     rows = np.unique(np.concatenate([np.empty(0, ROW), *(b.rows for b in batches["screen"])]))
     if not rows.size:
         raise ArgumentError(

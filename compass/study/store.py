@@ -37,7 +37,7 @@ from compass.study.record import (
     from_line,
     header,
 )
-from compass.study.stages import Found
+from compass.study.stages import FINDERS, Found
 
 FILE = "candidates.jsonl"
 
@@ -55,8 +55,8 @@ class Line:
     end: int
 
 
-def read_lines(path: Path, study: Study, start: int = 0) -> Iterator[Line]:
-    """Lines of a study's store, the first of them at byte `start`.
+def read_lines(path: Path, study: Study) -> Iterator[Line]:
+    """Lines of a study's store.
 
     Where the first line is damaged, the others still say whose they are.
 
@@ -67,10 +67,9 @@ def read_lines(path: Path, study: Study, start: int = 0) -> Iterator[Line]:
     ArgumentError
         It is of another study or another version, or no line is of a store of this study.
     """
-    end, members, known = start, Members(study), start > 0
+    end, members, known = 0, Members(study), False
     try:
         with path.open("rb") as file:
-            file.seek(start)
             for number, text in enumerate(file, start=1):
                 end += len(text)
                 batch, damage = None, ""
@@ -86,7 +85,7 @@ def read_lines(path: Path, study: Study, start: int = 0) -> Iterator[Line]:
                 yield Line(number, batch, damage, end)
     except OSError as error:
         raise OutputError(f"{path}: cannot be read: {error.strerror}") from error
-    if end > start and not known:
+    if end and not known:
         raise ArgumentError(
             f"{path}: not a store of candidates, or its first line is damaged and no other is of "
             f"this study; {_REMEDY}"
@@ -135,6 +134,8 @@ class Store:
         their candidates computed again.
     study
         Whose store it is.
+    batches
+        All that is stored, by stage, as read and checked when the store was opened or as added.
 
     Raises
     ------
@@ -148,6 +149,7 @@ class Store:
         self.path = folder / FILE
         self.done: dict[str, set[str]] = {}
         self.damaged: list[str] = []
+        self.batches: dict[str, list[Batch]] = {stage: [] for stage in FINDERS}
         self.study = study
         self._end = self._first = 0
         self._missing = [place for place in (folder, *folder.parents) if not place.exists()]
@@ -196,7 +198,7 @@ class Store:
                 self.damaged.append(f"line {line.number}: {line.damage}")
                 continue
             if line.batch is not None:
-                self._note(line.batch.stage, line.batch.rows)
+                self._note(line.batch)
             self._end = line.end
         self._truncate()  # or the rest would spoil the next line
 
@@ -206,13 +208,14 @@ class Store:
         except OSError as error:
             raise OutputError(f"{self.path}: cannot be written: {error.strerror}") from error
 
-    def _note(self, stage: str, rows: NDArray) -> None:
-        self.done.setdefault(stage, set()).update(identities(rows))
+    def _note(self, batch: Batch) -> None:
+        self.batches[batch.stage].append(batch)
+        self.done.setdefault(batch.stage, set()).update(identities(batch.rows))
 
     def add(self, stage: str, rows: NDArray, found: Found) -> None:
         """Store a finished batch; it is on the disk when this returns."""
         self._append(batch_record(self.study, stage, rows, found))
-        self._note(stage, rows)
+        self._note(Batch(stage, rows, found))
 
     def _append(self, record: dict[str, Any]) -> None:
         self._check_place()
@@ -245,12 +248,6 @@ class Store:
     def finished(self) -> int:
         """Candidates that have been through the first stage."""
         return len(self.done.get("screen", ()))
-
-    def batches(self, stage: str) -> Iterator[Batch]:
-        """Stored batches of a stage."""
-        for line in read_lines(self.path, self.study):
-            if line.batch is not None and line.batch.stage == stage:
-                yield line.batch
 
     def close(self) -> None:
         """Give the store free; a new one in which nothing is finished is not left behind."""

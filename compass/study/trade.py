@@ -19,7 +19,7 @@ from compass.study.candidates import ROW, batches, candidates, described, identi
 from compass.study.clocks import best_by_errors, clock_columns
 from compass.study.order import bound_limits, may_hold, settle
 from compass.study.pareto import best
-from compass.study.results import read_results
+from compass.study.results import results_of
 from compass.study.stages import FINDERS, figures_of, passing
 from compass.study.store import Store
 from compass.study.workers import Workers
@@ -131,7 +131,7 @@ def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summa
             _stage("entry", finalists(study, store), store, workers, bars, summary)
     _settle(study, store, refine)
     if clock_columns(study) and store.finished:
-        some = best_by_errors(study, read_results(study, store.path.parent))
+        some = best_by_errors(study, results_of(study, store.batches, store.path))
         _stage("clocks", some, store, workers, bars, summary)
     return summary
 
@@ -241,7 +241,7 @@ def mapped(study: Study, store: Store) -> NDArray:
 def _passed(study: Study, store: Store, stage: str) -> NDArray:
     """Candidates at a stage that meet its constraints, as it found them."""
     found = [np.empty(0, ROW)]
-    for batch in store.batches(stage):
+    for batch in store.batches[stage]:
         figures = batch.found.figures
         keep = passing(study, stage, figures)
         keep[list(batch.found.errors)] = False
@@ -273,7 +273,7 @@ def gather(store: Store, keys: list[str], names: set[str]) -> dict[str, NDArray[
     found = {name: np.full(len(keys), np.nan) for name in names}
     for stage in FINDERS:
         own = names & set(figures_of(stage, store.study))
-        for batch in store.batches(stage) if own else ():
+        for batch in store.batches[stage] if own else ():
             ids = identities(batch.rows)
             pairs = [(place[key], k) for k, key in enumerate(ids) if key in place]
             if pairs:

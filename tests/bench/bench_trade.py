@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from compass.inputs.study import read_study, read_study_text
-from compass.study import judge, pattern_map, stages, trade
+from compass.study import pattern_judging, pattern_map, stages, trade
 from compass.study.candidates import candidates
 from compass.study.cluster import AHEAD, Cluster
 from compass.study.stages import StudyJob, evaluate
@@ -89,10 +89,7 @@ class Clock:
         for module, name in (
             (stages, "screen_patterns"),
             (pattern_map, "map_patterns"),
-            (judge, "information"),
-            (judge, "own_information"),
-            (judge, "bounds"),
-            (judge, "count_in_view"),
+            (pattern_judging, "judge_patterns"),
         ):
             monkeypatch.setattr(module, name, self._timing(getattr(module, name)))
 

@@ -106,7 +106,7 @@ def test_areas_are_a_stage_and_sorted_by_bounds_that_come_nearer(placed, tmp_pat
     with Store(tmp_path, study) as store:
         summary = run_trade(study, store, OneProcess(study), lambda *_: _Silent())
         results = read_results(study, tmp_path)
-        seen = Known(store, study).figures(list(results.identity.values))
+        seen = Known(store).figures(list(results.identity.values))
     np.testing.assert_array_equal(seen["area_margin_deg"], results.area_margin_deg)
     assert set(asked) == {("area_availability",)}
     front = first_front(study, results)

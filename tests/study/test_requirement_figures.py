@@ -52,7 +52,7 @@ def test_requirements_are_a_stage_a_constraint_and_columns(tiny, tmp_path):
     with Store(tmp_path, study) as store:
         run_trade(study, store, OneProcess(study), lambda *_: _Silent())
         results = read_results(study, tmp_path)
-        seen = Known(store, study).figures(list(results.identity.values))
+        seen = Known(store).figures(list(results.identity.values))
     for name in ("requirements_met", "requirement_1_met", "requirement_share"):
         np.testing.assert_array_equal(seen[name], results[name])  # what evolution selects by
     asked = results.isel(candidate=np.flatnonzero(results.stage.values == "requirements"))
