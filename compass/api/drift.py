@@ -8,7 +8,7 @@ from typing import Any
 
 from compass.api.drift_result import DriftResult
 from compass.api.given import given_design, given_fold, given_mask
-from compass.api.progress import bar, foretell
+from compass.api.progress import bar, foretell, parts_bar
 from compass.api.radii import Asked, at_radii, forces_of, real_motion
 from compass.arguments import checked
 from compass.coverage.drift import drift_of
@@ -94,7 +94,8 @@ def drift(
         )
         c = done.constellation
     path = motion.trajectory(c, start, stop, progress=lambda x: bar(progress, "orbits", x))
-    kept = promises_of(read, path, start, stop, lambda x: bar(progress, "requirements", x))
+    with parts_bar(progress, "requirements") as told:
+        kept = promises_of(read, path, start, stop, told)
     sphere, highest, ground, lasting = read.figure.equatorial_radius, mask, "", None
     stretch = read.figure.stretch
     own = bool(kept) and fold is None and mask_deg is None and region is None

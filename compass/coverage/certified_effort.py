@@ -38,7 +38,7 @@ PERCENTILE_PER_SHARE, COARSEST = 100.0, 0.1
 FOLD_PER_SHARE = 10.0
 
 
-class _Budget(TypedDict):
+class Budget(TypedDict):
     """What ends a figure early."""
 
     budget_s: float
@@ -115,7 +115,7 @@ class Effort:
             start=self._share(key),
             workers=self.workers,
             progress=told,
-            **self._budget(budget_boxes),
+            **self.budget(budget_boxes),
             **asked,
         )
         self._put_share(key, found)
@@ -141,7 +141,7 @@ class Effort:
             start=self._share(key),
             workers=self.workers,
             progress=lambda still: self.progress("folds", _part(still, wide)),
-            **self._budget(budget_boxes),
+            **self.budget(budget_boxes),
             **asked,
         )
         self._put_share(key, found[0])
@@ -167,7 +167,7 @@ class Effort:
             precision=precision,
             start=self._percentiles(key, percents),
             workers=self.workers,
-            **self._budget(budget_boxes),
+            **self.budget(budget_boxes),
             **asked,
         )
         self._put_percentiles(key, found)
@@ -195,7 +195,7 @@ class Effort:
             precision=precision,
             start=start,
             workers=self.workers,
-            **self._budget(budget_boxes, by_width=False),
+            **self.budget(budget_boxes, by_width=False),
             **asked,
         )
         if found.leaves is not None:
@@ -217,12 +217,12 @@ class Effort:
         **asked: Unpack[Asked],
     ) -> CertifiedAlways:
         """As `certified_always`, begun anew each time."""
-        budget = self._budget(budget_boxes)
+        budget = self.budget(budget_boxes)
         found = certified_always(constellation, limit, workers=self.workers, **budget, **asked)
         self.interrupted = self.interrupted or found.stopped == "interrupted"
         return found
 
-    def _budget(self, boxes: float, *, by_width: bool = True) -> _Budget:
+    def budget(self, boxes: float, *, by_width: bool = True) -> Budget:
         """Seconds and boxes that a figure may take, any number if a width ends it (`by_width`)."""
         seconds = math.inf if self.budget_s is None else self.budget_s
         free = self.budget_s is not None or (by_width and self.width is not None)

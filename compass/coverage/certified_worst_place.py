@@ -50,7 +50,7 @@ def certified_worst_place(
     width, budget_boxes
         How near the bounds are to come, and boxes for those from below.
     effort
-        How far to go at each place.
+        Its seconds instead of boxes, if it has any; how far to go at each place.
     **asked
         As of `certified_share` but for ``place``. With ``duration`` every place counts by itself;
         without, all of a circle of latitude alike.
@@ -69,15 +69,14 @@ def certified_worst_place(
     first = first[(first[:, 0] == first[0, 0]) & ((first[:, 1] == first[0, 1]) | (not places))]
     orbits, circles, breaks, paths, _, numbers, mask = question.arrays()
     (square,) = question.squares([limit])
+    given = question.speed, orbits, circles, breaks, paths, numbers, mask
 
     def bound(tile: Sides) -> tuple[float, int]:
         boxes = first.copy()
         for axis, (low, high) in ((0, tile[:2]), (1, tile[2:]))[: 2 if places else 1]:
             boxes[:, axis] = 0.5 * (low + high)
             boxes[:, 3 + axis] = 0.5 * (high - low) * (1 + 1e-15)
-        share, looked = kept_everywhere(
-            boxes, places, square, question.speed, orbits, circles, breaks, paths, numbers, mask
-        )
+        share, looked = kept_everywhere(boxes, places, square, *given)
         return max(0.0, float(share) - ROUNDING), int(looked)
 
     def at(latitude: float, longitude: float) -> tuple[float, int]:
@@ -91,7 +90,10 @@ def certified_worst_place(
 
     low, high = question.domain.sides[0].tolist()
     tiles = Tiles(bound, at, question.figure, places, region)
-    found = tiles.least(low, high, width=width, level=level, most=budget_boxes)
+    spent = known.budget(budget_boxes, by_width=False)
+    found = tiles.least(
+        low, high, width=width, level=level, most=spent["budget_boxes"], seconds=spent["budget_s"]
+    )
     share = CertifiedShare(
         found.low, found.high, found.looked, question.domain.scope, found.stopped
     )

@@ -323,7 +323,8 @@ def often(
     met = True if share.low >= wanted else False if high < wanted else None
     reason = ""
     if met is None:
-        reason = f"the bounds lie on both sides of {wanted:g}; --budget-s (budget_s) looks longer"
+        reason = f"the bounds lie on both sides of {wanted:g}; "
+        reason += "`compass check --budget-s` looks longer"
     by_time = requirement.share_of == "time"
     worst = Worst(None, latitude, None, high, "share") if by_time else None
     bounds = (min(share.low, high), high)

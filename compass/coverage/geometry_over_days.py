@@ -5,10 +5,9 @@ is looked for to `RESOLUTION`; a share is taken of every stretch by itself, so t
 not make up for bad ones.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -72,7 +71,7 @@ def geometry_lasts(
     path: Trajectory,
     start: float,
     stop: float,
-    progress: Callable[[Sequence[Any]], Iterable[Any]] = iter,
+    progress: Callable[[float], None] = lambda part: None,
 ) -> GeometryLasting:
     """How long a requirement's dilutions of precision are kept along paths.
 
@@ -85,7 +84,7 @@ def geometry_lasts(
     start, stop
         Seconds after the epoch.
     progress
-        Wraps the list of stretches, as tqdm does.
+        Called with the part of the way that is gone, 0 to 1.
 
     Raises
     ------
@@ -95,17 +94,22 @@ def geometry_lasts(
     flown = replace(design, motion=Motion("ephemeris", table=path))
 
     def ask(begin: float, end: float) -> Verdict:
-        effort = Effort()  # holds what is open, so that finer bounds go on from coarser ones
+        def told(_: str, part: float) -> None:
+            progress((begin + part * (end - begin) - start) / (stop - start))
+
+        # holds what is open, so that finer bounds go on from coarser ones
+        effort = Effort(progress=told)
         for width in WIDTHS:
             settled = _both(flown, requirement, begin, end, effort, width)
-            if settled.met is not None:
+            if settled.met is not None or settled.stopped:
                 break
         return settled
 
     count = max(int(np.ceil((stop - start) / STRETCH - 1e-9)), 1)
     edges = np.linspace(start, stop, count + 1).tolist()
-    for begin, end in progress(list(pairwise(edges))):
+    for begin, end in pairwise(edges):
         verdict = ask(begin, end)
+        progress((end - start) / (stop - start))
         if verdict.met is True:
             continue
         lost = None

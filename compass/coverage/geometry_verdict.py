@@ -192,7 +192,8 @@ def geometry_verdict(
             return sampled_verdict(
                 design, requirement, name, limit, everyone, [one[:2] for one in sets], course
             )
-        reason = f"{requirement.titled(name)} of these users is not certified yet"
+        reason = f"{requirement.titled(name)} of these users is not certified, but sampled by "
+        reason += "`compass check`"
         return undecided(requirement, course.words, reason)
     height = max(users.height for users in everyone)
     asked = _question(design, requirement, name, limit, course.span, height)
@@ -368,6 +369,6 @@ def _verdict(
     if met is None:
         reason = f"the share with {asked.title} lies between {low:.6g} and {high:.6g}"
         if least.stopped:
-            reason += f"; {ended(least.stopped)}; --budget-s (budget_s) looks longer"
-        return replace(verdict, reason=reason)
+            reason += f"; {ended(least.stopped)}; `compass check --budget-s` looks longer"
+        return replace(verdict, reason=reason, stopped=least.stopped)
     return verdict

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,7 +89,7 @@ def promises_of(
     path: Trajectory,
     start: float,
     stop: float,
-    progress: Callable[[Sequence[Any]], Any] = iter,
+    progress: Callable[[str, float], None] = lambda name, part: None,
 ) -> tuple[Promise, ...]:
     """Follow every requirement of a design along paths, from `start` to `stop`.
 
@@ -103,9 +102,17 @@ def promises_of(
     start, stop
         Seconds after the epoch.
     progress
-        Wraps the list of requirements, as tqdm does.
+        Called with the name of what is followed, and the part of all that is gone, 0 to 1.
     """
-    return tuple(_follow(design, each, path, start, stop) for each in progress(design.requirements))
+    found: list[Promise] = []
+    for each in design.requirements:
+
+        def told(part: float, name: str = each.name) -> None:
+            progress(name, (len(found) + part) / len(design.requirements))
+
+        told(0.0)
+        found.append(_follow(design, each, path, start, stop, told))
+    return tuple(found)
 
 
 @dataclass(frozen=True)
@@ -177,7 +184,12 @@ def in_view(requirement: Requirement) -> int | None:
 
 
 def _follow(
-    design: Design, requirement: Requirement, path: Trajectory, start: float, stop: float
+    design: Design,
+    requirement: Requirement,
+    path: Trajectory,
+    start: float,
+    stop: float,
+    progress: Callable[[float], None],
 ) -> Promise:
     """Follow one requirement: the place that is lost first."""
     asked = replace(requirement, fold=requirement.counts)
@@ -189,7 +201,7 @@ def _follow(
         lasting, claim = min(found, key=lambda one: one[0].proven_until)
     if asked.limits:
         until = stop if lasting is None else max(lasting.proven_until, start + 1.0)
-        geometry = geometry_lasts(design, asked, path, start, until)
+        geometry = geometry_lasts(design, asked, path, start, until, progress)
     return Promise(requirement, claim, lasting, geometry)
 
 

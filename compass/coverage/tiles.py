@@ -9,14 +9,15 @@ import heapq
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise, product
+from time import monotonic
 
 import numpy as np
 
 from compass.coverage.region import GLOBE, Region
 from compass.frames import Figure, direction, planetocentric_latitude
 
-#: Longest sides of the first tiles, radians.
-FIRST = 0.1
+#: Longest sides of the first tiles, radians: of latitudes alone, and where longitudes count too.
+FIRST, FIRST_OF_PLACES = 0.1, 0.4
 
 #: South, north (geodetic), west and east of a tile, radians.
 Sides = tuple[float, float, float, float]
@@ -58,19 +59,31 @@ class Tiles:
     region: Region = GLOBE
 
     def least(
-        self, south: float, north: float, *, width: float, level: float | None, most: float
+        self,
+        south: float,
+        north: float,
+        *,
+        width: float,
+        level: float | None,
+        most: float,
+        seconds: float = np.inf,
     ) -> Least:
         """Bracket the least share between two geodetic latitudes.
 
-        Until the bounds are `width` apart, both on one side of `level`, or `most` boxes are spent.
+        Until the bounds are `width` apart, both on one side of `level`, or `most` boxes or
+        `seconds` are spent; of tiles that are not looked at by then nothing is known.
         """
         tiles: list[tuple[float, Sides]] = []
-        high, where, looked, stopped = 1.0, south, 0, ""
+        high, where, looked, began = 1.0, south, 0, monotonic()
+
+        def spent() -> str:
+            late = monotonic() - began >= seconds
+            return "boxes" if looked >= most else "time" if late else ""
 
         def push(tile: Sides) -> None:
             nonlocal looked
             if not self._outside(tile):
-                low, boxes = self.bound(tile)
+                low, boxes = (0.0, 0) if spent() else self.bound(tile)
                 looked += boxes
                 heapq.heappush(tiles, (low, tile))
 
@@ -82,16 +95,17 @@ class Tiles:
                 if found <= high:
                     high, where = found, spot[0]
 
-        columns = _parts(-np.pi, np.pi) if self.places else [(0.0, 0.0)]
-        for (a, b), (west, east) in product(_parts(south, north), columns):
-            push((a, b, west, east))
+        longest = FIRST_OF_PLACES if self.places else FIRST
+        columns = _parts(-np.pi, np.pi, longest) if self.places else [(0.0, 0.0)]
+        for rows, turn in product(_parts(south, north, longest), columns):
+            push((*rows, *turn))
+        stopped = ""
         while tiles:
             low, tile = tiles[0]
             told = level is not None and (low >= level or high < level)
             if told or high - low <= width:
                 break
-            if looked >= most:
-                stopped = "boxes"
+            if stopped := spent():
                 break
             heapq.heappop(tiles)
             look(tile)
@@ -131,7 +145,7 @@ class Tiles:
         return direction(float(planetocentric_latitude(latitude, self.figure)), longitude)
 
 
-def _parts(low: float, high: float) -> list[tuple[float, float]]:
-    """Equal parts of a stretch, none longer than `FIRST`."""
-    count = max(int(np.ceil((high - low) / FIRST)), 1)
+def _parts(low: float, high: float, longest: float) -> list[tuple[float, float]]:
+    """Equal parts of a stretch, none longer than that."""
+    count = max(int(np.ceil((high - low) / longest)), 1)
     return list(pairwise(np.linspace(low, high, count + 1).tolist()))

@@ -87,6 +87,8 @@ class Verdict:
         Names of the satellites whose loss does that, and how many sets they stand for.
     reason
         Why it is open, in a sentence; empty if it is not.
+    stopped
+        What ended the search for bounds early, ``time``, ``boxes`` or ``interrupted``; else empty.
     """
 
     requirement: Requirement
@@ -99,6 +101,7 @@ class Verdict:
     lost: tuple[str, ...] = ()
     alike: int = 1
     reason: str = ""
+    stopped: str = ""
 
     @property
     def word(self) -> str:

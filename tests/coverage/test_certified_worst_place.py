@@ -59,6 +59,34 @@ def test_the_search_ends_at_the_place_with_the_least(monkeypatch):
     assert found.high - found.low <= 0.01 and worst < 0.02
 
 
+def test_boxes_and_seconds_end_it_among_the_first_tiles(monkeypatch):
+    """Of places all over Mars there are a hundred: nothing is known of those not looked at."""
+    looks = []
+
+    def of_tile(boxes, *_):
+        looks.append(len(boxes))
+        return 0.9, 1000
+
+    known_shares(monkeypatch, lambda b, lon: 0.95)
+    monkeypatch.setattr(module, "kept_everywhere", of_tile)
+    half_pi, asked = np.pi / 2, {"since": 0.0, "duration": 7200.0}
+    few, _ = certified_worst_place(
+        FEW, 4.0, 0.92, south=-half_pi, north=half_pi, budget_boxes=5000, **asked
+    )
+    assert len(looks) == 5
+    assert (few.low, few.stopped) == (0.0, "boxes")
+    # seconds take the place of boxes, as `check --budget-s` says
+    late, _ = certified_worst_place(
+        FEW, 4.0, 0.92, south=-half_pi, north=half_pi, effort=Effort(budget_s=1e-9), **asked
+    )
+    assert len(looks) == 5
+    assert (late.low, late.stopped) == (0.0, "time")
+    whole, _ = certified_worst_place(
+        FEW, 4.0, 0.85, south=-half_pi, north=half_pi, budget_boxes=1e7, **asked
+    )
+    assert whole.low == pytest.approx(0.9, abs=1e-6) and not whole.stopped
+
+
 @pytest.mark.slow
 def test_no_place_has_less_and_one_has_no_more():
     """Of circles for ever, and of places over some hours, each by the share of itself."""

@@ -293,7 +293,7 @@ def test_the_worst_latitude_has_the_least_share():
     assert belt.south <= latitude <= belt.north
     at = clear_share(c, replace(belt, south=latitude, north=latitude), 3, width=0.02)
     assert at.low <= found.high
-    told, _ = worst_share(c, belt, 3, level=0.01, most=30_000)
+    told, _ = worst_share(c, belt, 3, level=0.01, most=60_000)
     assert told.low >= 0.01 or told.high < 0.01
 
 
@@ -384,7 +384,7 @@ def test_the_worst_place_of_a_region_has_the_least_share_under_closed_tracks():
     (part,) = read_regions("polygon:0,0;0,40;40,0")
     users = region_users(part, SPHERE, Mask())
     span = (0.0, 88642.66)
-    found, latitude = worst_share(c, users, 2, span=span, width=0.05, level=0.999, most=20_000)
+    found, latitude = worst_share(c, users, 2, span=span, level=0.999, most=20_000)
     assert users.south <= latitude <= users.north and found.low <= found.high
     r = np.moveaxis(positions_mcmf(c, np.linspace(*span, 500)), 1, 0)
     shares = []

@@ -67,6 +67,25 @@ def test_a_share_is_taken_of_each_stretch_and_what_is_open_is_said(design, monke
     assert widths == [module.WIDTHS[0]] * 2 + [w for w in module.WIDTHS for _ in range(2)]
 
 
+def test_what_has_used_up_its_boxes_is_not_asked_again_more_finely(design, monkeypatch):
+    """And who watches is told how much of the way is gone, up to where it is open."""
+    asked, parts = [], []
+
+    def verdict(design, requirement, name, limit, *, days, start_day, effort, width, **_):
+        asked.append((start_day, width))
+        effort.progress("share", 0.5)
+        late = "boxes" if start_day >= 7.0 else ""
+        open_ = replace(settled(None, requirement, (0.0, 1.0), reason="open"), stopped=late)
+        return open_ if late else settled(True, requirement, (0.96, 1.0))
+
+    monkeypatch.setattr(module, "geometry_verdict", verdict)
+    path = Motion().trajectory(design.constellation, 0.0, 28 * SECONDS_PER_DAY)
+    found = geometry_lasts(design, OFTEN, path, 0.0, 28 * SECONDS_PER_DAY, parts.append)
+    assert (found.outcome, found.days_proven) == (Outcome.UNDECIDED, 7.0)
+    assert asked == [(0.0, module.WIDTHS[0]), (7.0, module.WIDTHS[0])]
+    assert parts == pytest.approx([0.125, 0.25, 0.375, 0.5])
+
+
 @pytest.mark.slow
 def test_the_first_moment_of_a_poor_geometry_agrees_with_a_look_every_ten_seconds(design):
     path = Motion("numerical").trajectory(design.constellation, 0.0, 2 * SECONDS_PER_DAY)
