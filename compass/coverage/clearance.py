@@ -40,6 +40,9 @@ ONE_BOUND = 0.5
 #: Equal parts of the time in which shares over a span are looked for, several at once.
 TIMES = 4
 
+#: One over the part of the boxes for the worst place that one tile may take: there are many.
+A_TILE = 8
+
 #: How many times as many boxes a measure of a quarter takes, as long as that is not known.
 GROWTH = 2.6
 
@@ -359,7 +362,7 @@ def worst_share(
             laid.domain[1] = west, east
         side = max(north - south, east - west)
         fine = max(0.05 * side, 1e-6) if places else max(0.02 * side**2, 1e-8)
-        found = _share(laid, fold, 2 if places else 1, fine, most)
+        found = _share(laid, fold, 2 if places else 1, fine, max(most // A_TILE, 1))
         return found.low, found.boxes
 
     mirrored = users.south == -users.north and users.alike_all_around and not places
