@@ -333,37 +333,57 @@ def error_map_row(
 
 
 @kernel
-def errors_over_time(places, ups, r, seen, aloft, ranges, out):
-    """Errors of a fix of one user at every epoch; who is in orbit has no ionosphere.
+def ranges_in_view(place, up, r, seen, ranges, t, lines, variances):
+    """Fill unit vectors to the satellites that a user has in view, and variances; their number.
 
     Parameters
     ----------
-    places, ups
-        Where the user is, in units of the equatorial radius, and unit vectors up, (epoch, 3).
+    place, up
+        Where the user is, in units of the equatorial radius, and the unit vector up, (3,).
     r, seen
-        Satellites likewise, (epoch, satellite, 3), and which of them are in view.
-    aloft
-        Whether the user is in orbit, and has the receiver's noise of the zenith.
+        Satellites likewise, (satellite, 3), and which of them are in view.
+    ranges, t
+        What ranges are worth, and at which of its epochs.
+    lines, variances
+        Filled; shapes (satellite, 3) and (satellite,), m^2.
+    """
+    numbers, sun, lit, count = ranges.numbers, ranges.sun[t], 0.0, 0
+    if numbers[DELAY2] > 0.0:
+        lit = sunlit(up[0] * sun[0] + up[1] * sun[1] + up[2] * sun[2], ranges.lit)
+    for s in range(r.shape[0]):
+        if not seen[s]:
+            continue
+        x, y, z = r[s, 0] - place[0], r[s, 1] - place[1], r[s, 2] - place[2]
+        w = 1.0 / math.sqrt(x * x + y * y + z * z)
+        x, y, z = x * w, y * w, z * w
+        sine = up[0] * x + up[1] * y + up[2] * z
+        lines[count, 0], lines[count, 1], lines[count, 2] = x, y, z
+        variances[count] = range_variance(x, y, z, w, sine, lit, ranges.q[t, s], numbers)
+        count += 1
+    return count
+
+
+@kernel
+def errors_over_time(places, ups, r, seen, ranges, out):
+    """Errors of a fix of one user at every epoch.
+
+    Parameters
+    ----------
+    places, ups, r, seen
+        As of `ranges_in_view`, with a leading epoch axis.
     ranges
         What they are worth.
     out
         Filled, infinite without a fix; shape (epoch, 4): horizontal, vertical, position, time; m.
     """
     numbers, m = ranges.numbers, np.empty(10)
+    lines, variances = np.empty((r.shape[1], 3)), np.empty(r.shape[1])
     for t in range(places.shape[0]):
-        p, up, sun = places[t], ups[t], ranges.sun[t]
-        lit, count = 0.0, 0
-        if not aloft and numbers[DELAY2] > 0.0:
-            lit = sunlit(up[0] * sun[0] + up[1] * sun[1] + up[2] * sun[2], ranges.lit)
+        up = ups[t]
+        count = ranges_in_view(places[t], up, r[t], seen[t], ranges, t, lines, variances)
         m[:] = 0.0
-        for s in range(r.shape[1]):
-            if not seen[t, s]:
-                continue
-            x, y, z = r[t, s, 0] - p[0], r[t, s, 1] - p[1], r[t, s, 2] - p[2]
-            w = 1.0 / math.sqrt(x * x + y * y + z * z)
-            x, y, z = x * w, y * w, z * w
-            sine = 1.0 if aloft else up[0] * x + up[1] * y + up[2] * z
-            weight = 1.0 / range_variance(x, y, z, w, sine, lit, ranges.q[t, s], numbers)
+        for k in range(count):
+            x, y, z, weight = lines[k, 0], lines[k, 1], lines[k, 2], 1.0 / variances[k]
             m[0] += weight
             m[1] += weight * x * x
             m[2] += weight * y * y
@@ -374,7 +394,6 @@ def errors_over_time(places, ups, r, seen, aloft, ranges, out):
             m[7] += weight * x
             m[8] += weight * y
             m[9] += weight * z
-            count += 1
         out[t] = math.inf
         if count >= 4:
             _, whole, level, height, time = weighted_dops(

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.dop import row_runs
-from compass.core.error import DELAY2, range_variance
+from compass.core.error import DELAY2, range_variance, ranges_in_view
 from compass.core.ionosphere import sunlit
 from compass.core.jit import kernel
 from compass.core.ranking import BINS, add_to_histogram
@@ -235,46 +235,32 @@ def protection_row(
 
 
 @kernel
-def levels_over_time(places, axes, r, seen, aloft, ranges, promise, out):
-    """Protection levels of one user at every epoch; who is in orbit has no ionosphere.
+def levels_over_time(places, axes, r, seen, ranges, promise, out):
+    """Protection levels of one user at every epoch.
 
     Parameters
     ----------
-    places, axes
-        Where the user is, in units of the equatorial radius, (epoch, 3), and unit vectors east,
-        north and up there, rows, (epoch, 3, 3).
-    r, seen, aloft, ranges
+    places, r, seen, ranges
         As of `compass.core.error.errors_over_time`.
+    axes
+        Unit vectors east, north and up there, rows, (epoch, 3, 3).
     promise
         What is promised, see `Promise`.
     out
         Filled, infinite where there is none; shape (epoch, 2): horizontal and vertical, m.
     """
-    numbers, n = ranges.numbers, r.shape[1]
-    g, variances, found = np.empty((n, 4)), np.empty(n), np.empty(3)
+    n = r.shape[1]
+    lines, variances, found = np.empty((n, 3)), np.empty(n), np.empty(3)
+    g = np.ones((n, 4))
     for t in range(places.shape[0]):
-        east, north, up, sun = axes[t, 0], axes[t, 1], axes[t, 2], ranges.sun[t]
-        lit, size = 0.0, 0
-        if not aloft and numbers[DELAY2] > 0.0:
-            lit = sunlit(up[0] * sun[0] + up[1] * sun[1] + up[2] * sun[2], ranges.lit)
-        for s in range(n):
-            if not seen[t, s]:
-                continue
-            x, y, z = (
-                r[t, s, 0] - places[t, 0],
-                r[t, s, 1] - places[t, 1],
-                r[t, s, 2] - places[t, 2],
-            )
-            w = 1.0 / math.sqrt(x * x + y * y + z * z)
-            x, y, z = x * w, y * w, z * w
-            sine = up[0] * x + up[1] * y + up[2] * z
-            g[size, 0] = -(east[0] * x + east[1] * y + east[2] * z)
-            g[size, 1] = -(north[0] * x + north[1] * y + north[2] * z)
-            g[size, 2], g[size, 3] = -sine, 1.0
-            variances[size] = range_variance(
-                x, y, z, w, 1.0 if aloft else sine, lit, ranges.q[t, s], numbers
-            )
-            size += 1
+        size = ranges_in_view(places[t], axes[t, 2], r[t], seen[t], ranges, t, lines, variances)
+        for k in range(size):
+            for d in range(3):
+                g[k, d] = -(
+                    axes[t, d, 0] * lines[k, 0]
+                    + axes[t, d, 1] * lines[k, 1]
+                    + axes[t, d, 2] * lines[k, 2]
+                )
         protect(g[:size], variances[:size], promise.numbers, promise.unmonitored[size], found)
         out[t, 0] = math.sqrt(found[0] * found[0] + found[1] * found[1])
         out[t, 1] = found[2]

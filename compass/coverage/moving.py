@@ -21,7 +21,7 @@ from compass.frames import (
 from compass.orbits.constellation import Constellation
 from compass.orbits.motion import Motion
 from compass.orbits.positions import states_mci
-from compass.signal.ranges import range_errors
+from compass.signal.ranges import aloft_numbers, range_errors
 from compass.sites import Mask, Site
 
 Array = NDArray[np.float64]
@@ -250,6 +250,12 @@ def dilutions_along(design: Design, mover: Mover, sights: Sights) -> dict[str, A
     }
 
 
+def heard_by(mover: Mover, sights: Sights) -> Ranges:
+    """What a user's ranges are worth: in orbit with noise of the zenith, and no ionosphere."""
+    ranges = sights.ranges
+    return ranges._replace(numbers=aloft_numbers(ranges.numbers)) if mover.aloft else ranges
+
+
 def fix_errors(design: Design, mover: Mover, sights: Sights) -> Array:
     """Horizontal, vertical, position and time error of a user's fixes, m, shape (t, 4)."""
     out = np.empty((len(mover.r), 4))
@@ -258,8 +264,7 @@ def fix_errors(design: Design, mover: Mover, sights: Sights) -> Array:
         np.ascontiguousarray(mover.axes[:, 2]),
         sights.r,
         sights.seen,
-        mover.aloft,
-        sights.ranges,
+        heard_by(mover, sights),
         out,
     )
     return out

@@ -21,7 +21,7 @@ from compass.core.ranking import histogram_quantile
 from compass.coverage.errors import PERCENTILES, finite_share
 from compass.coverage.grid import Grid
 from compass.coverage.maps import CELL_PERCENTILES, nearest_ranks
-from compass.coverage.moving import Mover, Sights
+from compass.coverage.moving import Mover, Sights, heard_by
 from compass.coverage.rows import Part, Rows, by_threads, gathered
 from compass.coverage.view import View
 from compass.design import Design
@@ -77,8 +77,7 @@ def levels_along(design: Design, mover: Mover, sights: Sights) -> dict[str, NDAr
         np.ascontiguousarray(mover.axes),
         sights.r,
         sights.seen,
-        mover.aloft,
-        sights.ranges,
+        heard_by(mover, sights),
         promise_of(design.integrity, sights.r.shape[1]),
         levels,
     )

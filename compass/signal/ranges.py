@@ -139,3 +139,14 @@ def shared_numbers(design: Design, weights: Weighting = "variance") -> NDArray[n
     numbers[error.SHARED_TIME] = design.signal.common_time**2
     numbers[error.EQUAL] = float(weights == "equal")
     return numbers
+
+
+def aloft_numbers(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Numbers of `shared_numbers` for who is in orbit, where noise is that of the zenith.
+
+    No ionosphere lies between orbiters and satellites above the shell.
+    """
+    aloft = numbers.copy()
+    aloft[error.NOISE] += aloft[error.ZENITH]
+    aloft[error.ZENITH] = aloft[error.DELAY2] = 0.0
+    return aloft
