@@ -8,13 +8,12 @@ from typing import Any
 from compass.api.cluster import check_cluster
 from compass.api.given import given_design, given_places, in_metres
 from compass.api.map_result import MapResult, with_intervals
-from compass.api.map_statistics import epochs_on, folds_met
+from compass.api.map_statistics import extremes_met, folds_met
 from compass.api.progress import bar, foretell, parts_bar
 from compass.arguments import checked
 from compass.cores import cores
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_geometry import CertifiedGeometry
-from compass.coverage.protection import protection_after_losses
 from compass.coverage.rows import Rows
 from compass.design import PDOP_MAX, Design
 from compass.errors import ArgumentError
@@ -22,7 +21,7 @@ from compass.orbits.motion import MotionModel
 from compass.signal.ranges import Weighting
 from compass.sites import Site
 from compass.study.certified import certified_areas, certified_figures
-from compass.study.mapping import DesignMap, MapOptions, MapRows, make_map
+from compass.study.mapping import MapOptions, MapRows, make_map
 
 
 @checked
@@ -89,8 +88,8 @@ def map(
     weights
         How a fix weighs ranges: by their ``variance``, or all ``equal``.
     each_loss
-        Whether to map protection levels without each satellite in turn, too: as many maps more as
-        there are satellites. The design needs tables [signal] and [integrity].
+        Whether to draw protection levels without each satellite in turn, too. The design needs
+        tables [signal] and [integrity].
     width, budget_s
         How near proven bounds of a share are to come (by fold 10, of a percentile 100 times
         that, relative), and seconds that each figure may take; by default 2e-4, and a number of
@@ -168,40 +167,13 @@ def map(
             by=by if scheduler else None,
         )
     with parts_bar(progress, "bounds") as effort.progress:
-        certified = certified_figures(read, options, effort, folds_met(made.dataset))
+        met = folds_met(made.dataset), extremes_met(made.dataset)
+        certified = certified_figures(read, options, effort, *met)
         areas = certified_areas(read, options, *places, effort)
-    result = MapResult(read, made, certified, areas, MapRows(read, options).drawn())
-    if each_loss:
-        add_losses(made, read, options, workers, progress=progress)
+    drawn = MapRows(read, options).drawn(losses=each_loss)
+    result = MapResult(read, made, certified, areas, drawn)
     made.dataset.attrs |= _attributes(certified, result) | {"sampled": result.sampled}
     return result
-
-
-def add_losses(
-    made: DesignMap,
-    design: Design,
-    options: MapOptions,
-    workers: int | None = None,
-    *,
-    progress: bool = False,
-) -> None:
-    """Add to a map which shares are protected without each satellite, looked at by `options`."""
-    assert design.integrity is not None
-    rows = MapRows(design, options)
-    names, grid = design.constellation.satellite_names, rows.grid
-    with bar(progress, "losses", unit="row", total=len(names) * grid.rows) as done:
-        shares = protection_after_losses(
-            rows.view, grid, rows.ranges, design.integrity, workers=workers,
-            progress=done.update,
-        )  # fmt: skip
-    looked = epochs_on(options.epochs, grid.title)
-    made.dataset["loss_protection_share"] = (
-        ("lost", "protected"),
-        shares,
-        {"units": "1", "long_name": "share of area and time after the loss of one satellite"}
-        | {"sampled": looked},
-    )
-    made.dataset.coords["lost"] = list(names)
 
 
 def _attributes(certified: CertifiedGeometry | None, result: MapResult) -> dict[str, Any]:

@@ -19,7 +19,9 @@ AREAS_KNOWN = (
 )
 
 
-def area_blocks(areas: Sequence[AreaFigures]) -> tuple[Block, ...]:
+def area_blocks(
+    areas: Sequence[AreaFigures], title: str = "At sites and in regions"
+) -> tuple[Block, ...]:
     """A table of the areas and what is known of them, and for when it is; nothing without any."""
     if not areas:
         return ()
@@ -50,7 +52,7 @@ def area_blocks(areas: Sequence[AreaFigures]) -> tuple[Block, ...]:
         scopes.setdefault(area.scope, []).append(area.name)
     metres = "; errors one sigma, wherever the Sun stands" if errors else ""
     return (
-        Table("At sites and in regions", header, rows),
+        Table(title, header, rows),
         Sentence(f"{AREAS_KNOWN}{metres}"),
         *(Sentence(f"{', '.join(names)}: {scope}") for scope, names in scopes.items()),
     )

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.api.map_areas import AREAS_KNOWN, area_blocks, with_areas
+from compass.api.map_global import with_global
 from compass.api.map_statistics import (
     ROVER,
     epochs_on,
@@ -32,7 +33,17 @@ from compass.coverage.gaps import next_prime
 from compass.coverage.maps import DOPS
 from compass.coverage.protection import LEVELS
 from compass.design import Design
-from compass.document import Bracket, Interval, Page, Sampled, Sentence, Table, Value, Verdict
+from compass.document import (
+    Bracket,
+    Interval,
+    Page,
+    Proven,
+    Sampled,
+    Sentence,
+    Table,
+    Value,
+    Verdict,
+)
 from compass.document.blocks import facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
@@ -77,7 +88,8 @@ class MapResult(Result):
     @property
     def dataset(self) -> "xr.Dataset":
         """Everything by cell, zone and epoch, area, and over the whole sphere, CF attributes."""
-        return dated(with_areas(self.made.dataset, self.areas))
+        known = with_global(self.made.dataset, self.numbers(), self.drawn)
+        return dated(with_areas(known, self.areas))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON, the answer first, in the order of the text."""
@@ -88,8 +100,8 @@ class MapResult(Result):
 
     @property
     def met(self) -> bool:
-        """Whether the fold wanted is there at every cell and epoch."""
-        return bool(self.dataset.count_min.min() >= self.dataset.attrs["wanted_fold"])
+        """Whether the fold wanted is there everywhere, as far as any place looked at tells."""
+        return bool(self.numbers()["count"]["min"] >= self.made.dataset.attrs["wanted_fold"])
 
     def evidence(self) -> dict[str, str]:
         """How well each number of the JSON is known, by its name there; `others` is the rest."""
@@ -97,11 +109,17 @@ class MapResult(Result):
         if self.certified:
             names = (*self.certified.brackets, "pdop_worst_bracket")
             found |= dict.fromkeys(names, f"between proven bounds, {self.certified.scope}")
+            if (least := self.certified.in_view) and not self._open(*least.least):
+                found["met"] = str(Proven(self.certified.scope))
         if self.areas:
             found["areas"] = AREAS_KNOWN
         gaps = f"sampled at cells, at each to {self.dataset.attrs['gap_step_s']:.3g} s"
         found |= dict.fromkeys(("longest_gap_s", "mean_response_time_s"), gaps)
         return found | {"others": self.sampled}
+
+    def _open(self, low: int, high: int) -> bool:
+        """Whether the fold wanted lies between bounds of the fewest in view."""
+        return low < self.made.dataset.attrs["wanted_fold"] <= high
 
     @property
     def sampled(self) -> str:
@@ -120,10 +138,10 @@ class MapResult(Result):
 
     @cached_property
     def _numbers(self) -> dict[str, Any]:
-        numbers = statistics(self.dataset, self.drawn)
+        numbers = statistics(self.made.dataset, self.drawn)
         if self.certified:
             known = self.certified.numbers()
-            several = (*self.certified.dops, "fold_share")
+            several = {*self.certified.dops, "fold_share", "count"} & known.keys()
             numbers |= known | {name: _beside(numbers[name] | known[name]) for name in several}
         return _beside(numbers)
 
@@ -137,7 +155,8 @@ class MapResult(Result):
         numbers, attrs = self.numbers(), self.dataset.attrs
         fold = attrs["wanted_fold"]
         p50, p95 = (self._percentile("gdop", numbers, q) for q in ("p50", "p95"))
-        sure = "between proven bounds" if p50.evidence and p95.evidence else "sampled"
+        weaker = [p.evidence for p in (p95, p50) if not isinstance(p.evidence, Bracket)]
+        sure = str(weaker[0]) if weaker else Bracket.WORDS
         claim = (
             f"{numbers['count']['min']} to {numbers['count']['max']} satellites in view, "
             f"{fold} wanted; GDOP {p50} (median), {p95} (95 % of area and time); {sure}"
@@ -258,7 +277,7 @@ class MapResult(Result):
             self.value(quantity("part_share"), errors, name)
             for name in ("fewer_than_four_share", "masked_share", "singular_share")
         )
-        none = self.value(quantity("part_share"), _others("fix_share", errors), "fix_share")
+        none = self.value(quantity("part_share"), rest_of("fix_share", errors), "fix_share")
         lowest = float(np.min(self.dataset.attrs["elevation_mask_deg"]))
         mask = (
             f" ({masked} % would have four, were nothing hidden above the plain horizon: the mask "
@@ -279,8 +298,7 @@ class MapResult(Result):
     def why_no_level(self) -> tuple[str, ...]:
         """As `why_no_fix`, of protection levels."""
         found = self.levels
-        none = 1.0 - found["level_share"]
-        if none < ROUNDING:
+        if 1.0 - found["level_share"] < ROUNDING:
             return ()
         share, reasons = quantity("part_share"), []
         for name, words in (
@@ -289,10 +307,9 @@ class MapResult(Result):
             ("two_faults_share", "so many are in view that two faults use up the risk allowed"),
         ):
             if found[name] > ROUNDING:
-                reasons.append(f"in {Value(share, found[name])} % {words}")
-        return (
-            f"levels are infinite in {Value(share, none)} % of area and time: {'; '.join(reasons)}",
-        )
+                reasons.append(f"in {self.value(share, found, name)} % {words}")
+        none = self.value(share, rest_of("level_share", found), "level_share")
+        return (f"levels are infinite in {none} % of area and time: {'; '.join(reasons)}",)
 
     def budget_blocks(self) -> tuple[Table | Sentence, ...]:
         """What ranges and fixes are made of: parts of their variance, and geometry's factor."""
@@ -362,9 +379,9 @@ class MapResult(Result):
         """What is left of protection after the worst loss, if losses were looked at."""
         if (loss := found.get("after_loss")) is None:
             return []
-        left = [
-            Value(quantity(name), loss[name]) for name in ("detection_share", "protection_share")
-        ]
+        names = ("detection_share", "protection_share")
+        left = [self.value(quantity(name), loss, name) for name in names]
+        able, both = (self.value(quantity(name), loss, f"{name}_most") for name in names)
         few = self.design.constellation.size <= 5
         return [
             facts(f"One faulty satellite after the worst loss, of {loss['satellite']}", left),
@@ -372,9 +389,8 @@ class MapResult(Result):
                 "fewer than five satellites are left, and no fault is noticed"
                 if few
                 else "every satellite was left out in turn; the loss that harms least leaves "
-                f"{100 * loss['detection_share_most']:.2f} % detectable and "
-                f"{100 * loss['protection_share_most']:.2f} % within the limits; sampled at "
-                f"{self.dataset.loss_protection_share.attrs['sampled']}"
+                f"{able} % detectable and {both} % within the limits; these bounds hold for all "
+                "losses at once"
             ),
         ]
 
@@ -404,7 +420,7 @@ class MapResult(Result):
         """Satellites in view, and dilution of precision, over area and time."""
         numbers = self.numbers()
         threshold, fold = self.dataset.attrs["pdop_threshold"], self.dataset.attrs["wanted_fold"]
-        share, sampled = quantity("fold_share"), self.looked
+        share = quantity("fold_share")
         step = self.dataset.attrs["gap_step_s"]
         followed = Sampled(step, f"at cells, at each to {step:.3g} s")
         count, folds = numbers["count"], numbers["fold_share"]
@@ -412,12 +428,12 @@ class MapResult(Result):
             "Satellites in view, over area and time",
             [
                 *(
-                    Value(quantity(f"count.{name}"), count[name], sampled)
+                    self.value(quantity(f"count.{name}"), count, name)
                     for name in ("min", "mean", "max")
                 ),
                 *(
                     self.value(share, folds, k, f"at least {k} in view")
-                    for k in map(str, folds_met(self.dataset))
+                    for k in map(str, folds_met(self.made.dataset))
                     if int(k) >= min(fold, count["min"])  # fewer are in view everywhere
                 ),
                 self.value(
@@ -573,7 +589,7 @@ def with_intervals(known: dict[str, Any], path: str = "") -> Iterator[tuple[str,
             yield path + name.removesuffix(Interval.SUFFIX), value
 
 
-def _others(name: str, known: dict[str, Any]) -> dict[str, Any]:
+def rest_of(name: str, known: dict[str, Any]) -> dict[str, Any]:
     """One less a share, and its bounds."""
     found = {name: 1.0 - known[name]}
     if (ends := known.get(name + Interval.SUFFIX)) is not None:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.coverage.drawn import Drawn
-from compass.quantities.draws import percentiles, share_of
+from compass.quantities.draws import mean_of, percentiles, share_of
 from compass.ranging import FACTOR_95
 from compass.words import counted
 
@@ -18,8 +18,10 @@ ROVER = {
     "error_vertical_m": "rover_vertical_m",
 }
 
-#: Shares of area and time with levels within the alert limits, as kernels and draws name them.
+#: Shares of area and time with a fault detectable, and with levels within the alert limits, as
+#: kernels and draws name them.
 PROTECTED = {
+    "detection_share": "detectable",
     "protection_share": "both",
     "protection_horizontal_share": "horizontal",
     "protection_vertical_share": "vertical",
@@ -51,12 +53,12 @@ def statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, A
             "availability": float(dataset.global_availability),
         }
         dilutions = {name: _of_cells(dataset, dataset.global_dop.sel(dop=name)) for name in dops}
+    least, most = extremes_met(dataset)
+    mean = {"mean": float(dataset.global_count_mean)}
+    if drawn:
+        mean = mean_of("mean", drawn.count, len(drawn.satellites))
     return {
-        "count": {
-            "min": int(dataset.count_min.min()),
-            "mean": float(dataset.global_count_mean),
-            "max": int(dataset.count_max.max()),
-        },
+        "count": {"min": least, **mean, "max": most},
         **known,
         "longest_gap_s": float(dataset.longest_gap.max()),
         "mean_response_time_s": float(
@@ -85,6 +87,11 @@ def folds_met(dataset: "xr.Dataset") -> list[int]:
     return [int(k) for k, share in known if k and (k <= wanted or share > 0.0)]
 
 
+def extremes_met(dataset: "xr.Dataset") -> tuple[int, int]:
+    """Fewest and most satellites in view at any cell and epoch."""
+    return int(dataset.count_min.min()), int(dataset.count_max.max())
+
+
 def error_statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, Any]:
     """Percentiles of the errors of fixes over area and time, as of `statistics`."""
     if "global_error" not in dataset:
@@ -92,7 +99,7 @@ def error_statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[
     found: dict[str, Any] = {}
     limit = dataset.attrs["error_limit_m"]
     for name in dataset.error.values.tolist():
-        if drawn and name in drawn.values:
+        if drawn:
             values = drawn.values[name]
             found[name] = percentiles(values, _percents(dataset)) | share_of(
                 "share", values <= limit
@@ -131,17 +138,16 @@ def protection_statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> 
     shares = dataset.global_protection_share
     found: dict[str, Any] = {}
     for name in dataset.level.values.tolist():
-        if drawn and name in drawn.values:
+        if drawn:
             found[name] = percentiles(drawn.values[name], _percents(dataset))
         else:
             found[name] = _of_cells(dataset, dataset.global_protection.sel(level=name))
-    found["detection_share"] = float(shares.sel(protected="detectable"))
     for name, protected in PROTECTED.items():
-        if drawn and protected in drawn.protected:
+        if drawn:
             found |= share_of(name, drawn.protected[protected])
         else:
             found[name] = float(shares.sel(protected=protected))
-    return found | no_level(dataset) | _after_loss(dataset)
+    return found | no_level(dataset, drawn) | (_after_loss(drawn) if drawn else {})
 
 
 def in_view_share(dataset: "xr.Dataset", count: int) -> float:
@@ -152,26 +158,38 @@ def in_view_share(dataset: "xr.Dataset", count: int) -> float:
 
 def no_fix(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, Any]:
     """Share of area and time with a fix, and why there is none in the rest, as of `statistics`."""
-    masked, plain = dataset.four_in_view.values.tolist()
-    if drawn and drawn.satellites >= 4:
+    if drawn:
         fixed, four = np.isfinite(drawn.values["pdop"]), drawn.count >= 4
-        known = {
+        return {
             **share_of("fix_share", fixed),
             **share_of("fewer_than_four_share", ~four),
             **share_of("singular_share", four & ~fixed),
+            **share_of("masked_share", ~four & (drawn.risen >= 4)),
         }
-    else:
-        fix_share, in_view = float(dataset.global_fix_share), in_view_share(dataset, 4)
-        known = {
-            "fix_share": fix_share,
-            "fewer_than_four_share": 1.0 - in_view,
-            "singular_share": max(in_view - fix_share, 0.0),
-        }
-    return known | {"masked_share": plain - masked}
+    masked, plain = dataset.four_in_view.values.tolist()
+    fix_share, in_view = float(dataset.global_fix_share), in_view_share(dataset, 4)
+    return {
+        "fix_share": fix_share,
+        "fewer_than_four_share": 1.0 - in_view,
+        "singular_share": max(in_view - fix_share, 0.0),
+        "masked_share": plain - masked,
+    }
 
 
-def no_level(dataset: "xr.Dataset") -> dict[str, float]:
-    """Share of area and time with protection levels, and why there are none in the rest."""
+def no_level(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, Any]:
+    """Share of area and time with protection levels, and why there are none in the rest.
+
+    As of `statistics`.
+    """
+    if drawn:
+        enough, checked = drawn.count >= 5, drawn.protected["detectable"]
+        some = np.isfinite(drawn.values["protection_vertical_m"])
+        return {
+            **share_of("level_share", some),
+            **share_of("fewer_than_five_share", ~enough),
+            **share_of("unchecked_share", enough & ~checked),
+            **share_of("two_faults_share", checked & ~some),
+        }
     level, five = float(dataset.global_level_share), in_view_share(dataset, 5)
     able = float(dataset.global_protection_share.sel(protected="detectable"))
     return {
@@ -182,21 +200,29 @@ def no_level(dataset: "xr.Dataset") -> dict[str, float]:
     }
 
 
-def _after_loss(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Shares without the satellite whose loss leaves least, if losses were looked at."""
-    if "loss_protection_share" not in dataset:
-        return {}
-    shares = dataset.loss_protection_share
-    both, able = shares.sel(protected="both").values, shares.sel(protected="detectable").values
-    worst = int(np.lexsort((able, both))[0])
+def after_each_loss(drawn: Drawn) -> dict[str, list[dict[str, Any]]]:
+    """Shares of `PROTECTED` without each satellite in turn, with bounds that hold for all at once.
+
+    Bounds of each are wrong in so many fewer cases that the best and the worst have bounds too.
+    """
     return {
-        "after_loss": {
-            "satellite": str(dataset.lost.values[worst]),
-            "detection_share": float(able[worst]),
-            "protection_share": float(both[worst]),
-            "protection_horizontal_share": float(shares.sel(protected="horizontal").values[worst]),
-            "protection_vertical_share": float(shares.sel(protected="vertical").values[worst]),
-            "detection_share_most": float(able.max()),
-            "protection_share_most": float(both.max()),
-        }
+        name: [share_of("share", hits, len(drawn.satellites)) for hits in drawn.left[protected].T]
+        for name, protected in PROTECTED.items()
     }
+
+
+def _after_loss(drawn: Drawn) -> dict[str, Any]:
+    """Shares without the satellite whose loss leaves least, if losses were looked at."""
+    if not drawn.left:
+        return {}
+    shares = after_each_loss(drawn)
+    ranked = np.array([[one["share"] for one in shares[name]] for name in PROTECTED])
+    worst = int(np.lexsort(ranked[:2])[0])
+    found: dict[str, Any] = {"satellite": drawn.satellites[worst]}
+    for name, each in shares.items():
+        found |= {name: each[worst]["share"], f"{name}_interval": each[worst]["share_interval"]}
+    for name in ("detection_share", "protection_share"):
+        most = max(shares[name], key=lambda one: one["share"])
+        ends = [max(one["share_interval"][k] for one in shares[name]) for k in (0, 1)]
+        found |= {f"{name}_most": most["share"], f"{name}_most_interval": ends}
+    return {"after_loss": found}

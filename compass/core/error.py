@@ -376,33 +376,50 @@ def errors_over_time(places, ups, r, seen, ranges, out):
     out
         Filled, infinite without a fix; shape (epoch, 4): horizontal, vertical, position, time; m.
     """
-    numbers, m = ranges.numbers, np.empty(10)
+    numbers, m, v = ranges.numbers, np.empty(10), np.empty(10)
+    equal = numbers[EQUAL] > 0.0
     lines, variances = np.empty((r.shape[1], 3)), np.empty(r.shape[1])
     for t in range(places.shape[0]):
         up = ups[t]
         count = ranges_in_view(places[t], up, r[t], seen[t], ranges, t, lines, variances)
-        m[:] = 0.0
+        m[:], v[:] = 0.0, 0.0
         for k in range(count):
-            x, y, z, weight = lines[k, 0], lines[k, 1], lines[k, 2], 1.0 / variances[k]
-            m[0] += weight
-            m[1] += weight * x * x
-            m[2] += weight * y * y
-            m[3] += weight * z * z
-            m[4] += weight * x * y
-            m[5] += weight * x * z
-            m[6] += weight * y * z
-            m[7] += weight * x
-            m[8] += weight * y
-            m[9] += weight * z
+            x, y, z = lines[k, 0], lines[k, 1], lines[k, 2]
+            if equal:
+                _add_moments(m, x, y, z, 1.0)
+                _add_moments(v, x, y, z, variances[k])
+            else:
+                _add_moments(m, x, y, z, 1.0 / variances[k])
         out[t] = math.inf
-        if count >= 4:
+        if count >= 4 and equal:
+            v2, p2, t2 = sandwich(m[9], m, v, up[0], up[1], up[2])
+            h2 = max(p2 - v2, 0.0) if p2 < math.inf else math.inf
+        elif count >= 4:
             _, whole, level, height, time = weighted_dops(
-                m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], up[0], up[1], up[2]
+                m[9], m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], up[0], up[1], up[2]
             )
-            out[t, HORIZONTAL] = math.sqrt(level * level + 2.0 * numbers[SHARED])
-            out[t, VERTICAL] = height
-            out[t, POSITION] = math.sqrt(whole * whole + 2.0 * numbers[SHARED])
-            out[t, TIME] = math.sqrt(time * time + numbers[SHARED_TIME])
+            h2, v2, p2, t2 = level * level, height * height, whole * whole, time * time
+        else:
+            continue
+        out[t, HORIZONTAL] = math.sqrt(h2 + 2.0 * numbers[SHARED])
+        out[t, VERTICAL] = math.sqrt(max(v2, 0.0))
+        out[t, POSITION] = math.sqrt(p2 + 2.0 * numbers[SHARED])
+        out[t, TIME] = math.sqrt(max(t2, 0.0) + numbers[SHARED_TIME])
+
+
+@inline_kernel
+def _add_moments(m, x, y, z, weight):
+    """Add a weighted line of sight to moments: xx, yy, zz, xy, xz, yz, x, y, z, sum of weights."""
+    m[0] += weight * x * x
+    m[1] += weight * y * y
+    m[2] += weight * z * z
+    m[3] += weight * x * y
+    m[4] += weight * x * z
+    m[5] += weight * y * z
+    m[6] += weight * x
+    m[7] += weight * y
+    m[8] += weight * z
+    m[9] += weight
 
 
 def empty_error_histograms() -> np.ndarray:

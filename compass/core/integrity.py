@@ -235,7 +235,7 @@ def protection_row(
 
 
 @kernel
-def levels_over_time(places, axes, r, seen, ranges, promise, out):
+def levels_over_time(places, axes, r, seen, ranges, promise, out, able):
     """Protection levels of one user at every epoch.
 
     Parameters
@@ -246,8 +246,9 @@ def levels_over_time(places, axes, r, seen, ranges, promise, out):
         Unit vectors east, north and up there, rows, (epoch, 3, 3).
     promise
         What is promised, see `Promise`.
-    out
-        Filled, infinite where there is none; shape (epoch, 2): horizontal and vertical, m.
+    out, able
+        Filled; levels, infinite where there is none, shape (epoch, 2): horizontal and vertical, m;
+        whether a fault can be detected, shape (epoch,).
     """
     n = r.shape[1]
     lines, variances, found = np.empty((n, 3)), np.empty(n), np.empty(3)
@@ -261,7 +262,9 @@ def levels_over_time(places, axes, r, seen, ranges, promise, out):
                     + axes[t, d, 1] * lines[k, 1]
                     + axes[t, d, 2] * lines[k, 2]
                 )
-        protect(g[:size], variances[:size], promise.numbers, promise.unmonitored[size], found)
+        able[t] = protect(
+            g[:size], variances[:size], promise.numbers, promise.unmonitored[size], found
+        )
         out[t, 0] = math.sqrt(found[0] * found[0] + found[1] * found[1])
         out[t, 1] = found[2]
 

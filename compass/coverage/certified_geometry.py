@@ -14,6 +14,7 @@ from compass.coverage.certified_percentile import CertifiedPercentile
 from compass.coverage.certified_rounds import ended
 from compass.coverage.certified_share import CertifiedShare
 from compass.coverage.certified_worst import CertifiedWorst
+from compass.coverage.in_view import InView, satellites_in_view
 from compass.design import PDOP_MAX
 from compass.frames import Figure
 from compass.orbits import Constellation
@@ -45,6 +46,8 @@ class CertifiedGeometry:
         The largest PDOP anywhere and at any time; None if it was not asked for.
     folds
         Shares with so many satellites in view or more.
+    in_view
+        How many are in view; None if that was not asked for.
     """
 
     pdop_max: float
@@ -52,10 +55,11 @@ class CertifiedGeometry:
     dops: Mapping[str, Mapping[int, CertifiedPercentile]]
     worst: CertifiedWorst | None = None
     folds: Mapping[int, CertifiedShare] = field(default_factory=dict)
+    in_view: InView | None = None
 
     @property
     def brackets(self) -> dict[str, tuple[float, float]]:
-        """Bounds by name: ``availability``, ``gdop.p95``, ``fold_share.5``, ...
+        """Bounds by name: ``availability``, ``gdop.p95``, ``fold_share.5``, ``count.min``, ...
 
         Those that say nothing, 0 and 1 of a share or 0 and infinity of a dilution, are left out:
         what is not here is not known.
@@ -63,18 +67,23 @@ class CertifiedGeometry:
         shares = {"availability": self.availability}
         shares |= {f"fold_share.{fold}": share for fold, share in self.folds.items()}
         told = {name: (one.low, one.high) for name, one in shares.items() if one.width < 1.0}
-        return told | {
+        told |= {
             f"{name}.p{percent}": (p.low, p.high)
             for name, of in self.dops.items()
             for percent, p in of.items()
             if p.low > 0.0 or p.high < inf
         }
+        return told | (self.in_view.brackets if self.in_view else {})
 
     def numbers(self) -> dict[str, Any]:
         """Plain values: the middle of every one of `brackets`, and the bracket beside it."""
         found: dict[str, Any] = {name: {} for name in (*self.dops, "fold_share")}
+        if self.in_view:
+            found["count"] = self.in_view.numbers()
         for path, (low, high) in self.brackets.items():
             name, _, key = path.rpartition(".")
+            if name == "count":
+                continue
             of = found[name] if name else found
             of |= {key: 0.5 * (low + high), f"{key}_bracket": [low, high]}
         w = self.worst
@@ -107,6 +116,7 @@ def certified_geometry(
     motion: AnyMotion = "two-body",
     worst: bool = False,
     folds: Sequence[int] = (),
+    found: tuple[int, int] | None = None,
     effort: Effort | None = None,
 ) -> CertifiedGeometry:
     """Bracket shares and percentiles of dilutions over the whole surface.
@@ -125,6 +135,9 @@ def certified_geometry(
         Whether to look for the largest PDOP too.
     folds
         Satellites in view whose shares are wanted.
+    found
+        Fewest and most in view that some place was found to have: then bounds of these and of
+        their mean are wanted too, and `folds` begin with one and reach as far.
     effort
         How far to go; by default `WIDTH`, `PRECISION` and a number of boxes.
     """
@@ -138,12 +151,18 @@ def certified_geometry(
         "budget_boxes": min(BUDGET_BOXES, BUDGET_SIGHTS // max(constellation.size, 1)),
     }
     availability = effort.share(constellation, pdop_max, dop="pdop", width=WIDTH, **asked)
-    found = {
+    bounded = {
         name: effort.percentiles(constellation, percents, dop=name, precision=PRECISION, **asked)
         for name in dops
     }
-    ranks = {name: {q: of[q] for q in percents} for name, of in found.items()}
-    in_view = effort.folds(constellation, folds, width=FOLD_WIDTH, **asked) if folds else []
-    shares = dict(zip(folds, in_view, strict=True))
+    ranks = {name: {q: of[q] for q in percents} for name, of in bounded.items()}
+    by_fold = effort.folds(constellation, folds, width=FOLD_WIDTH, **asked) if folds else []
+    shares = dict(zip(folds, by_fold, strict=True))
     largest = effort.worst(constellation, dop="pdop", **asked) if worst else None
-    return CertifiedGeometry(pdop_max, availability, ranks, largest, shares)
+    in_view = None
+    if found is not None:
+        named = ("figure", "mask", "motion", "since", "duration")
+        in_view = satellites_in_view(
+            constellation, shares, found, **{name: asked[name] for name in named}
+        )
+    return CertifiedGeometry(pdop_max, availability, ranks, largest, shares, in_view)

@@ -8,10 +8,13 @@ symmetry, as those of a grid do, have no such bounds.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.cores import shared
 from compass.coverage.errors import ERRORS
 from compass.coverage.grid import latitude_of_area
 from compass.coverage.moving import (
@@ -23,12 +26,13 @@ from compass.coverage.moving import (
     ranges_at,
     seen_along,
 )
-from compass.coverage.protection import levels_along
+from compass.coverage.protection import SHARES, levels_along
 from compass.coverage.region import GLOBE
 from compass.coverage.samples import stand
 from compass.coverage.users import region_users
 from compass.design import Design
 from compass.frames import east_north_up, planetographic_latitude
+from compass.signal.ranges import Weighting
 
 Array = NDArray[np.float64]
 
@@ -46,32 +50,41 @@ class Drawn:
     Attributes
     ----------
     satellites
-        How many there are.
-    count
-        Of these in view, shape (t,).
+        Their names.
+    count, risen
+        Of these in view, and above the plain horizon whatever the mask, shape (t,) each.
     values
         Dilutions, and errors and protection levels in metres where a design has a signal and
         promises something, by name; infinite where there is none, shape (t,) each.
     protected
-        Whether the ``horizontal`` level, the ``vertical`` or ``both`` are within the alert limits.
+        Of `SHARES`: whether a fault can be detected, and the ``horizontal`` level, the
+        ``vertical`` or ``both`` are within the alert limits, shape (t,) each.
+    left
+        The same without each satellite in turn, shape (t, n) each; empty if that was not asked.
     """
 
-    satellites: int
+    satellites: tuple[str, ...]
     count: NDArray[np.int64]
+    risen: NDArray[np.int64]
     values: dict[str, Array]
     protected: dict[str, NDArray[np.bool_]] = field(default_factory=dict)
+    left: dict[str, NDArray[np.bool_]] = field(default_factory=dict)
 
     @classmethod
     def joined(cls, parts: Sequence["Drawn"]) -> "Drawn":
         """Draws of all parts together."""
-        counts, values, protected = zip(
-            *((part.count, part.values, part.protected) for part in parts), strict=True
+
+        def named(each: Sequence[dict[str, Any]]) -> dict[str, Any]:
+            return {name: np.concatenate([one[name] for one in each]) for name in each[0]}
+
+        return cls(
+            parts[0].satellites,
+            np.concatenate([part.count for part in parts]),
+            np.concatenate([part.risen for part in parts]),
+            named([part.values for part in parts]),
+            named([part.protected for part in parts]),
+            named([part.left for part in parts]),
         )
-        together = (
-            {name: np.concatenate([one[name] for one in each]) for name in each[0]}
-            for each in (values, protected)
-        )
-        return cls(parts[0].satellites, np.concatenate(counts), *together)
 
     @property
     def how(self) -> str:
@@ -80,7 +93,13 @@ class Drawn:
 
 
 def drawn(
-    design: Design, span: tuple[float, float], *, draws: int | None = None, seed: int = 0
+    design: Design,
+    span: tuple[float, float],
+    *,
+    weights: Weighting = "variance",
+    losses: bool = False,
+    draws: int | None = None,
+    seed: int = 0,
 ) -> Drawn:
     """Draw users anywhere on a design's figure, over its mask, at moments of a span.
 
@@ -90,6 +109,10 @@ def drawn(
         Its motion counts.
     span
         Seconds after the epoch.
+    weights
+        How fixes weigh ranges.
+    losses
+        Whether to look at protection without each satellite in turn, too.
     draws, seed
         How many, `DRAWS` if left out; fewer of many satellites. The same seed draws the same.
     """
@@ -101,31 +124,59 @@ def drawn(
     axes = east_north_up(latitude, g.uniform(-np.pi, np.pi, draws))
     places = stand(region_users(GLOBE, figure, design.mask), latitude, axes[:, 2])
     step = max(1, PIECE // max(size, 1)) if design.motion.is_closed_form else draws
-    parts = [
-        _figures(design, Mover("", places[k : k + step], axes[k : k + step], design.mask), moments)
-        for k in range(0, draws, step)
-        if (moments := times[k : k + step]).size
-    ]
+    parts = []
+    for k in range(0, draws, step):
+        piece = slice(k, k + step)
+        users = Mover("", places[piece], axes[piece], design.mask)
+        parts.append(_figures(design, users, times[piece], weights, losses=losses))
     return Drawn.joined(parts)
 
 
-def _figures(design: Design, users: Mover, times: Array) -> Drawn:
+def _figures(
+    design: Design, users: Mover, times: Array, weights: Weighting, *, losses: bool
+) -> Drawn:
     """All figures of one user a moment."""
-    r, seen, around = seen_along(design, users, times, design.motion)
+    names, motion = design.constellation.satellite_names, design.motion
+    r, seen, around = seen_along(design, users, times, motion)
+    line = design.figure.equatorial_radius * r - users.r[:, np.newaxis]
+    risen = (np.einsum("tni,ti->tn", line, users.axes[:, 2]) >= 0.0).sum(axis=1)
     sights = Sights(r, seen, around, metre_ranges(*seen.shape))
     values = dilutions_along(design, users, sights)
-    protected: dict[str, NDArray[np.bool_]] = {}
-    if design.signal is not None:
-        sights = replace(sights, ranges=ranges_at(design, times, design.motion))
-        values |= dict(zip(ERRORS, fix_errors(design, users, sights).T, strict=True))
-        if (promise := design.integrity) and design.constellation.size >= FEWEST:
-            levels = levels_along(design, users, sights)
-            values |= levels
-            across, up = levels.values()
-            within = across <= promise.alert_horizontal, up <= promise.alert_vertical
-            protected = {
-                "horizontal": within[0],
-                "vertical": within[1],
-                "both": within[0] & within[1],
-            }
-    return Drawn(design.constellation.size, around, values, protected)
+    if design.signal is None:
+        return Drawn(names, around, risen, values)
+    sights = replace(sights, ranges=ranges_at(design, times, motion, weights))
+    values |= dict(zip(ERRORS, fix_errors(design, users, sights).T, strict=True))
+    if design.integrity is None or len(names) < FEWEST:
+        return Drawn(names, around, risen, values)
+    levels, able = levels_along(design, users, sights)
+    protected, left = _protected(design, levels, able), dict[str, NDArray[np.bool_]]()
+    if losses:
+        without = partial(_without, design, users, sights)
+        each = list(shared(without, range(len(names))))
+        left = {name: np.stack([one[name] for one in each], axis=1) for name in SHARES}
+    return Drawn(names, around, risen, values | levels, protected, left)
+
+
+def _protected(
+    design: Design, levels: dict[str, Array], able: NDArray[np.bool_]
+) -> dict[str, NDArray[np.bool_]]:
+    """Who is protected how far, of `SHARES`."""
+    promise = design.integrity
+    assert promise is not None
+    across, up = levels.values()
+    flat, tall = across <= promise.alert_horizontal, up <= promise.alert_vertical
+    return dict(zip(SHARES, (able, flat, tall, flat & tall), strict=True))
+
+
+def _without(
+    design: Design, users: Mover, sights: Sights, lost: int
+) -> dict[str, NDArray[np.bool_]]:
+    """Who is protected how far once a satellite is lost."""
+    kept = np.arange(sights.seen.shape[1]) != lost
+    fewer = Sights(
+        np.ascontiguousarray(sights.r[:, kept]),
+        np.ascontiguousarray(sights.seen[:, kept]),
+        sights.around,
+        sights.ranges._replace(q=np.ascontiguousarray(sights.ranges.q[:, kept])),
+    )
+    return _protected(design, *levels_along(design, users, fewer))

@@ -21,7 +21,7 @@ from compass.frames import (
 from compass.orbits.constellation import Constellation
 from compass.orbits.motion import Motion
 from compass.orbits.positions import states_mci
-from compass.signal.ranges import aloft_numbers, range_errors
+from compass.signal.ranges import Weighting, aloft_numbers, range_errors
 from compass.sites import Mask, Site
 
 Array = NDArray[np.float64]
@@ -163,9 +163,11 @@ def sights_along(
     return Sights(*seen_along(design, mover, times, moved, beam), ranges_at(design, times, moved))
 
 
-def ranges_at(design: Design, times: Array, motion: Motion) -> Ranges:
+def ranges_at(
+    design: Design, times: Array, motion: Motion, weights: Weighting = "variance"
+) -> Ranges:
     """What ranges are worth at every epoch, as kernels take it."""
-    worth = range_errors(design, times, motion)
+    worth = range_errors(design, times, motion, weights)
     return Ranges(worth.forms, worth.sun, worth.lit, worth.numbers)
 
 

@@ -1,7 +1,6 @@
 """Protection maps: how far a fix may be off unnoticed, anywhere, should a satellite fail."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -68,10 +67,16 @@ def promise_of(integrity: Integrity, satellites: int) -> Promise:
     )
 
 
-def levels_along(design: Design, mover: Mover, sights: Sights) -> dict[str, NDArray[np.float64]]:
-    """Protection levels of a user at every epoch, m, by `LEVELS`; infinite where there is none."""
+def levels_along(
+    design: Design, mover: Mover, sights: Sights
+) -> tuple[dict[str, NDArray[np.float64]], NDArray[np.bool_]]:
+    """Protection levels of a user at every epoch, m, and whether a fault can be detected.
+
+    By `LEVELS`; infinite where there is none.
+    """
     assert design.integrity is not None
     levels = np.empty((len(mover.r), len(LEVELS)))
+    able = np.empty(len(mover.r), dtype=bool)
     levels_over_time(
         np.ascontiguousarray(mover.r / design.figure.equatorial_radius),
         np.ascontiguousarray(mover.axes),
@@ -80,8 +85,9 @@ def levels_along(design: Design, mover: Mover, sights: Sights) -> dict[str, NDAr
         heard_by(mover, sights),
         promise_of(design.integrity, sights.r.shape[1]),
         levels,
+        able,
     )
-    return dict(zip(LEVELS, levels.T, strict=True))
+    return dict(zip(LEVELS, levels.T, strict=True)), able
 
 
 def protection_map(
@@ -182,41 +188,6 @@ def protection_map(
         "protected": ("protected", list(SHARES)),
     }
     return xr.Dataset(data, coords)
-
-
-def protection_after_losses(
-    view: View,
-    grid: Grid,
-    ranges: RangeErrors,
-    integrity: Integrity,
-    *,
-    workers: int | None = None,
-    progress: Callable[[int], None] = lambda rows: None,
-) -> NDArray[np.float64]:
-    """Shares of area and time of `SHARES` without each satellite in turn, shape (n, 4).
-
-    Each as `protection_map` has them of the others; 0 where fewer than five are left.
-
-    Parameters
-    ----------
-    view, grid, ranges, integrity, workers, progress
-        As of `protection_map`.
-    """
-    count = view.r.shape[1]
-    found = np.zeros((count, len(SHARES)))
-    if count <= 5:
-        return found
-    for lost in range(count):
-        kept = np.arange(count) != lost
-        left = replace(
-            view,
-            r=np.ascontiguousarray(view.r[:, kept]),
-            cos_cap=np.ascontiguousarray(view.cos_cap[:, kept]),
-        )
-        heard = replace(ranges, forms=np.ascontiguousarray(ranges.forms[:, kept]))
-        made = protection_map(left, grid, heard, integrity, workers=workers, progress=progress)
-        found[lost] = made.global_protection_share.values
-    return found
 
 
 def protection_rows(

@@ -221,5 +221,5 @@ def _values(design: Design, name: str, mover: Mover, sights: Sights) -> NDArray[
     if name in DILUTIONS:
         return dilutions_along(design, mover, sights)[name]
     if name in LEVELS:
-        return levels_along(design, mover, sights)[name]
+        return levels_along(design, mover, sights)[0][name]
     return dict(zip(ERRORS, fix_errors(design, mover, sights).T, strict=True))[name]

@@ -7,18 +7,21 @@ import numpy as np
 
 from compass.allowed import RANGES
 from compass.api.check import CheckResult
+from compass.api.map_result import rest_of
 from compass.coverage.cap import cap_radius
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_percentile import GREATEST
 from compass.design import Design
 from compass.document import Answers, Bracket, Proven, Section, Sentence, Value
 from compass.document.blocks import Block
+from compass.document.evidence import Between
 from compass.document.numbers import significant
 from compass.orbits.symmetry import one_circle
 from compass.pages.answers import ANSWERS, ENOUGH, LOCATE, known_figure, rover_errors
 from compass.pages.design_results import DesignResults
 from compass.pages.lasting import lasting_advice, lasting_sentence
 from compass.pages.neighbours import Neighbour
+from compass.quantities import quantity
 from compass.signal.budget import basis
 
 
@@ -38,10 +41,12 @@ def accurate(results: DesignResults) -> str:
     numbers = results.mapped.numbers()
     errors = rover_errors(results, numbers)
     if errors and not np.isfinite(numbers["rover_horizontal_m"]):
-        none, few = 1.0 - numbers["fix_share"], numbers["fewer_than_four_share"]
+        part, mapped = quantity("part_share"), results.mapped
+        none = mapped.value(part, rest_of("fix_share", numbers), "fix_share")
+        few = mapped.value(part, numbers, "fewer_than_four_share")
         return (
-            f"A rover has no fix in {significant(100.0 * none, 3)} % of area and time: in "
-            f"{significant(100.0 * few, 3)} % it sees fewer than four satellites."
+            f"A rover has no fix in {none} % of area and time: in {few} % it sees fewer than four "
+            f"satellites ({few.evidence})."
         )
     if errors:
         return (
@@ -50,12 +55,14 @@ def accurate(results: DesignResults) -> str:
         )
     for key, share in (("p95", "95 %"), ("p50", "half")):
         value = known_figure(results, "gdop", numbers["gdop"], key)
-        if isinstance(value.evidence, Bracket):
-            value = Value(value.quantity, value.evidence.high, Proven())
+        known = value.evidence
+        if isinstance(known, Between):
+            value = Value(value.quantity, known.high, Proven())  # rounded to its own side
         if value.value is not None and np.isfinite(value.value):
+            chance = "" if isinstance(known, Bracket) else f" ({known})"
             return (
-                f"GDOP is below {value} in {share} of area and time: a fix, place and time, errs "
-                "less than so many times the error of a range."
+                f"GDOP is below {value} in {share} of area and time{chance}: a fix, place and "
+                "time, errs less than so many times the error of a range."
             )
     if numbers["gdop"].get("p50_bracket", (0.0,))[0] >= GREATEST:
         return "In more than half of area and time ranges of one moment give no fix."

@@ -11,10 +11,10 @@ import numpy as np
 from compass.api.map_statistics import ROVER
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_percentile import GREATEST
-from compass.coverage.site import site_coverage
 from compass.coverage.verdict import Verdict
 from compass.design import Design
 from compass.document import Answer, Bracket, Proven, Value
+from compass.document.evidence import Between
 from compass.document.numbers import significant
 from compass.pages.design_results import DesignResults
 from compass.pages.lasting import lasting_answers
@@ -155,16 +155,21 @@ def _dilution(
     """A percentile of GDOP as an answer; in words where so much of area and time has no fix."""
     value = known_figure(results, "gdop", gdop, key)
     known = value.evidence
-    least = known.low if isinstance(known, Bracket) else gdop[key]
+    least = known.low if isinstance(known, Between) else gdop[key]
     fixed = least is not None and least < GREATEST  # no percentile is looked for beyond
     return (value if fixed else NO_FIX[key], None, str(known or ""))
 
 
 def known_figure(results: DesignResults, name: str, of: dict[str, Any], key: str) -> Value:
-    """A figure of the map with its proven bounds, or with what it was sampled on."""
+    """A figure of the map with its proven bounds, or with those of what was drawn."""
     mapped = results.mapped
     scope = mapped.certified.scope.split(";")[0] if mapped.certified else ""
-    return Value(quantity(name), of[key], Bracket.beside(of, key, scope) or mapped.looked)
+    bracket = Bracket.beside(of, key, scope)
+    return (
+        Value(quantity(name), of[key], bracket)
+        if bracket
+        else mapped.value(quantity(name), of, key)
+    )
 
 
 def rover_errors(results: DesignResults, numbers: dict[str, Any]) -> list[Answer]:
@@ -182,24 +187,21 @@ def rover_errors(results: DesignResults, numbers: dict[str, Any]) -> list[Answer
 
 
 def stations(results: DesignResults) -> list[Answer]:
-    """The station that is worst off."""
-    sites, times = results.design.stations, results.mapped.made.view.times
-    if not sites:
+    """The station that is worst off: whether the fold wanted is always in view there."""
+    areas = results.stations
+    if not areas:
         return []
-    counts = {
-        site.name: site_coverage(
-            results.design.constellation, site, times, results.design.motion
-        )["count"].values
-        for site in sites
-    }  # fmt: skip
-    worst = min(counts, key=lambda name: (counts[name].min(), counts[name].mean()))
-    least, wanted = int(counts[worst].min()), results.design.fold
+    worst = min(areas, key=lambda area: -np.inf if area.fold.margin is None else area.fold.margin)
+    verdict, margin = worst.fold, worst.fold.margin
+    spare = "" if margin is None else f", {significant(float(np.degrees(margin)), 3)}° to spare"
     return [
         Answer(
-            f"Worst of {len(sites)} stations: {worst}" if len(sites) > 1 else f"Station {worst}",
-            f"sees {least} at least, {wanted} wanted",
-            least >= wanted,
-            f"sampled, {times.size} epochs",
+            f"Worst of {len(areas)} stations: {worst.name}"
+            if len(areas) > 1
+            else f"Station {worst.name}",
+            f"{results.design.fold} in view always: {verdict.word}{spare}",
+            verdict.met,
+            ", ".join(words for words in (verdict.sure, verdict.reason, verdict.scope) if words),
         )
     ]
 

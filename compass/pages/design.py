@@ -5,35 +5,27 @@ it, which may be None where there is nothing to say.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from importlib import import_module
-
-import numpy as np
 
 from compass.api.access import access
 from compass.api.check import check
 from compass.api.fold import fold
 from compass.api.fold_result import FoldResult
-from compass.api.map import add_losses
 from compass.api.map_areas import area_blocks
 from compass.api.map_result import MapResult
-from compass.api.map_statistics import folds_met
+from compass.api.map_statistics import extremes_met, folds_met
 from compass.api.outlook import outlook
 from compass.api.reproduce import comparison_table
 from compass.api.series import SeriesResult, series
 from compass.api.show import show
 from compass.bodies import SOLAR_DAY
-from compass.coverage.site import site_coverage
 from compass.design import Design
 from compass.document.blocks import (
     Block,
     Details,
     Section,
     Sentence,
-    Table,
     arranged,
-    columns,
-    values,
 )
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.symmetry import one_circle
@@ -58,7 +50,6 @@ from compass.pages.neighbours import Neighbour, neighbours
 from compass.pages.orbits import cap_picture, orbit_picture, track_picture
 from compass.pages.page import render
 from compass.quantities import quantity
-from compass.quantities.percentile import percentile
 from compass.sites import Site
 from compass.study.certified import certified_areas, certified_figures
 from compass.study.mapping import MapOptions, MapRows, make_map, provenance
@@ -118,11 +109,12 @@ def look_at(
     """Ask the commands, each once."""
     progress("coverage map")
     made = make_map(design, options, command)
-    certified = certified_figures(design, options, folds=folds_met(made.dataset))
+    met = folds_met(made.dataset), extremes_met(made.dataset)
+    certified = certified_figures(design, options, None, *met)
     areas = certified_areas(design, options, *places)
-    if design.signal is not None and design.integrity is not None:
-        add_losses(made, design, replace(options, step_deg=LOSS_STEP_DEG, epochs=LOSS_EPOCHS))
-    drawn = MapRows(design, options).drawn()
+    stations = certified_areas(design, options, design.stations, ())
+    promised = design.signal is not None and design.integrity is not None
+    drawn = MapRows(design, options).drawn(losses=promised)
     mapped = MapResult(design, made, certified, areas, drawn)
     progress("continuous fold")
     lost = 1 if design.constellation.size > 1 else 0
@@ -138,11 +130,10 @@ def look_at(
     checked = check(design) if design.requirements else None
     progress("errors over time")
     followed = _followed(design, mapped)
-    return DesignResults(design, show(design), mapped, proven, links, lasts, checked, followed)
+    return DesignResults(
+        design, show(design), mapped, proven, links, lasts, checked, followed, stations
+    )
 
-
-#: How coarsely protection without each satellite is looked at: as often as there are satellites.
-LOSS_STEP_DEG, LOSS_EPOCHS = 10.0, 31
 
 #: Days over which errors at sites are followed at most, and moments of them.
 FOLLOWED_DAYS, MOMENTS = 3.0, 433
@@ -287,35 +278,9 @@ def _caps(results: DesignResults, _: list[Neighbour]) -> Section | None:
 
 
 def _stations(results: DesignResults) -> Section | None:
-    design, mapped = results.design, results.mapped
-    if not design.stations:
-        return None
-    rows = []
-    for site in design.stations:
-        seen = site_coverage(design.constellation, site, mapped.made.view.times, design.motion)
-        count, pdop = seen["count"], seen["pdop"]
-        known = {
-            "latitude_deg": float(np.degrees(site.latitude)),
-            "longitude_deg": float(np.degrees(site.longitude)),
-            "height_km": site.height / 1e3,
-            "mask_deg": float(np.degrees(site.mask.lowest)),
-            "fewest": int(count.min()),
-            "mean": float(count.mean()),
-            "gdop_p95": float(percentile(seen["gdop"].values, 95)),
-            "pdop_p95": float(percentile(pdop.values, 95)),
-            "hdop_p95": float(percentile(seen["hdop"].values, 95)),
-            "availability": float((pdop <= mapped.dataset.attrs["pdop_threshold"]).mean()),
-        }
-        rows.append(values("station", known))
-    table = columns("Satellites and geometry at the stations", rows)
-    named = tuple((site.name, *row) for site, row in zip(design.stations, table.rows, strict=True))
-    text = (
-        "Each station on its reference figure, at its height and over its own horizon. Percentiles "
-        f"and availability are of time, sampled at {mapped.dataset.attrs['epochs']} epochs."
-    )
-    return arranged(
-        "Stations", (text,), (), (Table(table.title, ("station", *table.header), named),)
-    )
+    blocks = area_blocks(results.stations, "Satellites and geometry at the stations")
+    text = "Each station on its reference figure, at its height and over its own horizon."
+    return Section("Stations", (Sentence(text), *blocks)) if blocks else None
 
 
 def _comparison(results: DesignResults, _: list[Neighbour]) -> Section | None:

@@ -9,6 +9,7 @@ from compass.api.map_result import MapResult
 from compass.api.outlook import Outlook
 from compass.api.series import SeriesResult
 from compass.api.show import ShowResult
+from compass.coverage.areas import AreaFigures
 from compass.design import Design
 
 
@@ -30,6 +31,8 @@ class DesignResults:
         How long it lasts on real orbits; None where nobody asked.
     followed
         Of `compass.series` at the stations; None without any, or without a signal.
+    stations
+        Fold and geometry at the stations, proven or between proven bounds.
     """
 
     design: Design
@@ -40,3 +43,4 @@ class DesignResults:
     outlook: Outlook | None = None
     checked: CheckResult | None = None
     followed: SeriesResult | None = None
+    stations: tuple[AreaFigures, ...] = ()

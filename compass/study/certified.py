@@ -23,6 +23,7 @@ def certified_figures(
     options: MapOptions,
     effort: Effort | None = None,
     folds: Sequence[int] = (),
+    found: tuple[int, int] | None = None,
 ) -> CertifiedGeometry | None:
     """Bracket a map's figures over the whole surface; None where there is nothing to bracket.
 
@@ -34,7 +35,7 @@ def certified_figures(
         As of `compass.study.mapping.make_map`.
     effort
         How far to go; by default some seconds on all cores.
-    folds
+    folds, found
         As of `certified_geometry`.
     """
     motion = design.motion.or_of(options.motion)
@@ -58,6 +59,7 @@ def certified_figures(
         motion=motion,
         worst=True,
         folds=folds,
+        found=found,
         effort=effort or Effort(workers=cores()),
     )
 

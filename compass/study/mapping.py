@@ -178,22 +178,19 @@ class MapRows:
         """Errors of the ranges at the epochs."""
         return range_errors(self.design, self.times, self.motion, self.options.weights)
 
-    def drawn(self) -> Drawn | None:
+    def drawn(self, *, losses: bool = False) -> Drawn | None:
         """Figures at random places and moments of what is mapped; None without satellites.
 
-        Errors are those of ranges weighed by their variances; there are none of others.
+        With `losses` also of protection without each satellite in turn.
         """
         design, motion, start = self.design, self.motion, float(self.times[0])
         if not design.constellation.size:
             return None
-        equal = self.options.weights == "equal"
-        asked = replace(
-            design, motion=motion, mask=self.mask, signal=None if equal else design.signal
-        )
+        asked = replace(design, motion=motion, mask=self.mask)
         stop = start + self.duration
         if motion.table is not None:  # no table is asked beyond its end
             stop = min(stop, motion.table.stop)
-        return drawn(asked, (start, stop))
+        return drawn(asked, (start, stop), weights=self.options.weights, losses=losses)
 
     @cached_property
     def track(self) -> GapTrack:

@@ -30,6 +30,7 @@ from compass.pages.answers import (
 from compass.pages.design_results import DesignResults
 from compass.pages.neighbours import Neighbour
 from compass.ranging import Receiver, Signal
+from compass.study.certified import certified_areas
 from compass.study.mapping import MapOptions, make_map
 from tests.pages.test_lasting_section import told
 
@@ -63,6 +64,7 @@ def look(fold, inclination=43.7, lost=1):
         MapResult(design, make_map(design, MapOptions(step_deg=30, epochs=2))),
         compass.fold(design, losses=lost),
         None,
+        stations=certified_areas(design, MapOptions(), design.stations, ()),
     )
 
 

@@ -1,0 +1,124 @@
+"""Figures of a map over all area and time, and their bounds, as variables of its dataset.
+
+What the cells of the map come to in the mean is kept beside them, under ``cells_...``.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from compass.api.map_statistics import PROTECTED, after_each_loss
+from compass.coverage.drawn import Drawn
+from compass.document import Bracket, Interval
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: A number of `compass.api.map_statistics.statistics`: where it stands, and its name there.
+Place = tuple[dict[str, Any], str]
+
+
+def with_global(
+    dataset: "xr.Dataset", numbers: dict[str, Any], drawn: Drawn | None
+) -> "xr.Dataset":
+    """Return a map whose ``global_...`` are its numbers between bounds, not those of its cells.
+
+    Beside each stand ``..._low`` and ``..._high``; where no bounds are known these are nan.
+    """
+    cells = {str(name): str(name) for name in dataset.data_vars if str(name).startswith("global_")}
+    found = dataset.rename({name: name.replace("global_", "cells_") for name in cells})
+    for name in cells.values():
+        own = found[name.replace("global_", "cells_")]
+        own.attrs |= {"long_name": f"{own.attrs['long_name']}, of cells and epochs"}
+    for name, places in _places(dataset, numbers).items():
+        about = dict(dataset[name].attrs) if name in dataset else _ABOUT[name]
+        dims = dataset[name].dims if name in dataset else ()
+        shape = tuple(dataset.sizes[dim] for dim in dims)
+        known = [_known(*place) for place in places]
+        for end, values in zip(("", "_low", "_high"), zip(*known, strict=True), strict=False):
+            said = f"{_ENDS[end]}{about['long_name']}"
+            evidence = _evidence(known)
+            found[name + end] = (
+                dims, np.array(values, dtype=float).reshape(shape),
+                about | {"long_name": said, "evidence": evidence},
+            )  # fmt: skip
+    return found if drawn is None or not drawn.left else _with_losses(found, drawn)
+
+
+_ENDS = {"": "", "_low": "lower bound of ", "_high": "upper bound of "}
+
+_ABOUT = {
+    "global_count_min": {"units": "1", "long_name": "fewest satellites in view anywhere"},
+    "global_count_max": {"units": "1", "long_name": "most satellites in view anywhere"},
+}
+
+
+def _places(dataset: "xr.Dataset", numbers: dict[str, Any]) -> dict[str, list[Place]]:
+    """Where the numbers of each variable stand, in the order of its values."""
+    percentiles = [f"p{q}" for q in dataset.global_percentile.values.tolist()]
+
+    def ranks(names: Sequence[str]) -> list[Place]:
+        return [(numbers[name], p) for name in names for p in percentiles]
+
+    folds = dataset.global_fold.values.tolist()
+    places: dict[str, list[Place]] = {
+        "global_dop": ranks(dataset.dop.values.tolist()),
+        "global_fold_share": [(numbers["fold_share"], str(k)) for k in folds],
+        "global_count_min": [(numbers["count"], "min")],
+        "global_count_mean": [(numbers["count"], "mean")],
+        "global_count_max": [(numbers["count"], "max")],
+        "global_availability": [(numbers, "availability")],
+    }
+    if "global_error" in dataset:
+        errors = dataset.error.values.tolist()
+        places |= {
+            "global_error": ranks(errors),
+            "global_error_share": [(numbers[name], "share") for name in errors],
+            "global_fix_share": [(numbers, "fix_share")],
+        }
+    if "global_protection" in dataset:
+        named = {protected: name for name, protected in PROTECTED.items()}
+        places |= {
+            "global_protection": ranks(dataset.level.values.tolist()),
+            "global_protection_share": [
+                (numbers, named[of]) for of in dataset.protected.values.tolist()
+            ],
+            "global_level_share": [(numbers, "level_share")],
+        }
+    return places
+
+
+def _known(of: dict[str, Any], key: str) -> tuple[float, float, float, str]:
+    """A number, its bounds, and what these are; nan where it was not looked at."""
+    value = of.get(key, np.nan)
+    for kind in (Bracket, Interval):
+        if (ends := kind.beside(of, key)) is not None:
+            return value, ends.low, ends.high, kind.WORDS
+    return value, np.nan, np.nan, "of cells and epochs"
+
+
+def _evidence(known: list[tuple[float, float, float, str]]) -> str:
+    """What the bounds of a variable are, where it has a value."""
+    kinds = dict.fromkeys(kind for value, *_, kind in known if not np.isnan(value))
+    return ", or ".join(kinds)
+
+
+def _with_losses(dataset: "xr.Dataset", drawn: Drawn) -> "xr.Dataset":
+    """Return a map with the shares that are protected without each satellite, and their bounds."""
+    shares = after_each_loss(drawn)
+    named = {protected: name for name, protected in PROTECTED.items()}
+    each = [shares[named[of]] for of in dataset.protected.values.tolist()]
+    about = {
+        "units": "1",
+        "long_name": "share of area and time after the loss of one satellite",
+        "evidence": f"{Interval.WORDS}, all at once: {drawn.how}",
+    }
+    values = np.array([[[one["share"], *one["share_interval"]] for one in of] for of in each])
+    parts = {
+        f"loss_protection_share{end}": (
+            ("lost", "protected"), part.T, about | {"long_name": _ENDS[end] + about["long_name"]},
+        )
+        for end, part in zip(_ENDS, np.moveaxis(values, 2, 0), strict=True)
+    }  # fmt: skip
+    return dataset.assign(parts).assign_coords(lost=list(drawn.satellites))
