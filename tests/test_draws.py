@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from compass.quantities.draws import percentiles, quantile_bounds, share_bounds
+from compass.quantities.draws import mean_of, percentiles, quantile_bounds, share_bounds
 
 
 @pytest.mark.parametrize("draw", [np.random.Generator.normal, np.random.Generator.standard_cauchy])
@@ -47,3 +47,15 @@ def test_bounds_of_a_share_are_where_so_many_would_be_rare():
     for chance in (0.02, 0.3, 0.9):
         seen = np.array([share_bounds(k / 40, 40) for k in rng.binomial(40, chance, 400)])
         assert ((seen[:, 0] <= chance) & (chance <= seen[:, 1])).mean() > 0.93
+
+
+def test_bounds_of_a_mean_hold_and_come_near():
+    """Of counts by chance the mean is known; a single draw leaves all that is possible."""
+    rng, held, width = np.random.default_rng(4), 0, []
+    for _ in range(300):
+        low, high = mean_of("m", rng.binomial(12, 0.4, 2000), 12)["m_interval"]
+        held += low <= 4.8 <= high
+        width.append(high - low)
+    # of values of one spread the normal law has 2 * 1.96 * sigma / sqrt(n), the bound some more
+    assert held >= 285 and max(width) < 2.5 * 3.92 * np.sqrt(12 * 0.24 / 2000)
+    assert mean_of("m", np.array([3]), 5) == {"m": 3.0, "m_interval": [0.0, 5.0]}

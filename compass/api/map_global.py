@@ -1,6 +1,6 @@
 """Figures of a map over all area and time, and their bounds, as variables of its dataset.
 
-What the cells of the map come to in the mean is kept beside them, under ``cells_...``.
+What cells and epochs come to stands beside them, as ``cells_...``.
 """
 
 from collections.abc import Sequence
@@ -22,18 +22,17 @@ Place = tuple[dict[str, Any], str]
 def with_global(
     dataset: "xr.Dataset", numbers: dict[str, Any], drawn: Drawn | None
 ) -> "xr.Dataset":
-    """Return a map whose ``global_...`` are its numbers between bounds, not those of its cells.
+    """Return a map with its numbers over all area and time as ``global_...``.
 
     Beside each stand ``..._low`` and ``..._high``; where no bounds are known these are nan.
     """
-    cells = {str(name): str(name) for name in dataset.data_vars if str(name).startswith("global_")}
-    found = dataset.rename({name: name.replace("global_", "cells_") for name in cells})
-    for name in cells.values():
-        own = found[name.replace("global_", "cells_")]
-        own.attrs |= {"long_name": f"{own.attrs['long_name']}, of cells and epochs"}
+    found = dataset.copy()
     for name, places in _places(dataset, numbers).items():
-        about = dict(dataset[name].attrs) if name in dataset else _ABOUT[name]
-        dims = dataset[name].dims if name in dataset else ()
+        own, dims, about = name.replace("global_", "cells_"), (), _ABOUT.get(name, {})
+        if own in dataset:
+            dims, about = dataset[own].dims, dataset[own].attrs | about
+            said = f"{about['long_name']}, of cells and epochs"
+            found[own] = found[own].assign_attrs(long_name=said)
         shape = tuple(dataset.sizes[dim] for dim in dims)
         known = [_known(*place) for place in places]
         for end, values in zip(("", "_low", "_high"), zip(*known, strict=True), strict=False):
@@ -48,7 +47,8 @@ def with_global(
 
 _ENDS = {"": "", "_low": "lower bound of ", "_high": "upper bound of "}
 
-_ABOUT = {
+_ABOUT: dict[str, dict[str, str]] = {
+    "global_dop": {"long_name": "percentile over area and time"},
     "global_count_min": {"units": "1", "long_name": "fewest satellites in view anywhere"},
     "global_count_max": {"units": "1", "long_name": "most satellites in view anywhere"},
 }

@@ -344,7 +344,7 @@ class MapResult(Result):
     def protection_blocks(self) -> tuple[Table | Sentence, ...]:
         """Protection levels over area and time, and what they promise."""
         promise = self.design.integrity
-        if "global_protection" not in self.dataset or promise is None:
+        if "cells_protection" not in self.dataset or promise is None:
             return ()
         found = self.levels
         percentiles = [f"p{q}" for q in self.dataset.global_percentile.values.tolist()]

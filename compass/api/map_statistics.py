@@ -38,7 +38,7 @@ def statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, A
 
     Shares and percentiles are those of what was drawn, with their bounds; without any, of cells.
     """
-    shares, dops = dataset.global_fold_share, dataset.dop.values.tolist()
+    shares, dops = dataset.cells_fold_share, dataset.dop.values.tolist()
     if drawn:
         folds = [share_of(str(k), drawn.count >= k) for k in folds_met(dataset)]
         good = drawn.values["pdop"] <= dataset.attrs["pdop_threshold"]
@@ -50,11 +50,11 @@ def statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, A
     else:
         known = {
             "fold_share": {str(k): float(shares.sel(global_fold=k)) for k in folds_met(dataset)},
-            "availability": float(dataset.global_availability),
+            "availability": float(dataset.cells_availability),
         }
-        dilutions = {name: _of_cells(dataset, dataset.global_dop.sel(dop=name)) for name in dops}
+        dilutions = {name: _of_cells(dataset, dataset.cells_dop.sel(dop=name)) for name in dops}
     least, most = extremes_met(dataset)
-    mean = {"mean": float(dataset.global_count_mean)}
+    mean = {"mean": float(dataset.cells_count_mean)}
     if drawn:
         mean = mean_of("mean", drawn.count, len(drawn.satellites))
     return {
@@ -82,7 +82,7 @@ def _of_cells(dataset: "xr.Dataset", values: "xr.DataArray") -> dict[str, Any]:
 
 def folds_met(dataset: "xr.Dataset") -> list[int]:
     """Satellites that are in view somewhere, and those wanted."""
-    shares, wanted = dataset.global_fold_share, dataset.attrs["wanted_fold"]
+    shares, wanted = dataset.cells_fold_share, dataset.attrs["wanted_fold"]
     known = zip(shares.global_fold.values.tolist(), shares.values.tolist(), strict=True)
     return [int(k) for k, share in known if k and (k <= wanted or share > 0.0)]
 
@@ -94,7 +94,7 @@ def extremes_met(dataset: "xr.Dataset") -> tuple[int, int]:
 
 def error_statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, Any]:
     """Percentiles of the errors of fixes over area and time, as of `statistics`."""
-    if "global_error" not in dataset:
+    if "cells_error" not in dataset:
         return {}
     found: dict[str, Any] = {}
     limit = dataset.attrs["error_limit_m"]
@@ -106,7 +106,7 @@ def error_statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[
             )
             continue
         of = dataset.sel(error=name)
-        found[name] = _of_cells(dataset, of.global_error) | {"share": float(of.global_error_share)}
+        found[name] = _of_cells(dataset, of.cells_error) | {"share": float(of.cells_error_share)}
     for name, most in ROVER.items():
         of_rover = found[name]
         found[most] = FACTOR_95 * of_rover["p95"]
@@ -133,15 +133,15 @@ def _budget(dataset: "xr.Dataset", found: dict[str, Any]) -> dict[str, Any]:
 
 def protection_statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, Any]:
     """Percentiles of the protection levels over area and time, and shares, as of `statistics`."""
-    if "global_protection" not in dataset:
+    if "cells_protection" not in dataset:
         return {}
-    shares = dataset.global_protection_share
+    shares = dataset.cells_protection_share
     found: dict[str, Any] = {}
     for name in dataset.level.values.tolist():
         if drawn:
             found[name] = percentiles(drawn.values[name], _percents(dataset))
         else:
-            found[name] = _of_cells(dataset, dataset.global_protection.sel(level=name))
+            found[name] = _of_cells(dataset, dataset.cells_protection.sel(level=name))
     for name, protected in PROTECTED.items():
         if drawn:
             found |= share_of(name, drawn.protected[protected])
@@ -152,7 +152,7 @@ def protection_statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> 
 
 def in_view_share(dataset: "xr.Dataset", count: int) -> float:
     """Share of area and time with so many satellites in view or more."""
-    shares = dataset.global_fold_share.values
+    shares = dataset.cells_fold_share.values
     return float(shares[count]) if count < shares.size else 0.0
 
 
@@ -167,7 +167,7 @@ def no_fix(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, Any]:
             **share_of("masked_share", ~four & (drawn.risen >= 4)),
         }
     masked, plain = dataset.four_in_view.values.tolist()
-    fix_share, in_view = float(dataset.global_fix_share), in_view_share(dataset, 4)
+    fix_share, in_view = float(dataset.cells_fix_share), in_view_share(dataset, 4)
     return {
         "fix_share": fix_share,
         "fewer_than_four_share": 1.0 - in_view,
@@ -190,8 +190,8 @@ def no_level(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, Any
             **share_of("unchecked_share", enough & ~checked),
             **share_of("two_faults_share", checked & ~some),
         }
-    level, five = float(dataset.global_level_share), in_view_share(dataset, 5)
-    able = float(dataset.global_protection_share.sel(protected="detectable"))
+    level, five = float(dataset.cells_level_share), in_view_share(dataset, 5)
+    able = float(dataset.cells_protection_share.sel(protected="detectable"))
     return {
         "level_share": level,
         "fewer_than_five_share": 1.0 - five,

@@ -61,8 +61,8 @@ def error_map(
     xarray.Dataset
         Over (percentile, lat, lon): ``error_horizontal_m``, ``error_vertical_m``,
         ``error_position_m``, ``error_time_m``; over (error, lat, lon): ``error_share``; global:
-        ``global_error`` over (error, global_percentile), ``global_error_share`` over error,
-        ``global_fix_share``. How well cells and epochs tell these is not known: see
+        ``cells_error`` over (error, global_percentile), ``cells_error_share`` over error,
+        ``cells_fix_share``. How well cells and epochs tell these is not known: see
         `compass.coverage.drawn`.
 
     Raises
@@ -138,17 +138,17 @@ def _dataset(
     within = f"with an error of one sigma of at most {limit:g} m"
     data |= {
         "error_share": (("error", "lat", "lon"), share, _attrs(f"share of time {within}")),
-        "global_error": (
+        "cells_error": (
             ("error", "global_percentile"),
             quantiles,
             _attrs("percentile over area and time, one sigma", "m"),
         ),
-        "global_fix_share": (
+        "cells_fix_share": (
             (),
             finite_share(total[0]),
             _attrs("share of area and time with a fix"),
         ),
-        "global_error_share": ("error", over_all, _attrs(f"share of area and time {within}")),
+        "cells_error_share": ("error", over_all, _attrs(f"share of area and time {within}")),
     }
     coords = {
         "percentile": ("percentile", list(CELL_PERCENTILES), {"units": "percent"}),

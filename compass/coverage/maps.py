@@ -76,9 +76,9 @@ def coverage_map(
         Over (lat, lon): ``count_min``, ``count_mean``, ``count_max``, ``fold_share`` (by fold),
         ``gdop`` ... ``tdop`` (by percentile, nearest rank), ``availability``, and with `gaps`
         ``longest_gap``, ``mean_gap``, ``mean_response_time``; over lat: ``fold_share_lat``; over
-        time: ``count_min_time``, ``count_mean_time``, ``count_max_time``; global: ``global_dop``
-        (dop, global_percentile; relative error at most 4.9e-4), ``global_fold_share``,
-        ``global_count_mean``, ``global_availability``.
+        time: ``count_min_time``, ``count_mean_time``, ``count_max_time``; global: ``cells_dop``
+        (dop, global_percentile; relative error at most 4.9e-4), ``cells_fold_share``,
+        ``cells_count_mean``, ``cells_availability``.
 
     Raises
     ------
@@ -211,22 +211,22 @@ def _dataset(
         "count_min_time": ("time", totals.by_epoch[0], _attrs("smallest count on the sphere")),
         "count_mean_time": ("time", totals.by_epoch[1], _attrs("mean count on the sphere")),
         "count_max_time": ("time", totals.by_epoch[2], _attrs("largest count on the sphere")),
-        "global_dop": (
+        "cells_dop": (
             ("dop", "global_percentile"),
             np.array(quantiles),
-            _attrs("percentile over area and time of the samples, from bins 9.8e-4 wide"),
+            _attrs("percentile over area and time, from bins 9.8e-4 wide"),
         ),
-        "global_fold_share": (
+        "cells_fold_share": (
             "global_fold",
             at_least,
             _attrs("share of area and time with at least this many in view"),
         ),
-        "global_count_mean": (
+        "cells_count_mean": (
             (),
             float(share_of_count @ np.arange(share_of_count.size)),
             _attrs("mean satellite count over area and time"),
         ),
-        "global_availability": (
+        "cells_availability": (
             (),
             float(weight @ cells["availability"].sum(axis=1, dtype=np.float64)),
             _attrs(f"share of area and time with PDOP at most {pdop_threshold:g}"),

@@ -117,9 +117,9 @@ def protection_map(
     -------
     xarray.Dataset
         Over (percentile, lat, lon): ``protection_horizontal_m``, ``protection_vertical_m``; over
-        (lat, lon): ``detection_share``, ``protection_share``; global: ``global_protection`` over
-        (level, global_percentile), ``global_protection_share`` over protected,
-        ``global_level_share``.
+        (lat, lon): ``detection_share``, ``protection_share``; global: ``cells_protection`` over
+        (level, global_percentile), ``cells_protection_share`` over protected,
+        ``cells_level_share``.
 
     Raises
     ------
@@ -165,17 +165,17 @@ def protection_map(
             shares[1],
             {"units": "1", "long_name": f"share of time with levels within {limits}"},
         ),
-        "global_protection": (
+        "cells_protection": (
             ("level", "global_percentile"),
             np.array([[histogram_quantile(h, q / 100) for q in PERCENTILES] for h in histograms]),
             {"units": "m", "long_name": "percentile over area and time"},
         ),
-        "global_level_share": (
+        "cells_level_share": (
             (),
             finite_share(histograms[0]),
             {"units": "1", "long_name": "share of area and time with protection levels"},
         ),
-        "global_protection_share": (
+        "cells_protection_share": (
             "protected",
             total,
             {"units": "1", "long_name": f"share of area and time; levels within {limits}"},

@@ -47,5 +47,5 @@ def errors_over(
     seen = view(c, times, study.figure.equatorial_radius, mask)
     grid = make_grid("equal-area", study.map.step_deg)
     made = error_map(seen, grid, range_errors(design, times), workers=1)
-    found = made.global_error.sel(global_percentile=PERCENT)
+    found = made.cells_error.sel(global_percentile=PERCENT)
     return {name: float(found.sel(error=error)) for name, error in zip(NAMES, ERRORS, strict=True)}

@@ -83,7 +83,7 @@ def test_a_map(satellites, planes, epochs, step, least):
     # the same question: cells and epochs are the same, but for rounding at the horizon
     theirs = found["global"]
     assert found["work"]["epochs"] == epochs
-    assert 100 * float(made.global_availability) == pytest.approx(
+    assert 100 * float(made.cells_availability) == pytest.approx(
         theirs["availability_pct"], abs=0.1
     )
     assert rival / taken >= least

@@ -111,7 +111,7 @@ def test_shares_are_those_of_a_map_at_random_moments(signal, name):
     for some in np.split(times, 6):  # moments are independent, so that their parts are
         seen = view(d.constellation, some, d.figure.equatorial_radius, d.mask)
         mapped = error_map(seen, grid, range_errors(d, some), limit=limit, workers=1)
-        shares.append(float(mapped.global_error_share.sel(error=name)))
+        shares.append(float(mapped.cells_error_share.sel(error=name)))
     share, doubt = np.mean(shares), 4 * np.std(shares, ddof=1) / np.sqrt(6) + 3e-3
     options = asked(d, name)
     least = certified_share(d.constellation, limit, width=3e-3, **options)

@@ -210,11 +210,11 @@ def test_own_values(case):
     period = float(orbital_period(d.constellation.semi_major_axis[0], d.constellation.gm))
     made = mapped(d, np.arange(40) * period / 40, 3, weights)
     for name, (p50, p95) in OWN[case].items():
-        of = made.global_error.sel(error=name)
+        of = made.cells_error.sel(error=name)
         assert p50 is None or float(of.sel(global_percentile=50)) == pytest.approx(p50, rel=0.01)
         assert float(of.sel(global_percentile=95)) == pytest.approx(p95, rel=0.01)
     if case == (15, 5, 1, 45, 5, "variance"):
-        share = made.global_error_share.sel(error="error_position_m")
+        share = made.cells_error_share.sel(error="error_position_m")
         # over all area and time it is 0.9464, certified
         assert float(share) == pytest.approx(0.950, abs=0.0006)
 

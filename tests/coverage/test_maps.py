@@ -98,20 +98,20 @@ def test_global_numbers_are_weighted_by_area():
     counts, dops = brute(seen, COARSE)
     made = coverage_map(seen, COARSE)
     weight = np.broadcast_to(COARSE.cell_share[None, :, None] / 4, counts.shape)
-    assert float(made.global_count_mean) == pytest.approx((counts * weight).sum(), rel=1e-12)
+    assert float(made.cells_count_mean) == pytest.approx((counts * weight).sum(), rel=1e-12)
     for k in (4, 6, 8):
         share = weight[counts >= k].sum()
-        assert float(made.global_fold_share.sel(global_fold=k)) == pytest.approx(share, abs=1e-12)
+        assert float(made.cells_fold_share.sel(global_fold=k)) == pytest.approx(share, abs=1e-12)
     for name, values in zip(DOPS, dops, strict=True):
         order = np.argsort(values, axis=None)
         cumulative = np.cumsum(weight.ravel()[order])
         for q in (50, 90, 95):
             exact = values.ravel()[order][np.searchsorted(cumulative, q / 100 - 1e-12)]
-            found = float(made.global_dop.sel(dop=name, global_percentile=q))
+            found = float(made.cells_dop.sel(dop=name, global_percentile=q))
             neighbours = values[np.isfinite(values)]
             gap = np.abs(np.log(neighbours / exact))
             assert abs(np.log(found / exact)) <= max(5e-4, np.partition(gap, 2)[2] + 5e-4)
-    assert float(made.global_availability) == pytest.approx(weight[dops[1] <= 6].sum(), abs=1e-6)
+    assert float(made.cells_availability) == pytest.approx(weight[dops[1] <= 6].sum(), abs=1e-6)
     np.testing.assert_allclose(
         made.count_mean_time, (counts * COARSE.cell_share[:, None]).sum((1, 2)), rtol=1e-12
     )
@@ -124,7 +124,7 @@ def test_mean_fold_is_the_sum_of_the_caps():
     seen = view(seed(), np.arange(8) * 11000.0, R)
     made = coverage_map(seen, equal_angle_grid(np.radians(1.0)))
     expected = 15 * (1 - np.cos(np.radians(80.429542))) / 2
-    assert float(made.global_count_mean) == pytest.approx(expected, abs=1e-3)
+    assert float(made.cells_count_mean) == pytest.approx(expected, abs=1e-3)
 
 
 @settings(max_examples=10)

@@ -7,7 +7,16 @@ import xarray as xr
 import compass
 from compass.coverage.errors import ERRORS, error_map
 from compass.coverage.grid import make_grid
-from compass.coverage.moving import errors_along, in_orbit, on_route, standing
+from compass.coverage.moving import (
+    Sights,
+    errors_along,
+    fix_errors,
+    in_orbit,
+    on_route,
+    ranges_at,
+    seen_along,
+    standing,
+)
 from compass.coverage.view import view
 from compass.design import Design
 from compass.errors import ArgumentError, OutputError
@@ -31,17 +40,25 @@ def design():
     return Design(constellation=c, name="d", figure="kelly2018-sphere", mask=mask, signal=signal)
 
 
-def test_who_stands_in_a_cell_has_the_errors_of_the_map(design):
+@pytest.mark.parametrize("weights", ["variance", "equal"])
+def test_who_stands_in_a_cell_has_the_errors_of_the_map(design, weights):
     """The map keeps its errors in single precision."""
     grid = make_grid("equal-angle", 60)
     for time in TIMES:
         seen = view(design.constellation, [time], design.figure.equatorial_radius, design.mask)
-        made = error_map(seen, grid, range_errors(design, [time]), workers=1)
+        made = error_map(seen, grid, range_errors(design, [time], weights=weights), workers=1)
+        ranges = ranges_at(design, np.array([time]), design.motion, weights)
         for i, latitude in enumerate(grid.latitude):
             for j, longitude in enumerate(grid.longitude):
                 site = Site("s", latitude, longitude, 0.0, design.mask, design.figure)
-                count, found, _ = errors_along(design, standing(site, 1), np.array([time]))
-                assert count[0] >= 4
+                user = standing(site, 1)
+                sights = Sights(*seen_along(design, user, np.array([time]), design.motion), ranges)
+                found = fix_errors(design, user, sights)
+                assert sights.around[0] >= 4
+                if weights == "variance":
+                    np.testing.assert_array_equal(
+                        found, errors_along(design, user, np.array([time]))[1]
+                    )
                 for k, name in enumerate(ERRORS):
                     there = float(made[name].sel(percentile=50).values[i, j])
                     assert found[0, k] == pytest.approx(there, rel=2e-5)

@@ -9,8 +9,9 @@ from scipy.stats import norm
 
 import compass
 from compass.core.integrity import protect
+from compass.coverage.drawn import drawn
 from compass.coverage.grid import make_grid
-from compass.coverage.protection import LEVELS, promise_numbers, protection_map
+from compass.coverage.protection import LEVELS, SHARES, promise_numbers, protection_map
 from compass.coverage.view import view
 from compass.design import Design
 from compass.errors import ArgumentError, DesignError
@@ -18,6 +19,7 @@ from compass.handover.toml import design_toml
 from compass.inputs import read_design_text
 from compass.integrity import Integrity
 from compass.orbits import walker_delta
+from compass.quantities.draws import share_bounds
 from compass.ranging import Receiver, Signal
 from compass.signal.ranges import range_errors
 from compass.sites import Mask
@@ -183,7 +185,7 @@ def test_the_map_is_what_each_user_gets():
     both = (levels[0] <= 100) & (levels[1] <= 200)
     np.testing.assert_array_equal(made.protection_share, both)
     weights = np.repeat(grid.cell_share[:, None], 8, axis=1)
-    shares = made.global_protection_share
+    shares = made.cells_protection_share
     assert float(shares.sel(protected="detectable")) == pytest.approx((weights * able).sum())
     assert float(shares.sel(protected="both")) == pytest.approx((weights * both).sum())
 
@@ -264,19 +266,19 @@ def test_four_satellites_are_too_few_for_a_map():
 
 
 @pytest.mark.slow
-def test_after_a_loss_the_others_are_mapped_by_themselves():
+def test_after_a_loss_the_others_are_by_themselves(monkeypatch):
     """By hand: a design without that satellite."""
     text = DESIGN.format(
         satellites=10, signal=SIGNAL, text="alert_horizontal_m = 5e3\nalert_vertical_m = 2e4"
     )
     read = read_design_text(text)
-    asked = {"step_deg": 30, "epochs": 3, "duration_h": 5, "budget_s": 0.01}
-    found = compass.map(read, each_loss=True, **asked)
+    monkeypatch.setattr("compass.coverage.drawn.DRAWS", 500)
+    found = compass.map(read, each_loss=True, step_deg=30, epochs=3, duration_h=5, budget_s=0.01)
     shares = found.dataset.loss_protection_share
     for lost in (0, 4):
         c = read.constellation.without([lost])
-        other = compass.map(replace(read, constellation=c), **asked).dataset
-        expected = other.global_protection_share.values
+        other = drawn(replace(read, constellation=c), (0.0, 18000.0)).protected
+        expected = [other[name].mean() for name in SHARES]
         np.testing.assert_allclose(shares.values[lost], expected, atol=1e-12)
     told = found.to_dict()
     both = shares.sel(protected="both").values
@@ -284,6 +286,12 @@ def test_after_a_loss_the_others_are_mapped_by_themselves():
     worst = told["after_loss"]["satellite"]
     assert float(shares.sel(lost=worst, protected="both")) == both.min()
     assert f"One faulty satellite after the worst loss, of {worst}" in str(found)
+    # bounds of ten losses at once are wider than those of one
+    low, high = told["after_loss"]["protection_share_interval"]
+    alone = share_bounds(both.min(), 500)
+    assert low < alone[0] < both.min() < alone[1] < high
+    kept = found.dataset.loss_protection_share_low.sel(lost=worst, protected="both")
+    assert float(kept) == low
 
 
 def test_five_satellites_less_one_notice_nothing():

@@ -4,6 +4,7 @@ import json
 import re
 import shlex
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -89,7 +90,9 @@ def test_what_is_met_is_said_with_its_margin_and_how_sure(met):
     assert rows["After any one loss, in view at least"].sure == (
         "proven, for all time, two-body motion, IAU 2015 sphere"
     )
-    assert rows["Worst of 2 stations: A"].holds or rows["Worst of 2 stations: B"].holds
+    (worst,) = [row for name, row in rows.items() if name.startswith("Worst of 2 stations: ")]
+    assert worst.holds and worst.written.startswith("1 in view always: met, 22.7")
+    assert worst.sure.startswith("proven, for ever")
     assert "sampled" in rows["GDOP, half of area and time below"].sure
 
 
@@ -198,8 +201,10 @@ def mapped(**numbers):
         numbers=lambda: numbers,
         dataset=SimpleNamespace(attrs=attrs),
         certified=None,
+        drawn=None,
         looked=Sampled(how="at 2 epochs on cells"),
     )
+    shown.value = partial(MapResult.value, shown)
     design = read_design_text(FILE.format(fold=1, inclination=43.7))
     return SimpleNamespace(design=design, mapped=shown)
 
@@ -212,7 +217,11 @@ def test_how_accurate_a_fix_is_is_one_sentence():
     none = mapped(gdop={"p50": np.inf, "p95": np.inf, "p50_bracket": (1e5, np.inf)})
     assert accurate(none).endswith("ranges of one moment give no fix.")
     half = mapped(gdop={"p50": 2.0, "p95": 9.0, "p95_bracket": (8.0, np.inf)})
-    assert accurate(half).startswith("GDOP is below 2 in half of area and time: a fix")
+    assert accurate(half).startswith(
+        "GDOP is below 2 in half of area and time (sampled, at 2 epochs on cells, error not known)"
+    )
+    chance = accurate(mapped(gdop={"p50": 2.0, "p95": 3.4, "p95_interval": (3.3, 3.5)}))
+    assert chance.startswith("GDOP is below 3.5 in 95 % of area and time (bounds that hold in 95 ")
     most = mapped(gdop={"p50": 2.0, "p95": 3.4, "p95_bracket": (3.4059, 3.4101)})
     assert accurate(most).startswith("GDOP is below 3.42 in 95 % of area and time: a fix")
 

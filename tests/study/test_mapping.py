@@ -19,7 +19,7 @@ orbit = "areosynchronous"
 
 def gdop(**options):
     made = make_map(read_design_text(SYMMETRIC), MapOptions(step_deg=10, **options))
-    return made.dataset.global_dop.sel(dop="gdop", global_percentile=95).item(), made.dataset
+    return made.dataset.cells_dop.sel(dop="gdop", global_percentile=95).item(), made.dataset
 
 
 @pytest.mark.slow

@@ -202,7 +202,7 @@ def test_map_against_the_coverage_map():
 
     seen = view(c, np.linspace(0, 88642.663, 48, endpoint=False), R, Mask.constant(mask))
     data = coverage_map(seen, grid, fold=4, workers=1)
-    dops = data.global_dop
+    dops = data.cells_dop
     finer = read_study_text(
         s.text.replace("step_deg = 15", "step_deg = 5").replace("epochs = 4", "epochs = 40")
     )
@@ -212,7 +212,7 @@ def test_map_against_the_coverage_map():
     for name, percent in (("gdop", 50), ("gdop", 95), ("pdop", 95)):
         there = float(dops.sel(dop=name, global_percentile=percent))
         assert ours[f"{name}_p{percent}"] == pytest.approx(there, rel=0.03)
-    assert ours["availability"] == pytest.approx(float(data.global_availability), abs=0.01)
+    assert ours["availability"] == pytest.approx(float(data.cells_availability), abs=0.01)
     # the mean count is known exactly: satellites times the share of a cap
     cap = np.arccos(R * np.cos(mask) / ORBIT) - mask
     assert ours["count_mean"] == pytest.approx(15 * (1 - np.cos(cap)) / 2, rel=2e-3)
