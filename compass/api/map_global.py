@@ -26,20 +26,22 @@ def with_global(
 
     Beside each stand ``..._low`` and ``..._high``; where no bounds are known these are nan.
     """
+    import xarray as xr
+
     found = dataset.copy()
     for name, places in _places(dataset, numbers).items():
-        own, dims, about = name.replace("global_", "cells_"), (), _ABOUT.get(name, {})
+        own, about = name.replace("global_", "cells_"), _ABOUT.get(name, {})
+        like = dataset.get(own, xr.DataArray(0.0))
+        about = like.attrs | about
         if own in dataset:
-            dims, about = dataset[own].dims, dataset[own].attrs | about
             said = f"{about['long_name']}, of cells and epochs"
             found[own] = found[own].assign_attrs(long_name=said)
-        shape = tuple(dataset.sizes[dim] for dim in dims)
         known = [_known(*place) for place in places]
         for end, values in zip(("", "_low", "_high"), zip(*known, strict=True), strict=False):
             said = f"{_ENDS[end]}{about['long_name']}"
             evidence = _evidence(known)
             found[name + end] = (
-                dims, np.array(values, dtype=float).reshape(shape),
+                like.dims, np.array(values, dtype=float).reshape(like.shape),
                 about | {"long_name": said, "evidence": evidence},
             )  # fmt: skip
     return found if drawn is None or not drawn.left else _with_losses(found, drawn)

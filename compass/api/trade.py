@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from tqdm import tqdm
 
+from compass.allowed import check_all_allowed
 from compass.api.cluster import check_cluster
 from compass.api.given import given_study
 from compass.api.map_areas import AREAS_KNOWN
@@ -224,7 +225,7 @@ class TradeResult(Result):
             notes.append(
                 f"of {counted(open_, 'candidate')} it is not decided within the budget "
                 "whether they meet a limit on geometry, which lies between their bounds; they "
-                "are not counted"
+                "are not counted; --budget-s (budget_s) looks longer"
             )
         errors = [text for text in self.dataset.error.values if text]
         if errors:
@@ -316,6 +317,7 @@ def trade(
     study: Study | str | Path,
     *,
     output: str | Path | None = None,
+    budget_s: float | None = None,
     workers: int | None = None,
     scheduler: str | None = None,
     tls_ca: str | Path | None = None,
@@ -334,6 +336,10 @@ def trade(
         A study, or the path of its file.
     output
         Folder of the store; by default ``trades/`` and the name of the file.
+    budget_s
+        Seconds in which bounds of geometry are brought nearer than they are by default, where they
+        leave open who is on the front or meets a limit. What they come to is stored, and the next
+        run goes on from there.
     workers
         Processes on this machine; by default one a core.
     scheduler
@@ -359,6 +365,7 @@ def trade(
     >>> found.front[0]["satellites"], found.feasible
     (15, 63)
     """
+    check_all_allowed(budget_s=budget_s)
     tls = check_cluster(workers, scheduler, tls_ca, tls_cert, tls_key)
     read = given_study(study)
     check_space(read)
@@ -379,7 +386,7 @@ def trade(
             check_writable(folder / f"trade{suffix}")
         team = _team(read, workers, scheduler, tls)
         try:
-            summary = run_trade(read, store, team, bars)
+            summary = run_trade(read, store, team, bars, budget_s or 0.0)
         finally:
             team.close()
         results = results_of(read, store.batches, store.path)

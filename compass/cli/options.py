@@ -282,6 +282,9 @@ OPTIONS: dict[str, Told] = {
     ),
     "series.output": output("Write counts and dilutions over time", ENDINGS["series"]),
     "series.picture": output("PNG curve to draw."),
+    "trade.budget_s": real(
+        "Seconds to bring bounds nearer in, where they leave open who is on the front."
+    ),
     "trade.output": path("Folder of the store; by default trades/NAME-OF-THE-FILE."),
     "trade.workers": whole("Processes on this machine; by default one a core."),
     "view.output": path("Page to write; by default views/NAME-OF-THE-FILE.html."),

@@ -8,7 +8,7 @@ from compass.cli.options import CLUSTER, takes
 from compass.cli.shared import say, silence_the_cluster, wants_json, watched
 
 
-@takes(f"study output workers {CLUSTER}")
+@takes(f"study output budget_s workers {CLUSTER}")
 def command(study: Path, **options: Any) -> object:
     """Judge every candidate of a STUDY: an exact screen first, then maps, then entries.
 

@@ -32,6 +32,12 @@ LEVELS = {
     "bounds-3": Near(2e-4, 0.004, 4_000_000),
 }
 
+#: Nearer still, for who gives it time: of one candidate and figure up to a minute, and minutes.
+FINER = {
+    "bounds-4": Near(2e-5, 4e-4, 16_000_000),
+    "bounds-5": Near(2e-6, 4e-5, 64_000_000),
+}
+
 #: How near the stage of areas comes.
 AREAS_NEAR = LEVELS["bounds-1"]
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,6 +123,7 @@ def settle(
     rows: NDArray,
     figures: Callable[[NDArray], Figures],
     refine: Callable[[str, NDArray], None],
+    finer: Iterable[str] = (),
 ) -> None:
     """Bring bounds as near as it takes to decide who is on the front: of all, then of the open.
 
@@ -135,11 +137,13 @@ def settle(
         All that is known of candidates.
     refine
         Finds the bounds of candidates at a level, unless they are known.
+    finer
+        Levels to go on with, as long as there are any.
     """
     if not bounded_figures(study) or not rows.size:
         return
     going = np.ones(rows.size, dtype=bool)
-    for level in LEVELS:
+    for level in chain(LEVELS, finer):
         if not going.any():
             return
         refine(level, rows[going])

@@ -39,7 +39,11 @@ def front_known(study: Study, undecided: int) -> str:
     if sampled := rests_on_samples(study):
         titles = ", ".join(MERITS[name].title for name in sampled)
         return f"who is on the front is not proven: it rests on samples of {titles}"
-    told = f"of {undecided} it is not decided within the budget" if undecided else "decided"
+    told = (
+        f"of {undecided} it is not decided within the budget (--budget-s goes on)"
+        if undecided
+        else "decided"
+    )
     if study.sampling.method == "nsga2":
         told += ", among those that evolution by samples came upon"
     return f"who is on the front: {told}"

@@ -27,7 +27,7 @@ from compass.coverage.cap import cap_radius, mask_for_cap
 from compass.inputs.study import Study
 from compass.quantities.merits import merits_of, worked_out
 from compass.study.area_figures import area_columns, area_figures
-from compass.study.bounds import AREAS_NEAR, LEVELS, bound_columns, bounds
+from compass.study.bounds import AREAS_NEAR, FINER, LEVELS, bound_columns, bounds
 from compass.study.candidates import patterns_of
 from compass.study.clocks import clock_columns, clock_figures
 from compass.study.cost import cost_figures
@@ -106,8 +106,8 @@ class StudyJob:
 
 def figures_of(stage: str, study: Study) -> tuple[str, ...]:
     """Names of the figures that a stage of a study stores."""
-    if stage in LEVELS:
-        return bound_columns(study, LEVELS[stage])
+    if level := (LEVELS | FINER).get(stage):
+        return bound_columns(study, level)
     if stage == "areas":
         return (*merits_of(stage), *area_columns(study))
     if stage == "clocks":
@@ -168,6 +168,6 @@ FINDERS: dict[str, Callable[[Study, NDArray], dict[str, NDArray[np.float64]]]] =
     "areas": partial(area_figures, near=AREAS_NEAR),
     "orbits": orbits_figures,
     "entry": entry_figures,
-    **{name: partial(bounds, level) for name, level in LEVELS.items()},
+    **{name: partial(bounds, level) for name, level in (LEVELS | FINER).items()},
     "clocks": clock_figures,
 }

@@ -7,6 +7,9 @@ and a finished study is read, not computed. What is found does not depend on the
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
+from itertools import takewhile
+from math import inf
+from time import monotonic
 from typing import Any, Protocol
 
 import numpy as np
@@ -14,7 +17,7 @@ from numpy.typing import NDArray
 
 from compass.inputs.study import Study
 from compass.quantities.merits import MERITS
-from compass.study.bounds import LEVELS, bound_columns, ends, limited_figures
+from compass.study.bounds import FINER, LEVELS, bound_columns, ends, limited_figures
 from compass.study.candidates import ROW, batches, candidates, described, identities
 from compass.study.clocks import best_by_errors, clock_columns
 from compass.study.order import bound_limits, may_hold, settle
@@ -28,15 +31,19 @@ from compass.study.workers import Workers
 NAMED = 5
 
 #: Candidates a task: some 80 ms of work, to dwarf its handling, and little enough to lose.
-BATCH = {
-    "screen": 500,
-    "map": 128,
-    "requirements": 4,
-    "areas": 4,
-    "orbits": 1,
-    "entry": 96,
-    "clocks": 1,
-} | dict.fromkeys(LEVELS, 8)
+BATCH = (
+    {
+        "screen": 500,
+        "map": 128,
+        "requirements": 4,
+        "areas": 4,
+        "orbits": 1,
+        "entry": 96,
+        "clocks": 1,
+    }
+    | dict.fromkeys(LEVELS, 8)
+    | dict.fromkeys(FINER, 1)
+)
 
 #: Figure of the map that tells most about a lander's bound before it is judged: over the patterns
 #: of designs/study-fourfold.toml from 14 satellites on, rank correlation 0.8 with its median and
@@ -86,13 +93,16 @@ class Summary:
     bounded: dict[str, int] = field(default_factory=dict)
 
 
-def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summary:
+def run_trade(
+    study: Study, store: Store, workers: Workers, bars: Bars, budget_s: float = 0.0
+) -> Summary:
     """Bring a study to its end: screen, map, orbits, entry; or generation by generation (NSGA-II).
 
     Then bounds decide the order, and the best of the front are looked at with other clocks.
 
     Limits on geometry are told by proven bounds, right behind the map; NSGA-II, which looks at
-    many that are given up again, goes by samples until its end.
+    many that are given up again, goes by samples until its end. Where bounds leave the order open,
+    nearer ones are looked for as long as `budget_s` lasts; the next run goes on from there.
 
     Raises
     ------
@@ -103,8 +113,8 @@ def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summa
     """
     summary = Summary()
 
-    def refine(level: str, rows: NDArray) -> None:
-        _refine(level, rows, store, workers, bars, summary)
+    def refine(level: str, rows: NDArray, until: float = inf) -> None:
+        _refine(level, rows, store, workers, bars, summary, until)
 
     if study.sampling.method == "nsga2":
         from compass.study.evolve import evolve
@@ -129,14 +139,16 @@ def run_trade(study: Study, store: Store, workers: Workers, bars: Bars) -> Summa
                 before = stage
         if study.entry is not None:
             _stage("entry", finalists(study, store), store, workers, bars, summary)
-    _settle(study, store, refine)
+    _settle(study, store, refine, budget_s)
     if clock_columns(study) and store.finished:
         some = best_by_errors(study, results_of(study, store.batches, store.path))
         _stage("clocks", some, store, workers, bars, summary)
     return summary
 
 
-def _settle(study: Study, store: Store, refine: Callable[[str, NDArray], None]) -> None:
+def _settle(
+    study: Study, store: Store, refine: Callable[[str, NDArray, float], None], budget_s: float
+) -> None:
     """Bound the geometry of those that may be of the front as near as it takes to tell."""
     rows = passed(study, store, study.stages[-1])
     wanted = gather(store, identities(rows), {o.figure for o in study.objectives})
@@ -147,15 +159,25 @@ def _settle(study: Study, store: Store, refine: Callable[[str, NDArray], None]) 
     def figures(some: NDArray) -> dict[str, NDArray[np.float64]]:
         return gather(store, identities(some), study.named | sides)
 
-    settle(study, rows, figures, refine)
+    def within(level: str, some: NDArray) -> None:
+        refine(level, some, until if level in FINER else inf)
+
+    until = monotonic() + budget_s
+    settle(study, rows, figures, within, takewhile(lambda _: monotonic() < until, FINER))
 
 
 def _refine(
-    level: str, rows: NDArray, store: Store, workers: Workers, bars: Bars, summary: Summary
+    level: str,
+    rows: NDArray,
+    store: Store,
+    workers: Workers,
+    bars: Bars,
+    summary: Summary,
+    until: float,
 ) -> None:
     """Bound the geometry of candidates at a level, but for those whose bounds the store has."""
     own = Summary()
-    _stage(level, rows, store, workers, bars, own)
+    _stage(level, rows, store, workers, bars, own, until=until)
     summary.bounded[level] = own.reached[level]
     summary.seconds[level] = summary.seconds.get(level, 0.0) + own.seconds.get(level, 0.0)
     summary.unfinished += own.unfinished
@@ -170,15 +192,16 @@ def _stage(
     bars: Bars | None,
     summary: Summary,
     total: int | None = None,
+    until: float = inf,
 ) -> None:
-    """Put candidates through a stage, but for those that the store has."""
+    """Put candidates through a stage, but for those that the store has; begin none after a time."""
     if isinstance(rows, np.ndarray):
         total = rows.size
         # a short stage is shared among all workers
         size = max(1, min(BATCH[stage], rows.size // (2 * workers.count)))
         rows = [rows[k : k + size] for k in range(0, rows.size, size)]
     already = len(store.done.get(stage, ()))
-    missing = _missing(rows, store.done.get(stage, set()))
+    missing = takewhile(lambda _: monotonic() < until, _missing(rows, store.done.get(stage, set())))
     computed, failed = 0, 0
     with bars(stage, total or 0, already) if bars else _Silent() as bar:
         for batch, found in workers.run(stage, missing):

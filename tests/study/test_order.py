@@ -11,7 +11,7 @@ from hypothesis.extra.numpy import arrays
 from compass.api.trade import TradeResult
 from compass.inputs.study import Constraint, Objective
 from compass.study import stages, trade
-from compass.study.bounds import BOUNDED, LEVELS, bound_columns, bounds, ends
+from compass.study.bounds import BOUNDED, FINER, LEVELS, bound_columns, bounds, ends
 from compass.study.choice import rows_in
 from compass.study.order import may_beat, order_of
 from compass.study.pareto import fronts
@@ -95,10 +95,10 @@ def test_a_larger_share_is_better(tiny):
     assert found.decided.all() and not found.open.any()
 
 
-def run(study, folder, batch=4):
+def run(study, folder, batch=4, budget_s=0.0):
     with Store(folder, study) as store, pytest.MonkeyPatch.context() as patch:
         patch.setitem(trade.BATCH, "bounds-1", batch)
-        return run_trade(study, store, OneProcess(study), Bars())
+        return run_trade(study, store, OneProcess(study), Bars(), budget_s)
 
 
 def test_only_what_is_open_is_brought_nearer(tiny, tmp_path, monkeypatch):
@@ -140,6 +140,48 @@ def test_only_what_is_open_is_brought_nearer(tiny, tmp_path, monkeypatch):
     asked.clear()
     run(study, tmp_path / "b")
     assert not asked
+
+
+def test_more_time_decides_what_the_levels_leave_open_and_is_not_asked_twice(
+    tiny, tmp_path, monkeypatch
+):
+    """Brackets that only a finer level tells apart; a budget that ends after one candidate."""
+    monkeypatch.setattr("compass.study.order.LEVELS", LEVELS)
+    clock, asked = [0.0], []
+    monkeypatch.setattr(trade, "monotonic", lambda: clock[0])
+
+    def bracketed(level, study, rows):
+        asked.append((level, rows.size))
+        clock[0] += 1.0
+        width = 1e-6 if level == "bounds-4" else 0.7
+        found = {name: np.full(rows.size, np.nan) for name in bound_columns(study)}
+        low, high = ends("gdop_p95")
+        middle = 3.0 + 1e-3 * rows["inclination_deg"] + 0.1 * rows["phasing"]
+        found[low], found[high] = middle - width, middle + width
+        return found
+
+    for level in LEVELS | FINER:
+        monkeypatch.setitem(
+            stages.FINDERS, level, lambda study, rows, level=level: bracketed(level, study, rows)
+        )
+    study = study_of(tiny)
+
+    def undecided():
+        results = read_results(study, tmp_path)
+        return int((~results.decided.values & (results.front.values == 0)).sum())
+
+    run(study, tmp_path)
+    assert not {level for level, _ in asked} & set(FINER)
+    before = undecided()
+    assert before > 2
+    asked.clear()
+    run(study, tmp_path, budget_s=1.0)
+    assert asked == [("bounds-4", 1)]
+    run(study, tmp_path, budget_s=1e6)
+    assert undecided() == 0 and {level for level, _ in asked} == {"bounds-4"}
+    assert len(asked) == before and all(size == 1 for _, size in asked)
+    run(study, tmp_path, budget_s=1e6)
+    assert len(asked) == before
 
 
 def test_what_cannot_be_told_is_said(tiny, tmp_path, monkeypatch):
