@@ -84,14 +84,14 @@ def course_of(design: Design, days: float | None, start_day: float) -> Course | 
     if c.repeat is not None and not j2:
         revolutions, rotations = c.repeat
         words = (
-            f"for ever, {motion}, at the place: tracks declared closed after "
+            f"for ever, {motion}, at the place, for its ground tracks are said to close after "
             f"{counted(revolutions, 'revolution')} in {counted(rotations, 'rotation')} of Mars"
         )
         return Course((0.0, rotations * 2 * np.pi / MARS_ROTATION_RATE.value), True, words)
     alike = one_circle(c) and np.unique(c.inclination).size <= 1
     if not (alike if j2 else one_period(c)):
         return None
-    words = f"for ever, {motion}, at every longitude: tracks not declared closed"
+    words = f"for ever, {motion}, at every longitude, for no ground track is said to close"
     return Course(None, True, words)
 
 

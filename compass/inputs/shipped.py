@@ -76,6 +76,12 @@ def names(kind: str) -> list[str]:
     return [path.stem for path in found if _TABLES[kind] in tables(path)]
 
 
+def of_paper(paper: str) -> list[str]:
+    """Names of the shipped designs and scenarios that a source paper proposes."""
+    found = sorted(folder().glob("*.toml"))
+    return [path.stem for path in found if tables(path).get("paper") == paper]
+
+
 def companions(path: Path) -> list[Path]:
     """Return the files beside `path` that it names, and those that these name in turn."""
     return [other for other in named_files(path) if other.parent == path.parent]

@@ -85,7 +85,11 @@ def _of_requirements(checked: CheckResult, real: str) -> str:
     if open_:
         listed = ", ".join(f"“{name}”" for name in open_)
         return f"Decide after a finer look: {listed} cannot be told yet. {real}"
-    said = f"it meets {'its requirement' if count == 1 else f'all of its {count} requirements'}"
+    certain = all(v.evidence in ("proven", "bracket") for v in checked.verdicts)
+    said = (
+        f"it meets {'its requirement' if count == 1 else f'all of its {count} requirements'}, "
+        f"{'proven' if certain else 'as far as was sampled'}"
+    )
     return f"Build it as it is: {said}." if not real else f"On undisturbed orbits {said}. {real}"
 
 

@@ -6,6 +6,7 @@ from compass import __version__
 from compass.api.reproduce import ReproduceResult, comparison_table
 from compass.document import Answer, Answers, Section, Sentence
 from compass.document.blocks import Block
+from compass.inputs.shipped import of_paper
 from compass.pages.page import render
 from compass.papers.verdict import Row, Verdict
 from compass.words import capital
@@ -78,6 +79,10 @@ def _answer(result: ReproduceResult) -> Section:
         for kind, (title, how) in MEANINGS.items()
         if counts[kind] or kind is Verdict.DIFFERS
     ]
+    if proposed := of_paper(result.paper):
+        pages = "; ".join(f"compass report designs/{name}.toml" for name in proposed)
+        asked_of_it = "To build what it proposes, how long that lasts, how accurate it is"
+        rows.append(Answer(asked_of_it, f"see {pages}", None, "a page each"))
     table = Answers("Published and computed", tuple(rows))
     return Section("The answer", (Sentence(lead), table))
 

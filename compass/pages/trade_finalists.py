@@ -266,7 +266,8 @@ def change(a: float, b: float) -> str:
     percent = 100 * (a - b) / abs(b)
     if abs(percent) < 0.05:
         return ""
-    return f" ({percent:+.{0 if abs(percent) >= 1 else 1}f} %)"
+    written = f"{percent:+.{0 if abs(percent) >= 1 else 1}f}".replace("-", "−")
+    return f" ({written} %)"
 
 
 def moved(objective: Objective, one: Finalist, other: Finalist | Yardstick) -> str:

@@ -91,13 +91,13 @@ def test_a_closed_track_counts_at_the_place_and_one_nearly_closed_on_the_circle(
     angle = float(np.degrees(compass_angle(closed)))
     stand = {"orbit": "areosynchronous", "raan_deg": angle % 360 + 60}
     between = verdict(ring(asked, satellites=3, orbit=stand))
-    assert (between.met, "closed after 1 revolution" in between.scope) == (True, True)
+    assert (between.met, "close after 1 revolution" in between.scope) == (True, True)
     under = verdict(ring(asked, satellites=3, orbit=stand | {"raan_deg": angle % 360}))
     assert under.met is False
     radius = closed.constellation.semi_major_axis[0] / 1e3
     near = ring(asked, satellites=3, orbit={"radius_km": radius, "raan_deg": angle % 360 + 60})
     found = verdict(near)
-    assert (found.met, "tracks not declared closed" in found.scope) == (False, True)
+    assert (found.met, "no ground track is said to close" in found.scope) == (False, True)
     # but for a day it stays where it is, and that is proven at the place
     assert verdict(near, days=1).met is True
 

@@ -52,7 +52,9 @@ def test_report_takes_the_name_of_a_paper(tmp_path, monkeypatch):
     made = compass.report("ballard1980", output=tmp_path, command="x")
     page = made.page.read_text(encoding="utf-8")
     assert "2 are shown to be wrong" in page and "<dd>ballard1980</dd>" in page
-    assert made.title == "A paper"
+    assert made.title == "A paper" and "report designs/" not in page
+    proposed = paper_sections(ReproduceResult("kelly2018", "A paper", ROWS))[0].blocks[1].rows[-1]
+    assert proposed.written == "see compass report designs/compass-15-5-1.toml"
 
 
 def test_a_paper_reproduced_whole_says_so():

@@ -239,14 +239,15 @@ def test_pictures_say_the_value_under_the_pointer_and_by_the_keys(browser, page)
         "return document.querySelector('#curve .reading').reading.panels"
     )
     left, top, right, bottom = axes["box"]
-    told = pointed(browser, "curve", (left + right) / 2, top + 0.1 * (bottom - top))
+    across, high = (left + right) / 2, top + 0.1 * (bottom - top)
+    told = pointed(browser, "curve", across, high)
     assert told.splitlines() == ["days: 10", "deg", "rising: 3"]
     (rows,) = browser.execute_script(
         "return document.querySelector('#spans .reading').reading.panels"
     )
     left, top, right, bottom = rows["box"]
-    low, high = rows["y"][:2]  # the first row, 0, on top
-    y = bottom - (0.0 - low) / (high - low) * (bottom - top)
+    least, most = rows["y"][:2]  # the first row, 0, on top
+    y = bottom - (0.0 - least) / (most - least) * (bottom - top)
     for x, said in ((3.5, "from 3 to 4.5"), (2.5, "not at 2.5")):
         told = pointed(browser, "spans", left + x / 5 * (right - left), y)
         assert told.splitlines() == ["P1S1", said, "sols"]
@@ -254,9 +255,9 @@ def test_pictures_say_the_value_under_the_pointer_and_by_the_keys(browser, page)
         "return document.querySelector('#bars .reading').reading.panels"
     )
     left, top, right, bottom = panel["box"]
-    low, high = panel["y"][:2]
+    least, most = panel["y"][:2]
     told = pointed(
-        browser, "bars", right - 0.001, bottom - (1 - low) / (high - low) * (bottom - top)
+        browser, "bars", right - 0.001, bottom - (1 - least) / (most - least) * (bottom - top)
     )
     assert told.splitlines() == ["two", "GDOP: 6.5"]
     root = browser.find_element("css selector", "#curve .reading")
@@ -266,6 +267,13 @@ def test_pictures_say_the_value_under_the_pointer_and_by_the_keys(browser, page)
     assert root.find_element("css selector", ".tip").text == ""
     root.send_keys("\ue014")
     assert root.find_element("css selector", ".tip").text.splitlines()[-1] == "rising: 3"
+    browser.execute_script("""
+      const {lines} = document.querySelector("#curve .reading").reading.panels[0], [first] = lines;
+      for (let k = 1; k < 14; k++)
+        lines.unshift({...first, name: `${k}`, y: first.y.map(v => v + 100 * k)});
+    """)  # of 14 curves the 12 that are near the pointer, and that there are more
+    told = pointed(browser, "curve", across, high).splitlines()
+    assert len(told) == 15 and told[2:4] == ["rising: 3", "1: 103"] and told[-1] == "and 2 more"
 
 
 def test_what_the_keys_read_stays_in_sight_where_a_picture_is_wider_than_its_place(browser, page):

@@ -1,10 +1,12 @@
 """A figure as bytes: vectors that say the same as the drawing, pixels where these are fewer."""
 
 import re
+from io import BytesIO
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from compass.coverage.grid import equal_angle_grid
 from compass.pictures.maps import map_figure
@@ -78,6 +80,17 @@ def test_fields_solids_and_crowds_are_pixels():
         assert made.drawn.startswith(b"\x89PNG") and made.form == "png"
         assert 0.0 < made.letters < 0.05
         assert "Tit\u2192le".encode() in made.drawn
+
+
+def test_a_colour_bar_keeps_the_colours_that_no_place_has():
+    """In 256 colours those of few pixels had been taken for others: yellow for pink, on a bar."""
+    grid = equal_angle_grid(np.radians(10.0))
+    dark = np.repeat(np.linspace(6.0, 30.0, 18), 36).reshape(18, 36)
+    figure = map_figure(dark, grid, "t", "GDOP", figure_name="iau-sphere", named=True)
+    made = picture(figure, "x", "t", "c")
+    few = np.asarray(Image.open(BytesIO(made.drawn)).convert("RGB"), dtype=int)
+    full = np.asarray(figure.canvas.buffer_rgba(), dtype=int)[..., :3]
+    assert np.abs(few - full).max() <= 16  # a step of a bar of 16 colours; by median cut it is 53
 
 
 def test_styles_are_said_once_and_nothing_else_is_lost():

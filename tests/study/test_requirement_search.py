@@ -270,7 +270,7 @@ def test_every_answer_over_random_sites_is_proven_anew_by_check(flat, seed, orbi
             replace(found.question.design(one.constellation), requirements=(asked,))
         )
         assert again.holds, again
-        closed = "tracks declared closed" in again.verdicts[0].scope
+        closed = "said to close after" in again.verdicts[0].scope
         assert closed == ("orbit" in orbit)
     # and what is written says the same
     path = tmp_path / "best.toml"

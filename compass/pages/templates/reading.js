@@ -65,9 +65,12 @@ function onCurves(panel, x, y) {
   if (closest) found.unshift(closest);
   if (!found.length) return null;
   const head = found[0].line.x[found[0].at];
-  const told = found.slice(0, 8).map(f =>
+  const off = f => Math.abs(f.place[1] - y), most = 12;  // of many curves those near the pointer
+  const shown = found.length > most ? [...found].sort((a, b) => off(a) - off(b)).slice(0, most) : found;
+  const told = shown.map(f =>
     `${f.line.name || panel.y[3] || panel.title || "value"}: ${say(f.line.y[f.at])}`);
   if (found.some(f => f.line.name) && panel.y[3]) told.unshift(panel.y[3]);
+  if (shown.length < found.length) told.push(`and ${found.length - shown.length} more`);
   return {x: found[0].place[0], y: found[0].place[1],
           lines: [`${panel.x[3] || "across"}: ${say(head)}`, ...told]};
 }
