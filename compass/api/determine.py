@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.api.given import given_design
+from compass.api.progress import bar
 from compass.api.results import Result
 from compass.arguments import checked
 from compass.conventions import dated, epoch_text
@@ -319,6 +320,20 @@ class DetermineResult(Result):
         save_axes(self.plot(name=name), path)
 
 
+def _fewer(tracking: Tracking) -> dict[str, Tracking]:
+    """The same tracking without each of its kinds, and by each alone; nothing of one kind."""
+    kinds, fewer = tracking.kinds, {}
+    for name in kinds if len(kinds) > 1 else ():
+        left = tracking.only(*(kind for kind in kinds if kind != name))
+        alone = tracking.only(name)
+        assert left is not None
+        assert alone is not None
+        fewer[f"without {titled(name)}"] = left
+        if len(kinds) > 2:
+            fewer[f"{titled(name)} alone"] = alone
+    return fewer
+
+
 def _if_known(tracking: Tracking) -> dict[str, Tracking]:
     """The same tracking with one source of error gone, for each that is there."""
     easier = {}
@@ -363,6 +378,7 @@ def determine(
     days: float | None = None,
     update_h: float | None = None,
     motion: MotionModel | None = None,
+    progress: bool = False,
 ) -> DetermineResult:
     """How well the satellites' orbits and clocks are known, by whom they are tracked.
 
@@ -377,6 +393,8 @@ def determine(
         signal, or 6 without one.
     motion
         ``two-body``, ``j2`` or ``numerical``; else the design's.
+    progress
+        Show a bar on stderr.
 
     Raises
     ------
@@ -398,18 +416,11 @@ def determine(
         tracking = replace(tracking, duration=days * 86400.0)
     moved = read.motion.or_of(motion)
     whole = determine_orbits(read, tracking, motion=moved, prediction=update_h * HOUR)
-    kinds, others = whole.tracking.kinds, {}
-    if len(kinds) > 1:
-        for name in kinds:
-            left = whole.tracking.only(*(kind for kind in kinds if kind != name))
-            alone = whole.tracking.only(name)
-            assert left is not None
-            assert alone is not None
-            others[f"without {titled(name)}"] = determine_orbits(read, left, motion=moved)
-            if len(kinds) > 2:
-                others[f"{titled(name)} alone"] = determine_orbits(read, alone, motion=moved)
-    for name, exact in _if_known(whole.tracking).items():
-        others[name] = determine_orbits(read, exact, motion=moved)
+    compared, others = _fewer(whole.tracking) | _if_known(whole.tracking), {}
+    with bar(progress, "determine", compared.items(), unit="set of trackers", leave=False) as sets:
+        for name, by in sets:
+            sets.set_postfix_str(name)
+            others[name] = determine_orbits(read, by, motion=moved)
     signal = implied_signal(whole, read, update_h * HOUR)
     radiation = forces_of(moved).radiation
     return DetermineResult(read, moved.title, whole, others, signal, radiation)

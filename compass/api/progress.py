@@ -31,7 +31,7 @@ def parts_bar(wanted: bool, title: str) -> Iterator[Callable[[str, float], None]
     with bar(wanted, title, total=1.0, leave=False, bar_format=shape) as shown:
 
         def told(what: str, part: float) -> None:
-            shown.set_description(f"{title}: {what}", refresh=False)
+            shown.set_description_str(f"{title}: {what}", refresh=False)
             shown.update(part - shown.n)
             shown.refresh()
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import compass
 from compass.cli.options import takes
-from compass.cli.shared import put
+from compass.cli.shared import put, watched
 
 
 @takes("design days update_h motion output picture drawn")
@@ -15,7 +15,7 @@ def command(output: Path | None, picture: Path | None, drawn: str, **options: An
     Radial, along, cross and clock sigma of every satellite against time, what each kind of
     tracking buys, and the [signal] for the users that follows.
     """
-    result = compass.determine(**options)
+    result = compass.determine(**options, progress=watched())
     put(result.write, output)
     put(lambda file: result.save_plot(file, drawn), picture)
     return result

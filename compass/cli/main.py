@@ -24,6 +24,7 @@ from click.core import ParameterSource
 
 import compass
 from compass.allowed import RANGES
+from compass.cli.clock import clock
 from compass.cli.parameters import meant
 from compass.cli.shared import (
     CLAIM_FAILS,
@@ -32,6 +33,7 @@ from compass.cli.shared import (
     announce_compilation,
     print_result,
     say_boxes,
+    watched,
 )
 from compass.errors import ArgumentError, CompassError
 
@@ -125,8 +127,10 @@ def _printed(callback: Callable[..., Any]) -> Callable[..., None]:
     @functools.wraps(callback)
     def call(*arguments: Any, **options: Any) -> None:
         announce_compilation()
+        name = click.get_current_context().info_name or ""
         try:
-            result = callback(*arguments, **options)
+            with clock(name, watched()):
+                result = callback(*arguments, **options)
         except ArgumentError as error:
             said = in_words_of_the_user(str(error), click.get_current_context())
             raise ArgumentError(said) from error

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from compass.cli.clock import line_of_its_own
 from compass.errors import ArgumentError
 from compass.saving import check_writable, readable
 
@@ -53,7 +54,8 @@ def watched() -> bool:
 def say(message: str) -> None:
     """Tell the user something that is not a result (stderr), unless they asked for quiet."""
     if watched():
-        click.echo(message, err=True)
+        with line_of_its_own():
+            click.echo(message, err=True)
 
 
 def check_outputs(

@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 import compass
+from compass.cli.clock import line_of_its_own
 from compass.cli.options import takes
 from compass.cli.shared import check_outputs, command_line, emit_json, say, wants_json
 
@@ -27,7 +28,8 @@ def command(design: Path, output: Path | None, opened: bool | None) -> None:
     if wants_json():
         emit_json({"page": str(page), **made.to_dict()})
     else:
-        click.echo(page)
+        with line_of_its_own():
+            click.echo(page)
     if opened or (opened is None and sys.stdout.isatty()):
         import webbrowser
 
