@@ -134,13 +134,15 @@ def not_told_apart(rows: Sequence[dict[str, Any]]) -> list[str]:
     if bounds is None:
         return []
     names = [
-        row["design"] for row in others if row["crlb_position_m"]["p95_interval"][0] <= bounds[1]
+        f"“{row['design']}”"
+        for row in others
+        if row["crlb_position_m"]["p95_interval"][0] <= bounds[1]
     ]
     if not names:
         return []
     return [
-        f"so few entries do not put {' or '.join(names)} behind {best['design']}: the bounds of "
-        "their 95th percentiles overlap"
+        f"so few entries do not put {' or '.join(names)} behind “{best['design']}”: the "
+        "bounds of their 95th percentiles overlap"
     ]
 
 

@@ -53,17 +53,19 @@ def answer_section(record: dict[str, Any], designs: Sequence[Design], carrying: 
     best = rows[0]
     answers = [landing_answer(str(row["design"]), row, record) for row in rows]
     lasting = [glance(designs[row["given"] - 1]) for row in rows[:MAPPED]]
+    rank = f", the best of {len(rows)}" if len(rows) > 1 else ""
     lead = (
-        f"{'Met' if answers[0].holds else 'Missed'}: {best['design']} "
-        f"({flown(designs[best['given'] - 1])}) is the best of {len(rows)}: a lander knows its "
-        f"place to {significant(best['crlb_position_m']['p95'], 3)} m in 95 % of "
-        f"{record['samples']:,} entries, at {record['deployment']}; {goal:g} m are wanted"
+        f"{'Met: build' if answers[0].holds else 'Missed; nearest comes'} “{best['design']}” "
+        f"({flown(designs[best['given'] - 1])}){rank}. A lander knows its place to "
+        f"{significant(best['crlb_position_m']['p95'], 3)} m in 95 % of {record['samples']:,} "
+        f"entries, at {record['deployment']}, to {significant(best['worst_found']['value'], 3)} m "
+        f"in the worst found; {goal:g} m are wanted"
         f"{_filter_words(best) if best['believed'] else ''}. "
         f"{lasting[0].sentence}"
     )
     if len(rows) > 1:
         ratio = rows[1]["crlb_position_m"]["p95"] / best["crlb_position_m"]["p95"]
-        lead += f" Its rival {rows[1]['design']} has {significant(ratio, 3)} times as much."
+        lead += f" Its rival “{rows[1]['design']}” has {significant(ratio, 3)} times as much."
     lead += "".join(f" {capital(words)}." for words in not_told_apart(rows))
     if best["nees"] is not None and not best["believed"]:
         lead += (

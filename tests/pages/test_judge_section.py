@@ -161,9 +161,10 @@ def test_the_answer_says_which_is_best_and_whether_to_believe_it(monkeypatch):
     }
     section = module.answer_section(record, designs, picture)
     (lead,) = section.paragraphs
-    assert "A (orbits of 1.toml) is the best of 4" in lead
-    assert "knows its place to 4 m in 95 % of 2,048 entries, at the end; 10 m are wanted." in lead
-    assert "rival B has 2 times" in lead and "no accuracy is claimed" in lead
+    assert lead.startswith("Missed; nearest comes “A” (orbits of 1.toml), the best of 4. A lander")
+    assert "place to 4 m in 95 % of 2,048 entries, at the end, to 8 m in the worst found" in lead
+    assert "; 10 m are wanted." in lead
+    assert "rival “B” has 2 times" in lead and "no accuracy is claimed" in lead
     (answers,) = (block for block in section.blocks if isinstance(block, Answers))
     assert [a.holds for a in answers.rows] == [False] * 4 + [None] * 4
     assert [(a.written, a.evidence) for a in answers.rows[4:]] == [
@@ -183,4 +184,4 @@ def test_the_answer_says_which_is_best_and_whether_to_believe_it(monkeypatch):
     for known, bounds in zip(rows, ((3.0, 8.5), (7.0, 9.0), (8.6, 9.5), (15.0, 25.0)), strict=True):
         known["crlb_position_m"]["p95_interval"] = bounds
     (lead,) = module.answer_section(record, designs, picture).paragraphs
-    assert "So few entries do not put B behind A: the bounds of their 95th" in lead
+    assert "So few entries do not put “B” behind “A”: the bounds of their 95th" in lead

@@ -85,7 +85,7 @@ def test_words():
     how = "sampled over 45 deg cells, 2 epochs"
     assert text == f"worse in {gdop}: 4.5 against 3 (+50 %), {how}; equal in number of satellites"
     assert against(study, finalist(9, np.inf), finalist(10, 3.0)) == (
-        f"better in number of satellites: 9 against 10 (-10 %); worse in {gdop}: ∞ against 3, {how}"
+        f"better in number of satellites: 9 against 10 (−10 %); worse in {gdop}: ∞ against 3, {how}"
     )
     assert against(study, finalist(9, np.nan), finalist(9, 3.0)) == (
         f"equal in number of satellites; not comparable in {gdop}"
