@@ -37,6 +37,9 @@ from compass.cli.shared import (
 )
 from compass.errors import ArgumentError, CompassError
 
+#: Files beside those of commands: this one and what they share.
+SHARED = ("clock", "main", "options", "parameters", "shared")
+
 DONE, BAD_INPUT, BROKEN, INTERRUPTED = 0, 2, 3, 130
 
 
@@ -58,9 +61,7 @@ class Commands(click.Group):
         """Names of the command files, without this one and what they share."""
         package = import_module("compass.cli")
         names = (module.name for module in iter_modules(package.__path__))
-        return sorted(
-            name for name in names if name not in ("main", "options", "parameters", "shared")
-        )
+        return sorted(name for name in names if name not in SHARED)
 
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         """Import the file of a command."""
