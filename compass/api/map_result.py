@@ -143,6 +143,11 @@ class MapResult(Result):
             known = self.certified.numbers()
             several = {*self.certified.dops, "fold_share", "count"} & known.keys()
             numbers |= known | {name: _beside(numbers[name] | known[name]) for name in several}
+            for name, fold in (("fewer_than_four_share", "4"), ("fewer_than_five_share", "5")):
+                few = rest_of(fold, numbers["fold_share"]) if fold in numbers["fold_share"] else {}
+                proven, told = Bracket.beside(few, fold), Interval.beside(numbers, name)
+                if proven and told and proven.high - proven.low <= told.high - told.low:
+                    numbers |= {name: few[fold], name + Bracket.SUFFIX: [proven.low, proven.high]}
         return _beside(numbers)
 
     @property
@@ -270,7 +275,7 @@ class MapResult(Result):
 
     def why_no_fix(self) -> tuple[str, ...]:
         """Where errors are infinite: in how much of area and time, and why; nothing where never."""
-        errors = self.errors
+        errors = self.numbers()
         if 1.0 - errors["fix_share"] < ROUNDING:
             return ()
         few, masked, singular = (
@@ -297,7 +302,7 @@ class MapResult(Result):
 
     def why_no_level(self) -> tuple[str, ...]:
         """As `why_no_fix`, of protection levels."""
-        found = self.levels
+        found = self.numbers()
         if 1.0 - found["level_share"] < ROUNDING:
             return ()
         share, reasons = quantity("part_share"), []
@@ -592,8 +597,9 @@ def with_intervals(known: dict[str, Any], path: str = "") -> Iterator[tuple[str,
 def rest_of(name: str, known: dict[str, Any]) -> dict[str, Any]:
     """One less a share, and its bounds."""
     found = {name: 1.0 - known[name]}
-    if (ends := known.get(name + Interval.SUFFIX)) is not None:
-        found[name + Interval.SUFFIX] = [1.0 - ends[1], 1.0 - ends[0]]
+    for key in (name + Bracket.SUFFIX, name + Interval.SUFFIX):
+        if (ends := known.get(key)) is not None:
+            found[key] = [1.0 - ends[1], 1.0 - ends[0]]
     return found
 
 

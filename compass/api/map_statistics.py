@@ -158,6 +158,10 @@ def in_view_share(dataset: "xr.Dataset", count: int) -> float:
 
 def no_fix(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, Any]:
     """Share of area and time with a fix, and why there is none in the rest, as of `statistics`."""
+    if drawn and len(drawn.satellites) < 4:
+        nowhere = ("fix_share", "singular_share", "masked_share")
+        known = dict.fromkeys(nowhere, 0.0) | {"fewer_than_four_share": 1.0}
+        return known | {f"{name}_bracket": [share, share] for name, share in known.items()}
     if drawn:
         fixed, four = np.isfinite(drawn.values["pdop"]), drawn.count >= 4
         return {

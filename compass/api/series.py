@@ -20,14 +20,14 @@ from compass.coverage.errors import ERRORS
 from compass.coverage.moving import Mover, errors_along, in_orbit, on_route, standing
 from compass.coverage.site import site_coverage
 from compass.design import Design
-from compass.document import Page, Sentence, Table, Value, Verdict
+from compass.document import Interval, Page, Sentence, Table, Value, Verdict
 from compass.document.plain import plain
 from compass.errors import ArgumentError, said_of
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.constellation import Constellation, keplerian
 from compass.orbits.motion import Motion, MotionModel
-from compass.quantities import quantity
-from compass.quantities.percentile import percentile
+from compass.quantities import Quantity, quantity
+from compass.quantities.draws import percentiles, share_of
 from compass.saving import ENDINGS, check_ending, replacing, save_netcdf, write_csv
 from compass.signal.budget import basis
 from compass.sites import Mask, Site
@@ -39,6 +39,12 @@ if TYPE_CHECKING:
 
 #: What stands in files, over stations and time.
 NAMES = ("count", "gdop", "pdop", "hdop", "vdop", "tdop", "age_h")
+
+#: Shares of the time of users, in the order of their hits.
+SHARES = ("fix_share", "few_share", "beyond_beam_share")
+
+#: Random moments that tell shares and percentiles of the time, and their seed.
+MOMENTS, SEED = 10_000, 0
 
 #: Why there are no errors in metres.
 NO_SIGNAL = "needs the errors of ranges; give one design with a table [signal]"
@@ -67,6 +73,8 @@ class SeriesResult(Result):
         stations first, then who moves; else None.
     beam_deg
         Half angle of the antennas that errors are within, about the way down; None all around.
+    drawn, drawn_errors
+        As `dataset` and `errors`, at random moments: what shares and percentiles are told by.
     """
 
     design: Design = field(repr=False)
@@ -78,6 +86,8 @@ class SeriesResult(Result):
     dataset: "xr.Dataset" = field(repr=False)
     errors: "xr.Dataset | None" = field(repr=False, default=None)
     beam_deg: float | None = None
+    drawn: "xr.Dataset" = field(repr=False, kw_only=True)
+    drawn_errors: "xr.Dataset | None" = field(repr=False, default=None)
 
     @property
     def holds(self) -> bool:
@@ -85,14 +95,18 @@ class SeriesResult(Result):
         return not any(one.count for one in self.gaps.values())
 
     def rows(self) -> list[dict[str, Any]]:
-        """Numbers of every station; dilutions at the moments looked at, which may be infinite."""
+        """Numbers of every station; dilutions may be infinite."""
         found = []
         for name, gaps in self.gaps.items():
-            seen = self.dataset.sel(station=name)
+            seen, drawn = self.dataset.sel(station=name), self.drawn.sel(station=name)
+            dilutions: dict[str, Any] = {}
+            for dop in ("gdop", "pdop"):
+                known = percentiles(drawn[dop].values, (95,))
+                dilutions |= {f"{dop}_{key}": value for key, value in known.items()}
             found.append(
                 {
                     "station": name,
-                    "fewest": int(seen["count"].min()),
+                    "fewest": int(min(of["count"].min() for of in (seen, drawn))),
                     "share": gaps.share,
                     "gaps": gaps.count,
                     "cut": gaps.cut,
@@ -102,9 +116,8 @@ class SeriesResult(Result):
                     "time_average_gap_h": gaps.time_average / 3600.0,
                     "response_h": gaps.response / 3600.0,
                     "age_h": gaps.age / 3600.0,
-                    "gdop_p95": float(percentile(seen["gdop"].values, 95)),
-                    "pdop_p95": float(percentile(seen["pdop"].values, 95)),
                 }
+                | dilutions
             )
         return found
 
@@ -112,7 +125,7 @@ class SeriesResult(Result):
         """Plain values for JSON."""
         known = self.evidence()
         gaps = dict.fromkeys(("share", "p95_gap_h"), known["gaps"])
-        dilutions = dict.fromkeys(("gdop_p95", "pdop_p95"), known["dilutions"])
+        drawn = dict.fromkeys(("gdop_p95", "pdop_p95", *ERRORS, *SHARES), known["drawn"])
         return plain(
             {
                 "design": self.design.name,
@@ -121,28 +134,34 @@ class SeriesResult(Result):
                 "start_day": self.start_day,
                 "days": self.days,
                 "epochs": self.dataset.sizes["time"],
-                "evidence": known | gaps | dilutions,
+                "evidence": known | gaps | drawn,
                 "stations": self.rows(),
                 **({} if self.errors is None else {"users": self.error_rows()}),
             }
         )
 
     def error_rows(self) -> list[dict[str, Any]]:
-        """Errors in metres of every user, one sigma, at the moments looked at; may be infinite."""
+        """Errors in metres of every user, one sigma, which may be infinite.
+
+        The worst is that of the moments of `errors`, and of those drawn.
+        """
         found: list[dict[str, Any]] = []
-        if self.errors is None:
+        if self.errors is None or self.drawn_errors is None:
             return found
         for name in self.errors.user.values.tolist():
-            seen = self.errors.sel(user=name)
-            fixed = np.isfinite(seen["error_position_m"].values)
-            few = seen["in_view"].values < 4
-            beyond = few & (seen["in_view_all_around"].values >= 4)
-            row = {"user": name, "fix_share": float(fixed.mean()), "few_share": float(few.mean())}
-            row["beyond_beam_share"] = float(beyond.mean())
+            seen, drawn = self.errors.sel(user=name), self.drawn_errors.sel(user=name)
+            few = drawn["in_view"].values < 4
+            hits = (
+                np.isfinite(drawn["error_position_m"].values),
+                few,
+                few & (drawn["in_view_all_around"].values >= 4),
+            )
+            row: dict[str, Any] = {"user": name}
+            for share, hit in zip(SHARES, hits, strict=True):
+                row |= share_of(share, hit)
             for each in ERRORS:
-                values = seen[each].values
-                row[each] = {f"p{q}": float(percentile(values, q)) for q in (50, 95)}
-                row[each]["worst"] = float(values.max())
+                row[each] = percentiles(drawn[each].values, (50, 95))
+                row[each]["worst"] = float(max(of[each].max() for of in (seen, drawn)))
             found.append(row)
         return found
 
@@ -153,15 +172,17 @@ class SeriesResult(Result):
             {}
             if self.errors is None
             else {
-                "errors": f"one sigma of weighted least squares at {epochs} moments, of the ranges "
-                f"at each alone: {basis(self.design)}"
+                "errors": "one sigma of weighted least squares of the ranges of each moment "
+                f"alone: {basis(self.design)}"
             }
         )
         return moments | {
             "gaps": f"by rise and set, to {WINDOWS_GOOD_TO}; of this span alone",
-            "dilutions": (
-                f"fewest in view and dilutions sampled at {epochs} moments, "
-                f"{86400 * self.days / epochs:.4g} s apart: what lies between is not seen"
+            "drawn": f"{Interval.WORDS}, each by itself: {self.drawn.sizes['time']:,} random "
+            "moments of the span",
+            "fewest": (
+                f"sampled at these and at {epochs} moments, {86400 * self.days / epochs:.4g} s "
+                "apart: what lies between is not seen"
             ),
         }
 
@@ -179,8 +200,8 @@ class SeriesResult(Result):
             f"{self.motion}; gaps {known['gaps']}, each station over its own "
             "horizon; those that the ends of the span cut off count with what lies inside; "
             "data are as old in the mean as the mean response is long. "
-            f"{known['dilutions'].capitalize()}; infinite with fewer than four in view, and that "
-            "counts"
+            f"Dilutions: {known['drawn']}; infinite with fewer than four in view, and that counts. "
+            f"Fewest in view are {known['fewest']}"
         )
         blocks = (Verdict("" if not lacking else "gaps", claim, not lacking), self._table())
         return Page(self.design.name, (*blocks, Sentence(how), *self.error_blocks()))
@@ -188,7 +209,7 @@ class SeriesResult(Result):
     def _verdict_of_movers(self) -> Verdict:
         """Whether users who move have a fix at every moment looked at; no gaps were asked for."""
         without = [row["user"] for row in self.error_rows() if row["fix_share"] < 1.0]
-        moments = f"at all {self.dataset.sizes['time']} moments over {counted(self.days, 'day')}"
+        moments = f"at all {self.drawn.sizes['time']:,} moments over {counted(self.days, 'day')}"
         claim = f"a fix {moments}" if not without else f"no fix at times for {', '.join(without)}"
         return Verdict("", f"{claim}; {self.motion}", None)
 
@@ -199,23 +220,24 @@ class SeriesResult(Result):
             return ()
         known, how = {name: quantity(name) for name in ERRORS}, self.evidence()["errors"]
         header = [f"{q.heading}, {p} % below" for q in known.values() for p in (50, 95)]
+        part = quantity("part_share")
         shares = {"fix_share": "time with a fix, %", "few_share": "fewer than four in view, %"}
         if self.beam_deg is not None:
             shares["beyond_beam_share"] = "fewer because of beams alone, %"
         lines = tuple(
             (
                 row["user"],
-                *(f"{100 * row[share]:.2f}" for share in shares),
-                *(Value(known[name], row[name][p]) for name in ERRORS for p in ("p50", "p95")),
+                *(_between(part, row, share) for share in shares),
+                *(_between(known[name], row[name], p) for name in ERRORS for p in ("p50", "p95")),
             )
             for row in rows
         )
         return (
             Table("Errors of fixes over time", ("user", *shares.values(), *header), lines),
             Sentence(
-                f"{capital(how)}; infinite where four satellites are not in view "
-                "or their lines tell no fix, and that counts. An orbiter is hidden from "
-                "them by Mars alone, has the receiver's noise of the zenith, and no ionosphere."
+                f"{capital(how)}; {self.evidence()['drawn']}; infinite where four satellites are "
+                "not in view or their lines tell no fix, and that counts. An orbiter is hidden "
+                "from them by Mars alone, has the receiver's noise of the zenith, no ionosphere."
             ),
             *(Sentence(words) for words in self.why_outside()),
         )
@@ -231,7 +253,8 @@ class SeriesResult(Result):
         )
 
     def _table(self) -> Table:
-        names = [name for name in self.rows()[0] if name not in ("station", "age_h")]
+        left = ("station", "age_h")
+        names = [n for n in self.rows()[0] if n not in left and not n.endswith(Interval.SUFFIX)]
         known = {
             name: quantity(
                 f"station.{name}"
@@ -242,7 +265,7 @@ class SeriesResult(Result):
         }
         header = ("station", *(known[name].heading for name in names))
         rows = tuple(
-            (row["station"], *(Value(known[name], row[name]) for name in names))
+            (row["station"], *(_between(known[name], row, name) for name in names))
             for row in self.rows()
         )
         return Table(f"Fewer than {self.fold} in view, and dilutions over time", header, rows)
@@ -311,6 +334,11 @@ class SeriesResult(Result):
         save_axes(self.plot(name=name), path, bbox_inches="tight")
 
 
+def _between(what: Quantity, row: dict[str, Any], key: str) -> Value:
+    """A number with its bounds, if it has any."""
+    return Value(what, row[key], Interval.beside(row, key))
+
+
 @checked
 def series(
     design: Design | str | Path,
@@ -353,7 +381,7 @@ def series(
     days, start_day
         For so many days, from a day after the epoch on.
     epochs
-        Moments at which dilutions are looked at; a prime number meets moments of symmetry least.
+        Moments that are kept, for pictures and files, and tell the fewest in view.
     motion
         ``two-body``, ``j2`` or ``numerical``; else the design's.
 
@@ -405,11 +433,21 @@ def series(
     gaps = {name: gap_statistics(spans, duration) for name, spans in covered.items()}
     since = duration * np.arange(epochs) / epochs
     sited = replace(read, stations=sites)
-    made = _dataset(sited, start + since, moving, lit)
-    errors = None
+    chance = np.sort(np.random.default_rng(SEED).uniform(0.0, duration, MOMENTS))
+    made, drawn = (_dataset(sited, start + past, moving, lit) for past in (since, chance))
+    errors = drawn_errors = None
     if in_metres_too:
-        movers = _movers(sited, start + since, routes, orbiters, floor)
-        errors = _errors(in_metres(sited), start + since, moving, movers, beam_deg)
+        known = in_metres(sited)
+        errors, drawn_errors = (
+            _errors(
+                known,
+                start + past,
+                moving,
+                _movers(sited, start + past, past / duration, routes, orbiters, floor),
+                beam_deg,
+            )
+            for past in (since, chance)
+        )
     made["age_h"] = (
         ("station", "time"),
         np.array([ages(spans, since) / 3600.0 for spans in covered.values()]).reshape(-1, epochs),
@@ -425,13 +463,20 @@ def series(
         dataset=made,
         errors=errors,
         beam_deg=beam_deg,
+        drawn=drawn,
+        drawn_errors=drawn_errors,
     )
 
 
 def _movers(
-    design: Design, times: np.ndarray, routes: Sequence[str], orbiters: Sequence[str], floor: Mask
+    design: Design,
+    times: np.ndarray,
+    gone: np.ndarray,
+    routes: Sequence[str],
+    orbiters: Sequence[str],
+    floor: Mask,
 ) -> list[Mover]:
-    """Stations, rovers and orbiters as users at the times.
+    """Stations, rovers and orbiters as users at times, when parts of the span are gone.
 
     Raises
     ------
@@ -441,7 +486,7 @@ def _movers(
     found, mask = [standing(s, times.size) for s in design.stations], design.mask.or_higher(floor)
     for text in routes:
         name, places = _read_route(text, design)
-        found.append(on_route(name, places, design.figure, mask, times.size))
+        found.append(on_route(name, places, design.figure, mask, gone))
     for text in orbiters:
         orbit = _read_orbit(text, design)
         found.append(in_orbit(orbit, design.constellation.epoch, times, design.figure))

@@ -338,8 +338,8 @@ def trade(
         Folder of the store; by default ``trades/`` and the name of the file.
     budget_s
         Seconds in which bounds of geometry are brought nearer than they are by default, where they
-        leave open who is on the front or meets a limit. What they come to is stored, and the next
-        run goes on from there.
+        leave open who is on the front or meets a limit; a candidate that has been begun is ended.
+        What they come to is stored, and the next run goes on from there.
     workers
         Processes on this machine; by default one a core.
     scheduler

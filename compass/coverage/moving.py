@@ -65,8 +65,8 @@ def standing(site: Site, epochs: int) -> Mover:
 
 
 def on_route(name: str, places: Sequence[tuple[float, float]], figure: Figure, mask: Mask,
-             epochs: int) -> Mover:  # fmt: skip
-    """Return a rover that goes along great circles through places, evenly, first to last epoch.
+             gone: Array) -> Mover:  # fmt: skip
+    """Return a rover on its way along great circles through places.
 
     Parameters
     ----------
@@ -76,8 +76,8 @@ def on_route(name: str, places: Sequence[tuple[float, float]], figure: Figure, m
         Planetocentric latitude and east longitude, radians; two or more.
     figure, mask
         The ground, and the horizon that it takes along.
-    epochs
-        How many there are.
+    gone
+        Parts of the way that it has behind it, 0 to 1, one an epoch.
 
     Raises
     ------
@@ -93,10 +93,10 @@ def on_route(name: str, places: Sequence[tuple[float, float]], figure: Figure, m
     past = np.concatenate([[0.0], np.cumsum(legs)])
     if past[-1] < 1e-9:
         raise ArgumentError(f"route {name}: leads nowhere; give a station for one who stays")
-    along = np.linspace(0.0, past[-1], epochs)
+    along = past[-1] * gone
     k = np.clip(np.searchsorted(past, along, side="right") - 1, 0, len(legs) - 1)
     angle = legs[k]
-    share = np.divide(along - past[k], angle, out=np.zeros(epochs), where=angle > 0)
+    share = np.divide(along - past[k], angle, out=np.zeros(gone.size), where=angle > 0)
     # the mean of two directions by angle: sin((1 - s) a) u + sin(s a) w over sin a
     sine = np.where(angle > 0, np.sin(angle), 1.0)
     first = np.where(angle > 0, np.sin((1.0 - share) * angle) / sine, 1.0)

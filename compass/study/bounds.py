@@ -32,10 +32,11 @@ LEVELS = {
     "bounds-3": Near(2e-4, 0.004, 4_000_000),
 }
 
-#: Nearer still, for who gives it time: of one candidate and figure up to a minute, and minutes.
+#: Nearer still, for who gives it time: half a minute for a candidate and figure, then minutes.
 FINER = {
-    "bounds-4": Near(2e-5, 4e-4, 16_000_000),
-    "bounds-5": Near(2e-6, 4e-5, 64_000_000),
+    "bounds-4": Near(7e-5, 1.4e-3, 8_000_000),
+    "bounds-5": Near(2e-5, 4e-4, 24_000_000),
+    "bounds-6": Near(7e-6, 1.4e-4, 64_000_000),
 }
 
 #: How near the stage of areas comes.

@@ -67,7 +67,7 @@ def test_who_stands_in_a_cell_has_the_errors_of_the_map(design, weights):
 def test_a_rover_goes_evenly_over_the_ground_and_knows_what_a_site_there_does(design):
     figure = figure_of("iau-ellipsoid")
     places = np.radians([[0.0, 350.0], [40.0, 10.0], [80.0, 10.0]])
-    rover = on_route("r", places, figure, design.mask, 101)
+    rover = on_route("r", places, figure, design.mask, np.linspace(0, 1, 101))
     unit = rover.r / np.linalg.norm(rover.r, axis=1, keepdims=True)
     steps = np.arccos((unit[1:] * unit[:-1]).sum(axis=1))
     assert np.delete(steps, np.argmin(steps)) == pytest.approx(steps.max(), rel=1e-6)
@@ -157,6 +157,12 @@ def test_series_tells_errors_of_all_who_are_named(design, tmp_path):
     found.save_plot(tmp_path / "s.png", "error_horizontal_m")
     with xr.open_dataset(tmp_path / "s.nc", engine="h5netcdf") as data:
         assert data["error_position_m"].dims == ("user", "time") and data.sizes["user"] == 3
+    dense = compass.series(design, stations=[site], days=0.2, epochs=3001)
+    for name in ("error_horizontal_m", "error_time_m"):
+        values = dense.errors[name].values[0]
+        for percent in (50, 95):
+            low, high = rows[0][name][f"p{percent}_interval"]
+            assert (values < low).mean() <= percent / 100 <= (values <= high).mean()
     assert "users" not in compass.series(Design(design.constellation, "bare"), **asked).to_dict()
 
 
@@ -170,7 +176,7 @@ def test_who_moves_needs_no_station(design, tmp_path):
         alone.errors["error_position_m"].sel(user="low"),
         beside.errors["error_position_m"].sel(user="low"),
     )
-    assert "a fix at all 5 moments over 0.2 days" in str(alone)
+    assert "a fix at all 10,000 moments over 0.2 days" in str(alone)
     unheard = compass.series(design, **asked, beam_deg=2.0)
     assert "no fix at times for low" in str(unheard)
     alone.write(tmp_path / "s.nc")
