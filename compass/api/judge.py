@@ -79,9 +79,8 @@ class JudgeResult(Result):
             ),
             **dict.fromkeys(
                 ("ekf_position_m", "ekf_velocity_m_s"),
-                "percentiles over `runs` runs; beside them as _interval the bounds that these "
-                "leave, where every run is of another entry; else runs of one entry are no "
-                "independent draws, and how well the percentiles are known is not",
+                "percentiles over `runs` runs; beside them as _interval the bounds that one run of "
+                "each entry leaves: several of one are no independent draws",
             ),
             "worst_found": "a search's, and no bound: another entry may be worse",
             "filter": "of as many runs as `runs` says; nees_interval as the percentiles' bounds",

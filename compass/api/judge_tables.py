@@ -59,11 +59,21 @@ def ranking_table(rows: Sequence[dict[str, Any]]) -> Table:
                 _digits(row["worst_found"]["value"]),
                 with_bounds(row["crlb_velocity_m_s"], "p95"),
                 *_loss_columns(row),
-                _digits(100 * row["unobservable_share"]),
+                _blind(row),
             )
             for row in rows
         ),
     )  # fmt: skip
+
+
+def _blind(row: dict[str, Any]) -> str | float:
+    """Share of blind entries, per cent, with its bounds."""
+    name = "unobservable_share"
+    ends = row.get(f"{name}_interval")
+    percent: dict[str, Any] = {name: 100.0 * row[name]}
+    if ends is not None:
+        percent[f"{name}_interval"] = [100.0 * end for end in ends]
+    return with_bounds(percent, name)
 
 
 def _loss_columns(row: dict[str, Any]) -> tuple[object, object]:

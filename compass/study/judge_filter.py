@@ -137,10 +137,11 @@ def judge_filter(
         result: dict[str, Any] = {"ekf_position_m": nothing, "ekf_velocity_m_s": nothing}
     else:
         low, high = chi2.ppf([0.025, 0.975], 6 * count) / count
-        alone = each == 1  # several runs of one entry are no independent draws
+        # several runs of one entry are no independent draws: the first of each are
+        first = np.tile(np.arange(each) == 0, campaign.size)[good]
         result = {
-            "ekf_position_m": _errors(position, alone),
-            "ekf_velocity_m_s": _errors(velocity, alone),
+            "ekf_position_m": _errors(position, first),
+            "ekf_velocity_m_s": _errors(velocity, first),
         }
     mean = float(nees[good].mean()) if count else np.nan
     least, most = nees_bounds(6, max(1, count), 1.0 - FALSE_ALARM)
@@ -175,12 +176,11 @@ def _delivery(landings: Sequence[Dispersed]) -> dict[str, Any]:
     }
 
 
-def _errors(values: NDArray[np.float64], alone: bool) -> dict[str, Any]:
-    found = percentiles(values)
-    return {
-        **{key: one for key, one in found.items() if alone or not key.endswith("interval")},
-        "rms": float(np.sqrt(np.mean(values**2))),
-    }
+def _errors(values: NDArray[np.float64], first: NDArray[np.bool_]) -> dict[str, Any]:
+    """Percentiles of all runs, with the bounds that the first of every entry leaves them."""
+    known = percentiles(values[first] if first.any() else np.array([np.nan]))
+    ends = {key: one for key, one in known.items() if key.endswith("interval")}
+    return percentiles(values) | ends | {"rms": float(np.sqrt(np.mean(values**2)))}
 
 
 def entry_beacons(judgement: Judgement, entry: int) -> Beacons:

@@ -21,6 +21,7 @@ from compass.errors import ArgumentError
 from compass.frames import FIGURES, direction, prime_meridian_angle
 from compass.inputs.scenario import read_scenario_text
 from compass.orbits import keplerian, states_mci, walker_delta
+from compass.quantities.draws import quantile_bounds
 from compass.ranging import Signal
 from compass.sites import Mask
 from compass.study.judge import _FLOWN, MOST_FLOWN, campaign_of, judge, judge_entries
@@ -614,8 +615,21 @@ def test_filter_runs_report_errors_and_consistency(scenario, five):
     assert 0 < found["ekf_position_m"]["p50"] <= found["ekf_position_m"]["p95"]
     again = judge_filter(five, scenario, samples=2, runs=4, figure=FIGURE, mask=Mask(), threads=2)
     assert found == again
+    # two runs of each of two entries: two independent draws, which bound nothing
+    assert found["ekf_position_m"]["p50_interval"] == [-np.inf, np.inf]
     with pytest.raises(ArgumentError, match="runs = 0"):
         judge_filter(five, scenario, samples=2, runs=0, figure=FIGURE, mask=Mask())
+
+
+def test_percentiles_of_runs_have_the_bounds_of_one_run_an_entry():
+    """Runs of one entry are alike: all of them would bound it as if each said something new."""
+    from compass.study.judge_filter import _errors
+
+    values = np.repeat(np.random.default_rng(1).exponential(size=40), 8)
+    found = _errors(values, np.arange(320) % 8 == 0)
+    assert found["p50_interval"] == list(quantile_bounds(values[::8], 50))
+    low, high = quantile_bounds(values, 50)
+    assert found["p50_interval"][0] < low <= found["p50"] <= high < found["p50_interval"][1]
 
 
 def test_a_filter_that_believes_too_much_is_called_so(short, five):
