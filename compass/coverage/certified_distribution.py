@@ -20,11 +20,15 @@ from compass.coverage.certified_share import FIRST, FLOOR, PER_BOX, Search
 
 @dataclass(frozen=True)
 class Limit:
-    """A limit, the percentile for which it is looked at, and how near bounds are to come."""
+    """A limit, the percentile for which it is looked at, and how near bounds are to come.
+
+    No nearer than tells whether its share reaches each of `levels`, where there are any.
+    """
 
     at: float
     percentile: int
     width: float = np.inf
+    levels: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -106,6 +110,10 @@ class Distribution:
             b.looked, fresh = b.looked + int(sums[-1]), False
             low, high = self._bounds(leaves, of)
             wide = high - low > near
+            for k, limit in enumerate(limits):
+                wide[k] &= not limit.levels or any(
+                    low[k] < level <= high[k] for level in limit.levels
+                )
             if rounds.stopped or not wide.any():
                 break
             for k in np.unique(np.array(of)[wide]):

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import Any
 
-from compass.coverage.certified_effort import Effort
+from compass.coverage.certified_effort import FOLD_PER_SHARE, PERCENTILE_PER_SHARE, Effort
 from compass.coverage.certified_percentile import CertifiedPercentile
 from compass.coverage.certified_rounds import ended
 from compass.coverage.certified_share import CertifiedShare
@@ -22,8 +22,9 @@ from compass.orbits.motion import AnyMotion
 from compass.sites import Mask
 from compass.words import counted
 
-#: How near bounds of a share are to come, of one by fold, and of a percentile, relative to it.
-WIDTH, FOLD_WIDTH, PRECISION = 2e-4, 2e-3, 2e-2
+#: How near bounds of a share are to come; those of one by fold `FOLD_PER_SHARE` times that, of a
+#: percentile `PERCENTILE_PER_SHARE` times, relative to it.
+WIDTH = 2e-4
 
 #: Boxes after which a bracket is taken as it is, and boxes times satellites: some seconds, and the
 #: same on any machine.
@@ -117,6 +118,7 @@ def certified_geometry(
     worst: bool = False,
     folds: Sequence[int] = (),
     found: tuple[int, int] | None = None,
+    width: float = WIDTH,
     effort: Effort | None = None,
 ) -> CertifiedGeometry:
     """Bracket shares and percentiles of dilutions over the whole surface.
@@ -138,8 +140,10 @@ def certified_geometry(
     found
         Fewest and most in view that some place was found to have: then bounds of these and of
         their mean are wanted too, and `folds` begin with one and reach as far.
+    width
+        How near bounds of a share are to come where effort says nothing of that.
     effort
-        How far to go; by default `WIDTH`, `PRECISION` and a number of boxes.
+        How far to go; by default to `width`, in a number of boxes.
     """
     effort = effort or Effort()
     asked: dict[str, Any] = {
@@ -150,13 +154,15 @@ def certified_geometry(
         "motion": motion,
         "budget_boxes": min(BUDGET_BOXES, BUDGET_SIGHTS // max(constellation.size, 1)),
     }
-    availability = effort.share(constellation, pdop_max, dop="pdop", width=WIDTH, **asked)
+    availability = effort.share(constellation, pdop_max, dop="pdop", width=width, **asked)
+    near = PERCENTILE_PER_SHARE * width
     bounded = {
-        name: effort.percentiles(constellation, percents, dop=name, precision=PRECISION, **asked)
+        name: effort.percentiles(constellation, percents, dop=name, precision=near, **asked)
         for name in dops
     }
     ranks = {name: {q: of[q] for q in percents} for name, of in bounded.items()}
-    by_fold = effort.folds(constellation, folds, width=FOLD_WIDTH, **asked) if folds else []
+    wide = FOLD_PER_SHARE * width
+    by_fold = effort.folds(constellation, folds, width=wide, **asked) if folds else []
     shares = dict(zip(folds, by_fold, strict=True))
     largest = effort.worst(constellation, dop="pdop", **asked) if worst else None
     in_view = None

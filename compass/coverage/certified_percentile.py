@@ -50,8 +50,8 @@ class CertifiedPercentile:
     scope
         For which motion and how long.
     stopped
-        Empty, or why it is wider than asked: ``time``, ``boxes``, ``interrupted`` or ``nearer than
-        shares can tell``.
+        Empty, or why it is wider than asked: ``time``, ``boxes``, ``memory``, ``interrupted`` or
+        ``nearer than shares can tell``.
     """
 
     low: float
@@ -170,7 +170,8 @@ def _go_on(sought: list["_Sought"], start: CertifiedPercentiles) -> Boxes | None
 def _close_in(distribution: Distribution, sought: list["_Sought"]) -> None:
     """Look at limits nearer and nearer to the percentiles sought, all at once."""
     if any(not one.points and one.guess is None for one in sought):
-        ladder = [Limit(at, 0, COARSE) for at in LADDER]
+        levels = tuple(one.level for one in sought)  # about singular geometry no more than that
+        ladder = [Limit(at, 0, COARSE, levels if at > LARGE else ()) for at in LADDER]
         below = distribution.shares(ladder)
         for one in sought:
             one.take(ladder, below)

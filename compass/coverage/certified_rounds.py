@@ -17,10 +17,15 @@ PIECE = 2048
 #: and the clock is looked at between pieces.
 WHOLE = 64
 
+#: Bytes of open boxes that are held at once. About singular geometry, and where something stands on
+#: its limit for a while, no width is ever reached.
+OPEN = 1e9
+
 #: What it means that a search stopped, by `Rounds.stopped`.
 _ENDED = {
     "time": "the time allowed was over",
     "boxes": "as many boxes of places and moments as allowed had been looked at",
+    "memory": f"the boxes still open took {OPEN / 1e9:g} GB, and more are not held",
     "resolution": "smaller boxes could not be told apart",
     "interrupted": "it was interrupted",
 }
@@ -48,7 +53,7 @@ class Rounds:
     left
         Boxes that may still be looked at.
     stopped
-        Empty, or why a round was not done: ``time``, ``boxes`` or ``interrupted``.
+        Empty, or why a round was not done: ``time``, ``boxes``, ``memory`` or ``interrupted``.
     """
 
     def __init__(self, question: Question, workers: int) -> None:
@@ -92,6 +97,7 @@ class Rounds:
         size = fewer(PIECE, self.question.satellites)
         pieces = [leaves[k : k + size] for k in range(0, max(len(leaves), 1), size)]
         kept: list[NDArray[np.float64]] = []
+        held = float(leaves.nbytes)
 
         def work(piece: NDArray[np.float64]) -> tuple[NDArray, NDArray] | None:
             if monotonic() > self.end:
@@ -104,9 +110,13 @@ class Rounds:
                     if sums[-1] >= self.left:
                         self.stopped = "boxes"
                         break
+                    if held > OPEN:
+                        self.stopped = "memory"
+                        break
                     done = next(results)
                     self.stopped = self.stopped or ("" if done else "time")
                     kept.append(done[1] if done else piece)
+                    held += kept[-1].nbytes - piece.nbytes
                     sums += done[0] if done else 0.0
             except KeyboardInterrupt:
                 self.stopped = "interrupted"

@@ -41,7 +41,7 @@ class CertifiedShare:
     scope
         For which motion and how long, and by which symmetry.
     stopped
-        Empty, or why it is wider than asked: ``time``, ``boxes`` or ``interrupted``.
+        Empty, or why it is wider than asked: ``time``, ``boxes``, ``memory`` or ``interrupted``.
     leaves, settled
         Where it can go on from: boxes with something open, and sums of those that have nothing
         (inside, outside, kept of each limit, broken of each).

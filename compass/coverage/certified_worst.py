@@ -14,7 +14,7 @@ from compass.core.certified.worst import LEAF, pursue
 from compass.cores import shared
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_question import DOPS, Asked, Question
-from compass.coverage.certified_rounds import ended, fewer
+from compass.coverage.certified_rounds import OPEN, ended, fewer
 from compass.coverage.certified_witness import WorstWitness, dilution_at
 from compass.errors import ArgumentError
 from compass.frames import planetocentric_latitude
@@ -49,8 +49,9 @@ class CertifiedWorst:
     scope
         For which motion and how long, and by which symmetry.
     stopped
-        Empty, or why bounds are wider than asked: ``time``, ``boxes``, ``interrupted``, or
-        ``resolution``: boxes as small as they get have no bound, near where it is infinite.
+        Empty, or why bounds are wider than asked: ``time``, ``boxes``, ``memory``,
+        ``interrupted`` or ``resolution``: boxes as small as they get have no bound, near where it
+        is infinite.
     leaves, best
         Where it can go on from.
     """
@@ -229,16 +230,20 @@ class _Pursuit:
     def go_on(self, ratio: float, enough: float, beyond: float) -> None:
         """Refine until all bounds are within a ratio of the largest value, or small enough."""
         self.stopped, halt = "", beyond * beyond
-        pending, done = self.leaves, []
+        pending = self.leaves
+        done: list[NDArray[np.float64]] = []
         while len(pending) and not self.stopped and self.best[0] <= halt:
             pieces = [pending[k : k + self.size] for k in range(0, len(pending), self.size)]
             left: list[NDArray[np.float64]] = []
+            held = float(pending.nbytes + sum(part.nbytes for part in done))
             best, work = self.best, partial(self._work, ratio=ratio, enough=enough, beyond=beyond)
             with closing(shared(work, pieces, self.workers)) as results:
                 try:
                     while len(left) < len(pieces) and not self.stopped and best[0] <= halt:
                         if self.boxes >= self.most:
                             self.stopped = "boxes"
+                        elif held > OPEN:
+                            self.stopped = "memory"
                         elif (result := next(results)) is None:
                             self.stopped = "time"
                         else:
@@ -246,6 +251,7 @@ class _Pursuit:
                             best = found if found[0] > best[0] else best
                             self.stopped = "resolution" if stuck else ""
                             self.boxes += int(looked)
+                            held += open_.nbytes - pieces[len(left)].nbytes
                             left.append(open_)
                 except KeyboardInterrupt:
                     self.stopped = "interrupted"

@@ -88,7 +88,8 @@ class Verdict:
     reason
         Why it is open, in a sentence; empty if it is not.
     stopped
-        What ended the search for bounds early, ``time``, ``boxes`` or ``interrupted``; else empty.
+        What ended the search for bounds early, ``time``, ``boxes``, ``memory`` or
+        ``interrupted``; else empty.
     """
 
     requirement: Requirement

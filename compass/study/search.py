@@ -22,6 +22,9 @@ from compass.orbits.constellation import from_pattern
 from compass.orbits.kinds import kind_of
 from compass.sites import Mask
 
+#: How near bounds of shares of those that are listed come: as near as it takes to choose by them.
+LISTED = 5e-4
+
 
 @dataclass(frozen=True)
 class Candidate:
@@ -256,5 +259,5 @@ def _examine(candidate: Candidate, fold: int, mask: float, figure: Figure) -> Ca
     """Add certificate and certified geometry to a finalist."""
     c = candidate.constellation
     certificate = prove_fold(c, fold, sphere_radius=figure.equatorial_radius, mask=mask)
-    geometry = certified_geometry(c, figure=figure, mask=Mask.constant(mask))
+    geometry = certified_geometry(c, figure=figure, mask=Mask.constant(mask), width=LISTED)
     return replace(candidate, proven=certificate.outcome == "proven", geometry=geometry)

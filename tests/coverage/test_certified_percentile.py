@@ -15,9 +15,12 @@ from compass.coverage.certified_percentile import certified_percentile, certifie
 from compass.coverage.certified_places import Circle
 from compass.coverage.certified_share import Search, certified_share
 from compass.coverage.region import convex_polygon
+from compass.frames import FIGURES
 from compass.inputs.study import Constraint
 from compass.orbits import walker_delta
+from compass.sites import Mask
 
+SPHERE = FIGURES["iau-sphere"]
 RING = walker_delta(5, 5, 1, inclination_deg=50, radius_km=20000)
 PATTERN = walker_delta(15, 5, 1, inclination_deg=45, radius_km=20427)
 
@@ -195,3 +198,26 @@ def test_a_polygon_s_limit_that_no_belts_tell_ends_no_other_percentile(monkeypat
     found = certified_percentiles(RING, (50, 95), place=place, precision=0.05).of
     assert found[95].low < 10.0 <= found[95].high <= found[95].low / 0.95 and not found[95].stopped
     assert found[50].stopped == "nearer than shares can tell"
+
+
+#: Two planes whose satellites are for a part of the time in exactly singular geometry: no boxes,
+#: however small, tell there whether a large limit holds.
+SINGULAR = walker_delta(6, 2, 1, inclination_deg=42.94, radius_km=20427)
+
+
+def test_what_no_boxes_tell_ends_before_memory_does(monkeypatch):
+    monkeypatch.setattr(rounds, "OPEN", 3e6)
+    places = {"figure": SPHERE, "mask": Mask()}
+    share = certified_share(SINGULAR, 1e5, dop="gdop", width=1e-7, **places)
+    assert share.stopped == "memory" and share.width > 0
+    assert share.leaves.nbytes < 2 * 3e6
+    found = certified_percentile(SINGULAR, 1.5, precision=1e-6, **places)
+    assert found.stopped == "memory"
+    assert certified_share(SINGULAR, found.high, dop="gdop", width=1e-2, **places).high >= 0.015
+
+
+def test_an_infinite_percentile_takes_few_boxes_in_singular_geometry():
+    """Four are in view for a third of the area and time: no limit is kept in 95 % of it."""
+    found = certified_percentiles(SINGULAR, (95,), figure=SPHERE, mask=Mask())
+    assert found.of[95].low == module.GREATEST
+    assert found.boxes.looked < 100_000  # five times as many to tell by each limit
