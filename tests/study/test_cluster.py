@@ -9,14 +9,18 @@ import subprocess
 import sys
 import threading
 import time
+from dataclasses import replace
 from http.server import BaseHTTPRequestHandler, HTTPServer
 
+import numpy as np
 import pytest
 from trade_processes import DaskProcesses, Trade
 
 import compass
 from compass.errors import ArgumentError, CompassError
+from compass.inputs.study import Objective
 from compass.study import cluster, errand, trade
+from compass.study.bounds import LEVELS, bounds, ends
 from compass.study.candidates import candidates, identities
 from compass.study.cluster import Cluster, Tls
 from compass.study.results import read_results
@@ -75,6 +79,26 @@ def test_a_cluster_finds_the_same(tiny, tmp_path, monkeypatch, local):
         team.close()
     one, two = (read_results(study, tmp_path / name) for name in ("one", "two"))
     assert one.identical(two)
+
+
+def test_proven_bounds_by_a_cluster_have_the_same_bytes(tiny, local):
+    """Of one worker and of two, as of none: certified shares that a limit leaves narrow and wide."""
+    study = replace(tiny(), objectives=(Objective("availability", -1),))
+    every = candidates(study)
+    rows = every.rows(0, len(every))[::17]
+    known = bounds(LEVELS["bounds-1"], study, rows)
+    low, high = (known[end] for end in ends("availability"))
+    assert (low < high).any() and rows.size > 2
+    for workers in (1, 2):
+        team = Cluster(StudyJob(study), local(workers).scheduler_address)
+        try:
+            batches = [rows[k : k + 1] for k in range(rows.size)]
+            found = {batch[0].tobytes(): f.figures for batch, f in team.run("bounds-1", batches)}
+        finally:
+            team.close()
+        for name, values in known.items():
+            parts = [found[row.tobytes()][name] for row in rows]
+            assert np.concatenate(parts).tobytes() == values.tobytes()
 
 
 def test_a_map_by_a_cluster_has_the_same_bytes(designs, local):
