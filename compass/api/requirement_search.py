@@ -102,8 +102,8 @@ class RequirementSearchResult(Result):
         if not q.geometry:
             parts.append("geometry was not asked for")
         other = met[1] if len(met) > 1 else self.outcome.next_best
-        following = f"{_name(other.constellation)}" if other is not None else "none looked at"
-        parts.append(f"next best {following}")
+        none = f"none of up to {counted(q.largest, 'satellite')}"
+        parts.append(f"next best {none if other is None else _next(other, c.size)}")
         return "; ".join(parts) + out + self.bought + "."
 
     def to_dict(self) -> dict[str, Any]:
@@ -281,6 +281,13 @@ def _name(c: Constellation) -> str:
     turned = f" from node {degrees(p.raan):.4g} deg" if p.raan else ""
     counts = f"{p.satellites}/{p.planes}/{p.phasing}"
     return f"{kind}{counts} at {degrees(p.inclination):.4g} deg{turned}"
+
+
+def _next(other: Trial, size: int) -> str:
+    """What comes next, and of how many satellites if not of so many."""
+    c = other.constellation
+    more = "" if c.size == size else f" ({counted(c.size, 'satellite')})"
+    return f"{_name(c)}{more}"
 
 
 def _said(verdict: Any) -> str:

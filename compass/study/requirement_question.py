@@ -86,7 +86,8 @@ class Outcome:
     met
         Of the smallest size that meets all, the best first; empty if none does.
     next_best
-        The best of the next size that meets all, or None.
+        The best of the next size that meets all, or None; where nothing else of the smallest size
+        does, sizes up to the largest are looked at for it.
     kept_out
         Smaller ones, or equal, that have the folds and were kept out.
     looked_at

@@ -8,13 +8,14 @@ at which something is met is the smallest.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from compass.allowed import check_all_allowed
+from compass.cores import shared
 from compass.coverage.certified_effort import Effort
 from compass.coverage.clearance import least_clearance
 from compass.coverage.fold_verdict import course_of, fold_always_met, users_of
@@ -35,8 +36,8 @@ from compass.words import counted
 #: inclinations or turns of one pattern.
 MOST_CERTIFIED, TRIES = 16, 2
 
-#: Boxes for the room of a candidate; candidates whose folds are asked for at once.
-ROOM_BOXES, BATCH = 20_000, 16
+#: Boxes for the room of a candidate.
+ROOM_BOXES = 20_000
 
 #: Patterns without the geometry wanted that are asked whether they have at least the folds.
 BARE = 8
@@ -74,7 +75,8 @@ def search_for(
     for size in progress(range(question.least, question.largest + 1)):
         tried = list(grids(question, size))
         looked_at += sum(len(grid.inclinations) for grid in tried)
-        unknown = bool(question.geometry) and "geometry" not in kept
+        # without a fold wanted always any few satellites would be worth a word
+        unknown = bool(question.geometry and question.always) and "geometry" not in kept
         able, bare = sampled(question, tried, workers, unknown)
         _keep_out(question, bare[:BARE], kept)
         apart = [one for one in able if one.closest_approach >= question.least_approach]
@@ -85,10 +87,10 @@ def search_for(
                 first.constellation, f"two satellites come within {angle:.2f} deg of each other"
             )
         good = _certified(question, apart, finalists if not met else 1, workers, kept)
-        if met:
+        if met and (good or len(met) > 1):
             next_best = good[0] if good else None
             return Outcome(tuple(met), next_best, tuple(kept.values()), looked_at)
-        met = good
+        met = met or good
     return Outcome(tuple(met), None, tuple(kept.values()), looked_at)
 
 
@@ -104,14 +106,8 @@ def _check(question: Question, finalists: int) -> None:
 
 def _first_folded(question: Question, found: Sequence[Trial], workers: int) -> Trial | None:
     """The first candidate with every fold that is wanted always; None if none has."""
-    with ThreadPoolExecutor(workers) as pool:
-        for some in range(0, len(found), BATCH):
-            batch = found[some : some + BATCH]
-            held = pool.map(lambda one: _holds(question, one), batch)
-            for one, holds in zip(batch, list(held), strict=True):
-                if holds:
-                    return one
-    return None
+    with closing(shared(lambda one: _holds(question, one), found, workers)) as held:
+        return next((one for one, holds in zip(found, held, strict=True) if holds), None)
 
 
 def _holds(question: Question, one: Trial) -> bool:
@@ -138,8 +134,7 @@ def _certified(
     by_pattern: dict[tuple[str, int, int], list[Trial]] = {}
     for one in found:
         by_pattern.setdefault(_name(one), []).append(one)
-    with ThreadPoolExecutor(workers) as pool:
-        best = list(pool.map(lambda some: _best(question, some), by_pattern.values()))
+    best = shared(lambda some: _best(question, some), by_pattern.values(), workers)
     placed = sorted((pair for pairs in best for pair in pairs), key=lambda pair: pair[0])
     ranked = [one for _, one in placed]
     good: list[Trial] = []

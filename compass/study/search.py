@@ -1,7 +1,7 @@
 """The smallest constellation: every pattern of every size, each at its best inclination."""
 
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from compass.allowed import check_all_allowed
 from compass.core.inclination import best_inclination
+from compass.cores import shared
 from compass.coverage.cap import cap_radius, mask_for_cap
 from compass.coverage.certificate import prove_fold
 from compass.coverage.certified_geometry import CertifiedGeometry, certified_geometry
@@ -164,23 +165,20 @@ def search(
     sizes = [list(patterns(kind, t, radius, smallest=t)) for t in range(fold + 1, largest + 1)]
     found: list[Candidate] = []
     close: list[Candidate] = []
-    pool = ThreadPoolExecutor(workers)
 
     def size_after_size() -> Iterator[Candidate | None]:
         for size, makers in enumerate(sizes, start=fold + 1):
             if found and size > found[0].constellation.size + beyond:
                 return
-            yield from pool.map(lambda make: _best(make, fold, cap, sphere_radius), makers)
+            yield from shared(lambda make: _best(make, fold, cap, sphere_radius), makers, workers)
 
-    try:
-        for one in progress(size_after_size(), total=sum(map(len, sizes))):
+    with closing(size_after_size()) as tried:
+        for one in progress(tried, total=sum(map(len, sizes))):
             if one is not None:
                 (found if one.closest_approach >= least_approach else close).append(one)
-        for some in (found, close):
-            some.sort(key=lambda c: (c.constellation.size, -round(c.mask_margin, 9)))
-        best = list(pool.map(lambda c: _examine(c, fold, mask, figure), found[:finalists]))
-    finally:
-        pool.shutdown(cancel_futures=True)  # an interrupted search does not finish its list first
+    for some in (found, close):
+        some.sort(key=lambda c: (c.constellation.size, -round(c.mask_margin, 9)))
+    best = list(shared(lambda c: _examine(c, fold, mask, figure), found[:finalists], workers))
     return best + found[len(best) :] + close
 
 
