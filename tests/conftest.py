@@ -58,10 +58,11 @@ def little_to_certify():
     """Let maps show the bracket that they begin with where kernels are interpreted.
 
     And let clearances over a horizon be found to some degrees. The order of a study's candidates by
-    proven bounds, compiled too, is left to tests of its own, which ask for it.
+    proven bounds and more draws, compiled too, is left to tests of its own, which ask for it.
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("compass.study.order.LEVELS", {})
+        patch.setattr("compass.study.order.DRAWS", {})
         patch.setattr("compass.coverage.drawn.DRAWS", 100 if numba.config.DISABLE_JIT else 4096)
         if numba.config.DISABLE_JIT:
             patch.setattr("compass.coverage.certified_geometry.BUDGET_BOXES", 0)

@@ -17,7 +17,7 @@ from compass.api.results import Result
 from compass.arguments import checked
 from compass.clocks import clock_named
 from compass.cores import cores
-from compass.document import Bracket, Page, Sampled, Sentence, Table, Value, Verdict
+from compass.document import Bracket, Interval, Page, Sampled, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block
 from compass.document.plain import plain
 from compass.errors import ArgumentError
@@ -30,6 +30,8 @@ from compass.study.candidates import check_space
 from compass.study.clocks import errors_by_clock
 from compass.study.cluster import Cluster, Tls
 from compass.study.columns import Shown, shown
+from compass.study.draw_bounds import BY_DRAWS, drawn_figures
+from compass.study.draws import entries_at
 from compass.study.judge import check_lander, doubts_of
 from compass.study.requirement_figures import requirement_columns, shown_requirements
 from compass.study.results import first_front, results_of, write_results
@@ -112,7 +114,9 @@ class TradeResult(Result):
                 "evidence": dict.fromkeys(
                     self._shares + self._areas + self._bracketed, "between proven bounds"
                 )
-                | {name: str(Sampled(how=how)) for name, how in self._sampled_over.items()},
+                | {name: str(Sampled(how=how)) for name, how in self._sampled_over.items()}
+                | dict.fromkeys(drawn_figures(self.study), BY_DRAWS),
+                "drawn": s.drawn,
                 "rests_on_samples": rests_on_samples(self.study),
             }
         )
@@ -185,11 +189,22 @@ class TradeResult(Result):
             said.append(f"between proven bounds, everywhere and for all time: {titles}")
         if self._areas:
             said.append(f"at sites and in regions: {AREAS_KNOWN}")
+        if drawn := self._drawn():
+            said.append(f"more was drawn of {drawn}")
         said.append(front_known(self.study, sum(not row["decided"] for row in front)))
         rest = [name for name in (*front[0], *self.study.named) if name not in bounded]
         if how := sampled_over(self.study, list(dict.fromkeys(rest))):
             said.append(f"sampled: {how}")
         return tuple(said)
+
+    def _drawn(self) -> str:
+        """Of how many candidates more was drawn, level by level; nothing if of none."""
+        each = {level: number for level, number in self.summary.drawn.items() if number}
+        entries = bool(drawn_figures(self.study, "entry"))
+        return ", then of ".join(
+            f"{number}" + f" (to {entries_at(level, self.study)} entries)" * entries
+            for level, number in each.items()
+        )
 
     def plot(self, *, axes: "Axes | None" = None) -> "Axes":
         """Draw the front in the first two objectives; of one objective against the satellites.
@@ -301,12 +316,13 @@ def _each_table(title: str, front: list[dict[str, Any]], asked: list[Shown]) -> 
 
 
 def _front_table(front: list[dict[str, Any]], apart: Collection[str]) -> Table:
-    """The first front, brackets in the place of their middles, without what is shown `apart`."""
-    names = [name for name in front[0] if not (name.endswith("_bracket") or name in apart)]
+    """The first front, bounds in the place of figures, without what is shown `apart`."""
+    beside = Bracket.SUFFIX, Interval.SUFFIX
+    names = [name for name in front[0] if not (name.endswith(beside) or name in apart)]
 
     def written(row: dict[str, Any], name: str) -> Any:
-        bracket = Bracket.beside(row, name)
-        return row[name] if bracket is None else Value(MERITS[name].quantity, row[name], bracket)
+        known = Bracket.beside(row, name) or Interval.beside(row, name)
+        return row[name] if known is None else Value(MERITS[name].quantity, row[name], known)
 
     rows = tuple(tuple(written(row, name) for name in names) for row in front)
     return Table("Pareto front", tuple(names), rows, LISTED)

@@ -9,7 +9,7 @@ import numpy as np
 
 import compass
 from compass.api.trade import clock_blocks
-from compass.document import Bracket, Value
+from compass.document import Bracket, Interval, Value
 from compass.document.blocks import Picture, Section, Sentence, Table, arranged
 from compass.inputs.study import Constraint, Free, Study
 from compass.pages.page import render
@@ -39,6 +39,7 @@ from compass.study.candidates import make_constellation
 from compass.study.choice import Finalist, finalists_of, notation, rows_in
 from compass.study.clocks import errors_by_clock
 from compass.study.columns import shown
+from compass.study.draw_bounds import drawn_figures
 from compass.study.requirement_figures import shown_requirements
 from compass.study.results import known_figures, read_results
 from compass.study.sampling import front_known, sampled_over
@@ -244,6 +245,10 @@ def _cell(study: Study, some: "xr.Dataset", name: str, k: int) -> object:
         low, high = (float(some[end].values[k]) for end in ends(name))
         if np.isfinite(high - low):
             return Value(_quantity(name), value, Bracket(low, high))
+    if name in drawn_figures(study):
+        low, high = (float(some[end].values[k]) for end in ends(name))
+        if low <= high:
+            return Value(_quantity(name), value, Interval(low, high))
     return "–" if np.isnan(value) else Value(_quantity(name), value)
 
 

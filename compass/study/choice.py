@@ -11,6 +11,7 @@ from compass.orbits import Constellation
 from compass.quantities.merits import MERITS
 from compass.study.bounds import bracketed_figures, ends
 from compass.study.candidates import PATTERNS, ROW, make_constellation
+from compass.study.draw_bounds import half_widths, side_columns
 from compass.study.sampling import map_errors
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ class Finalist:
         Its figures of merit.
     errors
         By how much those that are sampled over area and time may be off; half the width of those
-        between proven bounds.
+        between bounds.
     brackets
         Proven bounds, of those that have them.
     """
@@ -128,6 +129,7 @@ def finalists_of(study: Study, results: "xr.Dataset") -> list[Finalist]:
             errors = {name: float(values[0]) for name, values in map_errors(study, row).items()}
             brackets = _brackets(study, one)
             errors |= {name: 0.5 * (high - low) for name, (low, high) in brackets.items()}
+            errors |= half_widths(study, {name: one[name][0] for name in side_columns(study)})
             found[key] = Finalist(role, row[0], figures, errors, brackets)
     return list(found.values())
 

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from compass.errors import ArgumentError
 from compass.inputs.study import Study
-from compass.quantities.merits import MERITS
+from compass.quantities.merits import MERITS, STAGES
 from compass.study.area_figures import area_columns
 from compass.study.candidates import blocks, identities, pick
+from compass.study.draw_bounds import side_columns
 from compass.study.requirement_figures import requirement_columns
 from compass.study.stages import passing
 from compass.study.store import Store
@@ -31,7 +32,8 @@ class Known:
     def __init__(self, store: Store) -> None:
         study, self._batches = store.study, store.batches
         self._taken = dict.fromkeys(store.batches, 0)
-        self._names = (*MERITS, *area_columns(study), *requirement_columns(study))
+        own = area_columns(study), requirement_columns(study), side_columns(study)
+        self._names = (*MERITS, *(name for columns in own for name in columns))
         self._values: dict[str, NDArray[np.float64]] = {}
 
     def figures(self, keys: list[str]) -> dict[str, NDArray[np.float64]]:
@@ -44,11 +46,10 @@ class Known:
     def _take_in(self) -> None:
         """Take in what was added since."""
         names = list(self._names)
-        for stage, batches in self._batches.items():
-            for batch in batches[self._taken[stage] :]:
+        for stage in STAGES:  # a run adds bounds and further draws at its end
+            batches = self._batches.get(stage, [])
+            for batch in batches[self._taken.get(stage, 0) :]:
                 found = batch.found.figures
-                if not set(found) <= set(names):  # bounds, which a run adds at its end
-                    continue
                 columns = [names.index(name) for name in found]
                 values = np.column_stack(list(found.values()))
                 for key, row in zip(identities(batch.rows), values, strict=True):

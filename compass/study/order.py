@@ -1,14 +1,19 @@
-"""Which candidates are on the front for sure: an order of brackets, refined where it is open."""
+"""Which candidates are on the front: an order of bounds, refined where it is open.
 
-from collections.abc import Callable, Iterable
+Proven bounds come nearer, and where draws alone tell more is drawn.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, zip_longest
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.inputs.study import Constraint, Study
 from compass.study.bounds import LEVELS, bounded_figures, ends
+from compass.study.draw_bounds import drawn_figures
+from compass.study.draws import DRAWS, FURTHER
 from compass.study.pareto import fronts
 from compass.study.sampling import rests_on_samples
 
@@ -29,9 +34,9 @@ class Order:
         Of the feasible with a value for every objective, by sure dominance: one that may be
         beaten but is not for sure is of the front; -1 elsewhere.
     decided
-        Whether it is known for sure that it is of the front, or that it is not: by proven bounds
-        and exact figures. Where the study names a figure that is sampled, only what breaks
-        another limit is.
+        Whether bounds and exact figures tell that it is of the front, or that it is not: for sure
+        where they are proven, each in 95 of 100 cases where they are of draws. Where the study
+        names a figure that is sampled without bounds, only what breaks another limit is.
     open
         Whose bounds have to come nearer to decide what is not.
     """
@@ -121,7 +126,7 @@ def bound_limits(rows: NDArray, refine: Callable[[str, NDArray], None]) -> None:
 def settle(
     study: Study,
     rows: NDArray,
-    figures: Callable[[NDArray], Figures],
+    figures: Callable[[NDArray, Sequence[str]], Figures],
     refine: Callable[[str, NDArray], None],
     finer: Iterable[str] = (),
 ) -> None:
@@ -134,17 +139,33 @@ def settle(
     rows
         Candidates that may be of the front.
     figures
-        All that is known of candidates.
+        All that is known of candidates before any level, and by some levels.
     refine
         Finds the bounds of candidates at a level, unless they are known.
     finer
         Levels to go on with, as long as there are any.
     """
-    if not bounded_figures(study) or not rows.size:
+    if not rows.size:
         return
-    going = np.ones(rows.size, dtype=bool)
-    for level in chain(LEVELS, finer):
-        if not going.any():
-            return
-        refine(level, rows[going])
-        going = order_of(study, figures(rows), np.ones(rows.size, dtype=bool)).open
+    everyone, gone = np.ones(rows.size, dtype=bool), list[str]()
+    asked = bounded_figures(study), drawn_figures(study)
+    for pair in chain(zip_longest(LEVELS, DRAWS), zip(finer, FURTHER, strict=False)):
+        for level, own in zip(pair, asked, strict=True):
+            if level is None or not own:
+                continue
+            # what a run that was stopped has found of later levels plays no role: it ends alike
+            known = figures(rows, gone)
+            going = order_of(study, known, everyone).open & _is_wide(known, own)
+            if level in list(LEVELS)[:1]:
+                going = everyone
+            elif level in list(DRAWS)[:1]:
+                going |= np.any([np.isnan(known[ends(figure)[0]]) for figure in own], axis=0)
+            if going.any():
+                refine(level, rows[going])
+            gone.append(level)
+
+
+def _is_wide(figures: Figures, names: Iterable[str]) -> NDArray[np.bool_]:
+    """Whether any of some figures lies between bounds that are apart, shape (n,)."""
+    pairs = [interval(figures, name) for name in names]
+    return np.any([low < high for low, high in pairs], axis=0)

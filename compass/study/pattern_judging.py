@@ -1,5 +1,7 @@
 """Landing navigation on many patterns at once: what a study wants to know of each."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +18,7 @@ from compass.orbits.period import closing_days
 from compass.quantities.merits import merits_of, worked_out
 from compass.sites import Mask
 from compass.study.candidates import make_constellation, patterns_of
+from compass.study.draw_bounds import entry_sides, side_columns
 from compass.study.judge import (
     campaign_of,
     check_measurements,
@@ -41,7 +44,10 @@ def entries_of(study: Study) -> Campaign:
 
 
 def judged(study: Study, campaign: Campaign, c: Constellation, mask_deg: float) -> dict[str, float]:
-    """Landing navigation on any orbits, with all that is not known; one number a figure."""
+    """Landing navigation on any orbits, with all that is not known; one number a figure.
+
+    And the bounds that so few entries leave of those that the study sorts by or limits.
+    """
     entry = study.entry
     assert entry is not None
     mask = Mask.constant(float(np.radians(mask_deg)))
@@ -49,15 +55,23 @@ def judged(study: Study, campaign: Campaign, c: Constellation, mask_deg: float) 
         c, campaign, entry.scenario, figure=study.figure, mask=mask,
         unknowns=doubts_of(entry.scenario, entry.doubts).of(study.signal, c.size),
     )  # fmt: skip
-    figures = worked_out("entry", {**judgement.known, "goal_m": entry.goal})
+    figures = _worked_out(study, judgement.known)
     return {name: float(values[0]) for name, values in figures.items()}
+
+
+def _worked_out(study: Study, known: dict[str, Any]) -> dict[str, NDArray[np.float64]]:
+    """Figures of entries, and bounds of those that the study names."""
+    assert study.entry is not None
+    whole = {**known, "goal_m": study.entry.goal}
+    return worked_out("entry", whole) | entry_sides(study, whole)
 
 
 def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]:
     """Landing navigation over entries wherever the study lands and at any time, (n,) each.
 
     The figures are those of `compass.study.judge.judge` without the losses of satellites, to
-    within its interpolation of orbits (2e-6 m at areosynchronous height) and rounding.
+    within its interpolation of orbits (2e-6 m at areosynchronous height) and rounding; and bounds
+    as of `compass.study.draw_bounds.entry_sides`.
 
     Raises
     ------
@@ -70,7 +84,8 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         each = [
             judged(study, entries, make_constellation(row), float(row["mask_deg"])) for row in rows
         ]
-        return {name: np.array([one[name] for one in each]) for name in merits_of("entry")}
+        names = (*merits_of("entry"), *side_columns(study, "entry"))
+        return {name: np.array([one[name] for one in each]) for name in names}
     scenario, sphere = study.entry.scenario, study.figure.equatorial_radius
     check_measurements(scenario)
     radius, mask = rows["radius_km"] * 1e3, np.radians(rows["mask_deg"])
@@ -111,9 +126,8 @@ def entry_figures(study: Study, rows: NDArray) -> dict[str, NDArray[np.float64]]
         "velocity_m_s": sigma[..., 1],
         "counts": counts,
         "blind": blind,
-        "goal_m": study.entry.goal,
     }
-    return worked_out("entry", found)
+    return _worked_out(study, found)
 
 
 def _not_known(study: Study, rows: NDArray) -> NotKnown:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import compass
+from compass.document import Bracket, Interval
 from compass.errors import ArgumentError
 from compass.inputs.study import Study
 from compass.quantities import quantity
@@ -16,6 +17,7 @@ from compass.study.area_figures import BETWEEN, area_columns
 from compass.study.bounds import BOUNDED, bound_columns, bounded_figures, bracketed_figures, ends
 from compass.study.candidates import PATTERNS, ROW, identities
 from compass.study.clocks import clock_columns
+from compass.study.draw_bounds import BY_DRAWS, drawn_figures, side_columns
 from compass.study.order import order_of
 from compass.study.record import Batch
 from compass.study.requirement_figures import requirement_columns
@@ -75,7 +77,7 @@ def results_of(study: Study, batches: dict[str, list[Batch]], path: Path) -> "xr
         ``requirement_K_met`` (1, 0, or nan where it is open or was not asked for),
         ``_margin_deg``, ``_share`` and ``_share_most``, K its number in the file. Figures
         between proven bounds are the middle of these, which are beside them as ``FIGURE_low``
-        and ``FIGURE_high``.
+        and ``FIGURE_high``; so are the bounds of those that draws tell.
 
     Raises
     ------
@@ -93,7 +95,8 @@ def results_of(study: Study, batches: dict[str, list[Batch]], path: Path) -> "xr
     place = {key: k for k, key in enumerate(keys)}
     each = requirement_columns(study)
     clocks = clock_columns(study)
-    names = (*MERITS, *bound_columns(study), *area_columns(study), *each, *clocks)
+    bounds = (*bound_columns(study), *side_columns(study))
+    names = (*MERITS, *bounds, *area_columns(study), *each, *clocks)
     figures = {name: np.full(rows.size, np.nan) for name in names}
     stage, error = np.zeros(rows.size, "i1"), np.full(rows.size, "", dtype=object)
     for name in FINDERS:
@@ -123,11 +126,12 @@ def results_of(study: Study, batches: dict[str, list[Batch]], path: Path) -> "xr
                 bounded = figure in bounded_figures(study)
                 attrs["sampled_over"] = how + ("; where there are bounds, their middle" * bounded)
             data[figure] = ("candidate", _middle(figures, figure), attrs)
-    for figure in [name for name in bounded_figures(study) if name in BOUNDED]:
+    proven = [name for name in bounded_figures(study) if name in BOUNDED]
+    for figure in [*proven, *drawn_figures(study)]:
         for end, side in zip(ends(figure), ("lower", "upper"), strict=True):
             attrs = MERITS[figure].quantity.attributes()
-            title = f"{attrs['long_name']}, proven {side} bound"
-            attrs |= {"long_name": title, "evidence": "proven bound"}
+            word, sure = ("proven ", "proven bound") if figure in proven else ("", BY_DRAWS)
+            attrs |= {"long_name": f"{attrs['long_name']}, {word}{side} bound", "evidence": sure}
             data[end] = ("candidate", figures[end], attrs)
     for name, attrs in (area_columns(study) | each | clocks).items():
         data[name] = ("candidate", figures[name], attrs)
@@ -192,11 +196,12 @@ def first_front(study: Study, results: "xr.Dataset") -> list[dict[str, Any]]:
     columns = {}
     for name in names:
         columns[name] = front[name].values[order].tolist()
-        if name in bracketed_figures(study):
+        if name in (*bracketed_figures(study), *drawn_figures(study)):
             low, high = (front[end].values[order].tolist() for end in ends(name))
             pairs = [None if np.isnan(a) else [a, b] for a, b in zip(low, high, strict=True)]
             if any(pairs):
-                columns[f"{name}_bracket"] = pairs
+                kind = Interval if name in drawn_figures(study) else Bracket
+                columns[name + kind.SUFFIX] = pairs
     columns["decided"] = front.decided.values[order].tolist()
     return [{name: columns[name][k] for name in columns} for k in range(order.size)]
 
@@ -232,9 +237,10 @@ def _columns(made: "xr.Dataset") -> dict[str, NDArray[Any]]:
         found[name] = made[name].values
         attrs = made[name].attrs
         if {"evidence", "sampled_over"} & set(attrs):
-            proven = np.full(found[name].size, "evidence" in attrs)
+            told = np.full(found[name].size, "evidence" in attrs)
             if (end := ends(name)[0]) in made:
-                proven = np.isfinite(made[end].values)
-            words = np.where(proven, "proven bounds", "sampled")
+                told, attrs = np.isfinite(made[end].values), made[end].attrs
+            sure = BY_DRAWS if attrs.get("evidence") == BY_DRAWS else "proven bounds"
+            words = np.where(told, sure, "sampled")
             found[f"{name}_evidence"] = np.where(np.isnan(found[name]), "", words)
     return found

@@ -3,7 +3,8 @@
 Costs, fold and margins are exact (but for rounding and a stated bracket), requirements and days on
 real orbits proven. Figures of geometry are of cells and epochs, but for those that have proven
 bounds; how far they move when both are made finer says how far off they may be. Figures of landings
-are of the entries judged, the same for all candidates.
+are of the entries judged, the same for all candidates; of these, and of places and moments for
+errors in metres, more are drawn where the order is open.
 """
 
 from dataclasses import replace
@@ -14,24 +15,29 @@ from numpy.typing import NDArray
 from compass.inputs.study import Study
 from compass.quantities.merits import MERITS, merits_of
 from compass.study.bounds import bounded_figures
+from compass.study.draw_bounds import BY_DRAWS, drawn_figures
 from compass.study.pattern_map import map_figures
 
 
 def sampling_of(study: Study, figure: str) -> str:
     """Return what a figure was sampled over, in words; nothing if it was not sampled."""
     stage = MERITS[figure].stage
+    more = ", more where the order is open" * (figure in drawn_figures(study))
     if stage == "map":
         grid = study.map
-        return f"{grid.step_deg:g} deg cells, {grid.epochs} epoch{'s' * (grid.epochs > 1)}"
+        cells = f"{grid.step_deg:g} deg cells, {grid.epochs} epoch{'s' * (grid.epochs > 1)}"
+        if more:
+            cells += ", then random places and moments"
+        return cells + more
     if stage == "entry" and study.entry is not None:
-        return f"{study.entry.samples} entr{'ies' if study.entry.samples > 1 else 'y'}"
+        return f"{study.entry.samples} entr{'ies' if study.entry.samples > 1 else 'y'}{more}"
     return ""
 
 
 def rests_on_samples(study: Study) -> list[str]:
-    """Figures that a study sorts by or limits, and that are known from samples alone."""
-    proven = bounded_figures(study)
-    return [f for f in MERITS if f in study.named and f not in proven and sampling_of(study, f)]
+    """Figures that a study sorts by or limits, and that samples tell without bounds."""
+    told = [*bounded_figures(study), *drawn_figures(study)]
+    return [f for f in MERITS if f in study.named and f not in told and sampling_of(study, f)]
 
 
 def front_known(study: Study, undecided: int) -> str:
@@ -44,6 +50,9 @@ def front_known(study: Study, undecided: int) -> str:
         if undecided
         else "decided"
     )
+    if drawn := drawn_figures(study):
+        titles = ", ".join(MERITS[name].title for name in drawn)
+        told += f", by {titles} between {BY_DRAWS}, each by itself"
     if study.sampling.method == "nsga2":
         told += ", among those that evolution by samples came upon"
     return f"who is on the front: {told}"

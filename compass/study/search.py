@@ -1,6 +1,6 @@
 """The smallest constellation: every pattern of every size, each at its best inclination."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import Any
@@ -166,7 +166,7 @@ def search(
     found: list[Candidate] = []
     close: list[Candidate] = []
 
-    def size_after_size() -> Iterator[Candidate | None]:
+    def size_after_size() -> Generator[Candidate | None, None, None]:
         for size, makers in enumerate(sizes, start=fold + 1):
             if found and size > found[0].constellation.size + beyond:
                 return

@@ -7,7 +7,8 @@
 4. ``areas``: fold and geometry at the study's sites and in its regions, where it names any.
 5. ``orbits``: how long the fold is proven on real orbits, where the study asks for it.
 6. ``entry``: landing navigation, for the best of those that pass all before.
-7. ``bounds-1``, ...: proven bounds of geometry, as near as it takes to decide the order.
+7. ``bounds-1``, ...: proven bounds of geometry, as near as it takes to decide the order;
+   ``draws-1``, ...: more draws where draws alone tell, likewise.
 8. ``clocks``: errors in metres with each named clock, for the best of the front.
 
 Every function takes candidates and the study, and nothing else decides its numbers: neither the
@@ -31,6 +32,8 @@ from compass.study.bounds import AREAS_NEAR, FINER, LEVELS, bound_columns, bound
 from compass.study.candidates import patterns_of
 from compass.study.clocks import clock_columns, clock_figures
 from compass.study.cost import cost_figures
+from compass.study.draw_bounds import side_columns
+from compass.study.draws import ALL_DRAWS, drawn_columns, more_draws
 from compass.study.lasting import keeping_law, orbits_figures
 from compass.study.order import may_hold
 from compass.study.pattern_judging import entry_figures
@@ -108,6 +111,10 @@ def figures_of(stage: str, study: Study) -> tuple[str, ...]:
     """Names of the figures that a stage of a study stores."""
     if level := (LEVELS | FINER).get(stage):
         return bound_columns(study, level)
+    if stage in ALL_DRAWS:
+        return drawn_columns(study)
+    if stage == "entry":
+        return (*merits_of(stage), *side_columns(study, stage))
     if stage == "areas":
         return (*merits_of(stage), *area_columns(study))
     if stage == "clocks":
@@ -169,5 +176,6 @@ FINDERS: dict[str, Callable[[Study, NDArray], dict[str, NDArray[np.float64]]]] =
     "orbits": orbits_figures,
     "entry": entry_figures,
     **{name: partial(bounds, level) for name, level in (LEVELS | FINER).items()},
+    **{name: partial(more_draws, name) for name in ALL_DRAWS},
     "clocks": clock_figures,
 }

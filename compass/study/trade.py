@@ -4,7 +4,7 @@ A run adds to the store what is not there yet, so the same command resumes a run
 and a finished study is read, not computed. What is found does not depend on the workers.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from itertools import takewhile
@@ -20,6 +20,7 @@ from compass.quantities.merits import MERITS
 from compass.study.bounds import FINER, LEVELS, bound_columns, ends, limited_figures
 from compass.study.candidates import ROW, batches, candidates, described, identities
 from compass.study.clocks import best_by_errors, clock_columns
+from compass.study.draws import ALL_DRAWS, FURTHER
 from compass.study.order import bound_limits, may_hold, settle
 from compass.study.pareto import best
 from compass.study.results import results_of
@@ -42,6 +43,7 @@ BATCH = (
         "clocks": 1,
     }
     | dict.fromkeys(LEVELS, 8)
+    | dict.fromkeys(ALL_DRAWS, 4)
     | dict.fromkeys(FINER, 1)
 )
 
@@ -81,6 +83,8 @@ class Summary:
         Work of this run, by stage, summed over the workers.
     bounded
         Candidates whose geometry has proven bounds, by how near these had to come.
+    drawn
+        Candidates of which more was drawn, by how much.
     """
 
     candidates: int = 0
@@ -91,6 +95,7 @@ class Summary:
     lethal: list[str] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
     bounded: dict[str, int] = field(default_factory=dict)
+    drawn: dict[str, int] = field(default_factory=dict)
 
 
 def run_trade(
@@ -149,18 +154,20 @@ def run_trade(
 def _settle(
     study: Study, store: Store, refine: Callable[[str, NDArray, float], None], budget_s: float
 ) -> None:
-    """Bound the geometry of those that may be of the front as near as it takes to tell."""
+    """Bring bounds of those that may be of the front as near as it takes to tell."""
     rows = passed(study, store, study.stages[-1])
     wanted = gather(store, identities(rows), {o.figure for o in study.objectives})
     rows = rows[~np.isnan(np.column_stack(list(wanted.values()))).any(axis=1)]
 
     sides = {end for figure in study.named for end in ends(figure)}
 
-    def figures(some: NDArray) -> dict[str, NDArray[np.float64]]:
-        return gather(store, identities(some), study.named | sides)
+    def figures(some: NDArray, levels: Sequence[str]) -> dict[str, NDArray[np.float64]]:
+        later = {*LEVELS, *FINER, *ALL_DRAWS} - {*levels}
+        known = [stage for stage in FINDERS if stage not in later]
+        return gather(store, identities(some), study.named | sides, known)
 
     def within(level: str, some: NDArray) -> None:
-        refine(level, some, until if level in FINER else inf)
+        refine(level, some, until if level in (*FINER, *FURTHER) else inf)
 
     until = monotonic() + budget_s
     settle(study, rows, figures, within, takewhile(lambda _: monotonic() < until, FINER))
@@ -175,10 +182,11 @@ def _refine(
     summary: Summary,
     until: float,
 ) -> None:
-    """Bound the geometry of candidates at a level, but for those whose bounds the store has."""
+    """Bring bounds of candidates nearer at a level, but for those whose bounds the store has."""
     own = Summary()
     _stage(level, rows, store, workers, bars, own, until=until)
-    summary.bounded[level] = own.reached[level]
+    reached = summary.drawn if level in ALL_DRAWS else summary.bounded
+    reached[level] = own.reached[level]
     summary.seconds[level] = summary.seconds.get(level, 0.0) + own.seconds.get(level, 0.0)
     summary.unfinished += own.unfinished
     summary.lethal = [*summary.lethal, *own.lethal][:NAMED]
@@ -290,11 +298,13 @@ def finalists(study: Study, store: Store) -> NDArray:
     return rows[best(columns, study.entry.finalists)]
 
 
-def gather(store: Store, keys: list[str], names: set[str]) -> dict[str, NDArray[np.float64]]:
-    """Figures of some candidates from every stage, nan where there is none; shape (n,) each."""
+def gather(
+    store: Store, keys: list[str], names: set[str], stages: Iterable[str] = FINDERS
+) -> dict[str, NDArray[np.float64]]:
+    """Figures of some candidates from every stage, or some of them; nan where there is none."""
     place = {key: k for k, key in enumerate(keys)}
     found = {name: np.full(len(keys), np.nan) for name in names}
-    for stage in FINDERS:
+    for stage in stages:
         own = names & set(figures_of(stage, store.study))
         for batch in store.batches[stage] if own else ():
             ids = identities(batch.rows)

@@ -20,6 +20,8 @@ from compass.study.area_figures import of_areas
 from compass.study.bounds import LEVELS
 from compass.study.candidates import PATTERNS, ROW
 from compass.study.choice import notation
+from compass.study.draw_bounds import drawn_figures, half_widths
+from compass.study.draws import MOST_DRAWS, drawn_fixes, judging_more
 from compass.study.lasting import proven_days
 from compass.study.pattern_errors import errors_over
 from compass.study.pattern_judging import entries_of, judged
@@ -46,7 +48,8 @@ class Yardstick:
     figures
         By name; nan where its orbits are no pattern of equal circles and the figure is of those.
     errors
-        By how much those that are sampled over area and time may be off.
+        By how much those that are sampled over area and time may be off; half the width of those
+        between bounds by draws.
     brackets
         Proven bounds, of those that have them.
     """
@@ -135,11 +138,11 @@ def _as_candidate(
         ROW,
     )
     figures: dict[str, float] = {}
-    for stage in study.stages:
+    for stage in (*study.stages, *[MOST_DRAWS] * bool(drawn_figures(study))):
         found = evaluate(stage, study, rows)
         figures |= {name: float(values[0]) for name, values in found.figures.items()}
     errors = {name: float(values[0]) for name, values in map_errors(study, rows).items()}
-    return figures, errors
+    return figures, errors | half_widths(study, figures)
 
 
 def _by_itself(
@@ -173,8 +176,11 @@ def _by_itself(
         days = study.orbits.days
         figures["days_proven"] = proven_days(c, study.fold, days, study.figure, mask, study.motion)
     if study.entry is not None:
-        figures |= judged(study, entries_of(study), c, mask_deg)
-    return figures, errors
+        more = judging_more(MOST_DRAWS, study) if drawn_figures(study, "entry") else study
+        figures |= judged(more, entries_of(more), c, mask_deg)
+    if drawn_figures(study, "map"):
+        figures |= drawn_fixes(MOST_DRAWS, study, c, mask_deg, (span.start, span.stop))
+    return figures, errors | half_widths(study, figures)
 
 
 def _geometry(study: Study, c: Constellation, mask: float, span: Span) -> dict[str, float]:

@@ -33,7 +33,7 @@ def evaluate(stage, study, rows):
 
 evaluate.uncounted = _evaluate
 stages.evaluate = evaluate  # before anyone imports it from there
-order.LEVELS = {}  # proven bounds take longer than all that is disturbed here
+order.LEVELS = order.DRAWS = {}  # proven bounds take longer than all that is disturbed here
 
 if "SILENCE" in os.environ:  # so that a test need not wait for half a minute
     from compass.study import cluster
