@@ -62,5 +62,7 @@ def entry_sides(study: Study, known: Mapping[str, Any]) -> dict[str, NDArray[np.
             pairs = [share_bounds(float(own.mean()), own.size) for own in values]
         else:
             pairs = [quantile_bounds(own, percent) for own in values]
-        columns |= dict(zip(ends(figure), np.array(pairs).reshape(-1, 2).T, strict=True))
+        # what no draw bounds from below is no less than 0 all the same
+        low, high = np.array(pairs).reshape(-1, 2).T
+        columns |= dict(zip(ends(figure), (np.maximum(low, 0.0), high), strict=True))
     return columns

@@ -75,7 +75,7 @@ def test_finalists_are_the_best_fronts(tiny, tmp_path):
 
 
 def test_a_constraint_on_entries_is_met_by_none_that_was_not_judged(tiny, tmp_path):
-    study = tiny('[[constraint]]\nfigure = "crlb_position_m.p95"\nabove = 0', entry=True)
+    study = tiny('[[constraint]]\nfigure = "crlb_position_m.p95"\nat_least = 0', entry=True)
     run(study, tmp_path)
     results = read_results(study, tmp_path)
     assert int(results.feasible.sum()) == 3
