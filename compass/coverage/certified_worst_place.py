@@ -1,7 +1,7 @@
 """The share of time with a small dilution, or error, at the worst place of a region.
 
-Of a tile of latitudes, and of longitudes where they count, from below by the time in which all of
-it keeps the limit (`compass.core.certified.everywhere`).
+Of a tile of latitudes, and of longitudes where they count, from below by lines under the shares of
+its places (`compass.core.certified.everywhere`).
 """
 
 from typing import Any, Unpack
@@ -18,6 +18,9 @@ from compass.coverage.tiles import Sides, Tiles
 from compass.frames import planetocentric_latitude
 from compass.orbits import Constellation
 
+#: How near bounds at a place come at first, at most four times as far.
+COARSE = 1e-3
+
 #: What sums of so many shares may be off by, and boxes for the share at one place.
 ROUNDING, AT_A_PLACE = 1e-9, 1e5
 
@@ -25,12 +28,14 @@ ROUNDING, AT_A_PLACE = 1e-9, 1e5
 def certified_worst_place(
     constellation: Constellation,
     limit: float,
-    level: float,
+    level: float | None,
     *,
     south: float,
     north: float,
     region: Region = GLOBE,
+    longitudes: float = 2 * np.pi,
     width: float = 1e-3,
+    finest: float | None = None,
     budget_boxes: float = 1e6,
     effort: Effort | None = None,
     **asked: Unpack[Asked],
@@ -42,13 +47,16 @@ def certified_worst_place(
     constellation, limit
         As in `compass.coverage.certified_share.certified_share`.
     level
-        Stop when both bounds are on one side of this share.
+        Go on until both bounds are on one side of this share, if there is one.
     south, north
         Planetocentric latitudes, radians.
     region
         Of which places at these latitudes count, where they turn with Mars.
-    width, budget_boxes
-        How near the bounds are to come, and boxes for those from below.
+    longitudes
+        How many of them stand for all, radians, as of alike patterns over the ground.
+    width, finest, budget_boxes
+        How near the bounds are to come, and where `level` is still between them (`width` too if
+        left out); boxes for those from below.
     effort
         Its seconds instead of boxes, if it has any; how far to go at each place.
     **asked
@@ -71,28 +79,37 @@ def certified_worst_place(
     (square,) = question.squares([limit])
     given = question.speed, orbits, circles, breaks, paths, numbers, mask
 
-    def bound(tile: Sides) -> tuple[float, int]:
+    def bound(tile: Sides) -> tuple[float, float, int]:
         boxes = first.copy()
         for axis, (low, high) in ((0, tile[:2]), (1, tile[2:]))[: 2 if places else 1]:
             boxes[:, axis] = 0.5 * (low + high)
             boxes[:, 3 + axis] = 0.5 * (high - low) * (1 + 1e-15)
-        share, looked = kept_everywhere(boxes, places, square, *given)
-        return max(0.0, float(share) - ROUNDING), int(looked)
+        share, middle, looked = kept_everywhere(boxes, places, square, *given)
+        return max(0.0, float(share) - ROUNDING), float(middle), int(looked)
 
     def at(latitude: float, longitude: float) -> tuple[float, int]:
         centric = float(planetocentric_latitude(latitude, question.figure))
         place: Any = Spot(centric, longitude) if places else Circle(centric)
         here: Asked = {**asked, "place": place}
-        found = known.share(
-            constellation, limit, width=0.25 * width, budget_boxes=AT_A_PLACE, **here
-        )
+        for near in (min(width, COARSE), finest or width):
+            found = known.share(
+                constellation, limit, width=0.25 * near, budget_boxes=AT_A_PLACE, **here
+            )
+            if level is None or not found.low < level <= found.high:
+                break
         return found.high, 0
 
     low, high = question.domain.sides[0].tolist()
-    tiles = Tiles(bound, at, question.figure, places, region)
+    tiles = Tiles(bound, at, question.figure, places, region, (-np.pi, longitudes - np.pi))
     spent = known.budget(budget_boxes, by_width=False)
     found = tiles.least(
-        low, high, width=width, level=level, most=spent["budget_boxes"], seconds=spent["budget_s"]
+        low,
+        high,
+        width=width,
+        finest=finest,
+        level=level,
+        most=spent["budget_boxes"],
+        seconds=spent["budget_s"],
     )
     share = CertifiedShare(
         found.low, found.high, found.looked, question.domain.scope, found.stopped

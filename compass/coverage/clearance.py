@@ -355,7 +355,7 @@ def worst_share(
         )
         return found.high, found.boxes
 
-    def bound(tile: Sides) -> tuple[float, int]:
+    def bound(tile: Sides) -> tuple[float, float, int]:
         south, north, west, east = tile
         laid = lay_out(constellation, replace(users, south=south, north=north, region=GLOBE), span)
         if places:
@@ -363,12 +363,13 @@ def worst_share(
         side = max(north - south, east - west)
         fine = max(0.05 * side, 1e-6) if places else max(0.02 * side**2, 1e-8)
         found = _share(laid, fold, 2 if places else 1, fine, max(most // A_TILE, 1))
-        return found.low, found.boxes
+        return found.low, found.low, found.boxes
 
     mirrored = users.south == -users.north and users.alike_all_around and not places
     tiles = Tiles(bound, at, users.figure, places, users.region)
     south = 0.0 if mirrored else users.south
-    found = tiles.least(south, users.north, width=width, level=level, most=most)
+    near = width if level is None else 1.0  # told on which side of the level, that is enough
+    found = tiles.least(south, users.north, width=near, finest=width, level=level, most=most)
     return Share(found.low, found.high, found.looked), found.latitude
 
 

@@ -122,6 +122,7 @@ def fold_verdict(
     days: float | None = None,
     start_day: float = 0.0,
     effort: Effort | None = None,
+    missed_share: bool = True,
 ) -> Verdict:
     """Verdict on "so many satellites in view" of a requirement, on ellipses that keep their shape.
 
@@ -135,6 +136,8 @@ def fold_verdict(
         Prove it for so many days from a day on, at the place, and not for ever.
     effort
         Its seconds for each share, if it has any.
+    missed_share
+        Whether to tell the share of time with it where it is most missed.
 
     Raises
     ------
@@ -152,7 +155,7 @@ def fold_verdict(
     if requirement.share < 1.0:
         cases = losses_of(design.constellation, requirement, users, course)
         return often(cases, users, requirement, course, effort)
-    return _always(design.constellation, users, requirement, course)
+    return _always(design.constellation, users, requirement, course, missed_share)
 
 
 def losses_of(
@@ -235,7 +238,11 @@ def fold_always_met(
 
 
 def _always(
-    c: Constellation, users: tuple[Users, ...], requirement: Requirement, course: Course
+    c: Constellation,
+    users: tuple[Users, ...],
+    requirement: Requirement,
+    course: Course,
+    missed_share: bool,
 ) -> Verdict:
     """Verdict on a fold wanted always: the tightest of all users, after all losses."""
     assert requirement.fold is not None
@@ -274,6 +281,8 @@ def _always(
     if left.size < fold:
         few = counted(left.size, "satellite")
         return replace(verdict, share=(0.0, 0.0), reason=f"{few} in all, {fold} wanted")
+    if not missed_share:
+        return verdict
     share = _missed_share(left, whose, tightest, fold, course)
     alone = len(found) == 1 and whose.longitude is not None
     return replace(verdict, share=share if share is None or alone else (0.0, share[1]))

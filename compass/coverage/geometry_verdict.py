@@ -11,7 +11,7 @@ from math import inf
 from typing import Any
 
 from compass.coverage.certificate import Outcome
-from compass.coverage.certified_effort import Effort
+from compass.coverage.certified_effort import FOLD_PER_SHARE, Effort
 from compass.coverage.certified_places import Circle, Spot
 from compass.coverage.certified_ranges import (
     ERROR_DOPS,
@@ -32,11 +32,17 @@ from compass.coverage.users import Users, by_horizon, centric, geodetic
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import DILUTIONS, Design, Requirement
 from compass.orbits import Constellation
+from compass.orbits.symmetry import alike_longitudes, one_circle
 from compass.sites import Site
 from compass.words import counted
 
-#: Boxes for each share, and how near its bounds are to come where the requirement leaves it open.
-SHARE_BOXES, WIDTH = 600_000, 1e-4
+#: Boxes for each share, and for that at the worst of several places; and how near bounds of shares
+#: are to come where the requirement leaves it open.
+SHARE_BOXES, WORST_BOXES, WIDTH = 600_000, 500_000, 1e-4
+
+#: How near bounds of the share at the worst place come where that is wanted, and where it is open
+#: on which side of the share wanted they are.
+WORST_WIDTH, WORST_FINEST = 1e-3, 1e-5
 
 #: What satellites in view are called among figures; so many or more keep their limit.
 FOLD = "fold"
@@ -78,8 +84,19 @@ class _Asked:
         lost: Sequence[int],
         where: dict[str, Any],
         width: float,
+        level: float,
     ) -> CertifiedShare:
-        """Share with the figure small enough, wherever the Sun stands, its bounds so near."""
+        """Share with the figure small enough, wherever the Sun stands, its bounds so near.
+
+        By fold, of which rims are nearly everywhere, so near only where they lie on both sides of
+        `level`.
+        """
+        if self.name == FOLD and effort.width is None:
+            coarse = effort.share(
+                left, self.limit, width=FOLD_PER_SHARE * width, **self._asked(None, lost), **where
+            )
+            if coarse.stopped or not coarse.low < level <= coarse.high:
+                return coarse
         found = [
             effort.share(left, self.limit, width=width, **self._asked(sky, lost), **where)
             for sky in self.skies
@@ -93,14 +110,24 @@ class _Asked:
         lost: Sequence[int],
         where: dict[str, Any],
         level: float,
+        thorough: bool,
     ) -> tuple[CertifiedShare, float]:
         """Share of time with the figure small enough where that is least, and the latitude.
 
-        Bounds of each sky, until they tell whether it is a share of `level` or more.
+        Bounds of each sky, until they tell whether it is a share of `level` or more; if `thorough`
+        until they are near one another too.
         """
+        near, finest = (WORST_WIDTH, WORST_FINEST) if thorough else (1.0, WORST_WIDTH)
         found = [
             certified_worst_place(
-                left, self.limit, level, effort=effort, **self._asked(sky, lost), **where
+                left,
+                self.limit,
+                level,
+                effort=effort,
+                width=near,
+                finest=finest,
+                **self._asked(sky, lost),
+                **where,
             )
             for sky in self.skies
         ]
@@ -206,15 +233,19 @@ def geometry_verdict(
             assert seen is not None
             by_place = requirement.share < 1.0 and requirement.share_of == "time"
             among = by_place and users.south != users.north
-            where = _worst_asked(seen, course) if among else asked_place(seen, course)
+            where = asked_place(seen, course)
+            if among:
+                where = _worst_asked(seen, course, left if same else None)
             where |= {
                 "figure": users.figure,
                 "mask": seen.mask,
-                "budget_boxes": SHARE_BOXES,
+                "budget_boxes": WORST_BOXES if among else SHARE_BOXES,
                 "motion": design.motion,
             }
             if "south" in where:
-                share, latitude = asked.worst_place(effort, left, gone, where, requirement.share)
+                share, latitude = asked.worst_place(
+                    effort, left, gone, where, requirement.share, thorough
+                )
                 there = geodetic(latitude, users.figure)
                 found.append((share, replace(users, south=there, north=there), lost, alike))
                 continue
@@ -223,7 +254,7 @@ def geometry_verdict(
                 claims.append(_Claim(claim, users, left, lost, alike, gone, where))
                 if claim.outcome != Outcome.UNDECIDED:
                     continue
-            share = asked.share(effort, left, gone, where, width)
+            share = asked.share(effort, left, gone, where, width, requirement.share)
             found.append((share, users, lost, alike))
     scope = course.words
     if sky is not None:
@@ -237,13 +268,11 @@ def asks_for_folds(
 ) -> bool:
     """Whether satellites in view are wanted for a share that is a figure like a dilution's.
 
-    Not always, where clearances say by how much, nor at the worst of several places.
+    Not always, where clearances say by how much.
     """
     everyone = users_of(design, requirement)
-    single = requirement.share_of == "area-time" or all(one.south == one.north for one in everyone)
     return (
         requirement.share < 1.0
-        and single
         and course_of(design, days, start_day) is not None
         and _is_certified(design.constellation, FOLD, everyone)
     )
@@ -319,13 +348,21 @@ def _shown(claim: _Claim) -> float:
     return -inf if claim.found.witness is None else claim.found.witness.value
 
 
-def _worst_asked(users: Users, course: Course) -> dict[str, Any]:
-    """Among which places the worst is looked for, as `certified_worst_place` asks."""
+def _worst_asked(users: Users, course: Course, c: Constellation | None) -> dict[str, Any]:
+    """Among which places the worst is looked for, as `certified_worst_place` asks.
+
+    Of satellites that are alike but for their places, some longitudes may stand for all; and of
+    circles, half a revolution later seen from the other side of the equator, north for south.
+    """
     south, north = (centric(b, users.figure) for b in (users.south, users.north))
     asked: dict[str, Any] = {"height": users.height, "south": south, "north": north}
     if course.span is not None:
         start, stop = course.span
         asked |= {"since": start, "duration": stop - start, "region": users.region}
+        if c is not None and c.repeat is not None and course.for_ever and users.is_belt:
+            asked["longitudes"] = alike_longitudes(c, *c.repeat)
+            if one_circle(c) and users.alike_all_around and south < 0.0 < north:
+                asked |= {"south": 0.0, "north": max(-south, north)}
     return asked
 
 

@@ -1,5 +1,8 @@
 """A requirement's verdict: on its fold, its geometry, or both at once."""
 
+from dataclasses import replace
+from typing import Any
+
 from compass.allowed import check_all_allowed
 from compass.coverage.certified_effort import Effort
 from compass.coverage.fold_verdict import fold_verdict
@@ -8,6 +11,9 @@ from compass.coverage.geometry_verdict import FOLD, asks_for_folds, geometry_ver
 from compass.coverage.verdict import Verdict, both
 from compass.design import Design, Requirement
 from compass.errors import ArgumentError
+
+#: A share of which it is soon told that what is not always there has less.
+NEARLY = 1.0 - 1e-9
 
 
 def verdict_of(
@@ -48,10 +54,8 @@ def verdict_of(
         if asks_for_folds(design, requirement, days, start_day):
             limits.insert(0, (FOLD, fold))
         else:
-            settled = fold_verdict if closed_form(design, days) else fold_verdict_over_days
-            verdicts.append(
-                settled(design, requirement, days=days, start_day=start_day, effort=effort)
-            )
+            asked: dict[str, Any] = {"days": days, "start_day": start_day, "effort": effort}
+            verdicts.append(_fold_verdict(design, requirement, fold, thorough, asked))
     for name, limit in limits:
         verdicts.append(
             geometry_verdict(
@@ -71,6 +75,21 @@ def verdict_of(
     for further in verdicts[1:]:
         verdict = both(verdict, further)
     return verdict
+
+
+def _fold_verdict(
+    design: Design, requirement: Requirement, fold: int, thorough: bool, asked: dict[str, Any]
+) -> Verdict:
+    """Verdict on a fold; if `thorough`, of one that is not always there the share of time too."""
+    if not closed_form(design, asked["days"]):
+        return fold_verdict_over_days(design, requirement, **asked)
+    often = replace(requirement, share=NEARLY, share_of="time")
+    certified = thorough and asks_for_folds(design, often, asked["days"], asked["start_day"])
+    verdict = fold_verdict(design, requirement, missed_share=not certified, **asked)
+    if not (certified and verdict.met is False and verdict.share is None):
+        return verdict
+    share = geometry_verdict(design, often, FOLD, fold, thorough=True, **asked).share
+    return replace(verdict, share=share)
 
 
 def closed_form(design: Design, days: float | None) -> bool:

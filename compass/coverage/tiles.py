@@ -1,7 +1,7 @@
 """The place where a share is least: tiles of latitude and longitude by bounds, halved.
 
-The share at one place is a bound from above; what a whole tile has at once is one from below for
-each of its places. The tile whose bound is lowest is looked at in its middle, or where it meets the
+The share at one place is a bound from above; of a tile there is one from below of which no place
+has less. The tile whose bound is lowest is looked at in its middle, or where it meets the
 region, and halved.
 """
 
@@ -41,7 +41,8 @@ class Tiles:
     Attributes
     ----------
     bound
-        Of a tile the share that all of it has at once, and boxes looked at.
+        Of a tile the share of which no place has less, what its middle has at least, and boxes
+        looked at.
     at
         Of a place (geodetic latitude, longitude) a share from above, and boxes looked at.
     figure
@@ -50,13 +51,16 @@ class Tiles:
         Whether every place counts by itself; else all of a circle of latitude count alike.
     region
         Of which places count, where they do by themselves.
+    longitudes
+        West and east of the stretch that stands for all.
     """
 
-    bound: Callable[[Sides], tuple[float, int]]
+    bound: Callable[[Sides], tuple[float, float, int]]
     at: Callable[[float, float], tuple[float, int]]
     figure: Figure
     places: bool = False
     region: Region = GLOBE
+    longitudes: tuple[float, float] = (-np.pi, np.pi)
 
     def least(
         self,
@@ -67,13 +71,16 @@ class Tiles:
         level: float | None,
         most: float,
         seconds: float = np.inf,
+        finest: float | None = None,
     ) -> Least:
         """Bracket the least share between two geodetic latitudes.
 
-        Until the bounds are `width` apart, both on one side of `level`, or `most` boxes or
-        `seconds` are spent; of tiles that are not looked at by then nothing is known.
+        Until the bounds are `width` apart and both on one side of `level`, if there is one, or
+        `finest` apart (`width` if left out), or `most` boxes or `seconds` are spent; of tiles that
+        are not looked at by then nothing is known.
         """
-        tiles: list[tuple[float, Sides]] = []
+        finest = width if finest is None else finest
+        tiles: list[tuple[float, Sides, float]] = []
         high, where, looked, began = 1.0, south, 0, monotonic()
 
         def spent() -> str:
@@ -83,9 +90,9 @@ class Tiles:
         def push(tile: Sides) -> None:
             nonlocal looked
             if not self._outside(tile):
-                low, boxes = (0.0, 0) if spent() else self.bound(tile)
+                low, middle, boxes = (0.0, 0.0, 0) if spent() else self.bound(tile)
                 looked += boxes
-                heapq.heappush(tiles, (low, tile))
+                heapq.heappush(tiles, (low, tile, middle))
 
         def look(tile: Sides) -> None:
             nonlocal looked, high, where
@@ -96,19 +103,20 @@ class Tiles:
                     high, where = found, spot[0]
 
         longest = FIRST_OF_PLACES if self.places else FIRST
-        columns = _parts(-np.pi, np.pi, longest) if self.places else [(0.0, 0.0)]
+        columns = _parts(*self.longitudes, longest) if self.places else [(0.0, 0.0)]
         for rows, turn in product(_parts(south, north, longest), columns):
             push((*rows, *turn))
         stopped = ""
         while tiles:
-            low, tile = tiles[0]
-            told = level is not None and (low >= level or high < level)
-            if told or high - low <= width:
+            low, tile, middle = tiles[0]
+            told = level is None or low >= level or high < level
+            if high - low <= finest or (told and high - low <= width):
                 break
             if stopped := spent():
                 break
             heapq.heappop(tiles)
-            look(tile)
+            if middle < high:
+                look(tile)
             for half in self._halves(tile):
                 push(half)
         if high == 1.0 and tiles:  # told from below alone: say what a place has too

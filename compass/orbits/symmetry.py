@@ -95,6 +95,19 @@ def widest_gap(phases: NDArray[np.float64]) -> float:
     return float(np.diff(ordered, append=ordered[0] + 2 * np.pi).max())
 
 
+def alike_longitudes(constellation: Constellation, revolutions: int, rotations: int) -> float:
+    """Width of the longitudes on Mars that stand for all of them, of closed tracks, radians.
+
+    In the time that a satellite takes for a phase, Mars turns by rotations over revolutions of it:
+    nodes and phases together count as ``node + phase rotations/revolutions``.
+    """
+    moves = shifts(constellation)
+    part = rotations / revolutions
+    along = np.concatenate([moves.turn + part * moves.phase, [2 * np.pi * part, 2 * np.pi]])
+    apart = np.minimum(np.mod(along, 2 * np.pi), 2 * np.pi)
+    return float(np.min(apart[apart > 1e-6], initial=2 * np.pi))
+
+
 def _laid_flat(c: Constellation) -> Constellation:
     """The constellation, in the equator if all of it is inclined alike: its moves are the same."""
     if c.size and one_circle(c) and np.ptp(c.inclination) == 0.0 and c.inclination[0] != 0.0:

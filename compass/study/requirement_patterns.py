@@ -13,7 +13,7 @@ from compass.coverage.fold_verdict import users_of
 from compass.orbits import Pattern
 from compass.orbits.constellation import from_pattern
 from compass.orbits.kinds import kind_of
-from compass.orbits.symmetry import shifts
+from compass.orbits.symmetry import alike_longitudes
 from compass.study.requirement_question import Question, Trial
 from compass.study.requirement_samples import Moments, is_hopeless, moments_of
 from compass.study.search import closest_approach, layouts
@@ -98,18 +98,11 @@ def _kept(
 def turns(question: Question, pattern: Pattern) -> list[float]:
     """Nodes of the first plane that are not alike over the ground; one where tracks do not close.
 
-    In the time that a satellite takes for a phase, Mars turns by rotations over revolutions of it:
-    nodes and phases together count as ``node + phase rotations/revolutions``.
+    As `compass.orbits.symmetry.alike_longitudes`.
     """
     if question.repeat is None:
         return [0.0]
-    revolutions, rotations = question.repeat
-    moves = shifts(from_pattern(replace(pattern, inclination=0.5), question.radius))
-    part = rotations / revolutions
-    along = np.concatenate([moves.turn + part * moves.phase, [2 * np.pi * part, 2 * np.pi]])
-    rest = np.mod(along, 2 * np.pi)
-    apart = np.sort(np.minimum(rest, 2 * np.pi))
-    apart = apart[apart > 1e-6]
-    width = float(apart[0]) if apart.size else 2 * np.pi
+    c = from_pattern(replace(pattern, inclination=0.5), question.radius)
+    width = alike_longitudes(c, *question.repeat)
     count = max(1, int(np.ceil(width / np.radians(TURN_STEP))))
     return [width * k / count for k in range(count)]

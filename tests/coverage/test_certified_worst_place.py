@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from compass.core.certified.everywhere import line_below
+from compass.core.certified.volumes import volume
 from compass.coverage import certified_worst_place as module
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_places import Circle, Spot
@@ -26,7 +28,8 @@ def known_shares(monkeypatch, share):
         b, lon, _, hb, hl, _ = boxes[0]
         hl = hl if places else 0.0
         corners = [share(b + x * hb, lon + y * hl) for x in (-1, 0, 1) for y in (-1, 0, 1)]
-        return min(corners) - 0.1 * (hb + hl), len(boxes)
+        low = min(corners) - 0.1 * (hb + hl)
+        return low, low, len(boxes)
 
     def of_place(self, c, limit, *, place, **_):
         value = share(place.latitude, getattr(place, "longitude", 0.0))
@@ -65,7 +68,7 @@ def test_boxes_and_seconds_end_it_among_the_first_tiles(monkeypatch):
 
     def of_tile(boxes, *_):
         looks.append(len(boxes))
-        return 0.9, 1000
+        return 0.9, 0.9, 1000
 
     known_shares(monkeypatch, lambda b, lon: 0.95)
     monkeypatch.setattr(module, "kept_everywhere", of_tile)
@@ -85,6 +88,58 @@ def test_boxes_and_seconds_end_it_among_the_first_tiles(monkeypatch):
         FEW, 4.0, 0.85, south=-half_pi, north=half_pi, budget_boxes=1e7, **asked
     )
     assert whole.low == pytest.approx(0.9, abs=1e-6) and not whole.stopped
+
+
+@pytest.mark.parametrize("places", [False, True])
+def test_a_line_lies_below_the_shares_of_all_places_and_near_them(places):
+    """Of half-spaces at random, and of those that a corner of the box or its rim just touches."""
+    g = np.random.default_rng(5)
+    line = np.zeros(3)
+    for k in range(200):
+        cut = g.uniform(-1, 1, 3) * np.array([1.0, 1.0, 1.0 if k % 5 else 1e-3])
+        threshold = g.uniform(-1.2, 1.2) * np.abs(cut[1:]).sum()
+        line_below(threshold, cut, places, line)
+        for x, y in (*g.uniform(-1, 1, (8, 2)), (1, 1), (-1, 1), (1, -1), (-1, -1), (0, 0)):
+            w = cut[0] * x + (cut[1] * y if places else 0.0)
+            share = volume(threshold - w, 0.0, 0.0 if places else cut[1], cut[2])
+            assert line[0] + line[1] * x + line[2] * y <= share + 3e-9
+    # a tenth of the sides: a hundredth of the loss, where the rim stays in the box
+    losses = []
+    for part in (0.1, 0.01):
+        cut = np.array([0.5 * part, 0.3 * part if places else 0.3, 1.0])
+        line_below(0.75, cut, places, line)
+        losses.append(volume(0.75, 0.0, 0.0 if places else 0.3, 1.0) - line[0])
+    assert losses[1] <= 0.011 * losses[0] + 3e-9
+
+
+@pytest.mark.slow
+def test_no_place_has_a_fold_for_less_time_and_one_has_it_for_no_more():
+    """Of circles for ever, of places over hours and of belts whose patterns repeat."""
+    c = walker_delta(15, 5, 1, inclination_deg=45, orbit="areosynchronous")
+    mask, day = np.radians(15), 88642.66
+    g = np.random.default_rng(1)
+    found, worst = certified_worst_place(
+        c, 4, None, dop="fold", mask=mask, south=0.0, north=np.radians(45), budget_boxes=3e5
+    )
+    assert found.high - found.low < 2e-3
+    for latitude in (worst, *g.uniform(0.0, np.radians(45), 20)):
+        at = certified_share(c, 4, dop="fold", mask=mask, place=Circle(latitude), width=1e-3)
+        assert found.low <= at.high
+    (part,) = read_regions("polygon:10,60;10,100;40,100;40,60")
+    low, high = part.latitudes()
+    asked = {"dop": "fold", "mask": mask, "since": 0.0, "duration": day}
+    found, _ = certified_worst_place(
+        c, 4, None, south=low, north=high, region=part, budget_boxes=2e5, **asked
+    )
+    belt = {"south": 0.0, "north": np.radians(45), "longitudes": np.radians(24)}
+    everywhere, _ = certified_worst_place(c, 4, None, budget_boxes=1e5, **belt, **asked)
+    assert max(found.high - found.low, everywhere.high - everywhere.low) < 0.05
+    for _ in range(40):
+        latitude, longitude = g.uniform(-np.radians(45), np.radians(45)), g.uniform(-np.pi, np.pi)
+        at = certified_share(c, 4, place=Spot(latitude, longitude), width=1e-3, **asked)
+        assert everywhere.low <= at.high
+        if part.contains(direction(latitude, longitude)):
+            assert found.low <= at.high
 
 
 @pytest.mark.slow
