@@ -35,7 +35,7 @@ def certified_worst_place(
     region: Region = GLOBE,
     longitudes: float = 2 * np.pi,
     width: float = 1e-3,
-    finest: float | None = None,
+    narrow: float = np.inf,
     budget_boxes: float = 1e6,
     effort: Effort | None = None,
     **asked: Unpack[Asked],
@@ -47,16 +47,16 @@ def certified_worst_place(
     constellation, limit
         As in `compass.coverage.certified_share.certified_share`.
     level
-        Go on until both bounds are on one side of this share, if there is one.
+        Stop when both bounds are on one side of this share, and `narrow` apart.
     south, north
         Planetocentric latitudes, radians.
     region
         Of which places at these latitudes count, where they turn with Mars.
     longitudes
         How many of them stand for all, radians, as of alike patterns over the ground.
-    width, finest, budget_boxes
-        How near the bounds are to come, and where `level` is still between them (`width` too if
-        left out); boxes for those from below.
+    width, narrow, budget_boxes
+        How near the bounds are to come, and where it is told on which side of `level` they are;
+        boxes for those from below.
     effort
         Its seconds instead of boxes, if it has any; how far to go at each place.
     **asked
@@ -91,7 +91,7 @@ def certified_worst_place(
         centric = float(planetocentric_latitude(latitude, question.figure))
         place: Any = Spot(centric, longitude) if places else Circle(centric)
         here: Asked = {**asked, "place": place}
-        for near in (min(width, COARSE), finest or width):
+        for near in (max(width, COARSE), width):
             found = known.share(
                 constellation, limit, width=0.25 * near, budget_boxes=AT_A_PLACE, **here
             )
@@ -106,7 +106,7 @@ def certified_worst_place(
         low,
         high,
         width=width,
-        finest=finest,
+        narrow=narrow,
         level=level,
         most=spent["budget_boxes"],
         seconds=spent["budget_s"],

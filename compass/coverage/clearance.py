@@ -368,8 +368,7 @@ def worst_share(
     mirrored = users.south == -users.north and users.alike_all_around and not places
     tiles = Tiles(bound, at, users.figure, places, users.region)
     south = 0.0 if mirrored else users.south
-    near = width if level is None else 1.0  # told on which side of the level, that is enough
-    found = tiles.least(south, users.north, width=near, finest=width, level=level, most=most)
+    found = tiles.least(south, users.north, width=width, level=level, most=most)
     return Share(found.low, found.high, found.looked), found.latitude
 
 

@@ -117,15 +117,15 @@ class _Asked:
         Bounds of each sky, until they tell whether it is a share of `level` or more; if `thorough`
         until they are near one another too.
         """
-        near, finest = (WORST_WIDTH, WORST_FINEST) if thorough else (1.0, WORST_WIDTH)
+        width, narrow = (WORST_FINEST, WORST_WIDTH) if thorough else (WORST_WIDTH, inf)
         found = [
             certified_worst_place(
                 left,
                 self.limit,
                 level,
                 effort=effort,
-                width=near,
-                finest=finest,
+                width=width,
+                narrow=narrow,
                 **self._asked(sky, lost),
                 **where,
             )

@@ -71,15 +71,14 @@ class Tiles:
         level: float | None,
         most: float,
         seconds: float = np.inf,
-        finest: float | None = None,
+        narrow: float = np.inf,
     ) -> Least:
         """Bracket the least share between two geodetic latitudes.
 
-        Until the bounds are `width` apart and both on one side of `level`, if there is one, or
-        `finest` apart (`width` if left out), or `most` boxes or `seconds` are spent; of tiles that
-        are not looked at by then nothing is known.
+        Until the bounds are `width` apart, or both on one side of `level` and `narrow` apart, or
+        `most` boxes or `seconds` are spent; of tiles that are not looked at by then nothing is
+        known.
         """
-        finest = width if finest is None else finest
         tiles: list[tuple[float, Sides, float]] = []
         high, where, looked, began = 1.0, south, 0, monotonic()
 
@@ -87,10 +86,10 @@ class Tiles:
             late = monotonic() - began >= seconds
             return "boxes" if looked >= most else "time" if late else ""
 
-        def push(tile: Sides) -> None:
+        def push(tile: Sides, known: float = 0.0) -> None:
             nonlocal looked
             if not self._outside(tile):
-                low, middle, boxes = (0.0, 0.0, 0) if spent() else self.bound(tile)
+                low, middle, boxes = (known, known, 0) if spent() else self.bound(tile)
                 looked += boxes
                 heapq.heappush(tiles, (low, tile, middle))
 
@@ -109,8 +108,8 @@ class Tiles:
         stopped = ""
         while tiles:
             low, tile, middle = tiles[0]
-            told = level is None or low >= level or high < level
-            if high - low <= finest or (told and high - low <= width):
+            told = level is not None and (low >= level or high < level)
+            if high - low <= width or (told and high - low <= narrow):
                 break
             if stopped := spent():
                 break
@@ -118,7 +117,7 @@ class Tiles:
             if middle < high:
                 look(tile)
             for half in self._halves(tile):
-                push(half)
+                push(half, low)
         if high == 1.0 and tiles:  # told from below alone: say what a place has too
             look(tiles[0][1])
         return Least(min(tiles[0][0] if tiles else 1.0, high), high, where, looked, stopped)
