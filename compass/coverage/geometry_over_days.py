@@ -13,7 +13,7 @@ import numpy as np
 
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_effort import Effort
-from compass.coverage.geometry_verdict import WIDTH, geometry_verdict
+from compass.coverage.geometry_verdict import FOLD, WIDTH, geometry_verdict
 from compass.coverage.verdict import Verdict, both
 from compass.design import Design, Requirement
 from compass.frames import SECONDS_PER_DAY
@@ -73,12 +73,12 @@ def geometry_lasts(
     stop: float,
     progress: Callable[[float], None] = lambda part: None,
 ) -> GeometryLasting:
-    """How long a requirement's dilutions of precision are kept along paths.
+    """How long a requirement's dilutions of precision are kept along paths, or a share of folds.
 
     Parameters
     ----------
     design, requirement
-        The requirement has limits.
+        The requirement has limits, or a fold that is wanted for a share.
     path
         What the design's satellites do.
     start, stop
@@ -129,7 +129,10 @@ def _both(
     effort: Effort,
     width: float,
 ) -> Verdict:
-    """Verdict on all limits of a requirement over a stretch."""
+    """Verdict on all limits of a requirement over a stretch, and on its fold for a share."""
+    limits = list(requirement.limits)
+    if requirement.fold is not None and requirement.share < 1.0:
+        limits.insert(0, (FOLD, requirement.fold))
     verdicts = [
         geometry_verdict(
             design,
@@ -141,7 +144,7 @@ def _both(
             effort=effort,
             width=width,
         )
-        for name, limit in requirement.limits
+        for name, limit in limits
     ]
     settled = verdicts[0]
     for further in verdicts[1:]:

@@ -10,9 +10,11 @@ from compass.coverage.certificate import Outcome
 from compass.coverage.claims import Claim, claims_of
 from compass.coverage.fold_verdict_over_days import claim_lasts, not_followed
 from compass.coverage.geometry_over_days import GeometryLasting, geometry_lasts
+from compass.coverage.geometry_verdict import asks_for_folds
 from compass.coverage.lasting import Lasting
 from compass.coverage.room import SlotBox, Slots, covering_slots, room_in_slots
 from compass.design import Design, Requirement
+from compass.frames import SECONDS_PER_DAY
 from compass.orbits.trajectory import Trajectory
 
 #: A verdict at a latitude this near to a site's, radians, is about the site.
@@ -32,7 +34,8 @@ class Promise:
     lasting
         How long they are proven there; None if none are wanted.
     geometry
-        How long its dilutions of precision are kept; None if none are wanted.
+        How long its dilutions of precision, and satellites in view for a share, are kept; None if
+        none are wanted.
     room
         Room in the slots at moments, radians, the least of all places; None without slots.
     box
@@ -193,6 +196,10 @@ def _follow(
 ) -> Promise:
     """Follow one requirement: the place that is lost first."""
     asked = replace(requirement, fold=requirement.counts)
+    days, day = (stop - start) / SECONDS_PER_DAY, start / SECONDS_PER_DAY
+    if asked.fold is not None and asks_for_folds(design, asked, days, day):
+        often = geometry_lasts(design, asked, path, start, stop, progress)
+        return Promise(requirement, geometry=often)
     if reason := not_followed(design, asked):
         return Promise(requirement, reason=reason)
     lasting, claim, geometry = None, None, None
