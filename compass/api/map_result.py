@@ -29,6 +29,7 @@ from compass.coverage.certified_percentile import GREATEST
 from compass.coverage.drawn import Drawn
 from compass.coverage.errors import ERRORS
 from compass.coverage.files import write_map
+from compass.coverage.fix_budget import STEP_DEG
 from compass.coverage.gaps import next_prime
 from compass.coverage.maps import DOPS
 from compass.coverage.protection import LEVELS
@@ -324,7 +325,7 @@ class MapResult(Result):
         made_of = (budget["range_parts"], *(budget[name]["parts"] for name in ERRORS))
         parts = [part for part in budget["range_parts"] if any(one[part] for one in made_of)]
         share, factor = quantity("part_share"), quantity("geometry_factor")
-        percentiles = list(budget["error_time_m"]["geometry"])
+        percentiles = [f"p{q}" for q in self.dataset.global_percentile.values.tolist()]
         header = ("", *(f"{part}, %" for part in parts), *(f"geometry, {p}" for p in percentiles))
         of_range = (Value(share, budget["range_parts"][part]) for part in parts)
         rows: list[tuple[Any, ...]] = [
@@ -333,16 +334,17 @@ class MapResult(Result):
         for name in ERRORS:
             one = budget[name]
             each = (Value(share, one["parts"][part]) for part in parts)
-            times = (Value(factor, one["geometry"][p]) for p in percentiles)
+            times = (self.value(factor, one["geometry"], p) for p in percentiles)
             rows.append((quantity(name).title, *each, *times))
         sigma = Value(quantity("range_error_m"), budget["range_error_m"])
         return (
             Table("What a fix is made of: parts of its variance, geometry", header, tuple(rows)),
             Sentence(
                 f"ranges in fixes have an error of {sigma} m (one sigma, root mean square), and "
-                "geometry makes the errors of fixes so many times that, at each percentile; parts "
-                "are means over area and time; where orbit and clock are correlated they share "
-                "what they make together as their own variances stand"
+                "geometry makes the errors of fixes so many times that, at each percentile; that "
+                f"error and parts are means over area and time, sampled on cells {STEP_DEG:g} deg "
+                "wide at the map's epochs or some of them, error not known; where orbit and clock "
+                "are correlated they share what they make together as their own variances stand"
             ),
         )
 

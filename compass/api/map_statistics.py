@@ -125,7 +125,11 @@ def _budget(dataset: "xr.Dataset", found: dict[str, Any]) -> dict[str, Any]:
         of = dataset.sel(error=name)
         by_error[name] = {
             "parts": dict(zip(parts, of.fix_part.values.tolist(), strict=True)),
-            "geometry": {f"p{q}": found[name][f"p{q}"] / sigma for q in _percents(dataset)},
+            "geometry": {
+                key: [end / sigma for end in value] if isinstance(value, list) else value / sigma
+                for key, value in found[name].items()
+                if key.startswith("p")
+            },
         }
     of_range = dict(zip(parts, dataset.range_part.values.tolist(), strict=True))
     return {"fix_budget": {"range_error_m": sigma, "range_parts": of_range, **by_error}}
