@@ -212,12 +212,15 @@ class Glance:
         For how long it is proven, of how long was looked at.
     lost
         Where it is lost, in words; empty where it is not.
+    first_loss_days
+        Day by which it is lost; None where it is not.
     """
 
     design: Design
     days_proven: float
     looked_days: float
     lost: str
+    first_loss_days: float | None = None
 
     @property
     def words(self) -> str:
@@ -235,9 +238,14 @@ class Glance:
 
     def answer(self, who: str = "it") -> Answer:
         """The same as one of the first lines of a page, with the command that proves it."""
-        days = min(self.looked_days, ceil(self.days_proven) + 1)
+        days = min(self.looked_days, days_to_see(self.days_proven, self.first_loss_days))
         proven = f"proven: compass drift {shlex.quote(self.design.label)} --days {days:g}"
         return Answer(f"{capital(left_words(self.design))} {who} lasts", self.words, None, proven)
+
+
+def days_to_see(proven: float, lost: float | None) -> int:
+    """Days to ask for, so that what is proven and the loss are seen: of a share in its stretch."""
+    return max(ceil(proven) + 1, ceil(lost or 0.0))
 
 
 def glance(design: Design) -> Glance:
@@ -253,6 +261,7 @@ def glance(design: Design) -> Glance:
             "days_proven": horizon if lasts else claim.days_proven,
             "looked_days": horizon,
             "lost": claim.loss,
+            "first_loss_days": claim.first_loss_days,
         }
 
     return Glance(design, **kept(question, look)[0])
@@ -262,7 +271,9 @@ def commands(design: Design, found: Outlook) -> dict[str, str]:
     """The command lines that prove what is said: ``lasts``, ``radii``, ``keeping``."""
     name = shlex.quote(design.label)
     radii = ",".join(f"{r.radius_km:g}" for r in found.lasting_radii or found.radii)
-    until = found.horizon_days if found.lasts else ceil(found.days_proven) + 1
+    until = found.horizon_days
+    if not found.lasts:
+        until = days_to_see(found.days_proven, found.first_loss_days)
     return {
         "lasts": f"compass drift {name} --days {until:g}",
         "radii": f"compass drift {name} --days {found.horizon_days:g} --radius-km {radii}",

@@ -230,6 +230,10 @@ def test_of_paths_known_for_days_no_years_and_no_slots_are_spoken_of():
     assert lasting_sentence(given, found) == f"{row.question} {row.written}."
     assert lasting_sentence(given, lost) == "On its given paths it lasts 1.7 days."
     assert lasting_verdicts(given, found)[0].word == "Lasts 1.25 days, all they are given for"
+    # a share is lost in a stretch of days, which the command must reach
+    shared = Glance(ring(), 13.3, 40.0, "4 satellites", 20.0)
+    assert shared.answer().sure.endswith("--days 20")
+    assert Glance(ring(), 1.7, 40.0, "3 in view", 1.7).answer().sure.endswith("--days 3")
     assert Glance(given, 1.25, 1.25, "").sentence.endswith("1.25 days, all they are given for.")
     # looked at for less than they are given for, or lost there: nobody leaves given paths alone
     longer = replace(
