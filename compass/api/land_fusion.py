@@ -9,12 +9,15 @@ from compass.document.blocks import Picture, Section, Table, arranged
 from compass.entry.accuracy import error_ellipse
 from compass.entry.faults import Fault
 from compass.entry.fused_kinds import Kind
-from compass.quantities.draws import share_bounds
+from compass.quantities.draws import CONFIDENCE, share_bounds
 from compass.study.fusion import SETTLING, TITLES, FusionRuns
 from compass.words import capital
 
 if TYPE_CHECKING:
     import xarray as xr
+
+#: What stands in brackets behind shares of runs.
+BOUNDS = "bounds that hold in 95 of 100 cases"
 
 
 def fusion_section(fused: FusionRuns, *, pictures: bool = True) -> Section:
@@ -125,7 +128,11 @@ def fusion_tables(fused: FusionRuns) -> tuple[Table, ...]:
                     name,
                     _settled(data, "position_rmse"),
                     float(data.position_rmse[-1]),
-                    100 * float(data.capture[1:].mean("time").min()),
+                    _bounded(
+                        float(data.capture[1:].mean("time").min()),
+                        data.attrs["runs"],
+                        data.sizes["state"],
+                    ),
                     nees,
                     f"{low:.2f} to {high:.2f}",
                     verdict,
@@ -143,7 +150,7 @@ def fusion_tables(fused: FusionRuns) -> tuple[Table, ...]:
                         "filter",
                         "position RMSE, m",
                         "at the end, m",
-                        "worst state within 3 sigma, %",
+                        f"worst state within 3 sigma, % ({BOUNDS})",
                         "NEES",
                         "95 % bounds",
                         "verdict",
@@ -194,13 +201,27 @@ def _refused_table(fused: FusionRuns) -> Table:
     runs = fused.faulty or fused.clear
     first = next(iter(runs.values()))
     return Table(
-        "Measurements refused by the gate, % of epochs",
+        f"Measurements refused by the gate, % of epochs ({BOUNDS})",
         ("filter", *first.sensor.values.tolist()),
         tuple(
-            (name, *(100 * float(share) for share in data.refused[1:].mean("time")))
+            (
+                name,
+                *(
+                    _bounded(float(share), data.attrs["runs"])
+                    for share in data.refused[1:].mean("time")
+                ),
+            )
             for name, data in runs.items()
         ),
     )
+
+
+def _bounded(share: float, runs: int, several: int = 1) -> str | float:
+    """A share of so many runs, per cent, with its bounds, as `_shares`; of `several` all hold."""
+    if isnan(share):
+        return share
+    low, high = share_bounds(share, runs, 0.5 * (1.0 - CONFIDENCE) / several)
+    return f"{100 * share:.4g} ({100 * low:.3g} to {100 * high:.3g})"
 
 
 def _shares(
