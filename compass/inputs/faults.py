@@ -1,6 +1,7 @@
 """Faults of an input file, each said with field, value, what is allowed and the remedy."""
 
 from collections.abc import Iterable
+from datetime import date, time
 from typing import Any, get_origin
 
 from pydantic import BaseModel
@@ -23,8 +24,19 @@ _KINDS = {
 
 def fault(field: str, value: object, problem: str) -> str:
     """One fault: ``field = value: problem``; long values are cut."""
-    shown = str(value).lower() if isinstance(value, bool) else repr(value)
+    shown = _in_toml(value)
     return f"{field} = {shown if len(shown) <= 60 else shown[:57] + '...'}: {problem}"
+
+
+def _in_toml(value: object) -> str:
+    """A value as a file has it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {_in_toml(of)}' for key, of in value.items())} }}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_in_toml, value))}]"
+    return value.isoformat() if isinstance(value, date | time) else repr(value)
 
 
 def table_in(raw: dict[str, Any], key: str) -> dict[str, Any]:

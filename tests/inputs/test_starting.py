@@ -160,3 +160,15 @@ def test_they_show_themselves():
 def test_what_is_not_installed_has_no_version(monkeypatch):
     monkeypatch.setattr("compass.api.version.PACKAGES", ("numpy", "no-such-package"))
     assert list(compass.version().packages) == ["numpy"]
+
+
+def test_what_is_refused_is_shown_as_a_file_has_it(tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text(
+        'name = "x"\n[constelation]\npattern = "walker-delta"\nopen = [true, { at = 1 }]\n'
+    )
+    with pytest.raises(DesignError) as refused:
+        compass.read_design(path)
+    said = str(refused.value)
+    assert "constelation = { pattern = 'walker-delta', open = [true, { at = 1 }" in said
+    assert "did you mean [constellation]?" in said and "True" not in said
