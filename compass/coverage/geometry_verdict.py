@@ -31,6 +31,7 @@ from compass.coverage.sampled_verdict import sampled_verdict
 from compass.coverage.users import Users, by_horizon, centric, geodetic
 from compass.coverage.verdict import Verdict, Worst, undecided
 from compass.design import DILUTIONS, Design, Requirement
+from compass.errors import said_of
 from compass.orbits import Constellation
 from compass.orbits.symmetry import alike_longitudes, one_circle
 from compass.sites import Site
@@ -228,34 +229,35 @@ def geometry_verdict(
     same = sky is None or sky.keeps_symmetry
     for lost, alike, left in losses_of(c, requirement, everyone, course, alike=same):
         gone = [c.satellite_names.index(satellite) for satellite in lost]
-        for users in everyone:
-            seen = by_horizon(users, c)
-            assert seen is not None
-            by_place = requirement.share < 1.0 and requirement.share_of == "time"
-            among = by_place and users.south != users.north
-            where = asked_place(seen, course)
-            if among:
-                where = _worst_asked(seen, course, left if same else None)
-            where |= {
-                "figure": users.figure,
-                "mask": seen.mask,
-                "budget_boxes": WORST_BOXES if among else SHARE_BOXES,
-                "motion": design.motion,
-            }
-            if "south" in where:
-                share, latitude = asked.worst_place(
-                    effort, left, gone, where, requirement.share, thorough
-                )
-                there = geodetic(latitude, users.figure)
-                found.append((share, replace(users, south=there, north=there), lost, alike))
-                continue
-            if requirement.share == 1.0:
-                claim = asked.always(effort, left, gone, where)
-                claims.append(_Claim(claim, users, left, lost, alike, gone, where))
-                if claim.outcome != Outcome.UNDECIDED:
+        with said_of(requirement.name):
+            for users in everyone:
+                seen = by_horizon(users, c)
+                assert seen is not None
+                by_place = requirement.share < 1.0 and requirement.share_of == "time"
+                among = by_place and users.south != users.north
+                where = asked_place(seen, course)
+                if among:
+                    where = _worst_asked(seen, course, left if same else None)
+                where |= {
+                    "figure": users.figure,
+                    "mask": seen.mask,
+                    "budget_boxes": WORST_BOXES if among else SHARE_BOXES,
+                    "motion": design.motion,
+                }
+                if "south" in where:
+                    share, latitude = asked.worst_place(
+                        effort, left, gone, where, requirement.share, thorough
+                    )
+                    there = geodetic(latitude, users.figure)
+                    found.append((share, replace(users, south=there, north=there), lost, alike))
                     continue
-            share = asked.share(effort, left, gone, where, width, requirement.share)
-            found.append((share, users, lost, alike))
+                if requirement.share == 1.0:
+                    claim = asked.always(effort, left, gone, where)
+                    claims.append(_Claim(claim, users, left, lost, alike, gone, where))
+                    if claim.outcome != Outcome.UNDECIDED:
+                        continue
+                share = asked.share(effort, left, gone, where, width, requirement.share)
+                found.append((share, users, lost, alike))
     scope = course.words
     if sky is not None:
         scope += "; of a fix that weighs ranges by their variances, wherever the Sun stands"

@@ -13,6 +13,7 @@ from compass.coverage.certified_effort import Effort
 from compass.coverage.geometry_verdict import geometry_verdict
 from compass.coverage.requirement_verdict import verdict_of
 from compass.design import Design, Requirement
+from compass.errors import ArgumentError
 from compass.frames import FIGURES
 from compass.orbits import positions_mcmf, walker_delta
 from compass.orbits.motion import Motion
@@ -135,3 +136,13 @@ def test_a_share_of_area_and_time_lies_between_those_of_its_parts(monkeypatch):
     assert (mean.met, mean.share) == (None, (0.1, 0.9))
     assert settled((0.5, 0.7), "area-time").met is False
     assert settled((0.5, 0.9), "time").met is False
+
+
+def test_what_cannot_be_asked_is_refused_by_the_requirement_s_name():
+    pattern = walker_delta(6, 3, 1, inclination_deg=50, radius_km=20427)
+    limits = (("pdop", 6.0),)
+    wanted = Requirement(
+        name="orbiters", regions=("globe",), limits=limits, share=0.5, altitude=17030.81e3
+    )
+    with pytest.raises(ArgumentError, match=r"^orbiters: altitude_km = 17030.8: among the sat"):
+        geometry_verdict(Design(pattern), wanted, "pdop", 6.0)
