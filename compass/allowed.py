@@ -90,6 +90,8 @@ RANGES = {
     "launch_altitude_km": Range(100.0, 1e6, "kilometres"),
     "least_approach_deg": Range(0.0, 180.0, "degrees", below=True),
     "longitude_deg": _ANGLE,
+    "map.altitude_km": Range(0.0, 1e6, "kilometres"),
+    "map.mask_deg": Range(-90.0, 90.0, "degrees", above=True, below=True),
     "mask_deg": Range(0.0, 90.0, "degrees", below=True),
     "mean_anomaly_deg": _ANGLE,
     "phase_deg": _ANGLE,

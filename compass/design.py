@@ -319,9 +319,13 @@ class Requirement:
     def where(self) -> str:
         """Where, in words."""
         named = [*(site.name for site in self.sites), *self.areas]
-        high = f", {self.altitude / 1e3:g} km above the ground" if self.altitude else ""
-        beam = "" if self.beam is None else f", in beams of {np.degrees(self.beam):g} deg"
-        return ", ".join(named) + high + beam
+        return ", ".join(named) + standing_words(self.altitude, self.beam)
+
+
+def standing_words(altitude: float, beam: float | None) -> str:
+    """How high users stand, metres, and in which beams, radians, behind where they are."""
+    high = f", {altitude / 1e3:g} km above the ground" if altitude else ""
+    return high + ("" if beam is None else f", in beams of {np.degrees(beam):g} deg")
 
 
 @dataclass(frozen=True, repr=False)

@@ -33,7 +33,9 @@ def map(
     step_deg: float = 1.0,
     grid: str = "equal-angle",
     epochs: int = 109,
+    altitude_km: float = 0.0,
     mask_deg: float | None = None,
+    beam_deg: float | None = None,
     fold: int | None = None,
     pdop_max: float = PDOP_MAX,
     motion: MotionModel | None = None,
@@ -73,8 +75,15 @@ def map(
         Size of the cells, degrees, and their kind: ``equal-angle`` or ``equal-area``.
     epochs
         In the period; a prime number meets moments of symmetry least.
+    altitude_km
+        Height of the users above the ground: of a shell of orbits. Regions are at it too.
     mask_deg, fold
-        Elevation mask, degrees, and satellites wanted; else the design's.
+        Elevation mask, degrees, and satellites wanted; else the design's. A mask below 0, not below
+        Mars's limb, is of users in orbit, who look down: their receivers have the noise of the
+        zenith, and no ionosphere.
+    beam_deg
+        Half angle of the satellites' antennas about the way down, degrees, outside of which users
+        see nothing; all around if left out.
     pdop_max
         Largest PDOP that counts as available.
     motion
@@ -125,7 +134,9 @@ def map(
         step_deg=step_deg,
         grid=grid,
         epochs=epochs,
+        altitude_km=altitude_km,
         mask_deg=mask_deg,
+        beam_deg=beam_deg,
         fold=fold,
         pdop_max=pdop_max,
         motion=motion,
@@ -143,6 +154,10 @@ def map(
     tls = check_cluster(workers, scheduler, tls_ca, tls_cert, tls_key)
     read = in_metres(given)
     places = given_places(sites, regions, read)
+    if sites and altitude_km:
+        raise ArgumentError(
+            f"altitude_km = {altitude_km:g}: is of regions; sites have their own height_km"
+        )
     file, threads = None if leaves is None else Path(leaves), cores(workers)
     effort = Effort(width, budget_s, file, threads)
     with bar(progress, "map", unit="row", leave=False) as rows, ExitStack() as stack:

@@ -33,7 +33,7 @@ from compass.coverage.fix_budget import STEP_DEG
 from compass.coverage.gaps import next_prime
 from compass.coverage.maps import DOPS
 from compass.coverage.protection import LEVELS
-from compass.design import Design
+from compass.design import Design, standing_words
 from compass.document import (
     Bracket,
     Interval,
@@ -100,6 +100,15 @@ class MapResult(Result):
         return plain(answer | {"met": self.met, "areas": areas} | self.numbers() | known)
 
     @property
+    def users(self) -> str:
+        """How high users stand and in which beams, in words; nothing on the ground, all around."""
+        attrs = self.dataset.attrs
+        beam = attrs.get("beam_deg")
+        return standing_words(
+            attrs["user_altitude_km"] * 1e3, None if beam is None else math.radians(beam)
+        )
+
+    @property
     def met(self) -> bool:
         """Whether the fold wanted is there everywhere, as far as any place looked at tells."""
         return bool(self.numbers()["count"]["min"] >= self.made.dataset.attrs["wanted_fold"])
@@ -127,7 +136,7 @@ class MapResult(Result):
         """What the figures that are not certified are of, and how well that says them."""
         attrs = self.dataset.attrs
         return (
-            f"sampled {self.looked.how} of the {attrs['figure']}, over "
+            f"sampled {self.looked.how} of the {attrs['figure']}{self.users}, over "
             f"{attrs['period_s'] / 3600:.6g} h of {attrs['motion_model']} motion: "
             "what lies between is not seen, and by how much that moves them is not known; "
             "weighted by area and time, infinities count"
@@ -163,9 +172,10 @@ class MapResult(Result):
         p50, p95 = (self._percentile("gdop", numbers, q) for q in ("p50", "p95"))
         weaker = [p.evidence for p in (p95, p50) if not isinstance(p.evidence, Bracket)]
         sure = str(weaker[0]) if weaker else Bracket.WORDS
+        users = f", of users{self.users[1:]}" if self.users else ""
         claim = (
             f"{numbers['count']['min']} to {numbers['count']['max']} satellites in view, "
-            f"{fold} wanted; GDOP {p50} (median), {p95} (95 % of area and time); {sure}"
+            f"{fold} wanted; GDOP {p50} (median), {p95} (95 % of area and time){users}; {sure}"
         )
         others = "the other figures are " if self.certified else ""
         return Page(
@@ -261,13 +271,14 @@ class MapResult(Result):
         errors, attrs = self.errors, self.dataset.attrs
         horizontal, vertical = (self.value(quantity(q), errors, q) for q in ROVER.values())
         known = "their variances" if attrs["error_weights"] == "variance" else "nothing: all alike"
+        who = f"a user anywhere{self.users}" if self.users else "a rover anywhere"
         rover = (
-            "a rover anywhere: no error holds for 95 % of area and time, for in more than 5 % of "
+            f"{who}: no error holds for 95 % of area and time, for in more than 5 % of "
             "it there is no fix"
         )
         if np.isfinite(errors["rover_horizontal_m"]):
             rover = (
-                f"a rover anywhere: {horizontal} m horizontal, {vertical} m vertical, 95 % of its "
+                f"{who}: {horizontal} m horizontal, {vertical} m vertical, 95 % of its "
                 "fixes for 95 % of area and time (1.96 times one sigma, at least 95 % whatever the "
                 f"shape of the error ellipse), with {basis(self.design)}; it weighs ranges by "
                 f"{known}; {horizontal.evidence}"
@@ -526,7 +537,7 @@ class MapResult(Result):
             drawn,
             values.values,
             self.made.grid,
-            f"{self.design.name}: {title}",
+            f"{self.design.name}{self.users}: {title}",
             known.heading if known else str(values.attrs["long_name"]),
             figure_name=self.design.figure.name,
             scale=_scale(name, values),

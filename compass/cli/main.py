@@ -11,12 +11,15 @@ import re
 import signal
 import sys
 import traceback
+from _thread import interrupt_main
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from copy import copy
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
+from threading import Timer
+from types import FrameType
 from typing import Any, TextIO
 
 import click
@@ -41,6 +44,9 @@ from compass.errors import ArgumentError, CompassError
 SHARED = ("clock", "main", "options", "parameters", "shared")
 
 DONE, BAD_INPUT, BROKEN, INTERRUPTED = 0, 2, 3, 130
+
+#: Seconds after which a ^C that went where nothing can be raised is raised again.
+RETRY_S = 0.05
 
 
 class WholeNumber(click.types.IntParamType):
@@ -263,22 +269,52 @@ def _of_the_system(error: OSError) -> str:
 
 @contextmanager
 def _interrupts_noted() -> Iterator[list[int]]:
-    """Note each ^C: what it interrupts may turn it into an error of another kind."""
+    """Note each ^C: what it interrupts may turn it into an error of another kind.
+
+    Or lose it: what is raised while an import clears up its locks goes to a hook, no further; and
+    LLVM, which asks Python for compiled code, does not survive that. It comes a moment later then.
+    """
     noted: list[int] = []
 
-    def note(number: int, _frame: object) -> None:
-        noted.append(number)
-        raise KeyboardInterrupt
+    def later() -> None:
+        once_more = Timer(RETRY_S, interrupt_main)
+        once_more.daemon = True
+        once_more.start()
 
+    def note(number: int, frame: FrameType | None) -> None:
+        noted.append(number)
+        if _in_llvm(frame):
+            later()
+        else:
+            raise KeyboardInterrupt
+
+    def again(lost: "sys.UnraisableHookArgs") -> None:
+        if isinstance(lost.exc_value, KeyboardInterrupt):
+            later()
+        else:
+            hook(lost)
+
+    hook = sys.unraisablehook
     before = signal.getsignal(signal.SIGINT)
     if before is not signal.default_int_handler:  # ^C is ignored, or someone else's
         yield noted
         return
     signal.signal(signal.SIGINT, note)
+    sys.unraisablehook = again
     try:
         yield noted
     finally:
         signal.signal(signal.SIGINT, before)
+        sys.unraisablehook = hook
+
+
+def _in_llvm(frame: FrameType | None) -> bool:
+    """Whether LLVM is at work below, and waits for what Python answers."""
+    while frame is not None:
+        if str(frame.f_globals.get("__name__")).startswith("llvmlite."):
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _say(message: str) -> None:

@@ -9,9 +9,9 @@ from compass.cli.shared import command_line, put, silence_the_cluster, watched
 
 
 @takes(
-    f"design {AREAS} output picture name step_deg grid epochs mask_deg fold pdop_max motion "
-    f"start_day duration_h error_max_m weights each_loss {BOUNDS} workers {CLUSTER} "
-    "time_series"
+    f"design {AREAS} output picture name step_deg grid epochs altitude_km mask_deg beam_deg fold "
+    f"pdop_max motion start_day duration_h error_max_m weights each_loss {BOUNDS} workers "
+    f"{CLUSTER} time_series"
 )
 def command(
     output: Path | None,

@@ -253,6 +253,11 @@ OPTIONS: dict[str, Told] = {
     "reproduce.output": folder(
         "Folder for the rows (CSV) and the paper's figures, each as picture and data."
     ),
+    "map.altitude_km": real(
+        "Height of the users above the ground; in orbit they may look down: mask-deg below 0.", 0.0
+    ),
+    "map.beam_deg": real("Half angle of the satellites' antennas; all around if left out."),
+    "map.mask_deg": real("Elevation mask, degrees; else the design's; below 0 in orbit alone."),
     "search.budget_s": real("Seconds for each share of geometry wanted."),
     "search.days": real("Days for which it must hold on real orbits that nobody steers, too."),
     "search.figure": choice(

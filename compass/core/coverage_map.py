@@ -57,7 +57,7 @@ def map_row(r, cos_cap, row, threshold, weight, cells, dop, tallies):
         Added to.
     """
     epochs, m = r.shape[0], row.cos_lon.size
-    scratch = row_scratch(r.shape[1], m, row.azimuths.size)
+    scratch = row_scratch(r.shape[1], row)
     found, counts = np.empty((5, m)), np.empty(m, np.int16)
     count_min, count_max, share, by_epoch = (
         cells.count_min, cells.count_max, cells.share, tallies.by_epoch,

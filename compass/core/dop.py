@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.jit import fused_kernel, inline_kernel, kernel
-from compass.core.runs import HIGH, OUT, SQUARE, UP_OUT, UP_Z, Row, sight_runs
+from compass.core.runs import HIGH, OUT, SQUARE, UP_OUT, UP_Z, most_runs, sight_runs
 
 #: Order of the DOPs in every array.
 GDOP, PDOP, HDOP, VDOP, TDOP = range(5)
@@ -157,8 +157,8 @@ def dop_row(r, cos_cap, row, scratch, counts, out):
     r
         Satellite positions in units of the equatorial radius, Mars-fixed, shape (satellite, 3).
     cos_cap
-        Cosines of the cap radii on a sphere, shape (satellite,); with a mask of more than one
-        azimuth, and off the sphere, the caps are not used.
+        Cosines of the cap radii on a sphere, shape (satellite,); of other users than those on the
+        ground of a sphere, over a constant mask, the caps are not used.
     row
         The users, see `compass.core.runs.Row`.
     scratch
@@ -193,34 +193,28 @@ def dop_row(r, cos_cap, row, scratch, counts, out):
 
 
 @kernel
-def row_scratch(satellites, columns, azimuths):
+def row_scratch(satellites, row):
     """Working space for `dop_row`."""
-    runs = satellites * (columns // 2 + 1) if azimuths > 1 else satellites
+    runs = most_runs(satellites, row)
     return Scratch(np.zeros(12 * TILE), np.empty((runs, 2), np.int64), np.empty(runs, np.int64))
 
 
 @kernel
-def dop_rows(r, cos_cap, azimuths, elevations, places, cos_lon, sin_lon, lon0, counts, out):
-    """Counts and DOPs in every column of some rows at every epoch.
+def dop_over_time(r, cos_cap, row, counts, out):
+    """Counts and DOPs in every column of one row at every epoch.
 
     Parameters
     ----------
-    r, cos_cap
-        As in `dop_row`, with a leading epoch axis.
-    azimuths, elevations, cos_lon, sin_lon, lon0
-        As in `compass.core.runs.Row`.
-    places
-        How a user stands in each row, shape (row, 5).
+    r, cos_cap, row
+        As in `dop_row`, the first two with a leading epoch axis.
     counts
-        Filled; shape (epoch, row, column).
+        Filled; shape (epoch, column).
     out
-        Filled; shape (epoch, row, 5, column).
+        Filled; shape (epoch, 5, column).
     """
-    scratch = row_scratch(r.shape[1], cos_lon.size, azimuths.size)
+    scratch = row_scratch(r.shape[1], row)
     for t in range(r.shape[0]):
-        for i in range(places.shape[0]):
-            row = Row(azimuths, elevations, places[i], cos_lon, sin_lon, lon0)
-            dop_row(r[t], cos_cap[t], row, scratch, counts[t, i], out[t, i])
+        dop_row(r[t], cos_cap[t], row, scratch, counts[t], out[t])
 
 
 @kernel

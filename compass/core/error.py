@@ -18,7 +18,7 @@ from compass.core.dop import TILE, Scratch, quadratic, row_runs, weighted_dops
 from compass.core.ionosphere import sunlit
 from compass.core.jit import fused_kernel, inline_kernel, kernel
 from compass.core.ranking import BINS, add_to_histogram
-from compass.core.runs import HIGH, OUT, SQUARE, UP_OUT, UP_Z
+from compass.core.runs import HIGH, OUT, SQUARE, UP_OUT, UP_Z, most_runs
 
 Array = NDArray[np.float64]
 
@@ -290,9 +290,9 @@ def error_row(r, cos_cap, row, scratch, ranges, t, out):
 
 
 @kernel
-def error_scratch(satellites, columns, azimuths):
+def error_scratch(satellites, row):
     """Working space for `error_row`."""
-    runs = satellites * (columns // 2 + 1) if azimuths > 1 else satellites
+    runs = most_runs(satellites, row)
     return Scratch(np.zeros(PARTS * TILE), np.empty((runs, 2), np.int64), np.empty(runs, np.int64))
 
 
@@ -318,7 +318,7 @@ def error_map_row(
         Added to; shape (4, BINS + 1).
     """
     epochs, m = r.shape[0], row.cos_lon.size
-    scratch = error_scratch(r.shape[1], m, row.azimuths.size)
+    scratch = error_scratch(r.shape[1], row)
     found, within = np.empty((4, m)), np.zeros((4, m))
     for t in range(epochs):
         error_row(r[t], cos_cap[t], row, scratch, ranges, t, found)

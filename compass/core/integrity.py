@@ -21,7 +21,7 @@ from compass.core.error import DELAY2, range_variance, ranges_in_view
 from compass.core.ionosphere import sunlit
 from compass.core.jit import kernel
 from compass.core.ranking import BINS, add_to_histogram
-from compass.core.runs import HIGH, OUT, UP_OUT, UP_Z
+from compass.core.runs import HIGH, OUT, UP_OUT, UP_Z, most_runs
 from compass.core.smallmatrix import invert
 
 #: Places among the numbers of a promise: P_sat, bias, share of the risk of each direction (east,
@@ -181,7 +181,7 @@ def protection_row(
     """
     place, sun, alerts, numbers = row.place, ranges.sun, promise.alerts, ranges.numbers
     m, n = row.cos_lon.size, r.shape[1]
-    runs = np.empty((n * (m // 2 + 1) if row.azimuths.size > 1 else n, 2), np.int64)
+    runs = np.empty((most_runs(n, row), 2), np.int64)
     owners, seen = np.empty(len(runs), np.int64), np.zeros((m, n), np.bool_)
     g, variances, found = np.empty((n, 4)), np.empty(n), np.empty(3)
     level = np.empty((2, m))

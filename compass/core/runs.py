@@ -6,7 +6,7 @@ A row has m equally spaced columns, the first at longitude ``lon0``, going once 
 How a user stands in a row is the same in each column but for the turn about the axis. Five numbers
 say it, lengths in units of the equatorial radius: cosine and sine of the latitude of the user's up,
 distance from the axis and height over the equator of the user's place, and the square of its
-distance from the centre. On a sphere the first four are twice the same two.
+distance from the centre. On the ground of a sphere the first four are twice the same two.
 """
 
 import math
@@ -24,6 +24,9 @@ TWO_PI = 2.0 * math.pi
 #: What an array that describes a row holds.
 UP_OUT, UP_Z, OUT, HIGH, SQUARE = range(5)
 
+#: Cosine of the half angle of antennas that reach all around.
+ALL_AROUND = -1.0
+
 #: Below this reach rounding (1e-16 / reach, under a square root) could move an end of the interval
 #: by more than a column of 0.05 degree.
 FLAT = 1e-8
@@ -34,6 +37,8 @@ class Row(NamedTuple):
 
     `azimuths`, `elevations`: the mask, radians; constant with one azimuth. `place` (5,): how a user
     stands in the row. `cos_lon`, `sin_lon` (m,) of the columns; `lon0`: longitude of column 0.
+    `cos_beam`: cosine of the half angle of the satellites' antennas about the way down, or
+    `ALL_AROUND`.
     """
 
     azimuths: Array
@@ -42,6 +47,7 @@ class Row(NamedTuple):
     cos_lon: Array
     sin_lon: Array
     lon0: float
+    cos_beam: float
 
 
 @kernel
@@ -115,19 +121,31 @@ def _inside(ux, uy, uz, cos_cap, sin_lat, cos_lat, cos_lon, sin_lon, column):
 
 
 @kernel
+def is_one_run(row):
+    """Whether the columns that see a satellite are one run: over a level horizon, in no beam."""
+    return row.azimuths.size == 1 and row.elevations[0] >= 0.0 and row.cos_beam <= ALL_AROUND
+
+
+@kernel
+def most_runs(satellites, row):
+    """Runs that the columns of a row which see satellites may make, of all of them together."""
+    return satellites if is_one_run(row) else satellites * (row.cos_lon.size // 2 + 1)
+
+
+@kernel
 def sight_runs(rx, ry, rz, cos_cap, row, runs):
-    """Columns of a row that see a satellite above the mask.
+    """Columns of a row that see a satellite above the mask, in its beam.
 
     Parameters
     ----------
     rx, ry, rz
         Satellite position in units of the equatorial radius.
     cos_cap
-        Cosine of the cap's radius, which a constant mask and a sphere have.
+        Cosine of the cap's radius, which a constant mask and the ground of a sphere have.
     row
         Its users, see `Row`.
     runs
-        Filled with (first, stop), shape (k, 2): k at least 1, m/2 + 1 with more than one azimuth.
+        Filled with (first, stop), shape (k, 2): k at least 1, m/2 + 1 unless `is_one_run`.
 
     Returns
     -------
@@ -135,8 +153,8 @@ def sight_runs(rx, ry, rz, cos_cap, row, runs):
         Number of runs.
     """
     place, cos_lon, sin_lon, lon0 = row.place, row.cos_lon, row.sin_lon, row.lon0
-    if row.azimuths.size > 1:
-        return horizon_runs(rx, ry, rz, place, cos_lon, sin_lon, row.azimuths, row.elevations, runs)
+    if not is_one_run(row):
+        return horizon_runs(rx, ry, rz, row, runs)
     away, longitude = math.sqrt(rx * rx + ry * ry), math.atan2(ry, rx)
     w = 1.0 / math.sqrt(rx * rx + ry * ry + rz * rz)
     if place[UP_OUT] == place[OUT] and place[UP_Z] == place[HIGH]:
@@ -182,17 +200,16 @@ def least_out(square, rz, sin_mask, row):
 
 
 @kernel
-def horizon_runs(rx, ry, rz, row, cos_lon, sin_lon, azimuths, elevations, runs):
-    """Columns that see a satellite above an azimuth-dependent mask; every column is tested.
+def horizon_runs(rx, ry, rz, row, runs):
+    """Columns that see a satellite above any mask, in its beam; every column is tested.
 
     Parameters
     ----------
     rx, ry, rz
         Satellite position in units of the equatorial radius.
-    row, cos_lon, sin_lon
-        The row, shape (5,), and its columns.
-    azimuths, elevations
-        The mask, radians; clockwise from north, increasing, linear between, periodic.
+    row
+        Its users. The mask is clockwise from north, increasing, linear between, periodic; below 0
+        for users who look down, not below the limb: Mars hides no one who stands above it.
     runs
         Filled with (first, stop), shape (k, 2) with k at least m/2 + 1.
 
@@ -201,18 +218,24 @@ def horizon_runs(rx, ry, rz, row, cos_lon, sin_lon, azimuths, elevations, runs):
     int
         Number of runs.
     """
+    place, cos_lon, sin_lon = row.place, row.cos_lon, row.sin_lon
     m = cos_lon.size
     found = 0
     previous = False
-    up_out, up_z, high = row[UP_OUT], row[UP_Z], rz - row[HIGH]
+    up_out, up_z, high = place[UP_OUT], place[UP_Z], rz - place[HIGH]
+    beamed = row.cos_beam > ALL_AROUND
+    reach = row.cos_beam * math.sqrt(rx * rx + ry * ry + rz * rz)
     for k in range(m):
         # away from the axis, at this longitude, beyond the user
-        out = rx * cos_lon[k] + ry * sin_lon[k] - row[OUT]
+        out = rx * cos_lon[k] + ry * sin_lon[k] - place[OUT]
         east = ry * cos_lon[k] - rx * sin_lon[k]
         north = high * up_out - out * up_z
         up = out * up_out + high * up_z
         elevation = math.atan2(up, math.sqrt(east * east + north * north))
-        seen = elevation >= mask_at(math.atan2(east, north), azimuths, elevations)
+        seen = elevation >= mask_at(math.atan2(east, north), row.azimuths, row.elevations)
+        if seen and beamed:  # the satellite's way down and its line to the user, r . (r - p)
+            along = (out + place[OUT]) * out + east * east + rz * high
+            seen = along >= reach * math.sqrt(out * out + east * east + high * high)
         if seen and not previous:
             runs[found, 0] = k
             found += 1

@@ -6,7 +6,7 @@ least and the greatest of theirs.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from compass.coverage.certified_effort import Effort
@@ -14,9 +14,10 @@ from compass.coverage.certified_ranges import skies_of
 from compass.coverage.fold_verdict import Course, course_of, users_of
 from compass.coverage.geometry_verdict import asked_place
 from compass.coverage.requirement_verdict import verdict_of
-from compass.coverage.users import Users
+from compass.coverage.users import Users, by_horizon
 from compass.coverage.verdict import Verdict
 from compass.design import ERRORS, Design, Requirement
+from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.sites import Site
 
@@ -96,6 +97,22 @@ class Area:
         """Of the site, or the region's text."""
         return self.wanted.name
 
+    def over_horizons(self) -> tuple[Users, ...]:
+        """Its users over horizons that stand for beams.
+
+        Raises
+        ------
+        ArgumentError
+            No horizon does.
+        """
+        found = [by_horizon(users, self.design.constellation) for users in self.users]
+        if None in found:
+            raise ArgumentError(
+                f"beam_deg: {self.name}: at sites and in regions beams are bounded under circles "
+                "of one radius about a sphere alone; leave these out"
+            )
+        return tuple(one for one in found if one is not None)
+
     def fold(self) -> Verdict:
         """Whether the satellites wanted are always in view."""
         if self.course.for_ever:
@@ -156,12 +173,16 @@ def areas_of(
     fold: int,
     span: tuple[float, float],
     limited: bool = False,
+    mask: float | None = None,
+    altitude: float = 0.0,
+    beam: float | None = None,
     effort: Effort | None = None,
     near: Near | None = None,
 ) -> tuple[Area, ...]:
     """Every site and region, in this order, to ask about; parameters as of `area_figures`."""
-    wanted = [Requirement(site.name, sites=(site,), fold=fold) for site in sites]
-    wanted += [Requirement(text, regions=(text,), fold=fold) for text in regions]
+    asked = Requirement("", fold=fold, mask=mask, beam=beam)
+    wanted = [replace(asked, name=site.name, sites=(site,)) for site in sites]
+    wanted += [replace(asked, name=text, regions=(text,), altitude=altitude) for text in regions]
     course = None
     if not limited and design.motion.is_closed_form:
         course = course_of(design, None, 0.0)
@@ -170,9 +191,8 @@ def areas_of(
         course = course_of(design, days, span[0] / SECONDS_PER_DAY)
         assert course is not None  # days were given
     effort, near = effort or Effort(), near or Near()
-    return tuple(
-        Area(design, each, course, users_of(design, each), effort, near) for each in wanted
-    )
+    areas = (Area(design, each, course, users_of(design, each), effort, near) for each in wanted)
+    return tuple(replace(area, users=area.over_horizons()) for area in areas)
 
 
 def area_figures(
@@ -185,6 +205,9 @@ def area_figures(
     error_max: float,
     span: tuple[float, float],
     limited: bool = False,
+    mask: float | None = None,
+    altitude: float = 0.0,
+    beam: float | None = None,
     effort: Effort | None = None,
     near: Near | None = None,
 ) -> tuple[AreaFigures, ...]:
@@ -195,7 +218,7 @@ def area_figures(
     Parameters
     ----------
     design
-        Its motion and mask count; sites have the higher of it and their own horizon.
+        Its motion counts, and its mask; sites have the higher of it and their own horizon.
     sites, regions
         As of a requirement.
     fold, pdop_max, error_max
@@ -203,6 +226,9 @@ def area_figures(
     span, limited
         Seconds after the epoch from and to which is looked where nothing can be said for ever, or
         wherever it is `limited` to that.
+    mask, altitude, beam
+        Elevation mask instead of the design's, height of the users of regions above the figure,
+        metres, and half angle of the antennas, radians.
     effort, near
         How far to go; by default as near as `Near` says.
 
@@ -218,10 +244,14 @@ def area_figures(
         fold=fold,
         span=span,
         limited=limited,
+        mask=mask,
+        altitude=altitude,
+        beam=beam,
         effort=effort,
         near=near,
     )
-    names = ERRORS[:3] if design.signal is not None else ()
+    level = mask is None or mask >= 0.0  # errors of who looks down have no bounds
+    names = ERRORS[:3] if design.signal is not None and level else ()
     return tuple(
         AreaFigures(
             area.name,

@@ -292,7 +292,9 @@ def _key(kind: str, constellation: Constellation, at: float, asked: Asked) -> st
 
 def _part(still: float, wide: float) -> float:
     """Part of the way from all open to a width."""
-    return min(max(math.log(max(still, 1e-300)) / math.log(wide), 0.0), 1.0)
+    if still <= wide or wide >= 1.0:
+        return 1.0
+    return max(math.log(still) / math.log(wide), 0.0)
 
 
 def _read(path: Path) -> dict[str, NDArray[Any]]:

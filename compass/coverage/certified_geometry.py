@@ -115,6 +115,7 @@ def certified_geometry(
     since: float = 0.0,
     duration: float | None = None,
     motion: AnyMotion = "two-body",
+    height: float = 0.0,
     worst: bool = False,
     folds: Sequence[int] = (),
     found: tuple[int, int] | None = None,
@@ -127,7 +128,7 @@ def certified_geometry(
 
     Parameters
     ----------
-    constellation, figure, mask, since, duration, motion
+    constellation, figure, mask, since, duration, motion, height
         As in `compass.coverage.certified_question.Question`.
     pdop_max
         Largest PDOP that is good, from 1.
@@ -152,6 +153,7 @@ def certified_geometry(
         "since": since,
         "duration": duration,
         "motion": motion,
+        "height": height,
         "budget_boxes": min(BUDGET_BOXES, BUDGET_SIGHTS // max(constellation.size, 1)),
     }
     availability = effort.share(constellation, pdop_max, dop="pdop", width=width, **asked)

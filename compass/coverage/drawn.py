@@ -29,10 +29,11 @@ from compass.coverage.moving import (
 from compass.coverage.protection import SHARES, levels_along
 from compass.coverage.region import GLOBE
 from compass.coverage.samples import stand
-from compass.coverage.users import region_users
+from compass.coverage.users import Users, region_users
 from compass.design import Design
 from compass.frames import east_north_up, planetographic_latitude
 from compass.signal.ranges import Weighting
+from compass.sites import Mask
 
 Array = NDArray[np.float64]
 
@@ -96,6 +97,7 @@ def drawn(
     design: Design,
     span: tuple[float, float],
     *,
+    users: Users | None = None,
     weights: Weighting = "variance",
     losses: bool = False,
     draws: int | None = None,
@@ -109,6 +111,8 @@ def drawn(
         Its motion counts.
     span
         Seconds after the epoch.
+    users
+        How high they stand, and in which beams; on the ground if left out.
     weights
         How fixes weigh ranges.
     losses
@@ -122,39 +126,53 @@ def drawn(
     polar = figure.polar_radius / figure.equatorial_radius
     latitude = planetographic_latitude(latitude_of_area(g.uniform(-1, 1, draws), polar), figure)
     axes = east_north_up(latitude, g.uniform(-np.pi, np.pi, draws))
-    places = stand(region_users(GLOBE, figure, design.mask), latitude, axes[:, 2])
+    everyone = users or region_users(GLOBE, figure, design.mask)
+    places = stand(everyone, latitude, axes[:, 2])
     step = max(1, PIECE // max(size, 1)) if design.motion.is_closed_form else draws
     parts = []
     for k in range(0, draws, step):
         piece = slice(k, k + step)
-        users = Mover("", places[piece], axes[piece], design.mask)
-        parts.append(_figures(design, users, times[piece], weights, losses=losses))
+        some = Mover("", places[piece], axes[piece], everyone.mask)
+        given = design, some, times[piece], everyone.beam, weights
+        parts.append(_figures(*given, losses=losses))
     return Drawn.joined(parts)
 
 
 def _figures(
-    design: Design, users: Mover, times: Array, weights: Weighting, *, losses: bool
+    design: Design,
+    users: Mover,
+    times: Array,
+    beam: float | None,
+    weights: Weighting,
+    *,
+    losses: bool,
 ) -> Drawn:
     """All figures of one user a moment."""
     names, motion = design.constellation.satellite_names, design.motion
-    r, seen, around = seen_along(design, users, times, motion)
-    line = design.figure.equatorial_radius * r - users.r[:, np.newaxis]
-    risen = (np.einsum("tni,ti->tn", line, users.axes[:, 2]) >= 0.0).sum(axis=1)
+    r, seen, around = seen_along(design, users, times, motion, beam)
+    count, risen = seen.sum(axis=1), _risen(design, users, times, beam)
     sights = Sights(r, seen, around, metre_ranges(*seen.shape))
     values = dilutions_along(design, users, sights)
     if design.signal is None:
-        return Drawn(names, around, risen, values)
+        return Drawn(names, count, risen, values)
     sights = replace(sights, ranges=ranges_at(design, times, motion, weights))
     values |= dict(zip(ERRORS, fix_errors(design, users, sights).T, strict=True))
     if design.integrity is None or len(names) < FEWEST:
-        return Drawn(names, around, risen, values)
+        return Drawn(names, count, risen, values)
     levels, able = levels_along(design, users, sights)
     protected, left = _protected(design, levels, able), dict[str, NDArray[np.bool_]]()
     if losses:
         without = partial(_without, design, users, sights)
         each = list(shared(without, range(len(names))))
         left = {name: np.stack([one[name] for one in each], axis=1) for name in SHARES}
-    return Drawn(names, around, risen, values | levels, protected, left)
+    return Drawn(names, count, risen, values | levels, protected, left)
+
+
+def _risen(design: Design, users: Mover, times: Array, beam: float | None) -> NDArray[np.int64]:
+    """How many stand above the plain horizon, or a mask below it, in their beams."""
+    assert users.mask is not None
+    plain = replace(users, mask=Mask.constant(min(0.0, users.mask.lowest)))
+    return seen_along(design, plain, times, design.motion, beam)[1].sum(axis=1)
 
 
 def _protected(

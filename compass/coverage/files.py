@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from compass.core.dop import dop_rows
+from compass.core.dop import dop_over_time
 from compass.coverage.grid import Grid
 from compass.coverage.maps import DOPS, LONG_NAMES
 from compass.coverage.view import View
@@ -81,10 +81,8 @@ def _append_series(
     file: "h5netcdf.File", view: View, grid: Grid, progress: Callable[[int], None]
 ) -> None:
     """Add counts and DOPs of every epoch, a row at a time."""
-    longitude, places = grid.longitude, grid.places
-    cos_lon, sin_lon = np.cos(longitude), np.sin(longitude)
     epochs, m = view.times.size, grid.columns
-    counts, row = np.empty((epochs, 1, m), np.int16), np.empty((epochs, 1, len(DOPS), m))
+    counts, dops = np.empty((epochs, m), np.int16), np.empty((epochs, len(DOPS), m))
     dims = ("time", "lat", "lon")
     chunks = (epochs, 1, m)
     options = {"chunks": chunks, "compression": "gzip", "compression_opts": 1}
@@ -96,20 +94,9 @@ def _append_series(
     for variable in variables:
         variable.attrs["units"] = "1"
         variable.attrs["grid_mapping"] = "mars"
-    for i in range(grid.rows):
-        dop_rows(
-            view.r,
-            view.cos_cap,
-            view.azimuths,
-            view.elevations,
-            places[i : i + 1],
-            cos_lon,
-            sin_lon,
-            longitude[0],
-            counts,
-            row,
-        )
-        variables[0][:, i, :] = counts[:, 0]
+    for i, row in enumerate(view.rows(grid)):
+        dop_over_time(view.r, view.cos_cap, row, counts, dops)
+        variables[0][:, i, :] = counts
         for k, variable in enumerate(variables[1:]):
-            variable[:, i, :] = row[:, 0, k]
+            variable[:, i, :] = dops[:, k]
         progress(1)

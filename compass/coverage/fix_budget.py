@@ -67,7 +67,7 @@ def fix_budget(design: Design, seen: View, ranges: RangeErrors) -> FixBudget:
     FixBudget
         Nan where there is no fix at all.
     """
-    places, ups = _users(design)
+    places, ups = _users(design, seen.height)
     skip = max(1, int(np.ceil(len(places) * seen.r[..., 0].size / MOST_RANGES)))
     epochs = slice(None, None, skip)
     found, fixed, heard, kept, risen = variances_by_part(
@@ -84,8 +84,8 @@ def fix_budget(design: Design, seen: View, ranges: RangeErrors) -> FixBudget:
     return FixBudget(float(np.sqrt(total)), of_ranges / total, shares.mean(axis=0), *fours)
 
 
-def _users(design: Design) -> tuple[Array, Array]:
-    """Places on the ground, in units of the equatorial radius, and up; each of the same area."""
+def _users(design: Design, height: float) -> tuple[Array, Array]:
+    """Places at a height, in units of the equatorial radius, and up; each of the same area."""
     figure = design.figure
     grid = make_grid("equal-area", STEP_DEG, figure.polar_radius / figure.equatorial_radius)
     longitude = np.repeat(grid.longitude, grid.rows)[:, None]
@@ -95,7 +95,7 @@ def _users(design: Design) -> tuple[Array, Array]:
         np.hstack(around) * row[:, columns]
         for columns in ([OUT, OUT, HIGH], [UP_OUT, UP_OUT, UP_Z])
     )
-    return places, ups
+    return places + height * ups, ups
 
 
 def variances_by_part(
@@ -103,14 +103,14 @@ def variances_by_part(
 ) -> tuple[Array, NDArray[np.bool_], Array, NDArray[np.bool_], NDArray[np.bool_]]:
     """Variances of fixes by error and part, m^2; which are fixes; those of ranges; who is in view.
 
-    And who has risen above the plain horizon, whatever the mask.
+    And who has risen above the plain horizon, or a mask below it, whatever a mask above it.
 
     Parameters
     ----------
     r
         Satellites, Mars-fixed, in units of the equatorial radius, shape (t, n, 3).
     seen
-        Whose mask counts.
+        Whose mask and beam count.
     ranges
         At these epochs.
     places, ups
@@ -126,7 +126,12 @@ def variances_by_part(
     d = np.linalg.norm(line, axis=-1)
     u = line / d[..., None]
     sine = np.einsum("tuni,ui->tun", u, ups)
-    in_view = sine >= np.sin(_mask(seen, u, ups))
+    mask = np.sin(_mask(seen, u, ups))
+    in_view, risen = sine >= mask, sine >= np.minimum(mask, 0.0)
+    if seen.beam is not None:
+        down = np.einsum("tuni,tni->tun", u, r) / np.linalg.norm(r, axis=-1)[:, None]
+        lit_by = down >= np.cos(seen.beam)
+        in_view, risen = in_view & lit_by, risen & lit_by
     heard = np.zeros((*sine.shape, len(PARTS)))
     q = ranges.forms[:, None]
     ux, uy, uz = np.moveaxis(u, -1, 0)
@@ -158,7 +163,7 @@ def variances_by_part(
     variances[..., 4] = np.array(
         [2.0 * numbers[error.SHARED], 0.0, 2.0 * numbers[error.SHARED], numbers[error.SHARED_TIME]]
     )
-    return variances, fixed, heard, in_view, sine >= 0.0
+    return variances, fixed, heard, in_view, risen
 
 
 def _mask(seen: View, u: Array, ups: Array) -> Array:

@@ -12,7 +12,6 @@ from compass.bodies import MARS_ROTATION_RATE
 from compass.core.gaps import finish_gaps, follow_gaps, new_state
 from compass.core.runs import Row
 from compass.cores import cores
-from compass.coverage.cap import cap_radius
 from compass.coverage.grid import Grid
 from compass.coverage.rows import Part, Rows, gathered
 from compass.coverage.view import View, view
@@ -25,6 +24,8 @@ from compass.sites import Mask
 EPOCHS_A_PASS = 16
 #: Epochs at least and at most.
 FEWEST, MOST = 109, 50_000
+#: Narrowest cap that epochs are chosen for, radians.
+NARROWEST = 1e-3
 #: Satellite positions that are held at once: some 60 bytes each.
 PIECE = 400_000
 
@@ -51,27 +52,41 @@ class Gaps:
     ring: bool
 
 
-def shortest_pass(constellation: Constellation, sphere_radius: float, mask: float) -> float:
+def shortest_pass(
+    constellation: Constellation, users_radius: float, mask: float, beam: float | None = None
+) -> float:
     """Time in which the quickest satellite crosses its own cap, seconds, on the safe side.
 
     ``2 lambda / (dnu/dt + omega)`` at periapsis, where the cap is smallest and the pace of the
-    true anomaly, ``sqrt(GM p)/r^2``, greatest; Mars turns against it at most by omega.
+    true anomaly, ``sqrt(GM p)/r^2``, greatest; Mars turns against it at most by omega. Users above
+    a satellite see it beyond the limb, across ``2 acos(u cos e/r)``.
     """
     c = constellation
     if not c.size:
         return np.inf
     near = c.periapsis_radius
     pace = np.sqrt(c.gm * near * (1.0 + c.eccentricity)) / near**2
-    caps = cap_radius(near, sphere_radius, mask)
+    caps = np.arccos(np.clip(users_radius * np.cos(mask) / near, 0.0, 1.0))
+    caps -= np.where(near > users_radius, mask, 0.0)
+    if beam is not None and beam < 0.5 * np.pi:
+        edge = np.arcsin(np.clip(near * np.sin(beam) / users_radius, 0.0, 1.0)) - beam
+        caps = np.where(edge > 0.0, np.minimum(caps, edge), caps)
+    caps = np.maximum(caps, NARROWEST)
     return float((2.0 * caps / (pace + MARS_ROTATION_RATE.value)).min())
 
 
-def gap_epochs(constellation: Constellation, sphere_radius: float, mask: Mask, span: float) -> int:
+def gap_epochs(
+    constellation: Constellation,
+    users_radius: float,
+    mask: Mask,
+    span: float,
+    beam: float | None = None,
+) -> int:
     """Number of epochs, a prime, of which the shortest pass through the zenith has sixteen.
 
     A prime shares no factor with what repeats in the span. At most fifty thousand.
     """
-    wanted = span * EPOCHS_A_PASS / shortest_pass(constellation, sphere_radius, mask.highest)
+    wanted = span * EPOCHS_A_PASS / shortest_pass(constellation, users_radius, mask.highest, beam)
     return next_prime(int(np.clip(np.ceil(wanted), FEWEST, MOST)))
 
 
@@ -88,7 +103,7 @@ class GapTrack:
 
     Attributes
     ----------
-    constellation, sphere_radius, mask, model
+    constellation, sphere_radius, mask, model, height, beam
         As in `compass.coverage.view.view`.
     span, start
         Seconds to look at, from so many after the epoch.
@@ -115,6 +130,8 @@ class GapTrack:
     model: AnyMotion = "two-body"
     epochs: int | None = None
     start: float = 0.0
+    height: float = 0.0
+    beam: float | None = None
 
     def __post_init__(self) -> None:
         whole_number("fold", self.fold, 1)
@@ -122,8 +139,8 @@ class GapTrack:
     @cached_property
     def number(self) -> int:
         """How many epochs are looked at."""
-        known = self.constellation, self.sphere_radius, self.mask, self.span
-        return self.epochs or gap_epochs(*known)
+        known = self.constellation, self.sphere_radius + self.height, self.mask, self.span
+        return self.epochs or gap_epochs(*known, self.beam)
 
     @property
     def step(self) -> float:
@@ -180,7 +197,15 @@ def gap_rows(
         for first in range(0, track.number, piece):
             epochs = np.arange(first, min(first + piece, track.number))
             times = track.start + epochs * track.step
-            seen = view(track.constellation, times, track.sphere_radius, track.mask, track.model)
+            seen = view(
+                track.constellation,
+                times,
+                track.sphere_radius,
+                track.mask,
+                track.model,
+                height=track.height,
+                beam=track.beam,
+            )
             users = seen.rows(grid)
             for _ in pool.map(partial(_follow, seen, track.fold), (users[i] for i in rows), states):
                 progress(1)

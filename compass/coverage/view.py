@@ -36,6 +36,10 @@ class View:
         shape (epoch, satellite).
     azimuths, elevations
         The mask; one pair if it is constant.
+    height
+        Of the users above the ground, in units of the equatorial radius.
+    beam
+        Half angle of the satellites' antennas about the way down, radians; None all around.
     """
 
     times: NDArray[np.float64]
@@ -43,14 +47,20 @@ class View:
     cos_cap: NDArray[np.float64]
     azimuths: NDArray[np.float64]
     elevations: NDArray[np.float64]
+    height: float = 0.0
+    beam: float | None = None
 
     def rows(self, grid: Grid) -> list["Row"]:
         """The users of each row of a grid, under the mask, as kernels take them."""
-        from compass.core.runs import Row
+        from compass.core.runs import ALL_AROUND, Row
 
         longitude = grid.longitude
         columns = np.cos(longitude), np.sin(longitude), float(longitude[0])
-        return [Row(self.azimuths, self.elevations, place, *columns) for place in grid.places]
+        reach = ALL_AROUND if self.beam is None else float(np.cos(self.beam))
+        return [
+            Row(self.azimuths, self.elevations, place, *columns, reach)
+            for place in raised(grid.places, self.height)
+        ]
 
     @property
     def directions(self) -> NDArray[np.float64]:
@@ -64,8 +74,13 @@ def view(
     sphere_radius: float,
     mask: Mask | None = None,
     model: AnyMotion = "two-body",
+    *,
+    height: float = 0.0,
+    beam: float | None = None,
 ) -> View:
     """Put a constellation over Mars, `sphere_radius` metres at the equator, at `times` seconds.
+
+    Over users at a height, metres, who are seen in antennas of a half angle `beam`, radians.
 
     Raises
     ------
@@ -88,7 +103,22 @@ def view(
         cos_cap,
         np.array(mask.azimuth[:1] if constant else mask.azimuth),
         np.array(mask.elevation[:1] if constant else mask.elevation),
+        height / sphere_radius,
+        beam,
     )
+
+
+def raised(places: NDArray[np.float64], height: float) -> NDArray[np.float64]:
+    """How users stand so high above those of rows, in units of the equatorial radius."""
+    from compass.core.runs import HIGH, OUT, SQUARE, UP_OUT, UP_Z
+
+    if height == 0:
+        return places
+    up = places.copy()
+    up[:, OUT] += height * up[:, UP_OUT]
+    up[:, HIGH] += height * up[:, UP_Z]
+    up[:, SQUARE] = up[:, OUT] ** 2 + up[:, HIGH] ** 2
+    return up
 
 
 def _pieces(epochs: int, satellites: int, motion: Motion) -> Iterator[slice]:

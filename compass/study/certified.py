@@ -1,5 +1,6 @@
 """What a map's figures are for sure, over all area and time, at sites and in regions."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -7,6 +8,8 @@ from compass.cores import cores
 from compass.coverage.areas import AreaFigures, area_figures
 from compass.coverage.certified_effort import Effort
 from compass.coverage.certified_geometry import CertifiedGeometry, certified_geometry
+from compass.coverage.region import GLOBE
+from compass.coverage.users import by_horizon, region_users
 from compass.design import Design
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits import repeat_period
@@ -27,6 +30,8 @@ def certified_figures(
 ) -> CertifiedGeometry | None:
     """Bracket a map's figures over the whole surface; None where there is nothing to bracket.
 
+    Nor where no horizon stands for beams (`compass.coverage.users.by_horizon`).
+
     For all time where the motion repeats up to a turn of the figure, else over the map's period.
 
     Parameters
@@ -38,10 +43,14 @@ def certified_figures(
     folds, found
         As of `certified_geometry`.
     """
-    motion = design.motion.or_of(options.motion)
+    motion, high, beam = design.motion.or_of(options.motion), options.altitude_km, _beam(options)
     if not design.constellation.size:
         return None
     since = options.start_day * SECONDS_PER_DAY
+    mask = design.mask if options.mask_deg is None else option_mask(options.mask_deg, high)
+    everyone = replace(region_users(GLOBE, design.figure, mask, height=high * 1e3), beam=beam)
+    if (users := by_horizon(everyone, design.constellation)) is None:
+        return None
     hours = options.duration_h
     if hours is None and (since or not motion.is_closed_form):
         hours = repeat_period(design.constellation).duration / 3600.0
@@ -50,7 +59,8 @@ def certified_figures(
     return certified_geometry(
         design.constellation,
         figure=design.figure,
-        mask=design.mask if options.mask_deg is None else option_mask(options.mask_deg),
+        mask=users.mask,
+        height=users.height,
         pdop_max=options.pdop_max,
         percents=PERCENTS,
         dops=DILUTIONS,
@@ -81,14 +91,16 @@ def certified_areas(
         As of `certified_figures`.
     sites, regions
         As of a requirement.
+
+    Raises
+    ------
+    ArgumentError
+        Beams that no horizon stands for.
     """
     if not (sites or regions) or not design.constellation.size:
         return ()
-    asked = replace(
-        design,
-        motion=design.motion.or_of(options.motion),
-        mask=design.mask if options.mask_deg is None else option_mask(options.mask_deg),
-    )
+    high = options.altitude_km
+    asked = replace(design, motion=design.motion.or_of(options.motion))
     since, hours = options.start_day * SECONDS_PER_DAY, options.duration_h
     period = repeat_period(design.constellation).duration if hours is None else hours * 3600.0
     if asked.motion.table is not None:  # no table is asked beyond its end
@@ -102,5 +114,13 @@ def certified_areas(
         error_max=options.error_max_m,
         span=(since, since + period),
         limited=bool(since) or hours is not None,
+        mask=None if options.mask_deg is None else option_mask(options.mask_deg, high).highest,
+        altitude=high * 1e3,
+        beam=_beam(options),
         effort=effort or Effort(workers=cores()),
     )
+
+
+def _beam(options: MapOptions) -> float | None:
+    """Half angle of the antennas, radians."""
+    return None if options.beam_deg is None else math.radians(options.beam_deg)

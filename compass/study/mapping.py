@@ -19,15 +19,17 @@ from compass.coverage.gaps import GapTrack, coverage_gaps, gap_rows, shortest_pa
 from compass.coverage.grid import Grid, make_grid
 from compass.coverage.maps import count_rows, coverage_map
 from compass.coverage.protection import protection_map, protection_rows
+from compass.coverage.region import GLOBE
 from compass.coverage.rows import Part, Rows, by_threads
+from compass.coverage.users import Users, check_limb, region_users
 from compass.coverage.view import View, view
-from compass.design import PDOP_MAX, Design
+from compass.design import PDOP_MAX, Design, standing_words
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.memory import check_fits
 from compass.orbits import RepeatPeriod, repeat_period
 from compass.orbits.motion import Motion, MotionModel
-from compass.signal.ranges import RangeErrors, Weighting, range_errors
+from compass.signal.ranges import RangeErrors, Weighting, aloft_numbers, range_errors
 from compass.sites import Mask
 from compass.study.map_cost import Cost, map_cost
 from compass.words import counted
@@ -50,7 +52,11 @@ class MapOptions:
         and again, and percentiles of the dilution suffer. Of the primes about a hundred it is
         one whose 104th value, the 95th percentile by nearest rank, has 95 % around it.
     mask_deg, fold
-        Elevation mask and satellites wanted, instead of the design's.
+        Elevation mask and satellites wanted, instead of the design's; a mask below 0 for users
+        above the ground, who look down.
+    altitude_km, beam_deg
+        Height of the users above the ground, and half angle of the satellites' antennas about the
+        way down, as of a `compass.design.Requirement`; all around if left out.
     pdop_max
         Largest PDOP that counts as available.
     motion
@@ -76,6 +82,15 @@ class MapOptions:
     duration_h: float | None = None
     error_max_m: float = 30.0
     weights: Weighting = "variance"
+    altitude_km: float = 0.0
+    beam_deg: float | None = None
+
+    @property
+    def users(self) -> str:
+        """Whose map it is, in words: nothing of users on the ground, all around."""
+        return standing_words(
+            self.altitude_km * 1e3, None if self.beam_deg is None else np.radians(self.beam_deg)
+        )
 
     def check(self) -> None:
         """Refuse what is outside what is allowed.
@@ -91,6 +106,8 @@ class MapOptions:
             pdop_max=self.pdop_max,
             error_max_m=self.error_max_m,
             start_day=self.start_day,
+            altitude_km=self.altitude_km,
+            beam_deg=self.beam_deg,
         )
         if self.weights not in ("variance", "equal"):
             raise ArgumentError(f"weights = {self.weights!r}: allowed variance, equal")
@@ -130,7 +147,16 @@ class MapRows:
     def mask(self) -> Mask:
         """Mask of all users."""
         given = self.options.mask_deg
-        return self.design.mask if given is None else option_mask(given)
+        return self.design.mask if given is None else option_mask(given, self.options.altitude_km)
+
+    @cached_property
+    def users(self) -> Users:
+        """Who is everywhere, so high above the ground, in such beams."""
+        figure, options = self.design.figure, self.options
+        everyone = region_users(GLOBE, figure, self.mask, height=options.altitude_km * 1e3)
+        beam = None if options.beam_deg is None else float(np.radians(options.beam_deg))
+        check_limb(everyone)
+        return replace(everyone, beam=beam)
 
     @cached_property
     def motion(self) -> Motion:
@@ -171,12 +197,17 @@ class MapRows:
     def view(self) -> View:
         """The satellites at the epochs."""
         radius = self.design.figure.equatorial_radius
-        return view(self.design.constellation, self.times, radius, self.mask, self.motion)
+        c, users = self.design.constellation, self.users
+        high, beam = users.height, users.beam
+        return view(c, self.times, radius, users.mask, self.motion, height=high, beam=beam)
 
     @cached_property
     def ranges(self) -> RangeErrors:
         """Errors of the ranges at the epochs."""
-        return range_errors(self.design, self.times, self.motion, self.options.weights)
+        found = range_errors(self.design, self.times, self.motion, self.options.weights)
+        if self.mask.lowest < 0.0:  # as of orbiters
+            return replace(found, numbers=aloft_numbers(found.numbers))
+        return found
 
     def drawn(self, *, losses: bool = False) -> Drawn | None:
         """Figures at random places and moments of what is mapped; None without satellites.
@@ -186,11 +217,13 @@ class MapRows:
         design, motion, start = self.design, self.motion, float(self.times[0])
         if not design.constellation.size:
             return None
-        asked = replace(design, motion=motion, mask=self.mask)
+        asked = replace(design, motion=motion)
         stop = start + self.duration
         if motion.table is not None:  # no table is asked beyond its end
             stop = min(stop, motion.table.stop)
-        return drawn(asked, (start, stop), weights=self.options.weights, losses=losses)
+        return drawn(
+            asked, (start, stop), users=self.users, weights=self.options.weights, losses=losses
+        )
 
     @cached_property
     def track(self) -> GapTrack:
@@ -204,6 +237,8 @@ class MapRows:
             self.mask,
             self.motion,
             start=float(self.times[0]),
+            height=self.users.height,
+            beam=self.users.beam,
         )
 
 
@@ -274,9 +309,12 @@ def make_map(
         if design.integrity is not None:
             levels = protection_map(rows.view, grid, rows.ranges, design.integrity, by=do)
             dataset = dataset.assign(levels.data_vars).assign_coords(levels.coords)
-    quickest = shortest_pass(design.constellation, figure.equatorial_radius, rows.mask.highest)
-    dataset.attrs |= provenance(design, command) | {
+    users_radius = figure.equatorial_radius + rows.users.height
+    quickest = shortest_pass(design.constellation, users_radius, rows.mask.highest, rows.users.beam)
+    dataset.attrs |= provenance(design, command, chosen.users) | {
         "elevation_mask_deg": np.degrees(rows.mask.elevation).tolist(),
+        "user_altitude_km": chosen.altitude_km,
+        **({} if chosen.beam_deg is None else {"beam_deg": chosen.beam_deg}),
         "motion_model": motion.model,
         "figure": figure.title,
         "start_day": chosen.start_day,
@@ -319,24 +357,26 @@ def closes(motion: Motion, repeat: RepeatPeriod) -> bool:
     return motion.model == "two-body" and repeat.closure <= np.radians(0.1)
 
 
-def option_mask(mask_deg: float) -> Mask:
+def option_mask(mask_deg: float, altitude_km: float = 0.0) -> Mask:
     """Return a constant mask from degrees given as an option.
 
     Raises
     ------
     ArgumentError
-        Outside 0 up to below 90 degrees.
+        Outside 0 up to below 90 degrees; above the ground from above -90 degrees on.
     """
-    if not 0 <= mask_deg < 90:
-        raise ArgumentError(f"mask_deg = {mask_deg:g}: allowed 0 up to below 90 degrees")
+    if not (-90 if altitude_km else 0) <= mask_deg < 90:
+        aloft = "above -90 up" if altitude_km else "0 up"
+        higher = "" if altitude_km else "; below 0 is of users above the ground, at an altitude_km"
+        raise ArgumentError(f"mask_deg = {mask_deg:g}: allowed {aloft} to below 90 degrees{higher}")
     return Mask.constant(float(np.radians(mask_deg)))
 
 
-def provenance(design: Design, command: str) -> dict[str, str]:
+def provenance(design: Design, command: str, users: str = "") -> dict[str, str]:
     """What a result was made from: global attributes of the convention, and the design itself."""
     now = datetime.now(UTC).isoformat(timespec="seconds")
     return {
-        "title": f"Coverage of Mars by {design.name}",
+        "title": f"Coverage of Mars by {design.name}{users}",
         "source": f"compass {compass.__version__}",
         "history": f"{now} {command}".strip(),
         "references": " ".join(design.source.split()),

@@ -80,19 +80,17 @@ def test_all_dilutions_of_precision_with_statistics(benchmark, case):
 def test_gdop(benchmark, case):
     from concurrent.futures import ThreadPoolExecutor
 
-    from compass.core.dop import dop_rows
+    from compass.core.dop import dop_over_time
 
     seen, grid, points = case
-    lon, places = grid.longitude, grid.places
-    columns = np.cos(lon), np.sin(lon), lon[0]
-    mask = seen.azimuths, seen.elevations
+    users = seen.rows(grid)
 
     def fill(rows):
         # a row at a time, as the map does: results stay in the cache
-        counts = np.empty((EPOCHS, 1, lon.size), np.int16)
-        dops = np.empty((EPOCHS, 1, 5, lon.size))
+        counts = np.empty((EPOCHS, grid.columns), np.int16)
+        dops = np.empty((EPOCHS, 5, grid.columns))
         for i in rows:
-            dop_rows(seen.r, seen.cos_cap, *mask, places[i : i + 1], *columns, counts, dops)
+            dop_over_time(seen.r, seen.cos_cap, users[i], counts, dops)
 
     def whole():
         with ThreadPoolExecutor(2) as pool:

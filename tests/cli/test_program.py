@@ -5,6 +5,7 @@ import resource
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import click
@@ -160,6 +161,46 @@ def test_what_an_interruption_turns_into_is_one_still(meets):
     code, out, err = meets(compiled)
     assert (code, out) == (130, "") and err.endswith("nothing half-written was left behind\n")
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_an_interruption_that_nothing_can_raise_is_raised_again(meets):
+    """As in the callbacks by which an import clears up its locks: Python prints it and goes on."""
+
+    class Lock:
+        def __del__(self):
+            os.kill(os.getpid(), signal.SIGINT)
+            signal.pause()
+
+    def look():
+        lock = Lock()
+        del lock
+        began = time.monotonic()
+        while time.monotonic() - began < 20.0:
+            time.sleep(0.01)
+        pytest.fail("went on")
+
+    hook = sys.unraisablehook
+    code, out, err = meets(look)
+    assert (code, out) == (130, "") and err.endswith("nothing half-written was left behind\n")
+    assert sys.unraisablehook is hook
+
+
+def test_an_interruption_waits_for_llvm(meets):
+    """What is raised out of Python into LLVM, which asks for compiled code, kills the process."""
+    library = {"__name__": "llvmlite.binding.executionengine"}
+    exec("def asks(answer):\n    answer()\n    return 'all is well'", library)
+    answers = []
+
+    def look():
+        answers.append(library["asks"](lambda: os.kill(os.getpid(), signal.SIGINT)))
+        began = time.monotonic()
+        while time.monotonic() - began < 20.0:
+            time.sleep(0.01)
+        pytest.fail("went on")
+
+    code, out, err = meets(look)
+    assert (code, out) == (130, "") and err.endswith("nothing half-written was left behind\n")
+    assert answers == ["all is well"]
 
 
 @pytest.mark.parametrize("holds", [True, False])

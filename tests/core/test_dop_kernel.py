@@ -4,8 +4,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compass.core import dop, gdop
-from compass.core.dop import dop_rows, dop_series
+from compass.core.dop import dop_over_time, dop_series
 from compass.core.gdop import dops_over
+from compass.core.runs import ALL_AROUND, Row
 
 EPS = np.finfo(float).eps
 
@@ -133,19 +134,17 @@ def test_row_and_scattered_places_round_as_little(satellites):
     lon = 2 * np.pi * np.arange(14) / 14 - np.pi
     place = np.column_stack([np.cos(lon), np.sin(lon), np.zeros(14)])
     cos_cap = 1.0 / np.linalg.norm(r, axis=-1)  # no mask
-    counts, out = np.empty((3, 1, 14), np.int16), np.empty((3, 1, 5, 14))
-    one, row = np.zeros(1), np.array([[1.0, 0.0, 1.0, 0.0, 1.0]])
-    dop_rows(
-        r, cos_cap, one, one, row, np.cos(lon), np.sin(lon), lon[0],
-        counts, out,
-    )  # fmt: skip
+    counts, out = np.empty((3, 14), np.int16), np.empty((3, 5, 14))
+    one, stand = np.zeros(1), np.array([1.0, 0.0, 1.0, 0.0, 1.0])
+    row = Row(one, one, stand, np.cos(lon), np.sin(lon), lon[0], ALL_AROUND)
+    dop_over_time(r, cos_cap, row, counts, out)
     fold, found, pdop = np.empty((3, 14), np.int64), np.empty((3, 14)), np.empty((3, 14))
     dops_over(r, place, 1.0, 0.0, fold, found, pdop)
-    np.testing.assert_array_equal(fold, counts[:, 0])
+    np.testing.assert_array_equal(fold, counts)
     finite = np.isfinite(found)
     assert finite.sum() > 6
-    np.testing.assert_array_equal(finite, np.isfinite(out[:, 0, 0]))
-    error = np.abs(found[finite] / out[:, 0, 0][finite] - 1)
+    np.testing.assert_array_equal(finite, np.isfinite(out[:, 0]))
+    error = np.abs(found[finite] / out[:, 0][finite] - 1)
     assert np.all(error <= 10 * EPS * satellites * pdop[finite] ** 2)
 
 

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compass.core.count import count_rows
-from compass.core.runs import cap_run, horizon_runs, mask_at
+from compass.core.runs import ALL_AROUND, Row, cap_run, horizon_runs, mask_at
 from compass.frames import direction
 
 COLUMNS = 24
@@ -65,7 +65,8 @@ def test_horizon_with_equal_elevations_is_a_cap(lat, lon, distance, row):
     runs, other = np.empty((COLUMNS, 2), np.int64), np.empty((1, 2), np.int64)
     args = (np.sin(row), np.cos(row), cos_lon, sin_lon)
     stand = np.array([np.cos(row), np.sin(row), np.cos(row), np.sin(row), 1.0])
-    found = horizon_runs(*r, stand, cos_lon, sin_lon, np.array([0.0, 2.0]), np.array([e, e]), runs)
+    level = np.array([0.0, 2.0]), np.array([e, e])
+    found = horizon_runs(*r, Row(*level, stand, cos_lon, sin_lon, lons[0], ALL_AROUND), runs)
     single = one_run(other, r / distance, np.cos(cap), args, lons[0])
     differ = spread(runs, found, COLUMNS) != spread(other, single, COLUMNS)
     # the two tests round differently: only a column on the rim may differ

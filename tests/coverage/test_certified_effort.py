@@ -96,6 +96,14 @@ def test_progress_is_told_by_what_is_open():
     assert [title for title, _ in parts][-2:] == ["percentiles", "largest"]
 
 
+def test_bounds_as_wide_as_all_there_is_are_all_of_the_way():
+    """Shares by fold come ten times less near: with a width of 0.1, to 1."""
+    parts = []
+    effort = Effort(0.1, progress=lambda title, part: parts.append(part))
+    effort.folds(RING, [4], width=1e-3, budget_boxes=1000, place=PLACE)
+    assert parts and set(parts) == {1.0}
+
+
 @pytest.mark.parametrize(
     ("options", "match"),
     [
