@@ -169,7 +169,7 @@ def certified_geometry(
     largest = effort.worst(constellation, dop="pdop", **asked) if worst else None
     in_view = None
     if found is not None:
-        named = ("figure", "mask", "motion", "since", "duration")
+        named = ("figure", "mask", "motion", "since", "duration", "height")
         in_view = satellites_in_view(
             constellation, shares, found, **{name: asked[name] for name in named}
         )

@@ -64,16 +64,18 @@ def satellites_in_view(
     motion: AnyMotion = "two-body",
     since: float = 0.0,
     duration: float | None = None,
+    height: float = 0.0,
 ) -> InView:
     """Bound how many satellites are in view, by proofs of folds and by areas of caps.
 
     Of ellipses that keep their places the extremes are those of `fold_range`. Of others the shares
     by fold that are all or nothing tell them, and what some place was found to have. The mean is
-    that of the caps' areas on a sphere, else the sum of the shares by fold.
+    that of the caps' areas on a sphere, else the sum of the shares by fold. Users above the ground
+    of a sphere, and below all satellites, stand on one.
 
     Parameters
     ----------
-    constellation, figure, mask, motion, since, duration
+    constellation, figure, mask, motion, since, duration, height
         As in `compass.coverage.certified_question.Question`, of which `folds` are answers.
     folds
         Shares with so many in view or more, from one on as far as any were found.
@@ -81,14 +83,15 @@ def satellites_in_view(
         Fewest and most that some place was found to have.
     """
     c, model = constellation, as_motion(motion)
-    extremes = None
-    if model.model == "two-body":
-        extremes = _by_proof(c, figure, mask, _span(c, since, duration))
+    extremes, radius = None, figure.equatorial_radius + height
+    level = height == 0.0 or (figure.is_sphere and float(c.periapsis_radius.min()) > radius)
+    if level and model.model == "two-body":
+        extremes = _by_proof(c, radius, figure.stretch, mask, _span(c, since, duration))
     least, most = extremes or _by_shares(folds, found, c.size)
     circles = c.is_circular and model.is_closed_form
     whole = model.model == "two-body" and duration is None and one_period(c)
-    if mask.is_constant and figure.stretch == 1.0 and (circles or whole):
-        mean = _mean_of_caps(c, figure, mask.highest)
+    if level and mask.is_constant and figure.is_sphere and (circles or whole):
+        mean = _mean_of_caps(c, radius, mask.highest)
         return InView(least, (mean, mean), most)
     return InView(least, _mean_of_shares(folds, most[1]), most)
 
@@ -100,7 +103,9 @@ def _span(c: Constellation, since: float, duration: float | None) -> Span:
     return Span(since, since + duration, False, "over the duration asked for")
 
 
-def _by_proof(c: Constellation, figure: Figure, mask: Mask, span: Span) -> tuple[Ends, Ends] | None:
+def _by_proof(
+    c: Constellation, sphere_radius: float, stretch: float, mask: Mask, span: Span
+) -> tuple[Ends, Ends] | None:
     """Bounds of the extremes on ellipses; None where that would take long.
 
     A mask by azimuth leaves at least what its highest does, all around, and at most what its
@@ -111,9 +116,7 @@ def _by_proof(c: Constellation, figure: Figure, mask: Mask, span: Span) -> tuple
         return None
     masks = dict.fromkeys((mask.highest, mask.lowest))
     each = [
-        fold_range(
-            c, sphere_radius=figure.equatorial_radius, mask=m, span=span, stretch=figure.stretch
-        )
+        fold_range(c, sphere_radius=sphere_radius, mask=m, span=span, stretch=stretch)
         for m in masks
     ]
     (least, most), (least_of_low, most_of_low) = each[0], each[-1]
@@ -129,11 +132,11 @@ def _by_shares(
     return (always, max(found[0], always)), (min(found[1], never - 1), never - 1)
 
 
-def _mean_of_caps(c: Constellation, figure: Figure, mask: float) -> float:
+def _mean_of_caps(c: Constellation, sphere_radius: float, mask: float) -> float:
     """Caps' parts of the sphere, added up: how many of them cover a place, in the mean."""
     anomaly = np.arange(MOMENTS if not c.is_circular else 1) * (2.0 * np.pi / MOMENTS)
     nearer = 1.0 - c.eccentricity[:, np.newaxis] * np.cos(anomaly)
-    radius = cap_radius(c.semi_major_axis[:, np.newaxis] * nearer, figure.equatorial_radius, mask)
+    radius = cap_radius(c.semi_major_axis[:, np.newaxis] * nearer, sphere_radius, mask)
     # of equal steps in eccentric anomaly each lasts as long as the satellite is far
     return float((0.5 * (1.0 - np.cos(radius)) * nearer).mean(axis=1).sum())
 

@@ -51,9 +51,10 @@ def test_each_draw_is_what_its_user_has(monkeypatch):
     users = []
     looked = module.seen_along
 
-    def note(design, mover, times, motion):
-        users.extend(zip(mover.r, mover.axes, times, strict=True))
-        return looked(design, mover, times, motion)
+    def note(design, mover, times, motion, beam):
+        if mover.mask == mask:  # not once more over the plain horizon
+            users.extend(zip(mover.r, mover.axes, times, strict=True))
+        return looked(design, mover, times, motion, beam)
 
     monkeypatch.setattr(module, "seen_along", note)
     monkeypatch.setattr(module, "PIECE", 9 * 17)

@@ -70,7 +70,7 @@ def one_at_a_time(design, options):
             dops = dilutions_along(design, user, Sights(*seen, metre_ranges(*seen[1].shape)))
             sights = sights_along(design, user, times, rows.motion, beam=beam)
             errors = fix_errors(design, user, sights)
-            levels = levels_along(design, user, sights)
+            levels, _ = levels_along(design, user, sights)
             found.append((seen[1].sum(axis=1), dops, errors, levels))
     return rows, found
 
@@ -119,6 +119,15 @@ def test_proven_bounds_draws_and_a_requirement_say_the_same():
     share = verdict_of(design, wanted).share
     assert share[0] <= high and low <= share[1]
     assert bounds["availability_bracket"] == [low, high]
+    shares = bounds["fold_share"]
+    for count in range(1, found.dataset.attrs["wanted_fold"] + 1):
+        seen = np.mean(found.drawn.count >= count)
+        share_low, share_high = shares[f"{count}_bracket"]
+        assert share_low - 4 * sigma <= seen <= share_high + 4 * sigma
+    mean_low, mean_high = bounds["count"]["mean_bracket"]
+    assert mean_low - 0.05 <= found.drawn.count.mean() <= mean_high + 0.05
+    assert bounds["count"]["min_bracket"][0] <= found.drawn.count.min()
+    assert found.drawn.count.max() <= bounds["count"]["max_bracket"][1]
     # without beams more are in view
     whole = verdict_of(design, replace(wanted, beam=None)).share
     assert whole[0] > high
