@@ -149,7 +149,7 @@ def test_infinite_percentiles_are_null(run, designs):
     [
         (["--step-deg", "0"], "--step-deg = 0: allowed 0.05 to 90"),
         (["--step-deg", "7"], "nearest that fits"),
-        (["--mask-deg", "95"], "--mask-deg = 95: allowed 0 up to below 90"),
+        (["--mask-deg", "95"], "--mask-deg = 95: allowed above -90 up to below 90"),
         (["--mask-deg", "nan"], "--mask-deg = nan"),
         (["--epochs", "0"], "--epochs = 0: allowed 1 to"),
         (["--epochs", "many"], "not a valid integer"),
