@@ -9,11 +9,18 @@ from compass.api.trade import clock_blocks
 from compass.bodies import MARS_GM
 from compass.clocks import clock_named
 from compass.core.screen import deciding_phases
+from compass.coverage.drawn import drawn
 from compass.coverage.grid import make_grid
+from compass.design import Design
 from compass.errors import DesignError
 from compass.frames import prime_meridian_angle
 from compass.inputs.study import Objective, read_study_text
+from compass.quantities.draws import quantile_bounds
+from compass.quantities.percentile import percentile
 from compass.ranging import Receiver, Signal
+from compass.sites import Mask
+from compass.study import draws
+from compass.study.bounds import ends
 from compass.study.candidates import batches, candidates, make_constellation
 from compass.study.clocks import best_by_errors, clock_columns, clock_figures, errors_by_clock
 from compass.study.pattern_errors import NAMES, pattern_errors
@@ -195,3 +202,19 @@ def test_a_lander_gains_by_a_better_clock(tiny, study, rows):
     # from orbits interpolated and as they are: see `assert_as_judged_one_by_one`
     assert one["m"]["rafs"] == pytest.approx(by_hand, rel=1e-8)
     assert one["m"]["rafs"] < 0.9 * one["m"]["csac"]
+
+
+def test_more_places_and_moments_are_those_drawn_before_and_others(study, rows, monkeypatch):
+    """By hand: percentiles of all parts' draws, each from the seed that follows."""
+    monkeypatch.setattr(draws, "PART", 60)
+    c, mask = make_constellation(rows[0]), float(rows["mask_deg"][0])
+    design = Design(c, figure=study.figure, mask=Mask.of(mask), signal=study.signal)
+    figure, span = "error_horizontal_m.p95", (0.0, 3600.0)
+    parts = [
+        drawn(design, span, draws=60, seed=study.seed + k).values["error_horizontal_m"]
+        for k in range(draws.DRAWS["draws-2"][1])
+    ]
+    for level, some in (("draws-1", parts[:1]), ("draws-2", parts)):
+        found, values = draws.drawn_fixes(level, study, c, mask, span), np.concatenate(some)
+        assert found[figure] == percentile(values, 95)
+        assert [found[end] for end in ends(figure)] == list(quantile_bounds(values, 95))
