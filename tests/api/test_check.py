@@ -164,6 +164,11 @@ def test_orbits_of_two_periods_need_days():
     assert (found.met, found.evidence) == (None, "none")
     assert "every combination of their phases; give days" in found.reason
     assert verdict(design, days=0.2).met is True
+    # what is missed once is not always so, whatever the phases
+    missed = verdict(replace(design, requirements=(replace(asked, fold=8),)))
+    assert (missed.met, missed.evidence) == (False, "proven") and "over 2 days" in missed.scope
+    often = verdict(replace(design, requirements=(replace(asked, fold=8, share=0.9),)))
+    assert often.met is None
 
 
 def test_geometry_of_a_ring_is_useless_on_the_equator():
