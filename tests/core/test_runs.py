@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compass.core.count import count_rows
-from compass.core.runs import ALL_AROUND, Row, cap_run, horizon_runs, mask_at
+from compass.core.runs import ALL_AROUND, Row, cap_run, horizon_runs, mask_at, most_runs, sight_runs
 from compass.frames import direction
 
 COLUMNS = 24
@@ -94,3 +94,26 @@ def test_counts_equal_matrix_product(seed_design):
     points = direction(lat[:, None], lon)
     twin = (np.einsum("ijc,tsc->tijs", points, u) >= cos_cap[:, None, None]).sum(-1)
     np.testing.assert_array_equal(out, twin)
+
+
+@settings(max_examples=60)
+@given(
+    lat=st.floats(-1.5, 1.5), lon=st.floats(-np.pi, np.pi), distance=st.floats(1.1, 8.0),
+    row=st.floats(-1.5, 1.5), height=st.floats(0.05, 10.0), beam=st.floats(0.05, 3.0),
+)  # fmt: skip
+def test_users_in_orbit_see_down_to_their_mask_in_beams(lat, lon, distance, row, height, beam):
+    cos_lon, sin_lon, lons = columns()
+    r, up = distance * direction(lat, lon), direction(row, lons)
+    u = 1.0 + height
+    mask = -0.9 * np.arccos(1.0 / u)
+    stand = np.array([np.cos(row), np.sin(row), u * np.cos(row), u * np.sin(row), u * u])
+    users = Row(np.zeros(1), np.array([mask]), stand, cos_lon, sin_lon, lons[0], np.cos(beam))
+    runs = np.empty((most_runs(1, users), 2), np.int64)
+    found = sight_runs(*r, 0.0, users, runs)
+    line = r - u * up
+    far = np.linalg.norm(line, axis=1)
+    above = np.arcsin((line * up).sum(axis=1) / far) - mask
+    inside = beam - np.arccos(np.clip(line @ r / (far * distance), -1.0, 1.0))
+    clear = np.minimum(np.abs(above), np.abs(inside)) > 1e-7  # rims round either way
+    seen = spread(runs, found, COLUMNS)
+    assert np.array_equal(seen[clear], ((above >= 0) & (inside >= 0))[clear])
