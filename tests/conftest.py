@@ -66,6 +66,7 @@ def little_to_certify():
         patch.setattr("compass.coverage.drawn.DRAWS", 100 if numba.config.DISABLE_JIT else 4096)
         if numba.config.DISABLE_JIT:
             patch.setattr("compass.coverage.certified_geometry.BUDGET_BOXES", 0)
+            patch.setattr("compass.api.series.MOMENTS", 100)
             patch.setattr("compass.coverage.clearance.MARGIN_BOXES", 100)
             patch.setattr("compass.coverage.clearance.MOST_BOXES", 500)
             patch.setattr("compass.coverage.fold_verdict.MARGIN_BOXES", 100)

@@ -98,6 +98,7 @@ def test_levels_are_drawn_with_what_is_promised():
     assert not drawn(design(), (0.0, DAY), draws=10).protected
 
 
+@pytest.mark.slow
 def test_who_stands_behind_the_mask_is_counted_and_what_a_loss_leaves_is_drawn():
     promised = design(mask=4, signal=SIGNAL, integrity=Integrity())
     found = drawn(promised, (0.0, DAY), draws=400, losses=True)

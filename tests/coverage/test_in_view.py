@@ -27,6 +27,7 @@ def shares(*bounds):
     return {k: SimpleNamespace(low=low, high=high) for k, (low, high) in enumerate(bounds, 1)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("orbits", [PATTERN, ELLIPSES])
 def test_the_mean_is_that_of_exact_areas(orbits):
     found = satellites_in_view(orbits, {}, (0, 9), figure=SPHERE, mask=Mask.of(7))
@@ -38,6 +39,7 @@ def test_the_mean_is_that_of_exact_areas(orbits):
     assert found.mean[0] == found.mean[1] == pytest.approx(mean, abs=off)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("figure", [SPHERE, ELLIPSOID])
 @pytest.mark.parametrize("mask", [Mask.of(5), Mask.of([[0, 2], [90, 20], [180, 4], [270, 11]])])
 def test_random_places_have_no_fewer_and_no_more(figure, mask):
@@ -52,6 +54,7 @@ def test_random_places_have_no_fewer_and_no_more(figure, mask):
         assert found.least[0] < found.least[1] and found.most[0] < found.most[1]
 
 
+@pytest.mark.slow
 def test_a_span_later_on_is_looked_at_itself():
     """Minutes of two satellites over one place: before and after there are fewer, and more."""
     when = {"since": 5000.0, "duration": 60.0}
