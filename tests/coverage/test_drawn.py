@@ -29,6 +29,7 @@ def design(mask=5, **more):
     return Design(PATTERN, name="d", mask=Mask.of(mask), **more)
 
 
+@pytest.mark.slow
 def test_folds_and_dilutions_are_those_of_exact_areas_and_certified_shares():
     found = drawn(design(), (0.0, 1e7), draws=20_000, seed=3)
     exact = mean_fold_shares(
