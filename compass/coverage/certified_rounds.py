@@ -17,8 +17,8 @@ PIECE = 2048
 #: and the clock is looked at between pieces.
 WHOLE = 64
 
-#: Bytes of open boxes that are held at once. About singular geometry, and where something stands on
-#: its limit for a while, no width is ever reached.
+#: Bytes of open boxes that are held at once: where geometry is all but singular for long, a width
+#: takes more boxes than any memory holds.
 OPEN = 1e9
 
 #: What it means that a search stopped, by `Rounds.stopped`.
