@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from compass.document import Interval
 from compass.document.blocks import Picture, Section, Table, arranged
 from compass.entry.accuracy import error_ellipse
 from compass.entry.faults import Fault
@@ -15,9 +16,6 @@ from compass.words import capital
 
 if TYPE_CHECKING:
     import xarray as xr
-
-#: What stands in brackets behind shares of runs.
-BOUNDS = "bounds that hold in 95 of 100 cases"
 
 
 def fusion_section(fused: FusionRuns, *, pictures: bool = True) -> Section:
@@ -150,7 +148,7 @@ def fusion_tables(fused: FusionRuns) -> tuple[Table, ...]:
                         "filter",
                         "position RMSE, m",
                         "at the end, m",
-                        f"worst state within 3 sigma, % ({BOUNDS})",
+                        f"worst state within 3 sigma, % ({Interval.WORDS})",
                         "NEES",
                         "95 % bounds",
                         "verdict",
@@ -201,7 +199,7 @@ def _refused_table(fused: FusionRuns) -> Table:
     runs = fused.faulty or fused.clear
     first = next(iter(runs.values()))
     return Table(
-        f"Measurements refused by the gate, % of epochs ({BOUNDS})",
+        f"Measurements refused by the gate, % of epochs ({Interval.WORDS})",
         ("filter", *first.sensor.values.tolist()),
         tuple(
             (

@@ -86,7 +86,7 @@ class MapResult(Result):
     areas: tuple[AreaFigures, ...] = ()
     drawn: Drawn | None = field(default=None, repr=False)
 
-    @property
+    @cached_property
     def dataset(self) -> "xr.Dataset":
         """Everything by cell, zone and epoch, area, and over the whole sphere, CF attributes."""
         known = with_global(self.made.dataset, self.numbers(), self.drawn)
@@ -94,15 +94,15 @@ class MapResult(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON, the answer first, in the order of the text."""
-        answer = {"design": self.design.name, "fold": self.dataset.attrs["wanted_fold"]}
+        answer = {"design": self.design.name, "fold": self.made.dataset.attrs["wanted_fold"]}
         areas = [area.as_dict() for area in self.areas]
-        known = {"evidence": self.evidence(), "provenance": self.dataset.attrs}
+        known = {"evidence": self.evidence(), "provenance": self.made.dataset.attrs}
         return plain(answer | {"met": self.met, "areas": areas} | self.numbers() | known)
 
     @property
     def users(self) -> str:
         """How high users stand and in which beams, in words; nothing on the ground, all around."""
-        attrs = self.dataset.attrs
+        attrs = self.made.dataset.attrs
         beam = attrs.get("beam_deg")
         return standing_words(
             attrs["user_altitude_km"] * 1e3, None if beam is None else math.radians(beam)
@@ -123,7 +123,7 @@ class MapResult(Result):
                 found["met"] = str(Proven(self.certified.scope))
         if self.areas:
             found["areas"] = AREAS_KNOWN
-        gaps = f"sampled at cells, at each to {self.dataset.attrs['gap_step_s']:.3g} s"
+        gaps = f"sampled at cells, at each to {self.made.dataset.attrs['gap_step_s']:.3g} s"
         found |= dict.fromkeys(("longest_gap_s", "mean_response_time_s"), gaps)
         return found | {"others": self.sampled}
 
@@ -134,7 +134,7 @@ class MapResult(Result):
     @property
     def sampled(self) -> str:
         """What the figures that are not certified are of, and how well that says them."""
-        attrs = self.dataset.attrs
+        attrs = self.made.dataset.attrs
         return (
             f"sampled {self.looked.how} of the {attrs['figure']}{self.users}, over "
             f"{attrs['period_s'] / 3600:.6g} h of {attrs['motion_model']} motion: "
@@ -167,7 +167,7 @@ class MapResult(Result):
 
     def document(self) -> Page:
         """Fold and availability in a sentence, then the numbers."""
-        numbers, attrs = self.numbers(), self.dataset.attrs
+        numbers, attrs = self.numbers(), self.made.dataset.attrs
         fold = attrs["wanted_fold"]
         p50, p95 = (self._percentile("gdop", numbers, q) for q in ("p50", "p95"))
         weaker = [p.evidence for p in (p95, p50) if not isinstance(p.evidence, Bracket)]
@@ -224,7 +224,7 @@ class MapResult(Result):
         """Of what the bounds are that are not proven, in a sentence; nothing without any."""
         if self.drawn is None:
             return ()
-        hours = self.dataset.attrs["period_s"] / 3600
+        hours = self.made.dataset.attrs["period_s"] / 3600
         return (
             f"Other bounds hold in 95 of 100 cases, each by itself: by {self.drawn.how} in "
             f"{hours:.6g} h, anywhere by area.",
@@ -253,7 +253,7 @@ class MapResult(Result):
 
     def error_table(self) -> Table:
         """Errors of fixes over area and time, between the bounds that draws leave."""
-        percentiles = [f"p{q}" for q in self.dataset.global_percentile.values.tolist()]
+        percentiles = [f"p{q}" for q in self.made.dataset.global_percentile.values.tolist()]
         rows = [
             (
                 quantity(name).title,
@@ -268,7 +268,7 @@ class MapResult(Result):
 
     def error_words(self) -> tuple[Sentence, ...]:
         """What a rover anywhere knows of its place, and why there is no fix where there is none."""
-        errors, attrs = self.errors, self.dataset.attrs
+        errors, attrs = self.errors, self.made.dataset.attrs
         horizontal, vertical = (self.value(quantity(q), errors, q) for q in ROVER.values())
         known = "their variances" if attrs["error_weights"] == "variance" else "nothing: all alike"
         who = f"a user anywhere{self.users}" if self.users else "a rover anywhere"
@@ -295,7 +295,7 @@ class MapResult(Result):
             for name in ("fewer_than_four_share", "masked_share", "singular_share")
         )
         none = self.value(quantity("part_share"), rest_of("fix_share", errors), "fix_share")
-        lowest = float(np.min(self.dataset.attrs["elevation_mask_deg"]))
+        lowest = float(np.min(self.made.dataset.attrs["elevation_mask_deg"]))
         mask = (
             f" ({masked} % would have four, were nothing hidden above the plain horizon: the mask "
             f"begins at {lowest:g} deg)"
@@ -336,7 +336,7 @@ class MapResult(Result):
         made_of = (budget["range_parts"], *(budget[name]["parts"] for name in ERRORS))
         parts = [part for part in budget["range_parts"] if any(one[part] for one in made_of)]
         share, factor = quantity("part_share"), quantity("geometry_factor")
-        percentiles = [f"p{q}" for q in self.dataset.global_percentile.values.tolist()]
+        percentiles = [f"p{q}" for q in self.made.dataset.global_percentile.values.tolist()]
         header = ("", *(f"{part}, %" for part in parts), *(f"geometry, {p}" for p in percentiles))
         of_range = (Value(share, budget["range_parts"][part]) for part in parts)
         rows: list[tuple[Any, ...]] = [
@@ -362,10 +362,10 @@ class MapResult(Result):
     def protection_blocks(self) -> tuple[Table | Sentence, ...]:
         """Protection levels over area and time, and what they promise."""
         promise = self.design.integrity
-        if "cells_protection" not in self.dataset or promise is None:
+        if "cells_protection" not in self.made.dataset or promise is None:
             return ()
         found = self.levels
-        percentiles = [f"p{q}" for q in self.dataset.global_percentile.values.tolist()]
+        percentiles = [f"p{q}" for q in self.made.dataset.global_percentile.values.tolist()]
         rows = tuple(
             (
                 quantity(name).title,
@@ -414,7 +414,7 @@ class MapResult(Result):
 
     def _between_epochs(self) -> list[Sentence]:
         """How well gaps are known, and whether the epochs are too few for the quickest pass."""
-        attrs = self.dataset.attrs
+        attrs = self.made.dataset.attrs
         ends = "go on at its start" if attrs["gap_span_repeats"] else "are cut there"
         told = [
             Sentence(
@@ -437,9 +437,8 @@ class MapResult(Result):
     def tables(self) -> tuple[Table, ...]:
         """Satellites in view, and dilution of precision, over area and time."""
         numbers = self.numbers()
-        threshold, fold = self.dataset.attrs["pdop_threshold"], self.dataset.attrs["wanted_fold"]
-        share = quantity("fold_share")
-        step = self.dataset.attrs["gap_step_s"]
+        attrs, share = self.made.dataset.attrs, quantity("fold_share")
+        threshold, fold, step = attrs["pdop_threshold"], attrs["wanted_fold"], attrs["gap_step_s"]
         followed = Sampled(step, f"at cells, at each to {step:.3g} s")
         count, folds = numbers["count"], numbers["fold_share"]
         in_view = facts(
@@ -464,7 +463,7 @@ class MapResult(Result):
                 ),
             ],
         )
-        percentiles = [f"p{int(q)}" for q in self.dataset.global_percentile.values]
+        percentiles = [f"p{int(q)}" for q in self.made.dataset.global_percentile.values]
         rows = tuple(
             (
                 quantity(name).title,
@@ -489,7 +488,7 @@ class MapResult(Result):
     @property
     def looked(self) -> Sampled:
         """How the figures that are not certified are known: at so many epochs and cells."""
-        attrs = self.dataset.attrs
+        attrs = self.made.dataset.attrs
         return Sampled(how=f"at {epochs_on(attrs['epochs'], attrs['grid'])}")
 
     def write(self, path: str | Path, *, time_series: bool = False, progress: bool = False) -> None:

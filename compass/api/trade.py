@@ -30,7 +30,7 @@ from compass.study.candidates import check_space
 from compass.study.clocks import errors_by_clock
 from compass.study.cluster import Cluster, Tls
 from compass.study.columns import Shown, shown
-from compass.study.draw_bounds import BY_DRAWS, drawn_figures
+from compass.study.draw_bounds import drawn_figures
 from compass.study.draws import entries_at
 from compass.study.judge import check_lander, doubts_of
 from compass.study.requirement_figures import requirement_columns, shown_requirements
@@ -115,7 +115,7 @@ class TradeResult(Result):
                     self._shares + self._areas + self._bracketed, "between proven bounds"
                 )
                 | {name: str(Sampled(how=how)) for name, how in self._sampled_over.items()}
-                | dict.fromkeys(drawn_figures(self.study), BY_DRAWS),
+                | dict.fromkeys(drawn_figures(self.study), Interval.WORDS),
                 "drawn": s.drawn,
                 "rests_on_samples": rests_on_samples(self.study),
             }

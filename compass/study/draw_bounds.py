@@ -28,9 +28,6 @@ OF_ENTRIES: dict[str, tuple[str, float | None]] = {
 #: Percentile of each error of fixes in metres, by the figure.
 OF_FIXES = {f"{error}.p95": (error, 95.0) for error in ERRORS}
 
-#: How well they are known, in words.
-BY_DRAWS = "bounds that hold in 95 of 100 cases"
-
 
 def drawn_figures(study: Study, stage: str | None = None) -> list[str]:
     """Figures that the study sorts by or limits and that draws bound, of one stage or of any."""

@@ -140,10 +140,9 @@ def _not_known(study: Study, rows: NDArray) -> NotKnown:
     sizes = rows["satellites"]
     covariances = np.zeros((rows.size, sizes.max(initial=0), 4, 4))
     for n in np.unique(sizes):
-        unknowns = doubts.of(study.signal, n)
-        covariances[sizes == n, :n] = unknowns.satellites
+        covariances[sizes == n, :n] = doubts.of(study.signal, n).satellites
     covariances[..., 3, 3] += doubts.range_bias_m**2
-    clock = unknowns.clock_sigmas() if rows.size else np.zeros(0)
+    clock = doubts.of(None, 0).clock_sigmas()
     if not covariances.any():
         return NotKnown(clock, np.zeros((*covariances.shape[:3], 0)))
     return NotKnown(clock, covariance_roots(covariances))

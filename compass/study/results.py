@@ -17,7 +17,7 @@ from compass.study.area_figures import BETWEEN, area_columns
 from compass.study.bounds import BOUNDED, bound_columns, bounded_figures, bracketed_figures, ends
 from compass.study.candidates import PATTERNS, ROW, identities
 from compass.study.clocks import clock_columns
-from compass.study.draw_bounds import BY_DRAWS, drawn_figures, side_columns
+from compass.study.draw_bounds import drawn_figures, side_columns
 from compass.study.order import order_of
 from compass.study.record import Batch
 from compass.study.requirement_figures import requirement_columns
@@ -130,7 +130,7 @@ def results_of(study: Study, batches: dict[str, list[Batch]], path: Path) -> "xr
     for figure in [*proven, *drawn_figures(study)]:
         for end, side in zip(ends(figure), ("lower", "upper"), strict=True):
             attrs = MERITS[figure].quantity.attributes()
-            word, sure = ("proven ", "proven bound") if figure in proven else ("", BY_DRAWS)
+            word, sure = ("proven ", "proven bound") if figure in proven else ("", Interval.WORDS)
             attrs |= {"long_name": f"{attrs['long_name']}, {word}{side} bound", "evidence": sure}
             data[end] = ("candidate", figures[end], attrs)
     for name, attrs in (area_columns(study) | each | clocks).items():
@@ -240,7 +240,7 @@ def _columns(made: "xr.Dataset") -> dict[str, NDArray[Any]]:
             told = np.full(found[name].size, "evidence" in attrs)
             if (end := ends(name)[0]) in made:
                 told, attrs = np.isfinite(made[end].values), made[end].attrs
-            sure = BY_DRAWS if attrs.get("evidence") == BY_DRAWS else "proven bounds"
+            sure = Interval.WORDS if attrs.get("evidence") == Interval.WORDS else "proven bounds"
             words = np.where(told, sure, "sampled")
             found[f"{name}_evidence"] = np.where(np.isnan(found[name]), "", words)
     return found

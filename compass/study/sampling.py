@@ -12,10 +12,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.document import Interval
 from compass.inputs.study import Study
 from compass.quantities.merits import MERITS, merits_of
 from compass.study.bounds import bounded_figures
-from compass.study.draw_bounds import BY_DRAWS, drawn_figures
+from compass.study.draw_bounds import drawn_figures
 from compass.study.pattern_map import map_figures
 
 
@@ -52,7 +53,7 @@ def front_known(study: Study, undecided: int) -> str:
     )
     if drawn := drawn_figures(study):
         titles = ", ".join(MERITS[name].title for name in drawn)
-        told += f", by {titles} between {BY_DRAWS}, each by itself"
+        told += f", by {titles} between {Interval.WORDS}, each by itself"
     if study.sampling.method == "nsga2":
         told += ", among those that evolution by samples came upon"
     return f"who is on the front: {told}"

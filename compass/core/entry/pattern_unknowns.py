@@ -260,9 +260,7 @@ def add_clock(tile, gain, clock, packed):
                 at_once += told
                 later += told * seconds[t]
         if rated:
-            for i in range(
-                6
-            ):  # `BESIDES` and `RATES`, one after the other as position and velocity
+            for i in range(6):  # `BESIDES`, then `RATES`: on position, then on velocity
                 row, on = tile[BESIDES + i * TILE :], gain[b, i * TILE :]
                 for t in range(TILE):
                     later += row[t] * on[t]
