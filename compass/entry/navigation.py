@@ -1,5 +1,6 @@
 """How well a lander navigates on radio beacons: one filter run, and many."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,6 +63,7 @@ def run_filter(
     first = np.zeros(layout.size)
     first[:6] = np.asarray(estimate, dtype=float)
     expected = _expected(model, first[:6], beacons, settings, measurements)
+    heard = measurements.heard(beacons, taken, expected, model)
     states, covariances = (
         np.empty((count, layout.size)),
         np.empty((count, layout.size, layout.size)),
@@ -74,11 +76,11 @@ def run_filter(
             layout,
             expected,
             beacons.times,
-            measurements.heard(beacons, taken, expected, model),
+            heard,
             settings.noise,
             longest_step(measurements),
         ),
-        np.array(z, dtype=float),
+        np.where(np.isnan(heard[1]), np.nan, np.asarray(z, dtype=float)),
         settings.iterations,
         METHODS[settings.method],
         states,
@@ -199,6 +201,7 @@ def run_monte_carlo(
     *,
     runs: int = 500,
     seed: int = 0,
+    streams: Sequence[np.random.SeedSequence] | None = None,
     threads: int | None = None,
 ) -> MonteCarlo:
     """Filter one true flight `runs` times with independent errors and noise.
@@ -216,9 +219,11 @@ def run_monte_carlo(
     flight
         The truth, at the times of `beacons`.
     beacons, taken, measurements, settings
-        As in `run_filter`.
+        As in `run_filter`; `taken` may be another in each run, (runs, t, n).
     runs, seed
         How many, and from which seed.
+    streams
+        Of each run; those of `seed` if left out.
     threads
         Threads; one a processor if left out.
     """
@@ -228,14 +233,18 @@ def run_monte_carlo(
     covariance0 = layout.covariance(np.asarray(settings.covariance0, dtype=float))
     errors, squares = np.empty((runs, count, 6)), np.empty((runs, count, 2))
     sigmas = np.empty((runs, count, 2))
-    streams = np.random.SeedSequence(seed).spawn(runs)
+    if streams is None:
+        streams = np.random.SeedSequence(seed).spawn(runs)
+    arrives = np.asarray(taken, dtype=bool)
     path = np.ascontiguousarray(flight.path)
     problem = problem_of(
         model,
         layout,
         path,
         beacons.times,
-        measurements.heard(beacons, taken, path, flight.model),
+        measurements.heard(
+            beacons, arrives.reshape(-1, *arrives.shape[-2:]).any(axis=0), path, flight.model
+        ),
         settings.noise,
         longest_step(measurements),
     )
@@ -246,6 +255,10 @@ def run_monte_carlo(
         total = size + heard + count * size
         drawn = np.stack([np.random.default_rng(s).standard_normal(total) for s in streams[part]])
         first_state, heard_by, shaken_by = np.split(drawn, [size, size + heard], axis=1)
+        # of several runs these are strided, of one they are not: two types to the compiler
+        noise = np.ascontiguousarray(heard_by).reshape(len(drawn), *problem.variances.shape)
+        if arrives.ndim > 2:
+            noise[:, :, : beacons.size][~arrives[part]] = np.nan
         monte_carlo(
             path,
             p_true,
@@ -253,11 +266,10 @@ def run_monte_carlo(
             problem,
             settings.iterations,
             METHODS[settings.method],
-            # of several runs these are strided, of one they are not: two types to the compiler
             Draws(
                 spread,
                 np.ascontiguousarray(first_state),
-                np.ascontiguousarray(heard_by).reshape(len(drawn), *problem.variances.shape),
+                noise,
                 np.ascontiguousarray(shaken_by).reshape(len(drawn), count, size),
             ),
             errors[part],

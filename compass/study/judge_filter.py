@@ -244,39 +244,30 @@ def _run(
             f"{beacons.times[-1]:g} s in the air that the filter knows"
         )
     possible = judgement.seen[entry, :count] & due(scenario, beacons.times)[:, None]
-    made = []
-    for own in stream.spawn(runs):
-        draw = np.random.default_rng(own).random(possible.shape)
-        taken = possible & (draw < campaign.arrival_probability[entry, :count, None])
-        made.append(
-            run_monte_carlo(
-                known,
-                truth,
-                beacons,
-                taken,
-                measurements,
-                settings,
-                runs=1,
-                seed=int(own.generate_state(1, np.uint64)[0]),
-                threads=1,
-            )
-        )
-
-    def joined(name: str) -> NDArray[Any]:
-        return np.concatenate([getattr(part, name) for part in made])
-
-    many = MonteCarlo(
-        joined("errors"),
-        joined("nees"),
-        joined("sigmas"),
-        joined("diverged"),
-        joined("nees_all"),
-        made[0].estimated,
+    spawned = stream.spawn(runs)
+    arrived = np.stack([np.random.default_rng(own).random(possible.shape) for own in spawned])
+    taken = possible & (arrived < campaign.arrival_probability[entry, :count, None])
+    many = run_monte_carlo(
+        known,
+        truth,
+        beacons,
+        taken,
+        measurements,
+        settings,
+        runs=runs,
+        streams=[_errors_stream(own) for own in spawned],
+        threads=1,
     )
     if scenario.guidance is None:
         return many, None
-    carried = CarriedFilter(truth, beacons, taken, measurements, settings)
-    return many, _landing(campaign, scenario, entry, carried, int(own.generate_state(2)[1]))
+    carried = CarriedFilter(truth, beacons, taken[-1], measurements, settings)
+    return many, _landing(campaign, scenario, entry, carried, int(spawned[-1].generate_state(2)[1]))
+
+
+def _errors_stream(run: np.random.SeedSequence) -> np.random.SeedSequence:
+    """Stream of a run's errors and noise, independent of that of its arrivals."""
+    (own,) = np.random.SeedSequence(int(run.generate_state(1, np.uint64)[0])).spawn(1)
+    return own
 
 
 def _landing(

@@ -196,6 +196,24 @@ def test_truth_is_the_flight_whatever_the_step(world, table5, orbiter_beacons, s
     assert np.abs(states - flight.path)[:, 3:].max() < 2e-3
 
 
+def test_runs_with_arrivals_of_their_own_are_those_runs_one_by_one(orbiter_case):
+    model, flight, beacons, taken = orbiter_case
+    settings = Filter(PRIOR, np.zeros(6), method="relinearised", parts=(Part("lift", (0.01,)),))
+    arrived = taken & (np.random.default_rng(5).random((3, *taken.shape)) < 0.5)
+    streams = np.random.SeedSequence(7).spawn(3)
+
+    def errors(taken, streams):
+        return run_monte_carlo(
+            model, flight, beacons, taken, MEASUREMENTS, settings, runs=len(streams),
+            streams=streams,
+        ).errors  # fmt: skip
+
+    together = errors(arrived, streams)
+    for one, stream, found in zip(arrived, streams, together, strict=True):
+        np.testing.assert_array_equal(errors(one, [stream])[0], found)
+    assert np.abs(together[0] - errors(arrived[:1] | True, streams[:1])[0]).max() > 1.0
+
+
 def test_numbers_do_not_depend_on_threads_nor_on_later_runs(coarse_case, monkeypatch):
     monkeypatch.setattr(navigation, "BLOCK", 2)
     one = coarse_case(runs=5, seed=3, threads=1)

@@ -200,10 +200,11 @@ def informed(y, gathered, covariance, shift):
 def update(
     x, covariance, base, sources, variances, z, kinds, places, p, angle, iterations, method
 ):  # fmt: skip
-    """Update with all measurements of an epoch, linearised at `base` and iterated from there.
+    """Update with all measurements z of an epoch, linearised at `base` and iterated from there.
 
-    `covariance` is its root for a filter that carries that. In the form of `INFORMATION` all
-    measurements of the epoch are gathered first, ``Y = P^-1 + sum h^T h / R``, and inverted once.
+    What is not measured is nan in z. `covariance` is its root for a filter that carries that. In
+    the form of `INFORMATION` all measurements of the epoch are gathered first, ``Y = P^-1 + sum
+    h^T h / R``, and inverted once.
 
     Gauss-Newton on the posterior: each pass linearises at the latest estimate and starts again
     from the prior; one pass from ``base = x`` is the plain extended Kalman filter.
@@ -227,7 +228,7 @@ def update(
             gain[:] = 0.0
         for b in range(sources.shape[0]):
             for c in range(kinds.size):
-                if math.isnan(variances[b, c]):
+                if math.isnan(z[b, c]):
                     continue
                 row = rows[c]
                 residual = z[b, c] - measured(kinds[c], point, sources[b], b, places, p, angle, row)
@@ -350,7 +351,7 @@ def filter_run(x0, covariance0, problem, z, iterations, method, xs, ps):
     x0, covariance0
         Estimate (s,) and its covariance at the first time, before that time's measurements.
     problem, z
-        The `Problem`, and its measurements (t, n, c).
+        The `Problem`, and its measurements (t, n, c); nan for what is not measured.
     iterations, method
         The passes of the update, and the way of filtering.
     xs, ps
