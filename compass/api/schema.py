@@ -1,5 +1,6 @@
 """What a file may say, as JSON Schema for editors and other programs."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -37,6 +38,9 @@ class SchemaResult(Result):
         fields = model_of(self.kind).model_fields
         rows = tuple((name, Key(name, field).comment) for name, field in fields.items())
         return Page(f"{self.kind} file", (Table("Keys", ("key", "meaning"), rows),))
+
+    def __str__(self) -> str:
+        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
 
 
 @checked

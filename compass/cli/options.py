@@ -1,14 +1,11 @@
 """Every option of every command: what it takes, says and is by default.
 
 An option is called as the argument of the library's function is that it gives; where a command
-means something else by a name, that stands behind ``command.name``. `compass.cli.main` adds ranges.
+means something else by a name, that stands behind ``command.name``. Ranges are those of
+`compass.allowed`.
 """
 
-import inspect
-from collections.abc import Callable
-
-import click
-
+from compass.allowed import RANGES
 from compass.cli.parameters import (
     Told,
     Word,
@@ -16,11 +13,9 @@ from compass.cli.parameters import (
     choice,
     flag,
     folder,
-    guarded,
     listed,
     new_folder,
     output,
-    parameter,
     path,
     radii,
     radius,
@@ -30,10 +25,12 @@ from compass.cli.parameters import (
     text,
     whole,
 )
+from compass.papers import PAPERS
 from compass.saving import ENDINGS
 from compass.tracking import PICTURES
 
 _DRAWING = ("picture", "a picture; add --figure FILE.png")
+_TRIMMED = ("trimmed", "the orbits of a trim; add --trim")
 _PRIME = "a prime number meets moments of symmetry least."
 _MOTIONS = ["two-body", "j2", "numerical"]
 _DRAWN = "count gdop pdop hdop vdop tdop age_h"
@@ -45,8 +42,10 @@ OPTIONS: dict[str, Told] = {
     "design": argument(),
     "designs": argument(nargs=-1, required=True),
     "kind": argument(type=Word(["design", "scenario", "study"])),
+    "paper": argument(type=Word(PAPERS)),
     "scenario": argument(),
     "study": argument(),
+    "thing": argument(metavar="DESIGN"),
     # by name
     "above_m": real("Height of stations over the ground, m.", 0.0),
     "altitude_km": real("Orbit altitude over the equator."),
@@ -188,7 +187,7 @@ OPTIONS: dict[str, Told] = {
     "determine.days": real("Arc of tracking from the epoch; else the design's."),
     "determine.output": output("Design file to write, with the [signal] that follows."),
     "determine.picture": output("PNG of sigma against time, or of who tracks whom when."),
-    "determine.drawn": choice(
+    "determine.name": choice(
         PICTURES,
         "What the picture shows: sigma by tracking, by component, or the schedule.",
         "tracking",
@@ -196,9 +195,11 @@ OPTIONS: dict[str, Told] = {
         needs=_DRAWING,
     ),
     "drift.days": real("Length of the span.", 687.0),
-    "drift.elements": output("Write the elements to inject as a design file (with --trim)."),
+    "drift.elements": output(
+        "Write the elements to inject as a design file (with --trim).", needs=_TRIMMED
+    ),
     "drift.oem": new_folder(
-        "Write the orbits of these elements as OEM, a new folder (with --trim)."
+        "Write the orbits of these elements as OEM, a new folder (with --trim).", needs=_TRIMMED
     ),
     "drift.output": output("Write margin, room and places in the slots over time: .nc."),
     "export.duration_h": real("Time span, hours; by default until the ground tracks repeat."),
@@ -274,7 +275,7 @@ OPTIONS: dict[str, Told] = {
     ),
     "search.region": text("globe, lat:MIN:MAX or polygon:LAT,LON;..., degrees.", multiple=True),
     "series.days": real("Length of the span.", 10.0),
-    "series.drawn": choice(
+    "series.name": choice(
         f"{_DRAWN} {_ERRORS}".split(),
         "What the curve shows.",
         "count",
@@ -296,31 +297,13 @@ OPTIONS: dict[str, Told] = {
     "warm.workers": whole("Commands run at a time; else one a core."),
 }
 
-#: Those of whatever says figures at sites and in regions, of whatever is found between proven
-#: bounds, and of whatever a Dask cluster can do.
-AREAS = "sites regions"
-BOUNDS = "width budget_s leaves"
-CLUSTER = "scheduler tls_ca tls_cert tls_key"
 
+def told_of(name: str, command: str) -> Told:
+    """Tell of an argument or option as a command means it, with the range of a number."""
+    if name == "pattern":  # its words need an import
+        from compass.orbits.kinds import KIND_NAMES
 
-def takes(names: str = "", **own: Told) -> Callable[[Callable[..., object]], click.Command]:
-    """Make a command of a function that is given all these, in this order, by their names.
-
-    What nobody else takes and needs an import stands in `own`. Before the function runs, what it
-    is to write is looked at.
-    """
-
-    def made(function: Callable[..., object]) -> click.Command:
-        command = function.__module__.rpartition(".")[2]
-        told = {
-            name: own.get(name) or OPTIONS.get(f"{command}.{name}") or OPTIONS[name]
-            for name in names.split()
-        }
-        return click.Command(
-            command,
-            callback=guarded(function, told),
-            params=[parameter(name, told[name]) for name in told],
-            help=inspect.cleandoc(function.__doc__ or ""),
-        )
-
-    return made
+        return choice(KIND_NAMES, "Kind of pattern.", KIND_NAMES[0])
+    told = OPTIONS.get(f"{command}.{name}") or OPTIONS[name]
+    allowed = RANGES.get(f"{command}.{name}") or RANGES.get(name)
+    return {**told, "help": f"{told['help']}  [{allowed}]"} if allowed else told

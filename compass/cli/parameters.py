@@ -1,16 +1,12 @@
 """How an option or argument is told of, and how a command takes those of `compass.cli.options`."""
 
-import functools
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
-from click.core import ParameterSource
 
-from compass.cli.shared import check_outputs
-from compass.errors import SHORT, ArgumentError, near
-from compass.saving import check_ending, check_new_folder
+from compass.errors import SHORT, near
 
 #: What is told of an option that click does not know: whether it is a file to read, or a file or
 #: folder to write, and with which endings; what else must be given for it to say anything.
@@ -33,6 +29,17 @@ class Word(click.Choice[str]):
             return super().convert(value, param, ctx)
         except click.BadParameter as error:
             self.fail(error.message + meant(str(value), self.choices), param, ctx)
+
+
+class WholeNumber(click.types.IntParamType):
+    """Whole numbers that a kernel can take: of 64 bits, which no help needs to recite."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number; refuse one that is too large."""
+        number = super().convert(value, param, ctx)
+        if not -(2**63) <= number < 2**63:
+            self.fail(f"{number} is not in the range -2**63 to 2**63 - 1.", param, ctx)
+        return number
 
 
 def meant(word: str, known: Iterable[str]) -> str:
@@ -64,7 +71,7 @@ def real(help: str, default: Any = None, **more: Any) -> Told:
 
 def whole(help: str, default: int | None = None, **more: Any) -> Told:
     """Tell of a whole number; of several with `nargs`."""
-    return text(help, default, type=int, **more)
+    return text(help, default, type=WholeNumber(), **more)
 
 
 def path(help: str, **more: Any) -> Told:
@@ -139,36 +146,3 @@ def parameter(name: str, told: Told) -> click.Parameter:
     if flags is None:
         return click.Argument([name], **told)
     return click.Option([*flags.split(), name], **told)
-
-
-def guarded(function: Callable[..., object], told: dict[str, Told]) -> Callable[..., object]:
-    """Let a function begin only when what goes together is given and what it writes can be."""
-
-    def those(kind: str, given: dict[str, Any]) -> list[Path]:
-        return [given[name] for name in told if given[name] and told[name].get("writes") == kind]
-
-    @functools.wraps(function)
-    def run(**given: Any) -> object:
-        for name in told:
-            if "needs" in told[name]:
-                _check_needed(name, given, *told[name]["needs"])
-            if given[name] is not None and "endings" in told[name]:
-                check_ending(given[name], told[name]["endings"])
-        files = [given[name] for name in told if given[name] and "reads" in told[name]]
-        inputs = [Path(f) for file in files for f in (file if isinstance(file, tuple) else [file])]
-        check_outputs(*those("file", given), folders=those("folder", given), inputs=inputs)
-        for new in those("new folder", given):
-            check_new_folder(new)
-        return function(**given)
-
-    return run
-
-
-def _check_needed(name: str, given: dict[str, Any], other: str, words: str) -> None:
-    """Refuse an option that says nothing without another that is not given."""
-    context = click.get_current_context()
-    asked = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
-    if asked and given[other] is None:
-        [option] = [max(p.opts, key=len) for p in context.command.params if p.name == name]
-        shown = "" if given[name] is True else f" {given[name]}"
-        raise ArgumentError(f"{option}{shown}: needs {words}")

@@ -2,15 +2,14 @@
 
 import json
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from compass.cli.clock import line_of_its_own
-from compass.errors import ArgumentError
-from compass.saving import check_writable, readable
+from compass.saving import readable
 
 if TYPE_CHECKING:
     from compass.api.results import Result
@@ -56,40 +55,6 @@ def say(message: str) -> None:
     if watched():
         with line_of_its_own():
             click.echo(message, err=True)
-
-
-def check_outputs(
-    *outputs: Path | None,
-    folders: Sequence[Path | None] = (),
-    inputs: Sequence[Path] = (),
-) -> None:
-    """Refuse files to write before any work is spent on them; those that are None are not wanted.
-
-    Neither the inputs may be written over, nor files that they name: a scenario's constellation.
-
-    Raises
-    ------
-    ArgumentError
-        Two are the same.
-    OutputError
-        As `compass.saving.check_writable` and, of folders, `compass.pictures.files.check_folder`.
-    """
-    asked = [output for output in outputs if output is not None]
-    read = list(inputs)
-    if any(output.is_file() for output in asked):
-        from compass.inputs.reading import named_files
-
-        files = (source for source in inputs if source.suffix == ".toml" and source.is_file())
-        read += [other for source in files for other in named_files(source)]
-    for output in asked:
-        if asked.count(output) > 1:
-            raise ArgumentError(f"{output}: is two outputs at once; give another name")
-        check_writable(output, read)
-    for folder in folders:
-        if folder is not None:
-            from compass.pictures.files import check_folder
-
-            check_folder(folder)
 
 
 def put(write: Callable[[Path], object], output: Path | None) -> None:

@@ -1,7 +1,7 @@
 """Options against the functions that they give arguments to: the same names, defaults and words."""
 
 import inspect
-from typing import Literal, get_args, get_origin
+from typing import Literal, get_args, get_origin, get_type_hints
 
 import click
 import pytest
@@ -9,6 +9,8 @@ import pytest
 import compass
 from compass.cli import main as program
 from compass.cli.options import OPTIONS
+from compass.cli.running import WRITERS
+from compass.cli.special import SPECIAL
 
 COMMANDS = program.program.list_commands(click.Context(program.program))
 
@@ -24,12 +26,28 @@ def words_of(hint):
     return {word for kind in kinds if get_origin(kind) is Literal for word in get_args(kind)}
 
 
+def taken_by(function):
+    """Names of what a function takes."""
+    return set(inspect.signature(function).parameters) if function else set()
+
+
+def written(name):
+    """Options of what is written of a command's result, and names of what the writers take."""
+    hint = get_type_hints(inspect.unwrap(getattr(compass, name)))["return"]
+    options = {"figures"} if hasattr(hint, "pictures") else set()
+    for option, method in WRITERS.items():
+        for result in get_args(hint) or (hint,):
+            if hasattr(result, method):
+                options |= {option, *taken_by(getattr(result, method))}
+    return options
+
+
 @pytest.mark.parametrize("name", COMMANDS)
 def test_an_option_is_by_default_what_the_functions_argument_is(name):
     command = program.program.get_command(None, name)
     context = click.Context(command)
     arguments = inspect.signature(getattr(compass, name)).parameters
-    own = inspect.signature(command.callback).parameters
+    own = written(name) | taken_by(SPECIAL.get(name))
     for option in command.params:
         if not isinstance(option, click.Option) or not option.expose_value:
             continue

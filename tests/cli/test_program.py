@@ -12,6 +12,7 @@ import click
 import pytest
 
 from compass.cli import main as program
+from compass.cli.refusals import in_words_of_the_user
 from compass.errors import ArgumentError
 from compass.pictures.style import new_figure
 
@@ -35,7 +36,7 @@ def meets(monkeypatch, run):
         def command(**_):
             what()
 
-        monkeypatch.setattr(program, "_loaded", lambda _: program.prepared(command))
+        monkeypatch.setattr(program, "command", lambda _: program.prepared(command))
         return run("show", "x.toml", *arguments)
 
     return call
@@ -105,8 +106,8 @@ def test_no_help_recites_how_large_a_whole_number_may_be(run):
     ],
 )
 def test_a_refusal_names_the_option_or_the_file(message, arguments, said):
-    with program._loaded("map").make_context("map", arguments) as context:
-        assert program.in_words_of_the_user(message, context) == said
+    with program.command("map").make_context("map", arguments) as context:
+        assert in_words_of_the_user(message, context) == said
 
 
 @pytest.mark.parametrize(
@@ -126,8 +127,8 @@ def test_a_refusal_names_the_option_or_the_file(message, arguments, said):
     ],
 )
 def test_a_command_without_a_file_names_its_options_alone(message, said):
-    with program._loaded("search").make_context("search", ["--max-satellites", "3"]) as context:
-        assert program.in_words_of_the_user(message, context) == said
+    with program.command("search").make_context("search", ["--max-satellites", "3"]) as context:
+        assert in_words_of_the_user(message, context) == said
 
 
 @pytest.mark.parametrize(
@@ -138,8 +139,8 @@ def test_a_command_without_a_file_names_its_options_alone(message, said):
     ],
 )
 def test_a_refusal_names_every_file_it_may_be_about(files, said):
-    with program._loaded("series").make_context("series", files) as context:
-        assert program.in_words_of_the_user("station: none", context) == said
+    with program.command("series").make_context("series", files) as context:
+        assert in_words_of_the_user("station: none", context) == said
 
 
 def test_a_refusal_from_inside_comes_out_in_words_of_the_user(meets):

@@ -13,7 +13,7 @@ import pytest
 import compass
 from compass.allowed import check_allowed
 from compass.api.map_result import MapResult
-from compass.cli.search import command as search
+from compass.cli.main import command
 from compass.document import Sampled
 from compass.errors import ArgumentError
 from compass.inputs import read_design_text
@@ -142,7 +142,7 @@ def test_the_search_that_is_advised_is_one_that_runs():
     lines = [search_line(circles, "--fold 1"), search_line(ovals, "--require 'my file.toml'")]
     for line, option in zip(lines, ("--radius-km 20427.7", "--orbit areosynchronous"), strict=True):
         assert option in line
-        with search.make_context("search", shlex.split(line)[2:]) as context:
+        with command("search").make_context("search", shlex.split(line)[2:]) as context:
             most = context.params["max_satellites"]
             check_allowed("max_satellites", most)
             with pytest.raises(ArgumentError):  # none larger is allowed
