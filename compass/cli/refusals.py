@@ -14,10 +14,8 @@ from compass.saving import check_ending, check_new_folder, check_writable
 
 
 def check_given(given: Mapping[str, Any], told: Mapping[str, Told]) -> None:
-    """Refuse what says nothing without something else, and outputs that cannot be written."""
+    """Refuse outputs that cannot be written, and what says nothing without something else."""
     for name in told:
-        if "needs" in told[name]:
-            _check_needed(name, given, *told[name]["needs"])
         if given[name] is not None and "endings" in told[name]:
             check_ending(given[name], told[name]["endings"])
     files = [given[name] for name in told if given[name] and "reads" in told[name]]
@@ -29,6 +27,9 @@ def check_given(given: Mapping[str, Any], told: Mapping[str, Told]) -> None:
     check_outputs(*those("file"), folders=those("folder"), inputs=inputs)
     for new in those("new folder"):
         check_new_folder(new)
+    for name in told:
+        if "needs" in told[name]:
+            _check_needed(name, given, *told[name]["needs"])
 
 
 def _check_needed(name: str, given: Mapping[str, Any], other: str, words: str) -> None:
