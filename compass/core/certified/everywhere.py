@@ -28,8 +28,9 @@ from compass.core.certified.sights import (
 from compass.core.certified.volumes import volume
 from compass.core.jit import kernel
 
-#: Sides that may be split are, down to this part of those that may not.
-PART = 0.5
+#: Sides that may be split are, down to so many times those that may not: what lines lose where the
+#: former are long is of second order too, and shorter ones take boxes that halved tiles spend better.
+TIMES = 4.0
 
 #: Columns of a box: centre and half-widths of latitude, longitude and time.
 BOX = 6
@@ -196,7 +197,7 @@ def kept_everywhere(boxes, places, square, speed, orbits, circles, breaks, paths
             still = max(box[3], across) if places else box[3]
             along = 2 if places or later >= across else 1
             longest = later if along == 2 else across
-            if least < 1.0 and not hopeless and longest > PART * still and depth < 250:
+            if least < 1.0 and not hopeless and longest > TIMES * still and depth < 250:
                 half = 0.5 * box[3 + along]
                 for side in (-1.0, 1.0):
                     stack[depth] = box
