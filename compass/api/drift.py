@@ -40,7 +40,8 @@ def drift(
     """Follow a design that is left alone: margin and room over time, and the first loss, proven.
 
     Of a design with requirements the place is followed that is lost first, unless another fold,
-    mask or region is asked for.
+    mask or region is asked for. Where none of them wants satellites always, margin and room are of
+    the design's fold, of which nothing else is said.
 
     A design of two-body motion is followed under the default forces: GMM-3 to degree 8, Sun,
     Phobos, Deimos and radiation on 0.026 m^2/kg with shadow.
@@ -99,12 +100,13 @@ def drift(
     sphere, highest, ground, lasting = read.figure.equatorial_radius, mask, "", None
     stretch = read.figure.stretch
     own = bool(kept) and fold is None and mask_deg is None and region is None
+    asked = True
     if own:
         lead = lead_of(read, kept, path, start, stop)
         where = replace(lead.claim.region, name=lead.claim.name)
         wanted, lasting = lead.fold, replace(lead.lasting, region=where)
         sphere, highest, stretch = lead.claim.radius, lead.claim.highest, lead.claim.stretch
-        mask, ground = lead.claim.mask, lead.claim.ground
+        mask, ground, asked = lead.claim.mask, lead.claim.ground, lead.asked
     place: dict[str, Any] = {
         "sphere_radius": sphere,
         "mask": highest,
@@ -136,5 +138,5 @@ def drift(
     kept = with_rooms(kept, read, path, found.times)
     near = closest_approaches(path, start, stop)
     return DriftResult(
-        read, degrees(mask), motion.title, found, done, radii, kept, near, avoid_km, ground
+        read, degrees(mask), motion.title, found, done, radii, kept, near, avoid_km, ground, asked
     )

@@ -53,7 +53,7 @@ def drift_dataset(result: "DriftResult") -> "xr.Dataset":
         "motion": result.motion,
         "fold": drift.lasting.fold,
         "mask_deg": result.mask_deg,
-        "outcome": str(drift.lasting.outcome),
+        "outcome": str(result.outcome),
         "days_proven": result.days_proven,
     }
     return xr.Dataset(data, coords, attributes)
@@ -103,5 +103,6 @@ def elements_text(result: "DriftResult") -> str:
         lines.append("# Each may be off by this, the others exact, for all of these days:")
         lines += [f"#   {name} {value:.3g}" for name, value in tolerance.items()]
     else:
-        lines.append("# No room is left in the slots at the end: no tolerance can be promised.")
+        left = "left in the slots at the end" if result.drift.room else "known in slots"
+        lines.append(f"# No room is {left}: no tolerance can be promised.")
     return "\n".join([*lines, design_toml(trimmed)])

@@ -9,7 +9,7 @@ import numpy as np
 
 from compass.api.drift_files import drift_dataset, elements_text, injected_design
 from compass.api.lasting import LastingResult
-from compass.api.promises import box_dict, promise_blocks, promise_dict
+from compass.api.promises import box_dict, outcome_of, promise_blocks, promise_dict
 from compass.api.radii import RESONANT, RadiusLasts, real_motion
 from compass.api.results import Result
 from compass.conventions import dated
@@ -38,6 +38,9 @@ if TYPE_CHECKING:
 #: Rows of the table over time that the text shows.
 SHOWN = 12
 
+#: What is told of a fold that is wanted always, and of no other.
+_OF_A_FOLD = ("lost_between_s", "witness", "unsettled_s", "intervals")
+
 
 @dataclass(frozen=True, repr=False)
 class DriftResult(Result):
@@ -63,6 +66,9 @@ class DriftResult(Result):
         Distance that is to be kept from their centres, if any.
     ground
         What the users followed stand on, where that is not the design's figure.
+    asked
+        Whether the satellites in view that margins are of are wanted always; else requirements
+        are for shares of the time, or of geometry, alone, and they decide.
     """
 
     design: Design = field(repr=False)
@@ -75,6 +81,7 @@ class DriftResult(Result):
     approaches: tuple[Approach, ...] = ()
     avoid_km: float | None = None
     ground: str = ""
+    asked: bool = True
 
     @property
     def holds(self) -> bool:
@@ -83,9 +90,8 @@ class DriftResult(Result):
         Wanted is what the design requires, and what cannot be followed is not proven; without
         requirements the fold.
         """
-        wanted = [each.outcome for each in self.promises] or [self.lasting.outcome]
-        kept = all(outcome is Outcome.PROVEN for outcome in wanted)
-        return kept and self.avoids
+        outcome = outcome_of(self.promises) if self.promises else self.lasting.outcome
+        return outcome is Outcome.PROVEN and self.avoids
 
     @property
     def avoids(self) -> bool:
@@ -106,21 +112,37 @@ class DriftResult(Result):
         )
 
     @property
+    def outcome(self) -> Outcome:
+        """Of the fold; where none is wanted always, of the requirements."""
+        return self.lasting.outcome if self.asked else outcome_of(self.promises)
+
+    @property
     def days_proven(self) -> float:
-        """Days for which the fold is proven."""
-        return self.drift.lasting.days_proven
+        """Days for which that is proven."""
+        if self.asked:
+            return self.drift.lasting.days_proven
+        followed = [each.decides for each in self.promises]
+        return min((0.0 if one is None else one.days_proven for one in followed), default=0.0)
 
     @property
     def first_loss_days(self) -> float | None:
         """Days after the epoch at which it is lost; None if it is not."""
-        return self.drift.lasting.first_loss_days
+        if self.asked:
+            return self.drift.lasting.first_loss_days
+        losses = (each.first_loss_days for each in self.promises)
+        return min((day for day in losses if day is not None), default=None)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON; lists over the days."""
         drift = self.drift
+        nothing = {} if self.asked else dict.fromkeys(_OF_A_FOLD)
         return plain(
             {
                 **self.lasting.to_dict(),
+                "outcome": self.outcome,
+                "days_proven": self.days_proven,
+                "first_loss_days": self.first_loss_days,
+                **nothing,
                 "trimmed": self.trim is not None,
                 "span_days": self.lasting.days,
                 "days": drift.times / SECONDS_PER_DAY,
@@ -202,7 +224,7 @@ class DriftResult(Result):
         """How long it lasts, then margin and room over time, satellites, trim, other radii."""
         blocks: list[Block] = [
             *promise_blocks(self.promises),
-            *self.lasting.blocks(),
+            *(self.lasting.blocks() if self.asked else ()),
             self._advice(),
             *self._over_time(),
             *self._per_satellite(),
@@ -248,8 +270,15 @@ class DriftResult(Result):
         header = ("day", f"least {margin.heading}", "at the moment", *last)
         step = (drift.times[1] - drift.times[0]) / SECONDS_PER_DAY
         ground = self._figure()
+        whose = ""
+        if not self.asked:
+            fold, place = counted(drift.lasting.fold, "satellite"), drift.lasting.region.name
+            whose = (
+                "no requirement wants satellites always, so that margin and room are of the "
+                f"design's own {fold} above {self.mask_deg:g} deg, {place}; "
+            )
         note = (
-            f"least margin: by how much all caps could shrink in the {counted(step, 'day')} "
+            f"{whose}least margin: by how much all caps could shrink in the {counted(step, 'day')} "
             f"before, a proven bound (of the first row, in the day after); {self._slots()}"
             + (f"; {ground}" if ground else "")
         )

@@ -19,6 +19,19 @@ from compass.words import counted
 #: Figures of a requirement in the table.
 _FIGURES = ("days_proven", "first_loss_days", "room_deg", "slot_sideways_deg")
 
+#: What the outcome of requirements is called, and whether all are kept.
+_WORDS = {
+    Outcome.PROVEN: ("kept", True),
+    Outcome.REFUTED: ("lost", False),
+    Outcome.UNDECIDED: ("undecided", None),
+}
+
+#: What room is.
+_ROOM = (
+    "room: the least of the span; places that turn with Mars are given it at one time of "
+    "the pattern's own where its tracks are declared closed, else as all on their latitudes have it"
+)
+
 
 def box_dict(box: SlotBox | None) -> dict[str, float] | None:
     """Plain values of a slot box."""
@@ -45,6 +58,14 @@ def promise_dict(promise: Promise) -> dict[str, Any]:
     }
 
 
+def outcome_of(promises: Sequence[Promise]) -> Outcome:
+    """Lost if one is, proven if all are; what cannot be followed is not proven."""
+    found = {each.outcome for each in promises}
+    if Outcome.REFUTED in found:
+        return Outcome.REFUTED
+    return Outcome.PROVEN if found == {Outcome.PROVEN} else Outcome.UNDECIDED
+
+
 def promise_blocks(promises: Sequence[Promise]) -> list[Block]:
     """How long each requirement is proven, where it is lost first, the room that it leaves."""
     if not promises:
@@ -52,13 +73,13 @@ def promise_blocks(promises: Sequence[Promise]) -> list[Block]:
     lost = sum(one.outcome is Outcome.REFUTED for one in promises)
     proven = sum(one.outcome is Outcome.PROVEN for one in promises)
     unfollowed = sum(one.outcome is None for one in promises)
-    holds = False if lost else True if proven == len(promises) else None
-    word = {True: "kept", False: "lost", None: "undecided"}[holds]
+    word, holds = _WORDS[outcome_of(promises)]
     told = (
         f"{counted(len(promises), 'requirement')}: {proven} proven for the whole span, "
         f"{lost} lost, "
         f"{unfollowed} not followed"
     )
+    room = [Sentence(_ROOM)] if any(each.room is not None for each in promises) else []
     return [
         Verdict(word, told, holds),
         promise_table([promise_dict(each) for each in promises]),
@@ -68,11 +89,7 @@ def promise_blocks(promises: Sequence[Promise]) -> list[Block]:
             if each.reason
         ),
         *(Sentence(said) for each in promises if (said := _geometry(each))),
-        Sentence(
-            "room: the least of the span; places that turn with Mars are given it at one time of "
-            "the pattern's own where its tracks are declared closed, else as all on their "
-            "latitudes have it"
-        ),
+        *room,
     ]
 
 
@@ -111,7 +128,8 @@ def _geometry(promise: Promise) -> str:
     name, share, worst = promise.requirement.name, _share(promise), geometry.verdict.worst
     days = f"stretches of up to {STRETCH / SECONDS_PER_DAY:g} days"
     each = "always" if promise.requirement.share == 1.0 else "a share of each"
-    said = f"{name}: geometry is settled in {days} between proven bounds, {each}"
+    what = "geometry is" if promise.requirement.limits else "satellites in view are"
+    said = f"{name}: {what} settled in {days} between proven bounds, {each}"
     if geometry.outcome is Outcome.UNDECIDED:
         return f"{said}; open from day {geometry.proven_until / SECONDS_PER_DAY:.5g}: " + (
             geometry.verdict.reason

@@ -130,17 +130,20 @@ class Lead:
         The place.
     lasting
         How long they are there.
+    asked
+        Whether a requirement wants them always; else margins alone are of them.
     """
 
     fold: int
     claim: Claim
     lasting: Lasting
+    asked: bool = True
 
 
 def lead_of(
     design: Design, promises: Sequence[Promise], path: Trajectory, start: float, stop: float
 ) -> Lead:
-    """Who loses satellites first; where no requirement wants them in view, of the design's fold."""
+    """Who loses satellites first; where no requirement wants them always, of the design's fold."""
     found = [
         Lead(fold, each.claim, each.lasting)
         for each in promises
@@ -151,7 +154,7 @@ def lead_of(
     if not found:
         places = [claim for each in promises for claim in claims_of(design, each.requirement)]
         found = [
-            Lead(design.fold, claim, claim_lasts(path, design.fold, claim, start, stop))
+            Lead(design.fold, claim, claim_lasts(path, design.fold, claim, start, stop), asked=False)
             for claim in places
         ]
     return min(found, key=lambda one: one.lasting.proven_until)

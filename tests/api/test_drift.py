@@ -360,6 +360,22 @@ def test_what_a_design_requires_decides_and_not_its_fold_everywhere(wanted):
 
 
 @pytest.mark.slow
+def test_of_shares_alone_no_verdict_is_given_on_a_fold_that_nobody_asked_for(wanted):
+    often = wanted.design.requirements[3]
+    found = compass.drift(replace(wanted.design, fold=2, requirements=(often,)), days=0.02)
+    out, said = found.to_dict(), " ".join(text(found.document()).split())
+    assert found.holds and (out["outcome"], out["days_proven"]) == ("proven", 0.02)
+    assert (out["first_loss_days"], out["witness"], found.dataset.outcome) == (None, None, "proven")
+    assert found.lasting.outcome is Outcome.REFUTED  # of two satellites, which there are not
+    assert "REFUTED" not in said and "or more satellites above" not in said
+    assert "margin and room are of the design's own 2 satellites above 0 deg, below" in said
+    rare = compass.Requirement.of("rare", sites=often.sites, fold=2, mask_deg=0, share=0.5)
+    lost = compass.drift(replace(wanted.design, requirements=(often, rare)), days=0.02)
+    assert not lost.holds and lost.to_dict()["outcome"] == "refuted"
+    assert (lost.days_proven, lost.first_loss_days) == (0.0, 0.02)
+
+
+@pytest.mark.slow
 def test_without_another_question_the_place_that_is_lost_first_is_followed(wanted):
     """Nobody asked for the whole sphere, which one satellite never sees; radii likewise."""
     design = replace(wanted.design, requirements=wanted.design.requirements[:1])
