@@ -153,8 +153,9 @@ def lead_of(
     ]
     if not found:
         places = [claim for each in promises for claim in claims_of(design, each.requirement)]
+        fold = design.fold
         found = [
-            Lead(design.fold, claim, claim_lasts(path, design.fold, claim, start, stop), asked=False)
+            Lead(fold, claim, claim_lasts(path, fold, claim, start, stop), asked=False)
             for claim in places
         ]
     return min(found, key=lambda one: one.lasting.proven_until)

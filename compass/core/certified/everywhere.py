@@ -29,7 +29,7 @@ from compass.core.certified.volumes import volume
 from compass.core.jit import kernel
 
 #: Sides that may be split are, down to so many times those that may not: what lines lose where the
-#: former are long is of second order too, and shorter ones take boxes that halved tiles spend better.
+#: former are long is of second order too, and halved tiles spend the boxes better.
 TIMES = 4.0
 
 #: Columns of a box: centre and half-widths of latitude, longitude and time.
