@@ -106,12 +106,12 @@ def screen_patterns(patterns, cap, fold, reject, tolerance, fine, least, most, c
         raan, u = pattern_angles(star[m], satellites[m], planes[m], phasing[m])
         start, stop = deciding_phases(star[m], satellites[m], planes[m], phasing[m])
         limit = cap[m] if reject else math.inf
-        low, high, when = pattern_radius(
-            raan, u, inclination[m], fold, start, stop, start, tolerance, limit
+        low, high, when, _ = pattern_radius(
+            raan, u, inclination[m], fold, start, stop, start, -1.0, tolerance, limit
         )
         if low <= cap[m] < high and math.isfinite(high):
-            low, high, _ = pattern_radius(
-                raan, u, inclination[m], fold, start, stop, when, fine, limit
+            low, high, _, _ = pattern_radius(
+                raan, u, inclination[m], fold, start, stop, when, -1.0, fine, limit
             )
         least[m], most[m] = low, high
         closest[m] = closest_pair(raan, u, inclination[m])

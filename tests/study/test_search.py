@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from compass.core.inclination import pattern_radius
+from compass.core.inclination import ROOM, Witnesses, add_witness, pattern_radius, witnessed
 from compass.coverage.cap import cap_radius
 from compass.coverage.certificate import prove_fold
 from compass.coverage.margin import covering_radius
@@ -142,12 +142,45 @@ def test_the_result_does_not_depend_on_the_number_of_threads():
 
 def test_the_phase_stands_for_time():
     c = five(0.8)
-    least, most, _ = pattern_radius(
-        c.raan, c.mean_anomaly, 0.8, 1, 0.0, np.pi / 10, 0.0, 1e-3, np.inf
+    least, most, _, _ = pattern_radius(
+        c.raan, c.mean_anomaly, 0.8, 1, 0.0, np.pi / 10, 0.0, -1.0, 1e-3, np.inf
     )
     found = covering_radius(c, 1, tolerance=1e-3)
     assert most >= found.at_least - 1e-9
     assert least <= found.radius + 1e-9
+
+
+@pytest.mark.parametrize(("pattern", "fold"), [((5, 5, 1), 1), ((6, 3, 2), 2), ((8, 4, 3), 3)])
+def test_witnesses_bound_the_radius_at_any_inclination(pattern, fold):
+    """What a place and moment need at one inclination, all satellites moved to another, is less."""
+    c = walker_delta(*pattern, inclination_deg=0.0, radius_km=RADIUS / 1e3)
+    witnesses = Witnesses(np.empty((ROOM, 3, c.size)), np.empty(ROOM), np.zeros(1, np.int64))
+    angles = np.radians(np.linspace(1.0, 89.0, 8))
+
+    def radius(inclination):
+        return pattern_radius(
+            c.raan, c.mean_anomaly, inclination, fold, 0.0, 2 * np.pi, 0.0, -1.0, 0.1, np.inf
+        )
+
+    assert witnessed(witnesses, 0.5, 0.6, fold, np.inf) == (0.0, -1)
+    for angle in angles[::2]:
+        least, _, phase, point = radius(angle)
+        add_witness(witnesses, c.raan, c.mean_anomaly, phase, point)
+        told, _ = witnessed(witnesses, angle, angle, fold, np.inf)
+        assert told >= least - 1e-9
+        apart = Witnesses(
+            witnesses.cosines[int(witnesses.many[0]) - 1 :], witnesses.phases, np.ones(1, int)
+        )
+        assert witnessed(apart, angle, angle, fold, np.inf)[0] == pytest.approx(least, abs=1e-9)
+    add_witness(witnesses, c.raan, c.mean_anomaly, 0.0, np.zeros(3))
+    assert witnesses.many[0] == 4  # no place, no witness
+    for angle in angles:
+        _, most, *_ = radius(angle)
+        for half in (0.0, 0.01, 0.2):
+            told, _ = witnessed(witnesses, angle - half, angle + half, fold, np.inf)
+            assert told <= most + 1e-9
+    whole, _ = witnessed(witnesses, angles[0], angles[-1], fold, np.inf)
+    assert whole <= min(witnessed(witnesses, a, a, fold, np.inf)[0] for a in angles) + 1e-9
 
 
 def test_closest_approach_against_positions():
