@@ -37,8 +37,8 @@ def map_patterns(patterns, radius, sin_mask, epochs, area, zones, columns, pdop_
     figures
         Takes `FIGURES`, shape (m, 6): GDOP not exceeded at 50 and at 95 of 100 places and
         moments, and at 95 of 100 in the zone of latitude where that is worst; PDOP at 95; share
-        with PDOP at most `pdop_max`; mean number in view. Percentiles are values that occur; inf
-        counts.
+        with PDOP at most `pdop_max`; mean number in view, exact. Percentiles are values that
+        occur; inf counts.
     """
     star, satellites, planes, phasing, inclination = patterns
     fold = np.empty((epochs, area.shape[0]), np.int64)
@@ -66,7 +66,9 @@ def map_patterns(patterns, radius, sin_mask, epochs, area, zones, columns, pdop_
         figures[m, 2] = worst_zone(zone_gdop, columns)
         figures[m, 4] = (pdop.size - count_above(pdop.ravel(), pdop_max)) / pdop.size
         figures[m, 3] = select(pdop.ravel(), most)
-        figures[m, 5] = fold.sum() / fold.size
+        # as many as there are, each over the part of the sphere that its cap has
+        cap = math.acos(math.sqrt(1.0 - sin_mask[m] ** 2) / radius[m]) - math.asin(sin_mask[m])
+        figures[m, 5] = n * 0.5 * (1.0 - math.cos(cap))
 
 
 @kernel

@@ -91,7 +91,7 @@ def satellites_in_view(
     circles = c.is_circular and model.is_closed_form
     whole = model.model == "two-body" and duration is None and one_period(c)
     if level and mask.is_constant and figure.is_sphere and (circles or whole):
-        mean = _mean_of_caps(c, radius, mask.highest)
+        mean = mean_in_view(c, radius, mask.highest)
         return InView(least, (mean, mean), most)
     return InView(least, _mean_of_shares(folds, most[1]), most)
 
@@ -132,7 +132,7 @@ def _by_shares(
     return (always, max(found[0], always)), (min(found[1], never - 1), never - 1)
 
 
-def _mean_of_caps(c: Constellation, sphere_radius: float, mask: float) -> float:
+def mean_in_view(c: Constellation, sphere_radius: float, mask: float) -> float:
     """Caps' parts of the sphere, added up: how many of them cover a place, in the mean."""
     anomaly = np.arange(MOMENTS if not c.is_circular else 1) * (2.0 * np.pi / MOMENTS)
     nearer = 1.0 - c.eccentricity[:, np.newaxis] * np.cos(anomaly)

@@ -5,9 +5,10 @@ from typing import Any
 
 from compass.allowed import check_all_allowed
 from compass.coverage.certified_effort import Effort
-from compass.coverage.fold_verdict import fold_verdict
+from compass.coverage.fold_verdict import course_of, fold_verdict
 from compass.coverage.fold_verdict_over_days import fold_verdict_over_days
 from compass.coverage.geometry_verdict import FOLD, asks_for_folds, geometry_verdict
+from compass.coverage.period_verdict import by_one_period
 from compass.coverage.verdict import Verdict, both
 from compass.design import Design, Requirement
 from compass.errors import ArgumentError
@@ -49,6 +50,13 @@ def verdict_of(
         mask below the limb, too many sets of lost satellites.
     """
     _check_days(design, days, start_day)
+    if days is None and course_of(design, None, 0.0) is None:
+
+        def settle(group: Design) -> Verdict:
+            return verdict_of(group, requirement, effort=effort)
+
+        if (known := by_one_period(design, requirement, settle)) is not None:
+            return known
     verdicts, limits = [], list(requirement.limits)
     if (fold := requirement.counts) is not None:
         if asks_for_folds(design, requirement, days, start_day):

@@ -119,10 +119,11 @@ def recommendation(
         )
         return arranged("Recommendation", (text,))
     first = chosen[0].finalist
+    values = {o.figure: known(study, o.figure, first) for o in study.objectives}
     of_each = "; ".join(
-        f"{MERITS[o.figure].title}: {with_unit(known(study, o.figure, first))}"
-        for o in study.objectives
+        f"{MERITS[figure].title}: {with_unit(value)}" for figure, value in values.items()
     )
+    proven = [figure for figure, value in values.items() if isinstance(value.evidence, Bracket)]
     paragraphs = [
         _build(chosen[0]),
         f"By objective: {of_each}. It is the balanced choice of the Pareto front: the largest of "
@@ -131,7 +132,7 @@ def recommendation(
         f"{chosen[0].certificate} for all time by a certificate whose rounding is on the safe "
         "side (two-body motion).",
     ]
-    if how := sampled_over(study, [o.figure for o in study.objectives]):
+    if how := sampled_over(study, [figure for figure in values if figure not in proven]):
         paragraphs[1] += f" Sampled: {how}."
     if measure is not None:
         paragraphs.append(f"Beside {measure.role} it is {against(study, first, measure)}.")

@@ -1,5 +1,7 @@
 """Proven bounds of the geometry of candidates: only as near as it takes to decide their order."""
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -7,6 +9,9 @@ from compass.coverage.areas import Near
 from compass.coverage.certified_percentile import CertifiedPercentile, certified_percentile
 from compass.coverage.certified_question import Asked
 from compass.coverage.certified_share import CertifiedShare, certified_share
+from compass.coverage.certified_zone import certified_worst_zone
+from compass.coverage.grid import make_grid
+from compass.coverage.region import Region, latitude_band
 from compass.inputs.study import Study
 from compass.orbits import Constellation
 from compass.sites import Mask
@@ -14,11 +19,15 @@ from compass.study.area_figures import BETWEEN, area_bounds
 from compass.study.candidates import make_constellation
 from compass.study.pattern_map import map_figures
 
+#: The one that is of the zone of latitude where it is most.
+ZONE = "gdop_p95_zone"
+
 #: Figures of merit that have proven bounds: the dilution, and per cent of area and time below it;
 #: None for the share below the study's limit.
 BOUNDED: dict[str, tuple[str, float | None]] = {
     "gdop_p50": ("gdop", 50.0),
     "gdop_p95": ("gdop", 95.0),
+    ZONE: ("gdop", 95.0),
     "pdop_p95": ("pdop", 95.0),
     "availability": ("pdop", None),
 }
@@ -107,6 +116,17 @@ def _bound(
 ) -> CertifiedShare | CertifiedPercentile:
     """Bounds of one figure of one candidate."""
     percent, limits = BOUNDED[figure][1], _limits(study, figure)
+    if percent is not None and figure == ZONE:
+        return certified_worst_zone(
+            pattern,
+            percent,
+            _zones(study),
+            guess=sampled,
+            precision=level.precision,
+            budget_boxes=level.boxes,
+            limits=limits,
+            **asked,
+        )
     if percent is not None:
         return certified_percentile(
             pattern,
@@ -125,6 +145,16 @@ def _bound(
         against=limits,
         **asked,
     )
+
+
+def _zones(study: Study) -> list[Region]:
+    """Zones of latitude, one of each pair north and south: both see alike of circles of one size.
+
+    As wide as the rows that are sampled.
+    """
+    grid = make_grid("equal-angle", study.map.step_deg)
+    edges = grid.latitude_edges[: (grid.rows + 1) // 2 + 1]
+    return [latitude_band(south, north) for south, north in pairwise(edges.tolist())]
 
 
 def _limits(study: Study, figure: str) -> list[float]:

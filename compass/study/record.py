@@ -19,7 +19,7 @@ from compass.inputs.study import Study
 from compass.study.candidates import PATTERNS, ROW, Members
 from compass.study.stages import FINDERS, Found, figures_of
 
-FORMAT = 5
+FORMAT = 6
 
 _COUNTS = ("satellites", "planes", "phasing")
 

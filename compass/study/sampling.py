@@ -2,9 +2,9 @@
 
 Costs, fold and margins are exact (but for rounding and a stated bracket), requirements and days on
 real orbits proven. Figures of geometry are of cells and epochs, but for those that have proven
-bounds; how far they move when both are made finer says how far off they may be. Figures of landings
-are of the entries judged, the same for all candidates; of these, and of places and moments for
-errors in metres, more are drawn where the order is open.
+bounds and the mean in view; how far they move when both are made finer says how far off they may
+be. Figures of landings are of the entries judged, the same for all candidates; of these, and of
+places and moments for errors in metres, more are drawn where the order is open.
 """
 
 from dataclasses import replace
@@ -14,15 +14,24 @@ from numpy.typing import NDArray
 
 from compass.document import Interval
 from compass.inputs.study import Study
+from compass.quantities.draws import share_bounds
 from compass.quantities.merits import MERITS, merits_of
 from compass.study.bounds import bounded_figures
 from compass.study.draw_bounds import drawn_figures
 from compass.study.pattern_map import map_figures
 
+#: Of what is mapped the figure that is known exactly, by areas of caps.
+EXACT = "count_mean"
+
+#: Of entries the figure that is the least of those judged: others may have less.
+FEWEST = "in_view.min"
+
 
 def sampling_of(study: Study, figure: str) -> str:
     """Return what a figure was sampled over, in words; nothing if it was not sampled."""
     stage = MERITS[figure].stage
+    if figure == EXACT:
+        return ""
     more = ", more where the order is open" * (figure in drawn_figures(study))
     if stage == "map":
         grid = study.map
@@ -31,7 +40,12 @@ def sampling_of(study: Study, figure: str) -> str:
             cells += ", then random places and moments"
         return cells + more
     if stage == "entry" and study.entry is not None:
-        return f"{study.entry.samples} entr{'ies' if study.entry.samples > 1 else 'y'}{more}"
+        entries = study.entry.samples
+        how = f"{entries} entr{'ies' if entries > 1 else 'y'}{more}"
+        if figure == FEWEST:
+            most = 100.0 * share_bounds(0.0, entries)[1]
+            how += f", fewer in at most {most:.2g} % of all ({Interval.WORDS})"
+        return how
     return ""
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from compass.core.gdop import dops_over
 from compass.coverage.certificate import prove_fold
 from compass.coverage.grid import make_grid
+from compass.coverage.in_view import mean_in_view
 from compass.coverage.margin import highest_mask
 from compass.coverage.symmetry import Span, shortest_span
 from compass.coverage.view import view
@@ -195,7 +196,7 @@ def _geometry(study: Study, c: Constellation, mask: float, span: Span) -> dict[s
         dops_over(r, where, 1.0, np.sin(mask), fold, gdop, pdop)
         return fold, gdop, pdop
 
-    fold, gdop, pdop = over("equal-area")
+    _, gdop, pdop = over("equal-area")
     columns = make_grid("equal-angle", study.map.step_deg).columns
     zones = over("equal-angle")[1].reshape(EPOCHS, -1, columns)
     return {
@@ -204,6 +205,6 @@ def _geometry(study: Study, c: Constellation, mask: float, span: Span) -> dict[s
         "gdop_p95_zone": float(max(percentile(zones[:, k], 95) for k in range(zones.shape[1]))),
         "pdop_p95": float(percentile(pdop, 95)),
         "availability": float((pdop <= study.map.pdop_max).mean()),
-        "count_mean": float(fold.mean()),
+        "count_mean": mean_in_view(c, study.figure.equatorial_radius, mask),
         **errors_over(study, c, float(np.degrees(mask)), times),
     }

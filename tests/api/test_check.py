@@ -153,22 +153,42 @@ def test_along_paths_it_is_said_whose_loss_hurts_most():
     assert kept.worst.elevation == pytest.approx(kept.margin, abs=1e-3)
 
 
-def test_orbits_of_two_periods_need_days():
-    both_radii = walker_delta(4, 1, 0, inclination_deg=0, radius_km=15000) + replace(
-        walker_delta(4, 1, 0, inclination_deg=0, radius_km=16000),
-        satellite_names=("a", "b", "c", "d"),
+def two_periods(wanted, first=4, second=4):
+    both_radii = walker_delta(first, 1, 0, inclination_deg=0, radius_km=15000) + replace(
+        walker_delta(second, 1, 0, inclination_deg=0, radius_km=16000),
+        satellite_names=tuple("abcdefgh"[:second]),
     )
-    asked = Requirement("one", sites=(EQUATOR,), fold=1)
-    design = Design(both_radii, name="two", requirements=(asked,))
+    return Design(both_radii, name="two", requirements=(wanted,))
+
+
+def test_what_satellites_of_one_period_keep_holds_for_ever_whatever_others_do():
+    """Four of a ring keep one in view of the equator always, and six keep two."""
+    one = Requirement("one", sites=(EQUATOR,), fold=1)
+    found = verdict(two_periods(one))
+    assert (found.met, found.evidence, found.share, found.worst) == (True, "proven", (1, 1), None)
+    assert found.scope.startswith("by 4 satellites at 15000 km alone; for ever")
+    assert found.margin == verdict(ring(one, satellites=4, orbit={"radius_km": 15000})).margin
+    # what they keep each for itself adds up: one and two
+    both = verdict(two_periods(replace(one, fold=3), 4, 6))
+    assert (both.met, both.evidence, both.margin) == (True, "proven", None)
+    assert "2 of 6 satellites at 16000 km and 1 of 4 satellites at 15000 km" in both.scope
+    for asked in (replace(one, fold=4), replace(one, fold=3, losses=1)):
+        assert verdict(two_periods(asked, 4, 6)).met is not True
+    assert verdict(two_periods(replace(one, fold=2, losses=1), 4, 6)).met is True
+    often = verdict(two_periods(replace(one, fold=2, share=0.5), 2, 6))
+    assert (often.met, often.evidence, often.share[1]) == (True, "bracket", 1.0)
+
+
+def test_orbits_of_two_periods_need_days():
+    asked = Requirement("one", sites=(EQUATOR,), fold=3, share=0.9)
+    design = two_periods(asked)
     found = verdict(design)
     assert (found.met, found.evidence) == (None, "none")
     assert "every combination of their phases; give days" in found.reason
-    assert verdict(design, days=0.2).met is True
+    assert verdict(design, days=0.2).met is not None
     # what is missed once is not always so, whatever the phases
-    missed = verdict(replace(design, requirements=(replace(asked, fold=8),)))
+    missed = verdict(two_periods(replace(asked, fold=8, share=1.0)))
     assert (missed.met, missed.evidence) == (False, "proven") and "over 2 days" in missed.scope
-    often = verdict(replace(design, requirements=(replace(asked, fold=8, share=0.9),)))
-    assert often.met is None
 
 
 def test_geometry_of_a_ring_is_useless_on_the_equator():

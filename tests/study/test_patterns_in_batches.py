@@ -82,6 +82,13 @@ def rank(values, percent):
     return values[int(np.ceil(percent / 100 * values.size)) - 1]
 
 
+def mean_in_view(row):
+    """Satellites in view in the mean: the angle at Mars's centre is what the two others leave."""
+    mask = np.radians(row["mask_deg"])
+    nadir = np.arcsin(np.cos(mask) * FIGURE.equatorial_radius / 1e3 / row["radius_km"])
+    return row["satellites"] * (1 - np.sin(mask + nadir)) / 2
+
+
 @pytest.mark.parametrize("step", [30, 36])  # an even and an odd number of zones
 def test_map_against_plain_linear_algebra(step):
     s = study(step)
@@ -103,12 +110,12 @@ def test_map_against_plain_linear_algebra(step):
             ]
             return np.moveaxis(np.array(found), -1, 0)  # (3, moments, rows, columns)
 
-        count, gdop, pdop = sampled("equal-area")
+        _, gdop, pdop = sampled("equal-area")
         zones = sampled("equal-angle")[1]
         both = np.concatenate([zones, zones[:, ::-1]], axis=2)
         wanted = [
             rank(gdop, 50), rank(gdop, 95), max(rank(both[:, i], 95) for i in range(both.shape[1])),
-            rank(pdop, 95), (pdop <= 6).mean(), count.mean(),
+            rank(pdop, 95), (pdop <= 6).mean(), mean_in_view(row),
         ]  # fmt: skip
         # rounding goes with the square of the dilution; see `compass.core.dop.dops`
         finite = [w for w in wanted[:4] if np.isfinite(w)]
@@ -149,10 +156,10 @@ def test_the_part_that_is_mapped_stands_for_a_revolution(row, moments):
                 for grid in places
             ]
         )
-    (count, gdop, pdop), (_, zones, _) = np.moveaxis(np.array(seen), (1, 4), (0, 1))
+    (_, gdop, pdop), (_, zones, _) = np.moveaxis(np.array(seen), (1, 4), (0, 1))
     wanted = [
         rank(gdop, 50), rank(gdop, 95), max(rank(zones[:, i], 95) for i in range(zones.shape[1])),
-        rank(pdop, 95), (pdop <= 6).mean(), count.mean(),
+        rank(pdop, 95), (pdop <= 6).mean(), mean_in_view(np.array(row, ROW)),
     ]  # fmt: skip
     finite = [w for w in wanted[:4] if np.isfinite(w)]
     limit = 1e-15 * t * max(finite, default=1) ** 2

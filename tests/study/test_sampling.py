@@ -1,6 +1,7 @@
 """Sampled figures say over what, and how far off they may be: against a far finer sampling."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -69,7 +70,18 @@ def test_what_is_sampled_says_over_what(study):
         "share of area and time with a good PDOP; GDOP, 95th percentile: over "
         "15 deg cells, 4 epochs"
     )
-    assert all(bool(sampling_of(study, name)) == (MERITS[name].stage == "map") for name in MERITS)
+    mapped = [name for name in MERITS if MERITS[name].stage == "map" and name != "count_mean"]
+    assert [name for name in MERITS if sampling_of(study, name)] == mapped
+
+
+@pytest.mark.parametrize(("entries", "most"), [(8, "37"), (1000, "0.37")])
+def test_the_fewest_in_view_of_entries_says_how_many_others_may_have_fewer(study, entries, most):
+    judged = replace(study, entry=SimpleNamespace(samples=entries))
+    said = sampling_of(judged, "in_view.min")
+    assert said.startswith(f"{entries} entries, fewer in at most {most} % of all (bounds that hold")
+    assert sampling_of(judged, "in_view.median") == f"{entries} entries"
+    # were it so many of all that have fewer, none of those judged would in one case of forty
+    assert (1 - float(most) / 100) ** entries == pytest.approx(0.025, rel=0.03)
 
 
 def one(value, error):

@@ -132,7 +132,7 @@ def test_another_study_and_another_version_are_refused(tiny, tmp_path, monkeypat
     with pytest.raises(ArgumentError, match="the store of another study"):
         read_results(tiny(fold=2), tmp_path)
     monkeypatch.setattr(compass, "__version__", "99")
-    with pytest.raises(ArgumentError, match="this is 99, format 5, whose numbers may differ"):
+    with pytest.raises(ArgumentError, match="this is 99, format 6, whose numbers may differ"):
         Store(tmp_path, tiny())
 
 
