@@ -11,8 +11,6 @@ Demmel and Veselic 1992, Jacobi's Method is More Accurate than QR, SIAM J. Matri
 
 import math
 
-import numpy as np
-
 from compass.core.jit import fast_kernel
 
 #: Columns whose squared norm is below this are zero: rounding has left them nothing else.
@@ -80,13 +78,3 @@ def jacobi_svd(columns, values, vectors):
             values[i], values[best] = values[best], values[i]
             for k in range(n):
                 vectors[i, k], vectors[best, k] = vectors[best, k], vectors[i, k]
-
-
-def singular_values(a):
-    """Singular values of a matrix, descending, by `jacobi_svd`."""
-    m, n = np.shape(a)
-    work = np.zeros((n, max(m, n)))
-    work[:, :m] = np.transpose(a)
-    values, vectors = np.empty(n), np.empty((n, n))
-    jacobi_svd(work, values, vectors)
-    return values

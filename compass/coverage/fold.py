@@ -69,27 +69,24 @@ def fold_extremes(directions: ArrayLike, radius: ArrayLike, region: Region = GLO
     return FoldExtremes(*found)
 
 
-def in_view(
-    constellation: Constellation,
+def clearances(
+    positions: NDArray[np.float64],
     sphere_radius: float,
     mask: float,
-    time: float,
     points: ArrayLike,
     stretch: float = 1.0,
 ) -> NDArray[np.float64]:
-    """Elevation above the mask of every satellite at points on the figure, radians.
+    """Elevation above the mask of satellites at points on the body's surface, radians.
 
     Straight from the triangle of centre, user and satellite; caps and circles play no part, so
     it checks them.
 
     Parameters
     ----------
-    constellation
-        The orbits, in two-body motion.
+    positions
+        Inertial, metres, shape (n, 3).
     sphere_radius, mask
         Metres and radians.
-    time
-        Seconds after the epoch.
     points
         Unit vectors in the inertial frame, shape (..., 3).
     stretch
@@ -100,18 +97,6 @@ def in_view(
     clearance
         Shape (..., n); the fold is the number that are not negative.
     """
-    positions = positions_mci(constellation, [time])[:, 0]
-    return clearances(positions, sphere_radius, mask, points, stretch)
-
-
-def clearances(
-    positions: NDArray[np.float64],
-    sphere_radius: float,
-    mask: float,
-    points: ArrayLike,
-    stretch: float = 1.0,
-) -> NDArray[np.float64]:
-    """`in_view` of satellites at inertial positions, metres, shape (n, 3)."""
     p = np.asarray(points, dtype=float)[..., np.newaxis, :]
     widened = p * [1.0, 1.0, stretch]
     user = sphere_radius * p / np.linalg.norm(widened, axis=-1, keepdims=True)

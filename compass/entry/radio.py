@@ -206,18 +206,6 @@ def arrival_probability(
     return np.exp(log(in_blackout) * np.clip(u, 0.0, 1.0) ** 2)
 
 
-def draw_arrivals(probability: ArrayLike, seed: int) -> NDArray[np.bool_]:
-    """Bernoulli arrivals of the given probabilities, from a seed.
-
-    Raises
-    ------
-    ArgumentError
-        A probability outside [0, 1].
-    """
-    beta = check_probabilities(probability)
-    return np.random.default_rng(seed).random(beta.shape) < beta
-
-
 def check_probabilities(probability: ArrayLike) -> Array:
     """Return arrival probabilities as an array, each checked to lie in [0, 1]."""
     beta = np.asarray(probability, dtype=float)

@@ -34,9 +34,6 @@ def azimuth_from_heading(heading: ArrayLike, heading_from: HeadingFrom) -> NDArr
     return np.pi - np.mod(np.pi - angle, 2 * np.pi)
 
 
-heading_from_azimuth = azimuth_from_heading
-
-
 def longitude_degrees(longitude: ArrayLike) -> NDArray[np.float64]:
     """East longitude to show, degrees in [-180, 180), of one in radians that flights count on."""
     return np.mod(np.degrees(longitude) + 180.0, 360.0) - 180.0

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compass.bodies import KELLY2018_RADIUS, SOLAR_DAY
 from compass.contacts.dataset import windows_dataset
@@ -18,8 +17,6 @@ from compass.sites import Site
 
 if TYPE_CHECKING:
     import xarray as xr
-
-Array = NDArray[np.float64]
 
 #: Of the access profiles, which say neither mask nor span: three sols without a mask.
 SPAN = 3 * SOLAR_DAY.value

@@ -43,8 +43,6 @@ _WEIGHTINGS = {
 #: How the sources weigh: determinant for covariance intersection, eq. 21 for DCIFAIF.
 _USUAL = {"ci": "determinant", "ci-feedback": "determinant", "dcifaif": "fast"}
 
-DISTRIBUTED = ("ci", "ci-feedback", "dcifaif", "federated")
-
 STATE_NAMES = (
     "radius",
     "longitude",

@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.core.papers.spherical_geometry import cartesian_jacobian
 from compass.core.papers.yu2018_filter import (
-    filter_run,
-    measure,
     monte_carlo,
     posterior_bound,
     spread,
@@ -60,58 +58,6 @@ class Filter:
             ) from error
 
 
-def ideal_measurements(states: ArrayLike, beacons: Beacons) -> NDArray[np.float64]:
-    """Ranges (m) and range rates (m/s) without noise, shape (t, n, 2)."""
-    out = np.empty((*beacons.r.shape[:2], 2))
-    measure(np.ascontiguousarray(states, dtype=float), beacons.r, beacons.v, out)
-    return out
-
-
-def run_published_filter(
-    model: EntryModel,
-    estimate: ArrayLike,
-    beacons: Beacons,
-    taken: ArrayLike,
-    measurements: Measurements,
-    settings: Filter,
-    z: ArrayLike,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """States (t, 6) and covariances (t, 6, 6) after each epoch's measurements.
-
-    Parameters
-    ----------
-    model
-        The world as the filter knows it.
-    estimate
-        First estimate, (6,) or (8,).
-    beacons, taken, measurements
-        What is measured, `taken` of shape (t, n).
-    settings
-        The filter.
-    z
-        Ranges and range rates, (t, n, 2); entries not taken are not looked at.
-    """
-    count = beacons.times.size
-    states, covariances = np.empty((count, 6)), np.empty((count, 6, 6))
-    filter_run(
-        model.full_state(estimate),
-        np.array(settings.covariance0, dtype=float),
-        spherical_parameters(model),
-        model.vehicle.bank(beacons.times),
-        beacons.times,
-        np.array(settings.noise, dtype=float),
-        beacons.r,
-        beacons.v,
-        np.asarray(taken, dtype=bool),
-        measurements.radio_variances()[:2],
-        np.asarray(z, dtype=float),
-        settings.iterations,
-        states,
-        covariances,
-    )
-    return states, covariances
-
-
 def run_monte_carlo(
     model: EntryModel,
     state: ArrayLike,
@@ -137,8 +83,10 @@ def run_monte_carlo(
         The world as the filter knows it.
     state
         True first state, (6,) or (8,).
-    beacons, taken, measurements, settings
-        As in `run_published_filter`.
+    beacons, taken, measurements
+        What is measured, `taken` of shape (t, n).
+    settings
+        The filter.
     runs, seed
         How many, and from which seed.
     truth

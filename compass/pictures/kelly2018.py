@@ -21,8 +21,6 @@ Array = NDArray[np.float64]
 
 #: Where the constellation is looked at from: longitude and latitude, degrees.
 EYE = (-35.0, 25.0)
-#: Colours of the user and of the control station.
-SITES = SKY, "#009E73"
 _CAPTION = "Computed here after Figure {} of Kelly and Bevilacqua 2018."
 
 

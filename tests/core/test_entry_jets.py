@@ -7,7 +7,7 @@ import pytest
 from compass.core import jets
 from compass.core.entry.flow import rk4_step_transition
 from compass.core.entry.series import flow_series, orbit_series, range_series
-from compass.core.jacobi_svd import jacobi_svd, singular_values
+from compass.core.jacobi_svd import jacobi_svd
 from compass.core.papers.spherical_geometry import cartesian, cartesian_jacobian, range_rows
 from compass.entry.atmosphere import Atmosphere
 from compass.entry.model import EntryModel
@@ -157,6 +157,16 @@ def test_cartesian_jacobian_is_the_derivative():
         e = h * np.eye(8)[j]
         differences = (cartesian_of(STATE + e) - cartesian_of(STATE - e)) / (2 * h)
         np.testing.assert_allclose(jacobian[:, j], differences, rtol=1e-7, atol=2e-9 / h * 3.5)
+
+
+def singular_values(a):
+    """Singular values of a matrix, zero rows put below those of a wide one."""
+    m, n = np.shape(a)
+    work = np.zeros((n, max(m, n)))
+    work[:, :m] = np.transpose(a)
+    values, vectors = np.empty(n), np.empty((n, n))
+    jacobi_svd(work, values, vectors)
+    return values
 
 
 @pytest.mark.parametrize("spread", [0, 4, 10])

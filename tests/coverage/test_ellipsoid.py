@@ -11,13 +11,13 @@ import compass
 from compass.core.certificate import caps_at
 from compass.core.figure import stretched_caps
 from compass.coverage.certificate import fold_range, prove_fold
-from compass.coverage.fold import clearances, in_view
+from compass.coverage.fold import clearances
 from compass.coverage.margin import highest_mask
 from compass.coverage.motion import motion_of
 from compass.coverage.region import GLOBE, latitude_band, read_region
 from compass.coverage.symmetry import Span, shortest_span
 from compass.frames import FIGURES, direction
-from compass.orbits import keplerian, positions_mcmf
+from compass.orbits import keplerian, positions_mci, positions_mcmf
 from compass.sites import Site
 
 ELLIPSOID = FIGURES["iau-ellipsoid"]
@@ -82,7 +82,7 @@ def test_caps_bound_what_is_seen_in_a_band_for_a_while(
                 continue
             places = q / [1.0, 1.0, figure.stretch]
             places /= np.linalg.norm(places, axis=1, keepdims=True)
-            seen = in_view(c, R, mask, time, places, figure.stretch)[:, 0]
+            seen = clearances(positions_mci(c, [time])[:, 0], R, mask, places, figure.stretch)[:, 0]
             assert np.all(sign * seen >= -1e-12)
 
 
@@ -136,7 +136,9 @@ def test_the_range_is_that_of_sites(counts, inclination_deg, mask, figure, seed)
     rng = np.random.default_rng(seed)
     places = direction(np.arcsin(rng.uniform(-1, 1, 4000)), rng.uniform(0, 2 * np.pi, 4000))
     for time in rng.uniform(0, 88000, 10):
-        fold = (in_view(c, R, mask, time, places, figure.stretch) >= 0).sum(axis=1)
+        fold = (
+            clearances(positions_mci(c, [time])[:, 0], R, mask, places, figure.stretch) >= 0
+        ).sum(axis=1)
         assert low <= fold.min() and fold.max() <= high
     claim = {"sphere_radius": R, "mask": mask, "stretch": figure.stretch}
     above = prove_fold(c, reached + 1, **claim)

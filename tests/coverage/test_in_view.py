@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from compass.coverage.drawn import drawn
-from compass.coverage.fold import in_view as clearances
+from compass.coverage.fold import clearances
 from compass.coverage.in_view import satellites_in_view
 from compass.coverage.share import mean_fold_shares
 from compass.design import Design
 from compass.frames import FIGURES, direction
-from compass.orbits import walker_delta
+from compass.orbits import positions_mci, walker_delta
 from compass.orbits.constellation import keplerian
 from compass.sites import Mask
 
@@ -63,7 +63,9 @@ def test_a_span_later_on_is_looked_at_itself():
     counts = []
     for time in g.uniform(5000.0, 5060.0, 40):
         places = direction(np.arcsin(g.uniform(-1, 1, 2000)), g.uniform(-np.pi, np.pi, 2000))
-        clear = clearances(PATTERN, SPHERE.equatorial_radius, 0.0, time, places)
+        clear = clearances(
+            positions_mci(PATTERN, [time])[:, 0], SPHERE.equatorial_radius, 0.0, places
+        )
         counts.append((clear >= 0.0).sum(axis=1))
     assert found.least[0] <= np.min(counts) and np.max(counts) <= found.most[1]
     assert found.least[0] == found.least[1]

@@ -19,7 +19,6 @@ from compass.entry.layout import Layout, Part, block
 from compass.entry.link import Link
 from compass.entry.mars_air import PROFILE, WINDS
 from compass.entry.model import EntryModel
-from compass.entry.navigation import ideal_measurements
 from compass.entry.radio import WAKE
 from compass.entry.schedule import Measurements, in_view
 from compass.entry.trajectory import fly
@@ -27,6 +26,7 @@ from compass.entry.views import cartesian_of, spherical_jacobian, spherical_of
 from compass.errors import ArgumentError
 from compass.papers import yu2018_filter as spherical
 from compass.ranging import Receiver
+from tests.entry.one_run import ideal_measurements
 
 PRIOR = axes_covariance(1000.0, 0.5)
 

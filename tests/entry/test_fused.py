@@ -20,13 +20,13 @@ from compass.entry.fused_runs import BLOCK, monte_carlo
 from compass.entry.inertial import InertialCase
 from compass.entry.instruments import Features, Instrument
 from compass.entry.layout import Layout
-from compass.entry.navigation import run_filter
 from compass.entry.radio import ElectronTable
 from compass.entry.schedule import Measurements
 from compass.entry.trajectory import fly
 from compass.entry.views import cartesian_of, spherical_of
 from compass.errors import ArgumentError
 from compass.papers import lou2019_case, lou_montecarlo
+from tests.entry.one_run import run_filter
 
 TIMES = np.arange(0.0, 14.0, 2.0)
 NOISE = np.array([1.0, 1e-14, 1e-14, 1e-2, 1e-10, 1e-10, 1e-6, 1e-6])

@@ -15,13 +15,14 @@ from compass.entry.filters import Filter
 from compass.entry.instruments import KINDS, Features, Instrument
 from compass.entry.layout import Layout, Part
 from compass.entry.link import Link
-from compass.entry.navigation import run_filter, run_monte_carlo
+from compass.entry.navigation import run_monte_carlo
 from compass.entry.radio import STAGNATION, critical_density
 from compass.entry.schedule import Measurements
 from compass.entry.trajectory import fly
 from compass.entry.views import cartesian_of, spherical_of
 from compass.errors import ArgumentError
 from compass.ranging import Receiver
+from tests.entry.one_run import run_filter
 
 PRIOR = axes_covariance(1000.0, 0.5)
 PARTS = (

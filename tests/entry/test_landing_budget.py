@@ -12,10 +12,10 @@ from compass.entry.consistency import FALSE_ALARM, nees_bounds
 from compass.entry.covariance import axes_covariance
 from compass.entry.filters import Filter
 from compass.entry.layout import Part
-from compass.entry.navigation import ideal_measurements, run_filter
 from compass.entry.schedule import Measurements, in_view
 from compass.entry.trajectory import fly
 from compass.orbits import keplerian, states_mci
+from tests.entry.one_run import ideal_measurements, run_filter
 
 GM, RADIUS, OMEGA = 4.282829e13, 3397.2e3, 7.088218e-5
 

@@ -13,10 +13,11 @@ from compass.entry.consistency import consistency
 from compass.entry.covariance import axes_covariance, linear_covariance
 from compass.entry.filters import Filter
 from compass.entry.layout import Layout, Part
-from compass.entry.navigation import MonteCarlo, ideal_measurements, run_filter, run_monte_carlo
+from compass.entry.navigation import MonteCarlo, run_monte_carlo
 from compass.entry.schedule import Measurements
 from compass.entry.trajectory import fly
 from compass.errors import ArgumentError
+from tests.entry.one_run import ideal_measurements, run_filter
 
 MEASUREMENTS = Measurements(50.0)
 PRIOR = axes_covariance(1000.0, 0.5)

@@ -80,15 +80,6 @@ def test_any_model_will_do():
     np.testing.assert_allclose(found, [1e15, 1e14], rtol=1e-12)  # log-linear: the geometric mean
 
 
-def test_arrivals_come_from_their_seed_as_often_as_they_should():
-    beta = np.tile([0.0, 0.3, 1.0], (20_000, 1))
-    drawn = radio.draw_arrivals(beta, seed=4)
-    np.testing.assert_array_equal(drawn, radio.draw_arrivals(beta, seed=4))
-    shares = drawn.mean(axis=0)
-    assert shares[[0, 2]].tolist() == [0, 1]
-    assert abs(shares[1] - 0.3) < 5 * np.sqrt(0.21 / 20_000)
-
-
 def test_crossings_are_exact_on_an_exponential():
     t = np.arange(0.0, 10.0, 1.0)
     values = np.exp(-((t - 5.2) ** 2))
@@ -102,7 +93,7 @@ def test_crossings_are_exact_on_an_exponential():
     ("call", "message"),
     [
         (lambda: radio.check_probabilities([0.5, 1.2]), "arrival probability = 1.2"),
-        (lambda: radio.draw_arrivals([np.nan], 0), "arrival probability = nan"),
+        (lambda: radio.check_probabilities([np.nan]), "arrival probability = nan"),
         (lambda: radio.arrival_probability(1.0, in_blackout=0.0), "above 0 to 1"),
         (lambda: radio.arrival_probability(1.0, brownout=3e15), "below the second"),
         (lambda: radio.ElectronTable((1.0, 3.0, 2.0), (1e9, 1e9, 1e9)), "altitude 2 m after 3 m"),

@@ -7,6 +7,7 @@ import pytest
 
 from compass.core.papers.spherical import rk4_step_transition
 from compass.core.papers.spherical_geometry import cartesian_jacobian, range_rows
+from compass.core.papers.yu2018_filter import filter_run, measure
 from compass.entry.beacons import Beacons
 from compass.entry.schedule import Measurements
 from compass.entry.views import cartesian_of
@@ -16,13 +17,41 @@ from compass.papers.spherical import spherical_parameters
 from compass.papers.yu2018_filter import (
     Filter,
     cramer_rao_bound,
-    ideal_measurements,
     initial_covariance,
     run_monte_carlo,
-    run_published_filter,
 )
 
 MEASUREMENTS = Measurements(50.0)
+
+
+def ideal_measurements(states, beacons):
+    """Ranges (m) and range rates (m/s) without noise, shape (t, n, 2)."""
+    out = np.empty((*beacons.r.shape[:2], 2))
+    measure(np.ascontiguousarray(states, dtype=float), beacons.r, beacons.v, out)
+    return out
+
+
+def run_published_filter(model, estimate, beacons, taken, measurements, settings, z):
+    """States (t, 6) and covariances (t, 6, 6) after each epoch's measurements."""
+    count = beacons.times.size
+    states, covariances = np.empty((count, 6)), np.empty((count, 6, 6))
+    filter_run(
+        model.full_state(estimate),
+        np.array(settings.covariance0, dtype=float),
+        spherical_parameters(model),
+        model.vehicle.bank(beacons.times),
+        beacons.times,
+        np.array(settings.noise, dtype=float),
+        beacons.r,
+        beacons.v,
+        np.asarray(taken, dtype=bool),
+        measurements.radio_variances()[:2],
+        np.asarray(z, dtype=float),
+        settings.iterations,
+        states,
+        covariances,
+    )
+    return states, covariances
 
 
 @pytest.fixture(scope="module")

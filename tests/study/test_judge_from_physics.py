@@ -10,12 +10,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from compass.bodies import MARS_GM, MARS_ROTATION_RATE
-from compass.entry.navigation import run_filter
 from compass.frames import FIGURES, prime_meridian_angle
 from compass.orbits import keplerian
 from compass.sites import Mask
 from compass.study.judge import campaign_of, judge_entries
 from compass.study.judge_filter import entry_beacons
+from tests.entry.one_run import run_filter
 
 GM, OMEGA = MARS_GM.value, np.array([0.0, 0.0, MARS_ROTATION_RATE.value])
 # designs/landing.toml

@@ -264,7 +264,7 @@ def test_a_symmetric_pattern_that_fails_the_poles_is_found_out():
     # the worst zone, sampled plainly: both hemispheres, random times of a whole revolution
     rng = np.random.default_rng(3)
     times = rng.uniform(0, 2 * np.pi / c.mean_motion[0], 2000)
-    from compass.coverage.fold import in_view
+    from compass.coverage.fold import clearances
     from compass.frames import direction
     from compass.orbits import positions_mci
 
@@ -273,7 +273,7 @@ def test_a_symmetric_pattern_that_fails_the_poles_is_found_out():
         times, rng.choice([-1, 1], 2000), rng.uniform(0, 6.28, 2000), strict=True
     ):
         place = direction(sign * np.radians(85), longitude)
-        up = in_view(c, R, np.radians(5), time, place) >= 0
+        up = clearances(positions_mci(c, [time])[:, 0], R, np.radians(5), place) >= 0
         sight = positions_mci(c, [time])[up, 0] - R * place
         h = np.hstack([sight / np.linalg.norm(sight, axis=1)[:, None], np.ones((up.sum(), 1))])
         values.append(np.sqrt(np.trace(np.linalg.pinv(h.T @ h))))
