@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.allowed import check_all_allowed
 from compass.core.entry.dop853 import watched
-from compass.core.entry.many import fly_many
+from compass.core.entry.many import Ending, Flights, Worlds, fly_many
 from compass.entry.arrivals import Arrivals, draw_arrivals
 from compass.entry.covariance import LONGEST_STEP
 from compass.entry.ground import Ground
@@ -240,18 +240,12 @@ def fly_campaign(
     stops = np.empty(size, dtype=np.int64)
     fly_many(
         starts,
-        worlds,
-        spreads,
+        Worlds(worlds, spreads, banks),
         p,
-        banks,
         seconds,
         LONGEST_STEP,
-        watch,
-        level,
-        model.planet_radius,
-        paths,
-        gains,
-        stops,
+        Ending(watch, level, model.planet_radius),
+        Flights(paths, gains, stops),
     )
     _check_flights(arrivals, paths, stops, seconds, watch, level, p, deployment)
     flown = int(stops.max()) + 1

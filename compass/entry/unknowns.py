@@ -106,7 +106,7 @@ def range_rows(beacons: Beacons, path: Array, omega: float) -> Array:
 
     In mid-flight: over an entry the lines hardly turn. A beacon at rest has no such errors: zeros.
     """
-    from compass.core.entry.many import directions
+    from compass.core.entry.information import directions
 
     k = len(path) // 2
     axes, out = np.empty((3, 3)), np.zeros((beacons.size, 4))

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.many import bounds, count_in_view, information, own_information
+from compass.core.entry.information import Limb, Receiver, Satellites, information
+from compass.core.entry.many import Flights, Worlds, bounds, count_in_view
+from compass.core.entry.own_information import Readings, own_information
 from compass.cores import in_blocks
 from compass.coverage.region import read_regions
 from compass.digest import digest_of
@@ -285,48 +287,30 @@ def judge_entries(
     sums, ends = np.zeros((size, 4, packed)), np.zeros((size, 6, d))
     own = np.zeros((size, 1, packed))
     sources, readings, kinds = _own_readings(scenario, campaign)
+    dt = float(campaign.times[1])
+    limb = Limb(figure.equatorial_radius, np.sin(mask.highest), np.cos(mask.highest))
     ends[:, :, : d - clock.size] = campaign.gains[np.arange(size), campaign.stops]
 
     def work(part: slice) -> None:
         when = epochs[part, None] + NODE_STEP * np.arange(nodes)
         r, v = states_mci(constellation, when.ravel())
+        flights = Flights(campaign.paths[part], campaign.gains[part], campaign.stops[part])
         information(
-            campaign.paths[part],
-            campaign.gains[part],
-            campaign.stops[part],
-            weights[part],
-            variances,
-            radio,
-            dimmed[part],
-            r,
-            v,
-            angles[part],
-            campaign.model.omega,
-            NODE_STEP,
-            float(campaign.times[1]),
-            figure.equatorial_radius,
-            np.sin(mask.highest),
-            np.cos(mask.highest),
-            clock,
-            roots,
+            flights,
+            Receiver(dt, weights[part], variances, radio, dimmed[part], clock),
+            Satellites(r, v, angles[part], campaign.model.omega, NODE_STEP, roots),
+            limb,
             seen[part],
             shares[part],
             sums[part],
         )
         if kinds.size:
             own_information(
-                campaign.paths[part],
-                campaign.gains[part],
-                campaign.stops[part],
-                campaign.spreads[part],
-                campaign.worlds[part],
+                flights,
+                Worlds(campaign.worlds[part], campaign.spreads[part], campaign.banks[part]),
                 campaign.model.flight_parameters(),
-                campaign.banks[part],
                 campaign.times,
-                sources[part],
-                readings[part],
-                kinds,
-                instrument_errors(scenario),
+                Readings(sources[part], readings[part], kinds, instrument_errors(scenario)),
                 own[part],
             )
         bounds(shares[part], own[part], ends[part], sigma[part])

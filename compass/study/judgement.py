@@ -40,7 +40,7 @@ class Judgement:
         Posterior Cramer-Rao sigma of position (m) and velocity (m/s) at deployment, (m, 1 + n,
         2): with all satellites, then without each of them.
     ends, sums
-        Gains at deployment, (m, 6, d), and the sums of `compass.core.entry.many.information`.
+        Gains at deployment, (m, 6, d), and sums as `core.entry.information` has them.
     """
 
     constellation: Constellation

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from compass.core.entry.many import hermite, horizon
+from compass.core.entry.information import hermite, horizon
 from compass.entry.beacons import orbiting_beacons
 from compass.orbits import keplerian, states_mci
 

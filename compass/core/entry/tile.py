@@ -45,7 +45,7 @@ def tabulate(step, out):
 def set_limits(tile, radius, sin_mask, cos_mask):
     """Square, with its sign, of distance from the centre times sine of the lowest elevation seen.
 
-    See `compass.core.entry.many.horizon`; squares save a root a satellite.
+    See `compass.core.entry.information.horizon`; squares save a root a satellite.
     """
     for t in range(TILE):
         x, y, z = tile[PX + t], tile[PY + t], tile[PZ + t]
