@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from compass.api.drift_result import DriftResult
-from compass.api.given import given_design, given_fold, given_mask
+from compass.api.given import given_design, given_fold, given_mask, in_metres
 from compass.api.progress import bar, foretell, parts_bar
 from compass.api.radii import Asked, at_radii, forces_of, real_motion
 from compass.arguments import checked
@@ -83,6 +83,8 @@ def drift(
     if step_days is not None and not step_days <= days:
         raise ArgumentError(f"step_days = {step_days:g}: allowed above 0 to days, {days:g}")
     read = given_design(design)
+    if read.requirements:  # which may want errors
+        read = in_metres(read)
     wanted = given_fold(fold, read)
     mask = given_mask(mask_deg, read).highest
     where = GLOBE if region is None else read_region(region)

@@ -121,8 +121,7 @@ class DriftResult(Result):
         """Days for which that is proven."""
         if self.asked:
             return self.drift.lasting.days_proven
-        followed = [each.decides for each in self.promises]
-        return min((0.0 if one is None else one.days_proven for one in followed), default=0.0)
+        return min((each.decides.days_proven for each in self.promises), default=0.0)
 
     @property
     def first_loss_days(self) -> float | None:
@@ -274,7 +273,8 @@ class DriftResult(Result):
         if not self.asked:
             fold, place = counted(drift.lasting.fold, "satellite"), drift.lasting.region.name
             whose = (
-                "no requirement wants satellites always, so that margin and room are of the "
+                "no requirement wants satellites always whose caps tell, so that margin and room "
+                "are of the "
                 f"design's own {fold} above {self.mask_deg:g} deg, {place}; "
             )
         note = (

@@ -17,6 +17,7 @@ from compass.api.keep import keep
 from compass.api.promises import promise_dict
 from compass.api.radii import RESONANT, RadiusLasts, at_radii, forces_of, real_motion
 from compass.coverage.certificate import Outcome
+from compass.coverage.fold_verdict_over_days import followed_as_caps
 from compass.coverage.lasting import Lasting, prove_span
 from compass.coverage.promises import Promise, promises_of
 from compass.coverage.room import has_slots
@@ -35,6 +36,9 @@ HORIZON, GLANCE = 687.0, 40.0
 
 #: Days of all satellites that are followed at most, and satellites of a sweep or of keeping.
 SATELLITE_DAYS, MOST_SATELLITES = 15 * HORIZON, 40
+
+#: The same of satellites that are followed by boxes of place and time: seconds a day, not less.
+BOXED_DAYS = 15 * 7.0
 
 #: Other radii that are tried, km from the design's: the second pair where the first does not last.
 STEPS = ((-400.0, 400.0), (-800.0, 800.0))
@@ -170,7 +174,7 @@ def outlook(design: Design) -> Outlook:
     design
         The design.
     """
-    bounds = (HORIZON, GLANCE, STEPS, SATELLITE_DAYS)
+    bounds = (HORIZON, GLANCE, STEPS, SATELLITE_DAYS, BOXED_DAYS)
     flown = (design.constellation, design.motion, design.figure, design.upkeep)
     question = ("outlook", *bounds, *flown, design.fold, design.mask, design.requirements)
     found, known = kept(question, lambda: _look(design))
@@ -335,7 +339,10 @@ def _horizon(design: Design) -> float:
     """How many days can be looked ahead: what is affordable, and known."""
     table = real_motion(design).table
     known = np.inf if table is None else table.stop / SECONDS_PER_DAY
-    return float(min(HORIZON, SATELLITE_DAYS / max(design.constellation.size, 1), known))
+    always = [each for each in design.requirements if each.counts and each.share == 1.0]
+    as_caps = all(followed_as_caps(design, each) for each in always)
+    most = SATELLITE_DAYS if as_caps else BOXED_DAYS
+    return float(min(HORIZON, most / max(design.constellation.size, 1), known))
 
 
 @dataclass(frozen=True)
@@ -384,23 +391,30 @@ def _everywhere(design: Design, path: Trajectory, stop: float) -> Settled:
 
 
 def _required(design: Design, path: Trajectory, stop: float) -> Settled | None:
-    """Its requirements, the one that is lost first before the others; None if none is followed."""
+    """Its requirements, the one that is lost first before the others; None if none is settled.
+
+    An always of which samples alone tell, and see no miss, is open for ever and says nothing.
+    """
     promises = promises_of(design, path, 0.0, stop)
-    known = [(each, lasts) for each in promises if (lasts := each.decides) is not None]
+    known = [
+        each
+        for each in promises
+        if each.outcome is not Outcome.UNDECIDED or each.evidence != "sampled"
+    ]
     if not known:
         return None
-    first, lasts = min(known, key=lambda one: one[1].proven_until)
-    outcomes = {each.outcome for each, _ in known}
+    first = min(known, key=lambda one: one.decides.proven_until)
+    outcomes = {each.outcome for each in known}
     order = (Outcome.REFUTED, Outcome.UNDECIDED, Outcome.PROVEN)
     asked = (
         "all that is required"
         if len(known) == len(promises) > 1
-        else (f"what is required: {'; '.join(each.requirement.claim for each, _ in known)}")
+        else (f"what is required: {'; '.join(each.requirement.claim for each in known)}")
     )
     return Settled(
         asked,
         next(outcome for outcome in order if outcome in outcomes),
-        lasts.days_proven,
+        first.decides.days_proven,
         first.first_loss_days,
         _loss_of(first),
         tuple(promise_dict(each) for each in promises),

@@ -1,5 +1,6 @@
 """What becomes of a design's requirements along real paths, as JSON and as blocks."""
 
+from collections import Counter
 from collections.abc import Sequence
 from math import degrees
 from typing import Any
@@ -10,6 +11,7 @@ from compass.coverage.certificate import Outcome
 from compass.coverage.geometry_over_days import STRETCH
 from compass.coverage.promises import Promise
 from compass.coverage.room import SlotBox
+from compass.coverage.verdict import sure
 from compass.document import Sentence, Table, Value, Verdict
 from compass.document.blocks import Block
 from compass.frames import SECONDS_PER_DAY
@@ -48,18 +50,17 @@ def promise_dict(promise: Promise) -> dict[str, Any]:
         "wanted": promise.requirement.claim,
         "place": promise.place,
         "outcome": promise.outcome,
-        "days_proven": None if decides is None else decides.days_proven,
+        "days_proven": decides.days_proven,
         "first_loss_days": promise.first_loss_days,
         "share": _share(promise),
-        "evidence": "none" if promise.geometry is None else promise.geometry.verdict.evidence,
+        "evidence": promise.evidence,
         "room_deg": None if room is None else np.degrees(room).tolist(),
         "slot_box": box_dict(promise.box),
-        "reason": promise.reason,
     }
 
 
 def outcome_of(promises: Sequence[Promise]) -> Outcome:
-    """Lost if one is, proven if all are; what cannot be followed is not proven."""
+    """Lost if one is, proven (or kept by samples) if all are."""
     found = {each.outcome for each in promises}
     if Outcome.REFUTED in found:
         return Outcome.REFUTED
@@ -70,24 +71,20 @@ def promise_blocks(promises: Sequence[Promise]) -> list[Block]:
     """How long each requirement is proven, where it is lost first, the room that it leaves."""
     if not promises:
         return []
-    lost = sum(one.outcome is Outcome.REFUTED for one in promises)
-    proven = sum(one.outcome is Outcome.PROVEN for one in promises)
-    unfollowed = sum(one.outcome is None for one in promises)
+    kinds = [
+        "lost" if one.outcome is Outcome.REFUTED
+        else "undecided" if one.outcome is Outcome.UNDECIDED
+        else "kept for the whole span by samples" if one.evidence == "sampled"
+        else "proven for the whole span"
+        for one in promises
+    ]  # fmt: skip
     word, holds = _WORDS[outcome_of(promises)]
-    told = (
-        f"{counted(len(promises), 'requirement')}: {proven} proven for the whole span, "
-        f"{lost} lost, "
-        f"{unfollowed} not followed"
-    )
+    told = ", ".join(f"{number} {kind}" for kind, number in Counter(kinds).items())
+    told = f"{counted(len(promises), 'requirement')}: {told}"
     room = [Sentence(_ROOM)] if any(each.room is not None for each in promises) else []
     return [
         Verdict(word, told, holds),
         promise_table([promise_dict(each) for each in promises]),
-        *(
-            Sentence(f"{each.requirement.name} is not followed: {each.reason}")
-            for each in promises
-            if each.reason
-        ),
         *(Sentence(said) for each in promises if (said := _geometry(each))),
         *room,
     ]
@@ -95,7 +92,8 @@ def promise_blocks(promises: Sequence[Promise]) -> list[Block]:
 
 def promise_table(rows: Sequence[dict[str, Any]]) -> Table:
     """Requirements as `promise_dict` has them: how long each is proven, and where it is lost."""
-    header = ("", "wanted", "first lost at", *(quantity(name).heading for name in _FIGURES))
+    figures = (quantity(name).heading for name in _FIGURES[1:])
+    header = ("", "wanted", "evidence", "first lost at", "kept for, days", *figures)
     return Table("Requirements, and how long they last", header, tuple(_row(each) for each in rows))
 
 
@@ -109,7 +107,7 @@ def _row(row: dict[str, Any]) -> tuple[str | Value, ...]:
     )
     figures = (Value(quantity(n), v) for n, v in zip(_FIGURES, values, strict=True))
     place = "" if row["outcome"] == Outcome.PROVEN.value else row["place"]
-    return (row["name"], row["wanted"], place, *figures)
+    return (row["name"], row["wanted"], sure(row["evidence"]), place, *figures)
 
 
 def _share(promise: Promise) -> list[float] | None:
@@ -126,18 +124,18 @@ def _geometry(promise: Promise) -> str:
     if geometry is None:
         return ""
     name, share, worst = promise.requirement.name, _share(promise), geometry.verdict.worst
-    days = f"stretches of up to {STRETCH / SECONDS_PER_DAY:g} days"
-    each = "always" if promise.requirement.share == 1.0 else "a share of each"
-    what = "geometry is" if promise.requirement.limits else "satellites in view are"
-    said = f"{name}: {what} settled in {days} between proven bounds, {each}"
+    always, sampled = promise.requirement.share == 1.0, geometry.verdict.evidence == "sampled"
+    days = f"in stretches of up to {STRETCH / SECONDS_PER_DAY:g} days"
+    how = "by random samples" if sampled else "by proven bounds"
+    said = f"{name}: looked at {'over the whole span' if always and sampled else days} {how}"
+    said += ", always" if always else ", a share of each"
+    begin = geometry.proven_until / SECONDS_PER_DAY
     if geometry.outcome is Outcome.UNDECIDED:
-        return f"{said}; open from day {geometry.proven_until / SECONDS_PER_DAY:.5g}: " + (
-            geometry.verdict.reason
-        )
+        return f"{said}; open from day {begin:.5g}: {geometry.verdict.reason}"
     if geometry.lost_at is None:
         return said
-    begin, end = (t / SECONDS_PER_DAY for t in (geometry.proven_until, geometry.lost_at))
-    if share is not None:
+    end = geometry.lost_at / SECONDS_PER_DAY
+    if share is not None and promise.requirement.share < 1.0:
         low, high = (100 * bound for bound in share)
         return f"{said}; {low:.5g} to {high:.5g} % in the days {begin:.5g} to {end:.5g}"
     if worst is None:

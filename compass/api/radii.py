@@ -179,7 +179,7 @@ def _at_radius(design: Design, radius_km: float, stop: float, asked: Asked | Non
         lead = lead_of(flown, found, path, 0.0, stop)
         fold, region = lead.fold, lead.claim.region
         sphere, mask, stretch = lead.claim.radius, lead.claim.highest, lead.claim.stretch
-        known = [one for each in found if (one := each.decides) is not None] or [lead.lasting]
+        known = [each.decides for each in found] or [lead.lasting]
         until = min(one.proven_until for one in known)
         losses = [one.first_loss_days for one in known if one.first_loss_days is not None]
         lost = min(losses, default=None)

@@ -105,11 +105,12 @@ class Area:
         ArgumentError
             No horizon does.
         """
-        found = [by_horizon(users, self.design.constellation) for users in self.users]
+        design = self.design
+        found = [by_horizon(users, design.constellation, design.motion) for users in self.users]
         if None in found:
             raise ArgumentError(
                 f"beam_deg: {self.name}: at sites and in regions beams are bounded under circles "
-                "of one radius about a sphere alone; leave these out"
+                "of one radius about a sphere alone, which no force bends; leave these out"
             )
         return tuple(one for one in found if one is not None)
 

@@ -24,8 +24,9 @@ from compass.frames import SECONDS_PER_DAY
 from compass.orbits.trajectory import Trajectory
 from compass.words import counted
 
-#: Stretches in which boxes are laid out, s, and sets of lost satellites that are looked at.
-STRETCH, MOST_SETS = 7.0 * SECONDS_PER_DAY, 1000
+#: Stretches in which boxes are laid out, s, so short that the boxes allowed to each suffice; and
+#: sets of lost satellites that are looked at.
+STRETCH, MOST_SETS = SECONDS_PER_DAY, 1000
 
 
 def fold_verdict_over_days(
@@ -58,7 +59,7 @@ def fold_verdict_over_days(
     scope = f"over {counted(days, 'day')} from day {start_day:g}, {motion.title}, at the place"
     start, stop = start_day * SECONDS_PER_DAY, (start_day + days) * SECONDS_PER_DAY
     path = motion.trajectory(design.constellation, start, stop)
-    if not_followed(design, requirement):
+    if not followed_as_caps(design, requirement):
         course = Course((start, stop), False, scope + _given({path.estimated}))
         return _by_boxes(path, users_of(design, requirement), requirement, course, effort)
     # whichever are lost: so many are left if so many more are there
@@ -70,26 +71,20 @@ def fold_verdict_over_days(
     return _verdict(path, requirement, scope, found)
 
 
-def not_followed(design: Design, requirement: Requirement) -> str:
-    """Why a requirement's satellites in view cannot be followed as caps; empty if they can."""
-    if requirement.beam is not None:
-        return "beams of antennas are not followed as caps are; ask `compass check --days`"
-    if requirement.fold is None:
-        return ""
+def followed_as_caps(design: Design, requirement: Requirement) -> bool:
+    """Whether a requirement's satellites in view are those whose caps users stand in.
+
+    Not in beams, above satellites, above an ellipsoid or for a share: there boxes of place and
+    time tell.
+    """
     lowest = design.constellation.periapsis_radius.min(initial=np.inf)
-    if requirement.areas and lowest <= design.figure.equatorial_radius + requirement.altitude:
-        return "users above satellites are not followed as caps are; ask `compass check --days`"
-    if requirement.share < 1.0:
-        return (
-            "shares of satellites in view are not followed as caps are; ask `compass check "
-            "--days`, or for a dilution of precision, or for always"
-        )
-    if requirement.areas and requirement.altitude and not design.figure.is_sphere:
-        return (
-            "users above an ellipsoid are not followed as caps are; ask `compass check --days`, "
-            "or name a sphere"
-        )
-    return ""
+    above = lowest <= design.figure.equatorial_radius + requirement.altitude
+    raised = requirement.altitude and not design.figure.is_sphere
+    return (
+        requirement.beam is None
+        and requirement.share == 1.0
+        and not (requirement.areas and (above or raised))
+    )
 
 
 def claim_lasts(path: Trajectory, fold: int, claim: Claim, start: float, stop: float) -> Lasting:

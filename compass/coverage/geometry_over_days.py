@@ -1,19 +1,29 @@
 """How long dilutions of precision are kept along real paths: for so many days, or missed and when.
 
-Settled for one stretch of days after the other, each by `geometry_verdict`: what is wanted always
-is looked for to `RESOLUTION`; a share is taken of every stretch by itself, so that good weeks do
-not make up for bad ones.
+Errors and levels likewise, and satellites in view that are no caps'. Settled for one stretch of
+days after the other, each by `geometry_verdict`: what is wanted always is looked for to
+`RESOLUTION`; a share is taken of every stretch by itself, so that good weeks do not make up for bad
+ones. Where samples alone tell, a share is settled by them, and an always refuted by a miss that
+they see anywhere in the span.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_effort import Effort
-from compass.coverage.geometry_verdict import FOLD, WIDTH, geometry_verdict
+from compass.coverage.fold_verdict_over_days import fold_verdict_over_days
+from compass.coverage.geometry_verdict import (
+    FOLD,
+    WIDTH,
+    asks_for_folds,
+    certified,
+    geometry_verdict,
+)
 from compass.coverage.verdict import Verdict, both
 from compass.design import Design, Requirement
 from compass.frames import SECONDS_PER_DAY
@@ -31,7 +41,7 @@ OUTCOMES = {True: Outcome.PROVEN, False: Outcome.REFUTED, None: Outcome.UNDECIDE
 
 @dataclass(frozen=True)
 class GeometryLasting:
-    """What was settled about dilutions of precision along paths.
+    """What was settled along paths about dilutions of precision, or what else is no cap's.
 
     Attributes
     ----------
@@ -73,12 +83,12 @@ def geometry_lasts(
     stop: float,
     progress: Callable[[float], None] = lambda part: None,
 ) -> GeometryLasting:
-    """How long a requirement's dilutions of precision are kept along paths, or a share of folds.
+    """How long a requirement's limits are kept along paths, and a fold that it has besides.
 
     Parameters
     ----------
     design, requirement
-        The requirement has limits, or a fold that is wanted for a share.
+        The requirement has limits, or a fold that cannot be followed as caps are.
     path
         What the design's satellites do.
     start, stop
@@ -105,7 +115,9 @@ def geometry_lasts(
                 break
         return settled
 
-    count = max(int(np.ceil((stop - start) / STRETCH - 1e-9)), 1)
+    # samples prove no stretch, and may see a miss in any
+    at_once = requirement.share == 1.0 and not certified(flown, requirement)
+    count = 1 if at_once else max(int(np.ceil((stop - start) / STRETCH - 1e-9)), 1)
     edges = np.linspace(start, stop, count + 1).tolist()
     for begin, end in pairwise(edges):
         verdict = ask(begin, end)
@@ -114,9 +126,11 @@ def geometry_lasts(
             continue
         lost = None
         if verdict.met is False:
-            if requirement.share == 1.0:
+            if requirement.share == 1.0 and not at_once:
                 begin, end, verdict = _first_miss(ask, begin, end, verdict)
             lost = end
+            if at_once and verdict.worst is not None and verdict.worst.time is not None:
+                lost = verdict.worst.time
         return GeometryLasting(OUTCOMES[verdict.met], start, stop, begin, lost, verdict)
     return GeometryLasting(Outcome.PROVEN, start, stop, stop, None, verdict)
 
@@ -129,21 +143,17 @@ def _both(
     effort: Effort,
     width: float,
 ) -> Verdict:
-    """Verdict on all limits of a requirement over a stretch, and on its fold for a share."""
-    limits = list(requirement.limits)
-    if requirement.fold is not None and requirement.share < 1.0:
-        limits.insert(0, (FOLD, requirement.fold))
-    verdicts = [
-        geometry_verdict(
-            design,
-            requirement,
-            name,
-            limit,
-            days=(end - begin) / SECONDS_PER_DAY,
-            start_day=begin / SECONDS_PER_DAY,
-            effort=effort,
-            width=width,
-        )
+    """Verdict on the fold and all limits of a requirement over a stretch."""
+    days, start_day = (end - begin) / SECONDS_PER_DAY, begin / SECONDS_PER_DAY
+    span: dict[str, Any] = {"days": days, "start_day": start_day, "effort": effort}
+    limits, verdicts = list(requirement.limits), []
+    if requirement.fold is not None:
+        if asks_for_folds(design, requirement, days, start_day):
+            limits.insert(0, (FOLD, requirement.fold))
+        else:
+            verdicts.append(fold_verdict_over_days(design, requirement, **span))
+    verdicts += [
+        geometry_verdict(design, requirement, name, limit, width=width, by_samples=True, **span)
         for name, limit in limits
     ]
     settled = verdicts[0]

@@ -184,6 +184,7 @@ def geometry_verdict(
     effort: Effort | None = None,
     width: float = WIDTH,
     thorough: bool = False,
+    by_samples: bool = False,
 ) -> Verdict:
     """Verdict on a dilution of precision, or an error, of at most a limit, by certified shares.
 
@@ -196,9 +197,10 @@ def geometry_verdict(
     width
         How near the bounds of each share are to come where `effort` does not say.
     thorough
-        Whether the largest value is found of what is always kept or is missed, and what nothing
-        certifies, protection levels and users in orbit or in beams over no level horizon, settled
-        by samples (`compass.coverage.sampled_verdict`), or left open.
+        Whether the largest value is found of what is always kept or is missed; and `by_samples`.
+    by_samples
+        Whether what nothing certifies, protection levels and users in orbit or in beams over no
+        level horizon, is settled by samples (`compass.coverage.sampled_verdict`), or left open.
 
     Raises
     ------
@@ -214,8 +216,8 @@ def geometry_verdict(
     found: list[tuple[CertifiedShare, Users, tuple[str, ...], int]] = []
     claims: list[_Claim] = []
     everyone = users_of(design, requirement)
-    if not _is_certified(c, name, everyone):
-        if thorough:
+    if not _is_certified(design, name, everyone):
+        if thorough or by_samples:
             sets = losses_of(c, requirement, everyone, course, alike=name in DILUTIONS)
             return sampled_verdict(
                 design, requirement, name, limit, everyone, [one[:2] for one in sets], course
@@ -231,7 +233,7 @@ def geometry_verdict(
         gone = [c.satellite_names.index(satellite) for satellite in lost]
         with said_of(requirement.name):
             for users in everyone:
-                seen = by_horizon(users, c)
+                seen = by_horizon(users, design.constellation, design.motion)
                 assert seen is not None
                 by_place = requirement.share < 1.0 and requirement.share_of == "time"
                 among = by_place and users.south != users.north
@@ -276,13 +278,19 @@ def asks_for_folds(
     return (
         requirement.share < 1.0
         and course_of(design, days, start_day) is not None
-        and _is_certified(design.constellation, FOLD, everyone)
+        and _is_certified(design, FOLD, everyone)
     )
 
 
-def _is_certified(c: Constellation, name: str, everyone: Sequence[Users]) -> bool:
+def certified(design: Design, requirement: Requirement) -> bool:
+    """Whether bounds are known of all figures that a requirement limits."""
+    everyone = users_of(design, requirement)
+    return all(_is_certified(design, name, everyone) for name, _ in requirement.limits)
+
+
+def _is_certified(design: Design, name: str, everyone: Sequence[Users]) -> bool:
     """Whether bounds of a figure are known: of errors not below the level, of levels never."""
-    seen = [by_horizon(users, c) for users in everyone]
+    seen = [by_horizon(users, design.constellation, design.motion) for users in everyone]
     level = name in (*DILUTIONS, FOLD) or all(users.mask.lowest >= 0.0 for users in everyone)
     return name not in LEVELS and None not in seen and level
 

@@ -2,19 +2,19 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compass.coverage.certificate import Outcome
 from compass.coverage.claims import Claim, claims_of
-from compass.coverage.fold_verdict_over_days import claim_lasts, not_followed
+from compass.coverage.fold_verdict_over_days import claim_lasts, followed_as_caps
 from compass.coverage.geometry_over_days import GeometryLasting, geometry_lasts
-from compass.coverage.geometry_verdict import asks_for_folds
 from compass.coverage.lasting import Lasting
 from compass.coverage.room import SlotBox, Slots, covering_slots, room_in_slots
+from compass.coverage.verdict import EvidenceKind
 from compass.design import Design, Requirement
-from compass.frames import SECONDS_PER_DAY
 from compass.orbits.trajectory import Trajectory
 
 #: A verdict at a latitude this near to a site's, radians, is about the site.
@@ -34,14 +34,13 @@ class Promise:
     lasting
         How long they are proven there; None if none are wanted.
     geometry
-        How long its dilutions of precision, and satellites in view for a share, are kept; None if
-        none are wanted.
+        How long its dilutions of precision, errors and levels are kept, and satellites in view
+        that are no caps' (in beams, above satellites or an ellipsoid, for a share); None if none
+        are wanted.
     room
         Room in the slots at moments, radians, the least of all places; None without slots.
     box
         How far a satellite may leave its slot, the least of all places; None likewise.
-    reason
-        Why it was not followed; empty if it was.
     """
 
     requirement: Requirement
@@ -50,22 +49,27 @@ class Promise:
     geometry: GeometryLasting | None = None
     room: NDArray[np.float64] | None = None
     box: SlotBox | None = None
-    reason: str = ""
 
     @property
-    def decides(self) -> Lasting | GeometryLasting | None:
-        """What is lost first of it, or proven for the least time; None if it was not followed."""
+    def decides(self) -> Lasting | GeometryLasting:
+        """What is lost first of it, or proven for the least time."""
         known = [one for one in (self.lasting, self.geometry) if one is not None]
-        return min(known, key=lambda one: one.proven_until, default=None)
+        return min(known, key=lambda one: one.proven_until)
 
     @property
-    def outcome(self) -> Outcome | None:
-        """Lost if one of its parts is, else proven if all are; None if it was not followed."""
+    def outcome(self) -> Outcome:
+        """Lost if one of its parts is, else proven if all are."""
         found = {one.outcome for one in (self.lasting, self.geometry) if one is not None}
-        for outcome in (Outcome.REFUTED, Outcome.UNDECIDED, Outcome.PROVEN):
-            if outcome in found:
-                return outcome
-        return None
+        order = (Outcome.REFUTED, Outcome.UNDECIDED, Outcome.PROVEN)
+        return next(outcome for outcome in order if outcome in found)
+
+    @property
+    def evidence(self) -> EvidenceKind:
+        """How sure it is: what is least sure of its parts."""
+        known: list[EvidenceKind] = [] if self.lasting is None else ["proven"]
+        if self.geometry is not None:
+            known.append(self.geometry.verdict.evidence)
+        return max(known, key=get_args(EvidenceKind).index)
 
     @property
     def first_loss_days(self) -> float | None:
@@ -200,19 +204,17 @@ def _follow(
 ) -> Promise:
     """Follow one requirement: the place that is lost first."""
     asked = replace(requirement, fold=requirement.counts)
-    days, day = (stop - start) / SECONDS_PER_DAY, start / SECONDS_PER_DAY
-    if asked.fold is not None and asks_for_folds(design, asked, days, day):
-        often = geometry_lasts(design, asked, path, start, stop, progress)
-        return Promise(requirement, geometry=often)
-    if reason := not_followed(design, asked):
-        return Promise(requirement, reason=reason)
+    if asked.fold is not None and not followed_as_caps(design, asked):
+        boxed = geometry_lasts(design, asked, path, start, stop, progress)
+        return Promise(requirement, geometry=boxed)
     lasting, claim, geometry = None, None, None
     if (fold := in_view(asked)) is not None:
         found = [(claim_lasts(path, fold, c, start, stop), c) for c in claims_of(design, asked)]
         lasting, claim = min(found, key=lambda one: one[0].proven_until)
     if asked.limits:
         until = stop if lasting is None else max(lasting.proven_until, start + 1.0)
-        geometry = geometry_lasts(design, asked, path, start, until, progress)
+        bare = replace(asked, fold=None)
+        geometry = geometry_lasts(design, bare, path, start, until, progress)
     return Promise(requirement, claim, lasting, geometry)
 
 

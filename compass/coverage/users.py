@@ -8,8 +8,12 @@ from compass.coverage.region import GLOBE, Region
 from compass.errors import ArgumentError
 from compass.frames import Figure, planetocentric_latitude, planetographic_latitude
 from compass.orbits import Constellation
+from compass.orbits.motion import Motion
 from compass.orbits.symmetry import one_circle
 from compass.sites import Mask, Site
+
+#: How satellites move that nothing but Mars's mass pulls.
+KEPLER = Motion()
 
 
 @dataclass(frozen=True)
@@ -107,16 +111,16 @@ def check_limb(users: Users) -> None:
         )
 
 
-def by_horizon(users: Users, constellation: Constellation) -> Users | None:
+def by_horizon(users: Users, constellation: Constellation, motion: Motion = KEPLER) -> Users | None:
     """Users over the horizon that stands for the antennas' beam; None where none does.
 
-    Under circles of one radius r, on a sphere, a user at radius u stands at the edge of a beam at
-    the elevation ``acos(r sin(beam) / u)``, and above that inside it; as far below the level, where
-    he looks through to who is beyond the limb, it takes him in again.
+    Under circles of one radius r that the motion keeps, on a sphere, a user at radius u stands at
+    the edge of a beam at the elevation ``acos(r sin(beam) / u)``, and above that inside it; as far
+    below the level, where he looks through to who is beyond the limb, it takes him in again.
     """
     if users.beam is None:
         return users
-    if not (users.figure.is_sphere and one_circle(constellation)):
+    if not (users.figure.is_sphere and one_circle(constellation) and motion.is_closed_form):
         return None
     reach = float(constellation.semi_major_axis[0]) * np.sin(users.beam)
     edge = reach / (users.figure.equatorial_radius + users.height)

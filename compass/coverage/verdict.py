@@ -112,7 +112,7 @@ class Verdict:
     @property
     def sure(self) -> str:
         """How sure it is, in the words of other figures; nothing where nothing is known."""
-        return {"bracket": "between proven bounds", "none": ""}.get(self.evidence, self.evidence)
+        return sure(self.evidence)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values with degrees."""
@@ -128,6 +128,11 @@ class Verdict:
             "alike": self.alike,
             "reason": self.reason,
         }
+
+
+def sure(evidence: str) -> str:
+    """Evidence in the words of other figures; nothing where nothing is known."""
+    return {"bracket": "between proven bounds", "none": ""}.get(evidence, evidence)
 
 
 def undecided(requirement: Requirement, scope: str, reason: str) -> Verdict:

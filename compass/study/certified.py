@@ -49,7 +49,7 @@ def certified_figures(
     since = options.start_day * SECONDS_PER_DAY
     mask = design.mask if options.mask_deg is None else option_mask(options.mask_deg, high)
     everyone = replace(region_users(GLOBE, design.figure, mask, height=high * 1e3), beam=beam)
-    if (users := by_horizon(everyone, design.constellation)) is None:
+    if (users := by_horizon(everyone, design.constellation, motion)) is None:
         return None
     hours = options.duration_h
     if hours is None and (since or not motion.is_closed_form):

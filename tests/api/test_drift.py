@@ -348,15 +348,21 @@ def test_what_a_design_requires_decides_and_not_its_fold_everywhere(wanted):
     assert wanted.lasting.holds
     assert not wanted.holds
     said = text(wanted.document())
-    assert "LOST: 4 requirements: 2 proven for the whole span, 2 lost, 0 not followed" in said
+    assert "LOST: 4 requirements: 2 proven for the whole span, 2 lost" in said
     kept = replace(wanted, promises=wanted.promises[:1])
     assert kept.holds
     assert "KEPT: 1 requirement" in text(kept.document())
-    beams = replace(wanted.promises[3], geometry=None, reason="beams of antennas are not followed")
-    for some in ((beams,), (wanted.promises[0], beams)):
-        unsure = replace(wanted, promises=some)  # one that cannot be followed is not proven
-        assert not unsure.holds
-        assert "UNDECIDED: " in (said := text(unsure.document())) and "1 not followed" in said
+    often = wanted.promises[3]
+    for outcome, evidence, holds, word in (
+        (Outcome.UNDECIDED, "none", False, "UNDECIDED: 2 requirements: 1 proven"),
+        (Outcome.PROVEN, "sampled", True, "1 kept for the whole span by samples"),
+    ):
+        verdict = replace(often.geometry.verdict, evidence=evidence)
+        told = replace(often, geometry=replace(often.geometry, outcome=outcome, verdict=verdict))
+        some = replace(wanted, promises=(wanted.promises[0], told))
+        assert some.holds is holds
+        assert word in text(some.document())
+        assert some.to_dict()["requirements"][1]["evidence"] == evidence
 
 
 @pytest.mark.slow
@@ -403,6 +409,77 @@ def test_losses_are_as_many_more_in_view(wanted):
     assert out.drift.lasting.fold == 2
 
 
+ALOFT = """
+name = "users in orbit"
+epoch = 2030-01-01T12:00:00
+[constellation]
+pattern = "walker-delta"
+satellites = 15
+planes = 5
+phasing = 1
+inclination_deg = 45
+orbit = "areosynchronous"
+[coverage]
+mask_deg = 5
+[signal]
+clock_m = 3
+ephemeris_m = [2, 8, 5]
+receiver = { noise_m = 0.5, zenith_m = 0.5 }
+[motion]
+model = "numerical"
+gravity_degree = 2
+moons = false
+"""
+
+
+@pytest.mark.slow
+def test_beams_that_reach_all_users_lose_them_when_caps_do():
+    """Boxes of place and time against the proof by caps: the same claim, the same moment."""
+    design = read_design_text(ALOFT)
+    caps = compass.Requirement.of("caps", regions=["globe"], fold=4, mask_deg=6.25)
+    both = replace(design, requirements=(caps, replace(caps, name="beams", beam=np.radians(60))))
+    found = compass.drift(both, days=2)
+    one, other = found.promises
+    assert one.outcome is other.outcome is Outcome.REFUTED
+    assert other.evidence == "proven"
+    assert 0.0 < one.first_loss_days < 2.0
+    assert other.first_loss_days == pytest.approx(one.first_loss_days, abs=2 * 60 / 86400)
+    narrow = replace(caps, mask=0.0, beam=np.radians(9.0))  # as a mask of 19.8 deg
+    worse = compass.drift(replace(design, requirements=(narrow,)), days=0.05)
+    assert worse.promises[0].first_loss_days < 0.01
+
+
+@pytest.mark.slow
+def test_users_in_orbit_are_followed_by_samples():
+    """As `check` asks for the same days: shares kept, an always missed or open, never proven."""
+    users = {"regions": ["globe"], "altitude_km": 400, "mask_deg": -20}
+    often = {"share": 0.9, "share_of": "area-time"}
+    wanted = tuple(
+        compass.Requirement.of(name, **users, **more)
+        for name, more in (
+            ("kept", {"error_position_m_at_most": 60, **often}),
+            ("lost", {"error_position_m_at_most": 1, **often}),
+            ("missed", {"error_position_m_at_most": 8}),
+            ("open", {"error_position_m_at_most": 1e6}),
+        )
+    )
+    design = replace(read_design_text(ALOFT), requirements=wanted)
+    found = compass.drift(design, days=1)
+    kept, lost, missed, left = found.promises
+    assert {each.evidence for each in found.promises} == {"sampled"}
+    outcomes = [each.outcome for each in found.promises]
+    assert outcomes == [Outcome.PROVEN, *2 * [Outcome.REFUTED], Outcome.UNDECIDED]
+    assert (kept.decides.days_proven, lost.first_loss_days) == (1.0, 1.0)
+    worst = missed.geometry.verdict.worst
+    assert (worst.value > 8, missed.first_loss_days) == (True, worst.time / 86400)
+    assert (left.decides.days_proven, left.first_loss_days) == (0.0, None)
+    said = " ".join(text(found.document()).split())
+    assert "LOST: 4 requirements: 1 kept for the whole span by samples, 2 lost, 1 undecided" in said
+    assert "missed: looked at over the whole span by random samples, always; " in said
+    asked = compass.check(design, days=1)
+    assert [v.met for v in asked.verdicts] == [True, False, False, None]
+
+
 @pytest.mark.slow
 def test_geometry_is_told_stretch_by_stretch(wanted):
     """One satellite never makes a fix: missed from the beginning, always and for a share."""
@@ -415,7 +492,7 @@ def test_geometry_is_told_stretch_by_stretch(wanted):
     assert (second["days_proven"], second["first_loss_days"]) == (0.0, 0.02)
     assert (second["share"], second["place"]) == ([0.0, 0.0], "below")
     said = " ".join(text(found.document()).split())
-    assert "geometry is settled in stretches of up to 7 days between proven bounds, always" in said
+    assert "looked at in stretches of up to 7 days by proven bounds, always" in said
     assert "0 to 0 % in the days 0 to 0.02" in said
 
 

@@ -25,6 +25,7 @@ from compass.orbits import (
     states_mci,
     walker_delta,
 )
+from compass.orbits.motion import Motion
 from compass.sites import Mask, Site
 
 SPHERE, ELLIPSOID = FIGURES["iau-sphere"], FIGURES["iau-ellipsoid"]
@@ -213,6 +214,9 @@ def test_users_above_a_ring_see_a_ring():
     assert exact.low <= same.high and same.low <= exact.high
     assert by_horizon(replace(above, beam=np.radians(10.4)), c) is None
     assert by_horizon(here, c) is None and by_horizon(raised, c) is raised
+    # forces bend circles: no horizon stands for a beam then
+    assert by_horizon(above, c, Motion("j2")) == by_horizon(above, c)
+    assert by_horizon(above, c, Motion("numerical")) is None
 
 
 def test_shares_of_a_belt_against_exact_areas_and_of_a_circle_against_samples():
