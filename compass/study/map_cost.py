@@ -11,9 +11,13 @@ from compass.orbits.motion import Motion
 POSITION_BYTES, INTEGRATED_BYTES, CELL_BYTES, ROW_BYTES = 40, 110, 180, 25
 # And with errors besides, in the same order; their forms are made of all epochs at once.
 ERROR_POSITION_BYTES, ERROR_CELL_BYTES, ERROR_ROW_BYTES = 700, 50, 20
-# Seconds of one core, as measured (`tox -e bench` shows them): a cell at an epoch, and every
-# satellite of it; a satellite of it where errors are asked for; gaps are a satellite of it too.
-CELL_S, SATELLITE_S, ERROR_SATELLITE_S = 4e-8, 9e-10, 8e-9
+# Seconds of one core, as measured (`tox -e bench` shows them): a cell at an epoch.
+CELL_S = 3e-8
+
+#: The same of every satellite of it: in view, at an epoch of gaps too; a fix's errors besides;
+#: protection besides. And where no level horizon bounds who is in view.
+SATELLITE_S, ERROR_SATELLITE_S, LEVEL_SATELLITE_S = 1.5e-9, 5e-9, 6e-7
+SLANTED_S, SLANTED_ERROR_S, SLANTED_LEVEL_S = 3e-8, 3e-8, 9e-7
 
 
 @dataclass(frozen=True)
@@ -30,13 +34,28 @@ def map_cost(
     grid: Grid,
     workers: int | None,
     motion: Motion,
+    *,
     errors: bool = False,
+    levels: bool = False,
+    slanted: bool = False,
+    gap_epochs: int = 0,
 ) -> Cost:
     """Work out what a map will take.
 
     Held are the positions of every satellite at every epoch (with what is made on the way to
     them, where that is not done in pieces), the figures of every cell, and the dilutions of a row
     that each thread sorts.
+
+    Parameters
+    ----------
+    satellites, epochs, grid, workers, motion
+        What is mapped, by how many threads.
+    errors, levels
+        Whether errors in metres, and protection levels, are mapped besides.
+    slanted
+        Whether users look down or stand in beams: who is in view is asked cell by cell then.
+    gap_epochs
+        Epochs at which gaps are followed.
     """
     threads = cores(workers)
     cells = grid.rows * grid.columns
@@ -45,12 +64,16 @@ def map_cost(
         + CELL_BYTES * cells
         + ROW_BYTES * threads * grid.columns * epochs
     )
-    seconds = CELL_S + SATELLITE_S * satellites
+    in_view = SLANTED_S if slanted else SATELLITE_S
+    each = in_view
     if errors:
         needed += (
             ERROR_POSITION_BYTES * satellites * epochs
             + ERROR_CELL_BYTES * cells
             + ERROR_ROW_BYTES * threads * grid.columns * epochs
         )
-        seconds += ERROR_SATELLITE_S * satellites
-    return Cost(seconds * cells * epochs / threads, needed)
+        each += SLANTED_ERROR_S if slanted else ERROR_SATELLITE_S
+    if levels:
+        each += SLANTED_LEVEL_S if slanted else LEVEL_SATELLITE_S
+    seconds = (CELL_S + each * satellites) * epochs + in_view * satellites * gap_epochs
+    return Cost(seconds * cells / threads, needed)

@@ -286,8 +286,18 @@ def make_map(
     chosen.check()
     rows = MapRows(design, chosen)
     grid, motion, figure = rows.grid, rows.motion, design.figure
-    size, in_metres = design.constellation.size, design.signal is not None
-    cost = map_cost(size, chosen.epochs, grid, workers, motion, in_metres)
+    size = design.constellation.size
+    cost = map_cost(
+        size,
+        chosen.epochs,
+        grid,
+        workers,
+        motion,
+        errors=design.signal is not None,
+        levels=design.signal is not None and design.integrity is not None,
+        slanted=rows.mask.lowest < 0.0 or rows.users.beam is not None,
+        gap_epochs=rows.track.number,
+    )
     check_fits(
         cost.bytes,
         f"map: {counted(size, 'satellite')} at {counted(chosen.epochs, 'epoch')} on {grid.rows} by "
@@ -296,7 +306,7 @@ def make_map(
     )
     foretell(cost)
     do = by(rows) if by else None
-    gaps = coverage_gaps(rows.track, grid, workers=workers, by=do)
+    gaps = coverage_gaps(rows.track, grid, workers=workers, progress=progress, by=do)
     do = do or by_threads(workers, progress)
     dataset = coverage_map(
         rows.view, grid, fold=rows.fold, gaps=gaps, pdop_threshold=chosen.pdop_max, by=do

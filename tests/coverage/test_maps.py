@@ -1,5 +1,6 @@
 import os
 import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -310,6 +311,12 @@ def test_what_a_map_takes_is_told_before_it_is_begun(capsys):
     assert map_cost(1000, 10_000, half, 2, Motion("numerical")).bytes > 1.5 * large.bytes
     alone = map_cost(1000, 10_000, half, 1, Motion(), errors=True)
     assert alone.seconds > 2 * large.seconds
+    # who looks down is asked cell by cell, gaps are followed, and levels take a fix a satellite
+    few = partial(map_cost, 15, 109, half, 2, Motion())
+    bare, down, levels = few(), few(slanted=True), few(errors=True, levels=True)
+    assert 8 < down.seconds / bare.seconds < 16
+    assert 50 < levels.seconds / few(errors=True).seconds < 150
+    assert few(gap_epochs=109 * 100).seconds > 20 * bare.seconds
     foretell(True, "map", large.seconds, large.bytes)
     said = f"map: about {large.seconds / 60:.2g} minutes and {large.bytes / 1e9:.2g} GB\n"
     assert capsys.readouterr().err == said

@@ -364,7 +364,7 @@ def test_what_a_design_requires_is_looked_at_and_listed(monkeypatch):
     (said,) = lasting_verdicts(design, found)
     assert "all that is required: 0 in view at" in said.claim
     tables = [b for b in lasting_section(design, found).blocks if isinstance(b, Table)]
-    assert [(row[0], row[2]) for row in tables[0].rows] == [("near", ""), ("far", "pole")]
+    assert [(row[0], row[3]) for row in tables[0].rows] == [("near", ""), ("far", "pole")]
 
 
 def test_oval_orbits_have_other_radii_and_no_box_of_their_own(monkeypatch):
