@@ -11,6 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from compass.core.papers.spherical_geometry import cartesian_jacobian
 from compass.core.papers.yu2018_filter import (
+    Course,
+    Draws,
+    Sights,
+    Start,
     monte_carlo,
     posterior_bound,
     spread,
@@ -104,31 +108,24 @@ def run_monte_carlo(
     errors, nees = np.empty((runs, count, 6)), np.empty((runs, count))
     sigmas = np.empty((runs, count, 2))
     streams = np.random.SeedSequence(seed).spawn(runs)
-    common = (
-        world.full_state(state),
-        spherical_parameters(world),
-        model.full_state(state),
-        covariance0,
-        root,
-        spherical_parameters(model),
-        model.vehicle.bank(beacons.times),
-        beacons.times,
-        np.array(settings.noise, dtype=float),
-        beacons.r,
-        beacons.v,
-        np.asarray(taken, dtype=bool),
-        measurements.radio_variances()[:2],
-        settings.iterations,
-    )
+    start = Start(model.full_state(state), covariance0, root)
+    course, sights = _course(model, beacons, settings.noise), _sights(beacons, taken, measurements)
 
     def work(part: slice) -> None:
         size = 6 + count * (2 * n + 6)
         drawn = np.stack([np.random.default_rng(s).standard_normal(size) for s in streams[part]])
         monte_carlo(
-            *common,
-            drawn[:, :6],
-            drawn[:, 6 : 6 + 2 * count * n].reshape(len(drawn), count, n, 2),
-            drawn[:, 6 + 2 * count * n :].reshape(len(drawn), count, 6),
+            world.full_state(state),
+            spherical_parameters(world),
+            start,
+            course,
+            sights,
+            settings.iterations,
+            Draws(
+                drawn[:, :6],
+                drawn[:, 6 : 6 + 2 * count * n].reshape(len(drawn), count, n, 2),
+                drawn[:, 6 + 2 * count * n :].reshape(len(drawn), count, 6),
+            ),
             errors[part],
             nees[part],
             sigmas[part],
@@ -215,14 +212,8 @@ def cramer_rao_bound(
     posterior_bound(
         x,
         np.array(covariance0, dtype=float),
-        spherical_parameters(model),
-        model.vehicle.bank(beacons.times),
-        beacons.times,
-        np.broadcast_to(np.asarray(noise, dtype=float), (6,)).copy(),
-        beacons.r,
-        beacons.v,
-        np.asarray(taken, dtype=bool),
-        measurements.radio_variances()[:2],
+        _course(model, beacons, noise),
+        _sights(beacons, taken, measurements),
         covariance,
     )
     sigmas, jacobian = np.empty((len(x), 2)), np.empty((6, 6))
@@ -230,3 +221,19 @@ def cramer_rao_bound(
         cartesian_jacobian(x[t], jacobian)
         spread(covariance[t], jacobian, sigmas[t])
     return Bound(covariance, sigmas[:, 0], sigmas[:, 1])
+
+
+def _course(model: EntryModel, beacons: Beacons, noise: ArrayLike) -> Course:
+    """The filter's world at the beacons' times; process noise one for all states, or six."""
+    return Course(
+        spherical_parameters(model),
+        model.vehicle.bank(beacons.times),
+        beacons.times,
+        np.broadcast_to(np.asarray(noise, dtype=float), (6,)).copy(),
+    )
+
+
+def _sights(beacons: Beacons, taken: ArrayLike, measurements: Measurements) -> Sights:
+    """What is measured of the beacons."""
+    seen = np.asarray(taken, dtype=bool)
+    return Sights(beacons.r, beacons.v, seen, measurements.radio_variances()[:2])

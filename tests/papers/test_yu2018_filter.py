@@ -7,7 +7,7 @@ import pytest
 
 from compass.core.papers.spherical import rk4_step_transition
 from compass.core.papers.spherical_geometry import cartesian_jacobian, range_rows
-from compass.core.papers.yu2018_filter import filter_run, measure
+from compass.core.papers.yu2018_filter import Course, Sights, filter_run, measure
 from compass.entry.beacons import Beacons
 from compass.entry.schedule import Measurements
 from compass.entry.views import cartesian_of
@@ -38,14 +38,18 @@ def run_published_filter(model, estimate, beacons, taken, measurements, settings
     filter_run(
         model.full_state(estimate),
         np.array(settings.covariance0, dtype=float),
-        spherical_parameters(model),
-        model.vehicle.bank(beacons.times),
-        beacons.times,
-        np.array(settings.noise, dtype=float),
-        beacons.r,
-        beacons.v,
-        np.asarray(taken, dtype=bool),
-        measurements.radio_variances()[:2],
+        Course(
+            spherical_parameters(model),
+            model.vehicle.bank(beacons.times),
+            beacons.times,
+            np.array(settings.noise, dtype=float),
+        ),
+        Sights(
+            beacons.r,
+            beacons.v,
+            np.asarray(taken, dtype=bool),
+            measurements.radio_variances()[:2],
+        ),
         np.asarray(z, dtype=float),
         settings.iterations,
         states,

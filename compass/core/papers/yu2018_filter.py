@@ -1,13 +1,17 @@
 """Extended Kalman filter on the six entry states: one run, many runs, and the bound they obey."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.entry.runs import normalised_square
 from compass.core.jit import kernel
 from compass.core.papers.spherical import BANK, STATES, rk4_step, rk4_step_transition
 from compass.core.papers.spherical_geometry import cartesian, cartesian_jacobian, range_rows
+
+Array = NDArray[np.float64]
 
 
 @kernel
@@ -95,26 +99,58 @@ def _update(x, covariance, r, v, taken, variances, z, iterations):
         x[i] += shift[i]
 
 
+class Course(NamedTuple):
+    """How the filter's world moves from time to time.
+
+    `p` are the parameters of the dynamics, `banks` (t,) the bank angles and `times` (t,) the
+    epochs, s: one Runge-Kutta step from each to the next. `noise` (6,) is the process noise
+    variance per second of the six states.
+    """
+
+    p: Array
+    banks: Array
+    times: Array
+    noise: Array
+
+
+class Sights(NamedTuple):
+    """What is measured: beacons `r`, `v` (t, n, 3), and which are `taken` (t, n).
+
+    `variances` (2,) are those of ranges and of range rates, nan for one that is not measured.
+    """
+
+    r: Array
+    v: Array
+    taken: NDArray[np.bool_]
+    variances: Array
+
+
+class Start(NamedTuple):
+    """First estimate `x` (8,), its covariance (6, 6) and a root of it, from which runs draw."""
+
+    x: Array
+    covariance: Array
+    root: Array
+
+
+class Draws(NamedTuple):
+    """Standard normal: of first estimates (m, 6), measurements (m, t, n, 2), states (m, t, 6)."""
+
+    first: Array
+    heard: Array
+    shaken: Array
+
+
 @kernel
-def filter_run(
-    x0, covariance0, p, banks, times, noise, r, v, taken, variances, z, iterations, xs, ps
-):
+def filter_run(x0, covariance0, course, sights, z, iterations, xs, ps):
     """One filter run.
 
     Parameters
     ----------
     x0, covariance0
         Estimate (8) and its covariance (6, 6) at the first time, before that time's measurements.
-    p, banks
-        Parameters of the dynamics and bank angles (t,).
-    times
-        (t,), s; one Runge-Kutta step from each to the next.
-    noise
-        Process noise variance per second of the six states, (6,).
-    r, v, taken
-        Beacons, (t, n, 3), (t, n, 3), (t, n).
-    variances
-        Of ranges and of range rates, (2,); nan for one that is not measured.
+    course, sights
+        `Course`, `Sights`.
     z
         Measurements, (t, n, 2).
     iterations
@@ -122,6 +158,8 @@ def filter_run(
     xs, ps
         Outputs after each update, (t, 6) and (t, 6, 6).
     """
+    p, banks, times, noise = course
+    r, v, taken, variances = sights
     p = p.copy()
     x, covariance = x0.copy(), covariance0.copy()
     after, phi = np.empty(STATES), np.empty((STATES, STATES))
@@ -153,21 +191,22 @@ def measure(states, r, v, out):
 
 
 @kernel
-def monte_carlo(
-    truth0, p_true, x0, covariance0, root0, p, banks, times, noise, r, v, taken, variances,
-    iterations, draws0, draws, draws_noise, errors, squares, sigmas,
-):  # fmt: skip
+def monte_carlo(truth0, p_true, start, course, sights, iterations, draws, errors, squares, sigmas):
     """Run the filter many times: errors in position and velocity, NEES and claimed sigmas.
 
-    Each run draws the first estimate about `x0`, measurement noise and process noise; `truth0`
-    and `p_true` fly the truth. Arguments as in `filter_run`, with a leading axis of runs on the
-    draws (standard normal: (m, 6), (m, t, n, 2), (m, t, 6)) and on the outputs: `errors`
-    (m, t, 6) Cartesian, m and m/s; `squares` (m, t), NEES of the six states; `sigmas` (m, t, 2),
-    root of the trace of the position and of the velocity covariance.
+    Each run draws the first estimate about that of `start`, measurement noise and process noise;
+    `truth0` and `p_true` fly the truth. `Course`, `Sights` and `iterations` as in `filter_run`;
+    m runs take `Draws`. Outputs: `errors` (m, t, 6) Cartesian, m and m/s; `squares` (m, t), NEES of
+    the six states; `sigmas` (m, t, 2), root of the trace of the position and of the velocity
+    covariance.
     """
+    x0, covariance0, root0 = start
+    _p, banks, times, noise = course
+    r, v, _taken, variances = sights
+    first, heard, shaken = draws
     runs, epochs, n = errors.shape[0], times.size, r.shape[1]
     truth, xs, ps = np.empty((epochs, STATES)), np.empty((epochs, 6)), np.empty((epochs, 6, 6))
-    z, start, p_true = np.empty((epochs, n, 2)), x0.copy(), p_true.copy()
+    z, drawn, p_true = np.empty((epochs, n, 2)), x0.copy(), p_true.copy()
     c, estimate, jc, difference = np.empty(6), np.empty(6), np.empty((6, 6)), np.empty(6)
     for m in range(runs):
         truth[0] = truth0
@@ -176,33 +215,18 @@ def monte_carlo(
             dt = times[t] - times[t - 1]
             rk4_step(truth[t - 1], p_true, dt, truth[t])
             for i in range(6):
-                truth[t, i] += math.sqrt(noise[i] * dt) * draws_noise[m, t, i]
+                truth[t, i] += math.sqrt(noise[i] * dt) * shaken[m, t, i]
         measure(truth, r, v, z)
         for t in range(epochs):
             for b in range(n):
                 for kind in range(2):
                     if not math.isnan(variances[kind]):
-                        z[t, b, kind] += math.sqrt(variances[kind]) * draws[m, t, b, kind]
+                        z[t, b, kind] += math.sqrt(variances[kind]) * heard[m, t, b, kind]
         for i in range(6):
-            start[i] = x0[i]
+            drawn[i] = x0[i]
             for j in range(i + 1):
-                start[i] += root0[i, j] * draws0[m, j]
-        filter_run(
-            start,
-            covariance0,
-            p,
-            banks,
-            times,
-            noise,
-            r,
-            v,
-            taken,
-            variances,
-            z,
-            iterations,
-            xs,
-            ps,
-        )
+                drawn[i] += root0[i, j] * first[m, j]
+        filter_run(drawn, covariance0, course, sights, z, iterations, xs, ps)
         for t in range(epochs):
             cartesian(truth[t], c)
             cartesian(xs[t], estimate)
@@ -227,12 +251,14 @@ def spread(covariance, jacobian, out):
 
 
 @kernel
-def posterior_bound(states, covariance0, p, banks, times, noise, r, v, taken, variances, ps):
+def posterior_bound(states, covariance0, course, sights, ps):
     """Recursive Cramer-Rao bound along a trajectory: covariances (t, 6, 6) after each epoch.
 
     ``J_k = (Q + Phi J_(k-1)^-1 Phi^T)^-1 + H^T R^-1 H``, carried as ``P = J^-1`` (the matrix
     inversion lemma, one measurement at a time), with Phi and H at the true states.
     """
+    p, banks, times, noise = course
+    r, v, taken, variances = sights
     p = p.copy()
     covariance = covariance0.copy()
     after, phi, shift = np.empty(STATES), np.empty((STATES, STATES)), np.zeros(6)
