@@ -7,9 +7,8 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.certified.cuts import CUT, EXPANSION, SCRATCH
+from compass.core.certified.groups import make_room
 from compass.core.certified.shares import BOX, GIVEN, INSIDE, look, split, still_open
-from compass.core.certified.sights import USER, WIDTH
 from compass.coverage.certified_question import Asked, Question
 from compass.errors import ArgumentError
 from compass.orbits import Constellation
@@ -77,20 +76,13 @@ def boxes_at(
     question = Question(constellation, **asked)
     question.check(limit)
     n, (south, north) = question.satellites, question.domain.sides[0]
-    work = (
-        np.empty(USER),
-        np.zeros(SCRATCH + CUT + EXPANSION),
-        np.empty((n, 3)),
-        np.empty((n, 3)),
-        np.empty((n + 1, WIDTH)),
-        np.empty(n + 1, dtype=np.int64),
-    )
+    room, problem = make_room(n), question.problem()
     whole = np.zeros(BOX)
     whole[:3], whole[3:5] = (0.5 * (south + north), np.pi, phase), (0.5 * (north - south), np.pi)
     stack, found = [whole], []
     while stack:
         box = stack.pop()
-        look(box, *work, question.squares([limit]), *question.arrays())
+        look(box, question.squares([limit]), room, problem)
         part = still_open(box, 0) / box[INSIDE]
         halves = np.zeros(BOX), np.zeros(BOX)
         if part > 0.05 and max(box[3:5]) > smallest and split(box, 1.0, *halves):

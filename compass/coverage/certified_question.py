@@ -14,6 +14,7 @@ from typing import TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.core.certified.groups import Problem
 from compass.core.certified.shares import BOX, FOLD, INSIDE, measure
 from compass.coverage.certified_domain import Domain, domain_of
 from compass.coverage.certified_places import Place
@@ -171,8 +172,8 @@ class Question:
             return np.array(limits, dtype=float)
         return np.array([self.dilution(limit) ** 2 for limit in limits])
 
-    def arrays(self) -> tuple[NDArray[np.float64], ...]:
-        """What all kernels take last: orbits, circles, breaks, paths, edges, numbers, mask."""
+    def problem(self) -> Problem:
+        """What all kernels take last."""
         d, horizon = self.domain, self.horizon
         numbers = np.array([d.flattening, d.slack, d.height, float(self.dop)])
         if self.ranges is not None:
@@ -183,7 +184,7 @@ class Question:
             else [horizon.azimuth, horizon.elevation]
         )
         mask = np.array(rows, dtype=float)
-        return d.orbits, d.circles, d.breaks, d.paths, d.normals, numbers, mask
+        return Problem(d.orbits, d.circles, d.breaks, d.paths, d.normals, numbers, mask)
 
     def boxes(self) -> NDArray[np.float64]:
         """Boxes to begin with, shape (m, BOX): parts of at most `COARSE`, all open."""

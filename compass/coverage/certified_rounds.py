@@ -93,7 +93,7 @@ class Rounds:
         if self.left <= 0:
             self.stopped = "boxes"
             return leaves, sums
-        arrays = self.question.squares(limits), *self.question.arrays()
+        arrays = self.question.squares(limits), self.question.problem()
         size = fewer(PIECE, self.question.satellites)
         pieces = [leaves[k : k + size] for k in range(0, max(len(leaves), 1), size)]
         kept: list[NDArray[np.float64]] = []

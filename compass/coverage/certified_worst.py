@@ -216,7 +216,7 @@ class _Pursuit:
             fewer(boxes, question.satellites)
             for boxes in (PIECE, FEW, MANY if budget_s == np.inf else FEW)
         )
-        self.arrays = question.arrays()
+        self.problem = question.problem()
         if start is not None and start.leaves is not None:
             self.leaves, self.best, self.boxes = start.leaves, np.array(start.best), start.boxes
         else:
@@ -280,7 +280,7 @@ class _Pursuit:
             int(min(self.few, max(self.budget, 1))),
             self.question.speed,
             self.question.domain.sides,
-            *self.arrays,
+            self.problem,
         )
 
     def bounds(self) -> tuple[float, float]:

@@ -75,9 +75,8 @@ def certified_worst_place(
     question.check(limit)
     first = question.boxes()[:, :6]
     first = first[(first[:, 0] == first[0, 0]) & ((first[:, 1] == first[0, 1]) | (not places))]
-    orbits, circles, breaks, paths, _, numbers, mask = question.arrays()
+    given = question.speed, question.problem()
     (square,) = question.squares([limit])
-    given = question.speed, orbits, circles, breaks, paths, numbers, mask
 
     def bound(tile: Sides) -> tuple[float, float, int]:
         boxes = first.copy()

@@ -13,6 +13,7 @@ from compass.core.certified.cuts import (
     cuts,
     projector,
 )
+from compass.core.certified.groups import Problem, Room, make_room
 from compass.core.certified.shares import (
     BOX,
     GIVEN,
@@ -100,10 +101,12 @@ class Case:
             self.numbers = np.append(self.numbers, self.ranges.shared_row(SCALE))
         self.rows, self.kinds = np.zeros((n + 1, WIDTH)), np.zeros(n + 1, dtype=np.int64)
         q, dq = self.motion(self.box[2])
-        self.count = sights(
-            self.box, self.user, self.orbits, q, dq, self.numbers, level, np.zeros(1),
-            np.array([self.mask]), self.rows, self.kinds,
-        )  # fmt: skip
+        d, mask = self.domain, np.array([[0.0], [self.mask]])
+        room = Room(self.user, np.empty(0), q, dq, self.rows, self.kinds)
+        problem = Problem(
+            self.orbits, d.circles, d.breaks, d.paths, np.empty((0, 3)), self.numbers, mask
+        )
+        self.count = sights(self.box, level, room, problem)
 
     def motion(self, t):
         n = len(self.domain.orbits)
@@ -342,11 +345,9 @@ def test_a_satellite_overhead_and_near_leaves_its_box_open():
     domain = domain_of(orbits, FIGURES["iau-sphere"])
     box = np.zeros(BOX)
     box[3:6] = 0.2
-    n = len(domain.orbits)
-    look(
-        box, np.zeros(USER), np.zeros(SCRATCH + CUT + EXPANSION), np.zeros((n, 3)), np.zeros((n, 3)),
-        np.zeros((n + 1, WIDTH)), np.zeros(n + 1, dtype=np.int64), np.array([36.0]), domain.orbits,
-        domain.circles, domain.breaks, domain.paths, np.empty((0, 3)),
+    problem = Problem(
+        domain.orbits, domain.circles, domain.breaks, domain.paths, np.empty((0, 3)),
         np.array([0.0, 0.0, 0.0, 1.0]), np.zeros((2, 1)),
     )  # fmt: skip
+    look(box, np.array([36.0]), make_room(len(domain.orbits)), problem)
     assert not box[GIVEN:].any() and still_open(box, 0) > 0.0

@@ -78,16 +78,13 @@ def projector(dop, user, s):
 
 
 @fused_kernel
-def gather(box, user, scratch, q, dq, rows, kinds, orbits, numbers, mask):
-    """Fill lines of sight from a box and P of the dilution asked for; return `sights`'s number.
-
-    `numbers` as in `sights`, `mask` two rows: azimuths and elevations.
-    """
-    dop = int(numbers[DOP])
-    projector(dop, user, scratch)
+def gather(box, room, problem):
+    """Fill lines of sight from a box and P of the dilution asked for; return `sights`'s number."""
+    dop = int(problem.numbers[DOP])
+    projector(dop, room.user, room.scratch)
     level = dop == 2 or dop == 3
-    scratch[MOVING] = 1.0 if orbits.shape[1] > ORBIT else 0.0
-    return sights(box, user, orbits, q, dq, numbers, level, mask[0], mask[1], rows, kinds)
+    room.scratch[MOVING] = 1.0 if problem.orbits.shape[1] > ORBIT else 0.0
+    return sights(box, level, room, problem)
 
 
 @inline_kernel

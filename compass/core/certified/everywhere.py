@@ -12,7 +12,8 @@ import math
 
 import numpy as np
 
-from compass.core.certified.cuts import CUT, EXPANSION, KEPT, SCRATCH, cuts, gather
+from compass.core.certified.cuts import KEPT, SCRATCH, cuts, gather
+from compass.core.certified.groups import make_room
 from compass.core.certified.shares import FOLD
 from compass.core.certified.sights import (
     DOP,
@@ -20,8 +21,6 @@ from compass.core.certified.sights import (
     FALL,
     HEIGHT,
     HIGH,
-    USER,
-    WIDTH,
     place,
     states,
 )
@@ -144,7 +143,7 @@ def in_view(rows, kinds, count, fold, places, lines):
 
 
 @kernel
-def kept_everywhere(boxes, places, square, speed, orbits, circles, breaks, paths, numbers, mask):
+def kept_everywhere(boxes, places, square, speed, problem):
     """Share of longitude and time, or of time, of which no place of the boxes keeps a limit less.
 
     Parameters
@@ -155,7 +154,7 @@ def kept_everywhere(boxes, places, square, speed, orbits, circles, breaks, paths
         Whether longitudes are places: then time alone is split.
     square
         The limit squared; a fold, where `numbers` ask for satellites in view.
-    speed, orbits, circles, breaks, paths, numbers, mask
+    speed, problem
         As in `compass.core.certified.shares.refine`.
 
     Returns
@@ -163,10 +162,10 @@ def kept_everywhere(boxes, places, square, speed, orbits, circles, breaks, paths
     share, middle, looked
         The share, what the place in the middle has at least, and boxes looked at.
     """
-    n = orbits.shape[0]
-    user, scratch = np.empty(USER), np.zeros(SCRATCH + CUT + EXPANSION)
-    q, dq, rows = np.empty((n, 3)), np.empty((n, 3)), np.empty((n + 1, WIDTH))
-    kinds, stack, lines = np.empty(n + 1, np.int64), np.empty((256, BOX)), np.empty((n + 4, 3))
+    orbits, circles, breaks, paths, _, numbers, _ = problem
+    room = make_room(orbits.shape[0])
+    user, scratch, q, dq, rows, kinds = room
+    stack, lines = np.empty((256, BOX)), np.empty((orbits.shape[0] + 4, 3))
     fold = square if numbers[DOP] == FOLD else 4.0
     good, line = np.zeros(3), lines[0]
     total, looked = 0.0, 0
@@ -184,7 +183,7 @@ def kept_everywhere(boxes, places, square, speed, orbits, circles, breaks, paths
                 wide *= 2.0 * box[5]
             place(box, numbers[E2], numbers[HEIGHT], user)
             states(orbits, circles, breaks, paths, box[2], q, dq)
-            count = gather(box, user, scratch, q, dq, rows, kinds, orbits, numbers, mask)
+            count = gather(box, room, problem)
             if numbers[DOP] == FOLD:
                 in_view(rows, kinds, count, square, places, lines)
             else:

@@ -33,13 +33,13 @@ from compass.core.belt import area_below
 from compass.core.certified.cuts import (
     BROKEN,
     CUT,
-    EXPANSION,
     KEPT,
     SCRATCH,
     expansion,
     gather,
     half_spaces,
 )
+from compass.core.certified.groups import make_room
 from compass.core.certified.sights import (
     DOP,
     E2,
@@ -48,8 +48,6 @@ from compass.core.certified.sights import (
     HIGH,
     LOW,
     RISE,
-    USER,
-    WIDTH,
     place,
     states,
 )
@@ -220,28 +218,14 @@ def in_view(rows, kinds, count, folds, parts):
 
 
 @fused_kernel
-def look(
-    box,
-    user,
-    scratch,
-    q,
-    dq,
-    rows,
-    kinds,
-    squares,
-    orbits,
-    circles,
-    breaks,
-    paths,
-    normals,
-    numbers,
-    mask,
-):
+def look(box, squares, room, problem):
     """Settle what a box's bounds settle: fills its columns from 6 on.
 
-    `squares` are the limits squared, or folds; `numbers` as in `sights`; `mask` two rows: azimuths
-    and elevations.
+    `squares` are the limits squared, or folds; `room` and `problem` those of
+    `compass.core.certified.groups`.
     """
+    user, scratch, q, dq, rows, kinds = room
+    orbits, circles, breaks, paths, normals, numbers, _ = problem
     place(box, numbers[E2], numbers[HEIGHT], user)
     m, size, thin, dense = measure(box, numbers[E2])
     inside, outside = 1.0, 0.0
@@ -250,7 +234,7 @@ def look(
     parts = box[GIVEN:]
     if inside > 0.0:
         states(orbits, circles, breaks, paths, box[2], q, dq)
-        count = gather(box, user, scratch, q, dq, rows, kinds, orbits, numbers, mask)
+        count = gather(box, room, problem)
         if numbers[DOP] == FOLD:
             in_view(rows, kinds, count, squares, parts)
         else:
@@ -301,21 +285,7 @@ def split(box, speed, left, right):
 
 
 @fused_kernel
-def refine(
-    leaves,
-    fresh,
-    whole,
-    eps,
-    speed,
-    squares,
-    orbits,
-    circles,
-    breaks,
-    paths,
-    normals,
-    numbers,
-    mask,
-):
+def refine(leaves, fresh, whole, eps, speed, squares, problem):
     """Split boxes until none has more than `eps` open.
 
     Parameters
@@ -330,7 +300,7 @@ def refine(
         Open measure that a box may keep, by limits, shape (m,).
     speed
         How much of a length a unit of time is worth when the longest side is chosen.
-    squares, orbits, circles, breaks, paths, normals, numbers, mask
+    squares, problem
         See `look`.
 
     Returns
@@ -340,10 +310,7 @@ def refine(
     open
         Boxes with something open; or all.
     """
-    n, columns = orbits.shape[0], leaves.shape[1]
-    user, scratch = np.empty(USER), np.zeros(SCRATCH + CUT + EXPANSION)
-    q, dq, rows = np.empty((n, 3)), np.empty((n, 3)), np.empty((n + 1, WIDTH))
-    kinds = np.empty(n + 1, np.int64)
+    room, columns = make_room(problem.orbits.shape[0]), leaves.shape[1]
     settled, out = np.zeros(columns - INSIDE + 1), np.empty((64, columns))
     stack, box, nothing = np.empty((256, columns)), np.empty(columns), np.zeros(eps.size)
     found = 0
@@ -352,8 +319,7 @@ def refine(
         first, depth = (0 if fresh else 1), 1
         while depth > 0:
             for k in range(first, depth):
-                look(stack[k], user, scratch, q, dq, rows, kinds, squares, orbits, circles, breaks,
-                     paths, normals, numbers, mask)  # fmt: skip
+                look(stack[k], squares, room, problem)
             settled[-1] += depth - first
             depth -= 1
             first = depth

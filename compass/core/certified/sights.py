@@ -229,31 +229,29 @@ def azimuth_reach(user, ex, ey, ez, first):
 
 
 @fused_kernel
-def sights(box, user, orbits, q, dq, numbers, level, azimuths, elevations, rows, kinds):
+def sights(box, level, room, problem):
     """Fill the rows of satellites that a box may see, and which: 1 surely, 2 in part.
 
     Parameters
     ----------
     box
         Centre and half-widths b, l, t, hb, hl, ht.
-    user
-        From `place`.
-    orbits, q, dq
-        Orbits, and states at the centre.
-    numbers
-        See `E2`.
     level
         Whether the local vertical is to stand still.
-    azimuths, elevations
-        The mask.
-    rows, kinds
-        Filled; shapes (n, WIDTH) and (n,).
+    room
+        `user` is from `place`, `q` and `dq` are states at the centre; `rows` and `kinds` are
+        filled (`compass.core.certified.groups.Room`).
+    problem
+        Its `orbits`, its `numbers` (see `E2`) and its `mask`.
 
     Returns
     -------
     count
         Rows filled; -1 where a satellite comes too near for the bounds to hold.
     """
+    user, q, dq, rows, kinds = room.user, room.q, room.dq, room.rows, room.kinds
+    orbits, numbers = problem.orbits, problem.numbers
+    azimuths, elevations = problem.mask[0], problem.mask[1]
     slack, weighed = numbers[SLACK], orbits.shape[1] > ORBIT
     ht, v, wn = box[5], user[18], user[19]
     nx, ny, nz = user[0], user[1], user[2]

@@ -16,7 +16,6 @@ import numpy as np
 
 from compass.core.certified.cuts import (
     CENTRE,
-    EXPANSION,
     SCRATCH,
     TILT,
     expansion,
@@ -24,8 +23,9 @@ from compass.core.certified.cuts import (
     least,
     most,
 )
+from compass.core.certified.groups import make_room
 from compass.core.certified.shares import region_parts, split
-from compass.core.certified.sights import E2, HEIGHT, HIGH, USER, WIDTH, place, states
+from compass.core.certified.sights import E2, HEIGHT, HIGH, place, states
 from compass.core.jit import kernel
 
 #: Columns of a leaf: centre and half-widths (b, l, t), bound of the square, value at the centre.
@@ -36,35 +36,36 @@ STRIDE, LEAST_STRIDE, STRIDES = 1e-3, 1e-8, 60
 
 
 @kernel
-def expand(box, sure, user, scratch, q, dq, rows, kinds, orbits, normals, numbers, mask):
+def expand(box, sure, room, problem):
     """Expand over a box whose satellites' states are filled in; -1 outside the region, else used.
 
-    The expansion stands at the end of `scratch`.
+    The expansion stands at the end of the room's scratch.
     """
+    user, scratch, rows, kinds = room.user, room.scratch, room.rows, room.kinds
+    normals, numbers = problem.normals, problem.numbers
     place(box, numbers[E2], numbers[HEIGHT], user)
     if normals.shape[0] and region_parts(user, normals)[1] >= 1.0:
         return -1
     kinds[:] = 0
-    count = gather(box, user, scratch, q, dq, rows, kinds, orbits, numbers, mask)
+    count = gather(box, room, problem)
     return expansion(rows, kinds, max(count, 0), sure, sure, scratch, scratch[SCRATCH:])
 
 
 @kernel
-def value_at(
-    point, user, scratch, q, dq, rows, kinds, orbits, circles, breaks, paths, normals, numbers, mask
-):
+def value_at(point, room, problem):
     """Square of a dilution at a place and moment, never too large; -1 outside the region."""
-    at = np.zeros(6)
+    orbits, circles, breaks, paths, normals, _, _ = problem
+    user, at = room.user, np.zeros(6)
     at[:3] = point
-    states(orbits, circles, breaks, paths, at[2], q, dq)
-    used = expand(at, False, user, scratch, q, dq, rows, kinds, orbits, normals, numbers, mask)
+    states(orbits, circles, breaks, paths, at[2], room.q, room.dq)
+    used = expand(at, False, room, problem)
     if used < 0:
         return -1.0
     for k in range(normals.shape[0]):
         x = normals[k, 0] * user[3] + normals[k, 1] * user[4] + normals[k, 2] * user[5]
         if x < 1e-12:
             return -1.0
-    return least(scratch[SCRATCH:]) if used >= 4 else math.inf
+    return least(room.scratch[SCRATCH:]) if used >= 4 else math.inf
 
 
 @kernel
@@ -98,29 +99,13 @@ def far_corner(box, rows, kinds, sides, corner):
 
 
 @kernel
-def climb(
-    best,
-    sides,
-    speed,
-    user,
-    scratch,
-    q,
-    dq,
-    rows,
-    kinds,
-    orbits,
-    circles,
-    breaks,
-    paths,
-    normals,
-    numbers,
-    mask,
-):
+def climb(best, sides, speed, room, problem):
     """Move from `best` (square, b, l, t) to a worse place and moment, as far as it goes.
 
     ``1/DOP`` is nearly linear where it vanishes, so that Newton's step for it is taken,
     ``-2 g l/|l|^2``, and cut down until the dilution grows.
     """
+    orbits, circles, breaks, paths, _, _, _ = problem
     stride = STRIDE
     box, trial = np.zeros(6), np.empty(3)
     for _ in range(STRIDES):
@@ -130,11 +115,11 @@ def climb(
         for d in range(3):
             box[3 + d] = stride if sides[d, 1] > sides[d, 0] else 0.0
         box[5] /= speed
-        states(orbits, circles, breaks, paths, box[2], q, dq)
-        used = expand(box, True, user, scratch, q, dq, rows, kinds, orbits, normals, numbers, mask)
+        states(orbits, circles, breaks, paths, box[2], room.q, room.dq)
+        used = expand(box, True, room, problem)
         if used < 4:
-            expand(box, False, user, scratch, q, dq, rows, kinds, orbits, normals, numbers, mask)
-        out = scratch[SCRATCH:]
+            expand(box, False, room, problem)
+        out = room.scratch[SCRATCH:]
         l0, l1, l2 = out[TILT], out[TILT + 1], out[TILT + 2]
         length = l0 * l0 + l1 * l1 + l2 * l2
         if not length > 0.0:
@@ -145,8 +130,7 @@ def climb(
             for d in range(3):
                 x = best[1 + d] + step * (l0 if d == 0 else (l1 if d == 1 else l2)) * box[3 + d]
                 trial[d] = min(max(x, sides[d, 0]), sides[d, 1])
-            value = value_at(trial, user, scratch, q, dq, rows, kinds, orbits, circles, breaks,
-                             paths, normals, numbers, mask)  # fmt: skip
+            value = value_at(trial, room, problem)
             if value > best[0]:
                 grown = value > best[0] * 1.01
                 best[0] = value
@@ -158,23 +142,7 @@ def climb(
 
 
 @kernel
-def pursue(
-    leaves,
-    best,
-    ratio,
-    enough,
-    beyond,
-    budget,
-    speed,
-    sides,
-    orbits,
-    circles,
-    breaks,
-    paths,
-    normals,
-    numbers,
-    mask,
-):
+def pursue(leaves, best, ratio, enough, beyond, budget, speed, sides, problem):
     """Split leaves until the bound of each is near the largest value found, or small enough.
 
     Parameters
@@ -195,7 +163,7 @@ def pursue(
         As of `compass.core.certified.shares.refine`.
     sides
         Of the domain, shape (3, 2).
-    orbits, circles, breaks, paths, normals, numbers, mask
+    problem
         As of `compass.core.certified.shares.look`.
 
     Returns
@@ -209,10 +177,8 @@ def pursue(
     open
         What is left, shape (k, LEAF).
     """
-    n = orbits.shape[0]
-    user, scratch = np.empty(USER), np.zeros(SCRATCH + EXPANSION)
-    q, dq, rows = np.empty((n, 3)), np.empty((n, 3)), np.empty((n + 1, WIDTH))
-    kinds = np.empty(n + 1, np.int64)
+    orbits, circles, breaks, paths, _, _, _ = problem
+    room = make_room(orbits.shape[0])
     best, corner = best.copy(), np.empty(3)
     out, stack = np.empty((64, LEAF)), np.empty((256, LEAF))
     found = looked = 0
@@ -236,28 +202,25 @@ def pursue(
                     half = stack[first + side].copy()
                     half[6] = box[6]
                     looked += 1
-                    states(orbits, circles, breaks, paths, half[2], q, dq)
-                    used = expand(half, True, user, scratch, q, dq, rows, kinds, orbits, normals,
-                                  numbers, mask)  # fmt: skip
+                    states(orbits, circles, breaks, paths, half[2], room.q, room.dq)
+                    used = expand(half, True, room, problem)
                     if used < 0:
                         continue
                     if used >= 4:
-                        half[6] = min(half[6], most(scratch[SCRATCH:]))
+                        half[6] = min(half[6], most(room.scratch[SCRATCH:]))
                     if half[6] <= max(best[0], enough):
                         continue
-                    rims = far_corner(half, rows, kinds, sides, corner)
+                    rims = far_corner(half, room.rows, room.kinds, sides, corner)
                     for at in range(2 if rims else 1):
                         point = corner if at else half[:3]
-                        value = value_at(point, user, scratch, q, dq, rows, kinds, orbits, circles,
-                                         breaks, paths, normals, numbers, mask)  # fmt: skip
+                        value = value_at(point, room, problem)
                         half[7] = max(half[7], value) if at else value
                         if value > best[0]:
                             much = value > 1.02 * best[0]
                             best[0] = value
                             best[1:] = point
                             if much:
-                                climb(best, sides, speed, user, scratch, q, dq, rows, kinds, orbits,
-                                      circles, breaks, paths, normals, numbers, mask)  # fmt: skip
+                                climb(best, sides, speed, room, problem)
                     stack[depth] = half
                     depth += 1
                 # the half with the larger value is looked into first
