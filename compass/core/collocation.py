@@ -16,8 +16,10 @@ place and velocity at the end of the step; in between the path is off by at most
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.forces import (
     GM,
@@ -30,6 +32,8 @@ from compass.core.forces import (
     sky_at,
 )
 from compass.core.jit import fast_kernel
+
+Array = NDArray[np.float64]
 
 #: Places of a step in which shadow is looked for.
 CELLS = 64
@@ -136,26 +140,20 @@ def project_light(path, sun, constants, project, values, shares):
     return dark
 
 
+class Arcs(NamedTuple):
+    """Orbits of n satellites in p steps.
+
+    `breaks` (p + 1,) are the ends of the steps, `paths` (p, n, 3, s + 2) Legendre coefficients of
+    the positions, `errors` (p, n) the size of what they leave out, m.
+    """
+
+    breaks: Array
+    paths: Array
+    errors: Array
+
+
 @fast_kernel
-def collocate(
-    states,
-    start,
-    stop,
-    first,
-    longest,
-    tolerance,
-    rule,
-    project,
-    values,
-    constants,
-    series,
-    terms,
-    moons,
-    gms,
-    breaks,
-    paths,
-    errors,
-):
+def collocate(states, start, stop, first, longest, tolerance, rule, light, forces, arcs):
     """Follow satellites from `start` towards `stop`, as far as the output arrays reach.
 
     Parameters
@@ -173,13 +171,12 @@ def collocate(
         Nodes, shape (s,), end weights of velocity and position, and the matrix from accelerations
         at the nodes to the Legendre coefficients of their double integral, stacked: shape
         (3 + s + 2, s).
-    project, values
-        As in `project_light`.
-    constants, series, terms, moons, gms
-        As in `compass.core.forces`.
-    breaks, paths, errors
-        Outputs: ends of the steps, shape (p + 1,); Legendre coefficients of the positions, shape
-        (p, n, 3, s + 2); size of what they leave out, m, shape (p, n).
+    light
+        Arrays ``project, values`` as in `project_light`.
+    forces
+        `compass.core.forces.Forces`.
+    arcs
+        Output, `Arcs`.
 
     Returns
     -------
@@ -187,6 +184,9 @@ def collocate(
         Steps taken; where the last one ended; length for the next. No step at all means that none
         was short enough, or a path below Mars's centre of attraction.
     """
+    project, values = light
+    constants, series, terms, moons, gms = forces
+    breaks, paths, errors = arcs
     n, s, room = states.shape[0], rule.shape[1], errors.shape[0]
     nodes, end_v, end_x, integrate = rule[0], rule[1], rule[2], rule[3:]
     degree = s + 2

@@ -8,6 +8,10 @@ Scalars stand in one array, `constants`, whose places are named below.
 """
 
 import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from compass.core.gravity import field_acceleration
 from compass.core.jit import fast_kernel
@@ -20,6 +24,23 @@ from compass.core.motion import mover_state
 GM, RADIUS, HIGHEST, SUN_GM, SUNLIGHT, SHADOW, MARS_RADIUS, SUN_RADIUS = range(8)
 SKY_START, SKY_LENGTH, MERIDIAN, SPIN = range(8, 12)
 CONSTANTS = 12
+
+
+class Forces(NamedTuple):
+    """Forces over a span.
+
+    `constants` (CONSTANTS,) have their places above; `series` (pieces, c, d + 1) are Chebyshev
+    series of the meridian and the Sun; `terms` are the field's, for
+    `compass.core.gravity.field_acceleration`; `moons` rows of `compass.core.motion`, `gms` (m,)
+    theirs.
+    """
+
+    constants: NDArray[np.float64]
+    series: NDArray[np.float64]
+    terms: NDArray[np.float64]
+    moons: NDArray[np.float64]
+    gms: NDArray[np.float64]
+
 
 NO_SHADOW, CYLINDER, CONE = 0.0, 1.0, 2.0
 

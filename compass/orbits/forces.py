@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,10 @@ from compass.frames import SECONDS_PER_DAY, prime_meridian_angle
 from compass.moons import moon_row
 from compass.orbits.gravity import GravityField, built_in_field
 from compass.planets import sun_earth_mci
+
+if TYPE_CHECKING:
+    from compass.core.forces import Forces as Tables
+
 
 Shadow = Literal["none", "cylinder", "cone"]
 SHADOWS: tuple[Shadow, ...] = ("none", "cylinder", "cone")
@@ -119,8 +123,8 @@ class ForceModel:
             parts.append(f"radiation on {self.radiation:g} m^2/kg{shade}")
         return ", ".join(parts)
 
-    def tables(self, sky: Sky, start: float, stop: float) -> tuple[NDArray[np.float64], ...]:
-        """Arrays ``constants, series, terms, moons, gms`` of `compass.core.forces` for a span.
+    def tables(self, sky: Sky, start: float, stop: float) -> "Tables":
+        """Arrays of `compass.core.forces` for a span.
 
         Parameters
         ----------
@@ -153,9 +157,11 @@ class ForceModel:
         # the field's x axis is turned from the prime meridian by what its frame says
         constants[places.MERIDIAN] = np.mod(zero + self.field.meridian, 2 * np.pi)
         constants[places.SPIN] = spin
-        moons = sky.moons if self.moons else np.zeros((0, sky.moons.shape[1]))
+        # all can be written to: one that cannot would be another type to the compiler
+        moons = np.array(sky.moons if self.moons else np.zeros((0, sky.moons.shape[1])))
         gms = np.array(sky.moon_gms if self.moons else ())
-        return constants, _series(columns, low, length, pieces), self.field.terms(), moons, gms
+        series = _series(columns, low, length, pieces)
+        return places.Forces(constants, series, self.field.terms(), moons, gms)
 
 
 def _series(

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.collocation import PASS_END, collocate
+from compass.core.collocation import PASS_END, Arcs, collocate
 from compass.core.path import path_states
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY, mcmf_from_mci, prime_meridian_angle
@@ -175,8 +175,8 @@ class Trajectory:
 
 
 @cache
-def _rule() -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Arrays ``rule, project, values`` of `compass.core.collocation.collocate`."""
+def _rule() -> tuple[NDArray[np.float64], tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """``rule`` and ``light`` of `compass.core.collocation.collocate`."""
     nodes, weights = legendre.leggauss(NODES)
     values = legendre.legvander(nodes, NODES - 1)
     to_series = (np.arange(NODES) + 0.5)[:, None] * values.T * weights
@@ -185,7 +185,7 @@ def _rule() -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float6
     project = np.zeros((NODES, NODES + 1))
     for k in range(NODES):
         project[k, : k + 2] = (k + 0.5) * legendre.legint(np.eye(NODES)[k], lbnd=0)[: k + 2]
-    return np.ascontiguousarray(rule), project, np.ascontiguousarray(values)
+    return np.ascontiguousarray(rule), (project, np.ascontiguousarray(values))
 
 
 def integrate(
@@ -246,6 +246,7 @@ def integrate(
     ).max(initial=1e-9)
     wish, longest, time = FIRST / turn, 4.0 * FIRST / turn, start
     _check_memory(len(states), start, stop, wish)
+    rule, light = _rule()
     tables = forces.tables(sky or sky_of(epoch, 0.5 * (start + stop)), start, stop)
     parts: list[tuple[NDArray[np.float64], ...]] = []
     count = max(int(np.ceil(abs(stop - start) / WINDOW)), 1)
@@ -255,8 +256,10 @@ def integrate(
             breaks = np.empty(CHUNK + 1)
             paths = np.empty((CHUNK, len(states), 3, NODES + 2))
             errors = np.empty((CHUNK, len(states)))
-            arrays = (*_rule(), *tables, breaks, paths, errors)
-            steps, time, wish = collocate(states, time, end, wish, longest, tolerance, *arrays)
+            arcs = Arcs(breaks, paths, errors)
+            steps, time, wish = collocate(
+                states, time, end, wish, longest, tolerance, rule, light, tables, arcs
+            )
             if not steps:
                 raise ArgumentError(
                     f"motion: the orbits cannot be followed past {time / SECONDS_PER_DAY:.6g} "

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from compass.core.entry.fuse import fuse_run
+from compass.core.entry.groups import Heard, Told, World
 from compass.core.entry.measure import acceleration_rows, ideal_values
 from compass.core.entry.rates import through_air
 from compass.entry.beacons import surface_beacons
@@ -136,10 +137,11 @@ def test_one_filter_without_accelerometers_is_the_plain_filter(case):
     rows = np.zeros((TIMES.size, 3 + z[0].size))
     rows[:, 3:] = z.reshape(TIMES.size, -1)
     xs, ps = np.empty((TIMES.size, 6)), np.empty((TIMES.size, 6, 6))
+    alive = np.ones((TIMES.size, 3), dtype=bool)
     end = fuse_run(
-        deaf.arrangement(), deaf.knowledge(both), first, deaf.covariance, rows, deaf.assumed(both),
-        np.ones((TIMES.size, 3), dtype=bool), 0.0, 0.0, xs, ps, np.empty((TIMES.size, 3)),
-        np.empty(rows.shape, dtype=bool),
+        deaf.arrangement(), deaf.knowledge(both), first, deaf.covariance,
+        Heard(rows, deaf.assumed(both), alive), World(0.0, 0.0),
+        Told(xs, ps, np.empty((TIMES.size, 3)), np.empty(rows.shape, dtype=bool)),
     )  # fmt: skip
     assert end == -1
     sigmas = np.sqrt(np.diagonal(covariances, axis1=1, axis2=2))

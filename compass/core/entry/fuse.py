@@ -12,7 +12,7 @@ import math
 
 from compass.core.entry.filter import absorb, moved_covariance
 from compass.core.entry.flow import advance_transition, bank_at
-from compass.core.entry.groups import make_estimates, make_room
+from compass.core.entry.groups import Heard, make_estimates, make_room
 from compass.core.entry.measure import AIR, AXES, CLOCK, LIFT, acceleration_rows, added, measured
 from compass.core.entry.node import fuse, sound, weigh
 from compass.core.entry.rates import LIFT as RATIO
@@ -24,12 +24,12 @@ SMALL_STEP = 1e-6
 
 
 @kernel
-def flow_of(known, t, x, thicker, lift, room):
+def flow_of(known, t, x, world, room):
     """Move position and velocity of `x` to epoch t into ``room.after``, derivative in `phi`."""
     start = known.times[max(t - 1, 0)]
     advance_transition(
-        x, thicker + added(x, known.places[AIR]),
-        known.p[RATIO] + lift + added(x, known.places[LIFT]), known.p, known.bank, start,
+        x, world.thicker + added(x, known.places[AIR]),
+        known.p[RATIO] + world.lift + added(x, known.places[LIFT]), known.p, known.bank, start,
         known.times[t], known.longest, room.after, room.phi,
     )  # fmt: skip
 
@@ -52,24 +52,25 @@ def move(known, t, x, cov, factor, room):
 
 
 @kernel
-def hears(r, kinds, first, last, m):
-    """Whether the subsystem of beacons `first` to `last`, of m, hears measurement r."""
+def hears(r, kinds, group):
+    """Whether the subsystem of beacons ``group = first, last, m`` hears measurement r."""
+    first, last, m = group
     source = (r - AXES) // kinds
     return r < AXES or source >= m or first <= source < last
 
 
 @kernel
-def linearise(known, t, variances, x, thicker, lift, first, last, m, room):
-    """Write what the subsystem of `first` to `last` would measure at `x`, and the rows."""
+def linearise(known, t, variances, x, world, group, room):
+    """Write what a subsystem (see `hears`) would measure at `x`, and the rows."""
     angle = known.bank[bank_at(known.times[t], known.bank), 1]
     acceleration_rows(
-        x, thicker + added(x, known.places[AIR]),
-        known.p[RATIO] + lift + added(x, known.places[LIFT]), known.p, math.cos(angle),
+        x, world.thicker + added(x, known.places[AIR]),
+        known.p[RATIO] + world.lift + added(x, known.places[LIFT]), known.p, math.cos(angle),
         math.sin(angle), known.places, room.rows, room.h,
     )  # fmt: skip
     c = known.kinds.size
     for r in range(AXES, variances.size):
-        if hears(r, c, first, last, m) and not math.isnan(variances[r]):
+        if hears(r, c, group) and not math.isnan(variances[r]):
             k = (r - AXES) // c
             room.h[r] = measured(
                 known.kinds[(r - AXES) % c], x, known.sources[t, k], k, known.places, known.p,
@@ -90,25 +91,24 @@ def innovation_variance(cov, row, noise):
 
 
 @kernel
-def learn(
-    arrangement, known, t, z, variances, x, cov, thicker, lift, first, last, m, factor, gated, room
-):  # fmt: skip
+def learn(arrangement, known, t, heard, x, cov, world, group, factor, estimates, room):
     """Update an estimate by what a subsystem hears, see `hears`; False if it is lost.
 
     What all subsystems hear alike has its variances multiplied by `factor`. The gate looks at each
     row alone, so its answer does not depend on their order.
     """
-    size, used, c = x.size, room.used, known.kinds.size
-    linearise(known, t, variances, x, thicker, lift, first, last, m, room)
+    z, variances, _ = heard
+    size, used, c, m = x.size, room.used, known.kinds.size, group[2]
+    linearise(known, t, variances, x, world, group, room)
     shut = arrangement.gate < math.inf and known.times[t] >= arrangement.gate_start
     for r in range(z.size):
-        used[r] = hears(r, c, first, last, m) and not math.isnan(variances[r])
+        used[r] = hears(r, c, group) and not math.isnan(variances[r])
         if used[r] and shut:
             residual = z[r] - room.h[r]
             variance = innovation_variance(cov, room.rows[r], variances[r])
             if not residual * residual <= arrangement.gate * variance:
                 used[r] = False
-                gated[r] = True
+                estimates.gated[r] = True
     for i in range(size):
         room.shift[i] = 0.0
     room.prior[:, :] = cov
@@ -119,7 +119,7 @@ def learn(
             room.shift[i] = 0.0
         if k > 0:
             cov[:, :] = room.prior
-            linearise(known, t, variances, room.point, thicker, lift, first, last, m, room)
+            linearise(known, t, variances, room.point, world, group, room)
         for r in range(z.size):
             if used[r]:
                 residual = z[r] - room.h[r]
@@ -140,9 +140,7 @@ def learn(
 
 
 @kernel
-def fuse_epoch(
-    arrangement, known, t, z, variances, alive, thicker, lift, estimates, room, work
-):  # fmt: skip
+def fuse_epoch(arrangement, known, t, heard, world, estimates, room, work):
     """Move all estimates to epoch t and let them hear what there is; False if one is lost.
 
     Dead subsystems wait; without feedback they come back from the fused estimate of the epoch
@@ -154,32 +152,29 @@ def fuse_epoch(
         Who hears what, and the world as they know it.
     t
         Epoch.
-    z, variances
-        Measurements and their variances, nan for what does not come, (3 + n c,): accelerometers,
-        then every kind of every source, of which the first m are the beacons.
-    alive
-        Which subsystems work, (m,).
-    thicker, lift
-        Added to the logarithm of the density and to L/D that the filters know.
+    heard
+        What comes at it, `Heard`.
+    world
+        `World`.
     estimates, room, work
         Of `make_estimates`, `make_room` and `compass.core.entry.weights.make_scratch`.
     """
-    m, x, cov, gated = alive.size, estimates.x, estimates.P, estimates.gated
-    gated[:] = False
+    alive, x, cov = heard.alive, estimates.x, estimates.P
+    m = alive.size
+    estimates.gated[:] = False
     count = 0
     for i in range(m):
         count += 1 if alive[i] else 0
     if arrangement.feedback or not arrangement.apart or count == 0:
-        flow_of(known, t, x, thicker, lift, room)
+        flow_of(known, t, x, world, room)
         if not arrangement.apart or count == 0:
             move(known, t, x, cov, 1.0, room)
             estimates.waiting[:] = True
             if arrangement.apart:
                 return sound(x, cov)
             return learn(
-                arrangement, known, t, z, variances, x, cov, thicker, lift, 0, m, m, 1.0, gated,
-                room,
-            )  # fmt: skip
+                arrangement, known, t, heard, x, cov, world, (0, m, m), 1.0, estimates, room
+            )
     for i in range(m):
         own_x, own_cov = estimates.local_x[i], estimates.local_cov[i]
         if not alive[i]:
@@ -199,12 +194,12 @@ def fuse_epoch(
                     own_cov[j, k] = cov[j, k] / part
             estimates.waiting[i] = False
         if not arrangement.feedback:
-            flow_of(known, t, own_x, thicker, lift, room)
+            flow_of(known, t, own_x, world, room)
         move(known, t, own_x, own_cov, shares, room)
+        group = (i, i + 1, m)
         if not learn(
-            arrangement, known, t, z, variances, own_x, own_cov, thicker, lift, i, i + 1, m,
-            shares, gated, room,
-        ):  # fmt: skip
+            arrangement, known, t, heard, own_x, own_cov, world, group, shares, estimates, room
+        ):
             return False
     if not weigh(arrangement, alive, estimates, room, work):
         return False
@@ -217,33 +212,30 @@ def fuse_epoch(
 
 
 @kernel
-def fuse_run(
-    arrangement, known, x0, p0, z, variances, alive, thicker, lift, xs, ps, weights, gated
-):  # fmt: skip
+def fuse_run(arrangement, known, x0, p0, heard, world, told):
     """Filter all epochs; return -1, or the epoch at which an estimate was lost.
 
     Parameters
     ----------
-    arrangement, known, thicker, lift
+    arrangement, known, world
         As in `fuse_epoch`.
     x0, p0
         First estimate, before the first epoch's measurements, (s,) and (s, s).
-    z, variances, alive
-        At every epoch, (t, 3 + n c) and (t, m).
-    xs, ps, weights, gated
-        Outputs, (t, s), (t, s, s), (t, m), (t, 3 + n c).
+    heard
+        `Heard` at every epoch.
+    told
+        Output, `Told`.
     """
+    z, variances, alive = heard
     m, rows = alive.shape[1], z.shape[1]
     estimates, room = make_estimates(x0, p0, m, rows), make_room(x0.size, m, rows)
     work = make_scratch(x0.size, m)
     for t in range(known.times.size):
-        if not fuse_epoch(
-            arrangement, known, t, z[t], variances[t], alive[t], thicker, lift, estimates, room,
-            work,
-        ):  # fmt: skip
+        now = Heard(z[t], variances[t], alive[t])
+        if not fuse_epoch(arrangement, known, t, now, world, estimates, room, work):
             return t
-        xs[t] = estimates.x
-        ps[t] = estimates.P
-        weights[t] = estimates.weights
-        gated[t] = estimates.gated
+        told.xs[t] = estimates.x
+        told.ps[t] = estimates.P
+        told.weights[t] = estimates.weights
+        told.gated[t] = estimates.gated
     return -1

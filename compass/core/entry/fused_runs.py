@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from compass.core.entry.flow import advance, bank_at
 from compass.core.entry.fuse import fuse_run
-from compass.core.entry.groups import Array
+from compass.core.entry.groups import Array, Heard, Told, World
 from compass.core.entry.measure import (
     AIR,
     AXES,
@@ -165,8 +165,8 @@ def fused_runs(
             out.arrived[run],
         )  # fmt: skip
         end = fuse_run(
-            arrangement, known, starts[run], p0, z, variances, truth.alive, unknown[run, 0],
-            unknown[run, 1], xs, ps, out.weights[run], gated,
+            arrangement, known, starts[run], p0, Heard(z, variances, truth.alive),
+            World(unknown[run, 0], unknown[run, 1]), Told(xs, ps, out.weights[run], gated),
         )  # fmt: skip
         out.gated[run] = False
         for t in range(epochs if end < 0 else end):

@@ -53,6 +53,35 @@ class Knowledge(NamedTuple):
     places: NDArray[np.int64]
 
 
+class Heard(NamedTuple):
+    """What comes at every epoch, or at one.
+
+    `z`, `variances` (t, 3 + n c): measurements and their variances, nan for what does not come:
+    accelerometers, then every kind of every source, of which the first m are the beacons; `alive`
+    (t, m): which subsystems work.
+    """
+
+    z: Array
+    variances: Array
+    alive: NDArray[np.bool_]
+
+
+class World(NamedTuple):
+    """Added to the logarithm of the density and to L/D that the filters know."""
+
+    thicker: float
+    lift: float
+
+
+class Told(NamedTuple):
+    """What a fused filter says at every epoch: (t, s), (t, s, s), (t, m), (t, 3 + n c)."""
+
+    xs: Array
+    ps: Array
+    weights: Array
+    gated: NDArray[np.bool_]
+
+
 class Estimates(NamedTuple):
     """Fused `x` (s,) and `P` (s, s), those of m subsystems, and the weights (m,).
 
