@@ -60,9 +60,9 @@ def statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, A
     return {
         "count": {"min": least, **mean, "max": most},
         **known,
-        "longest_gap_s": float(dataset.longest_gap.max()),
+        "longest_gap_s": float(dataset.longest_gap.values.max()),
         "mean_response_time_s": float(
-            (dataset.mean_response_time.mean("lon") * dataset.cell_share * dataset.lon.size).sum()
+            dataset.mean_response_time.values.sum(axis=1) @ dataset.cell_share.values
         ),
         **dilutions,
         **error_statistics(dataset, drawn),
@@ -89,7 +89,7 @@ def folds_met(dataset: "xr.Dataset") -> list[int]:
 
 def extremes_met(dataset: "xr.Dataset") -> tuple[int, int]:
     """Fewest and most satellites in view at any cell and epoch."""
-    return int(dataset.count_min.min()), int(dataset.count_max.max())
+    return int(dataset.count_min.values.min()), int(dataset.count_max.values.max())
 
 
 def error_statistics(dataset: "xr.Dataset", drawn: Drawn | None = None) -> dict[str, Any]:

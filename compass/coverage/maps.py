@@ -275,7 +275,14 @@ def _dataset(
     }
     if gaps is not None:
         attrs |= {"gap_step_s": gaps.step, "gap_span_repeats": int(gaps.ring)}
-    return xr.Dataset(data, coords, attrs)
+    made, coordinates = (
+        {
+            name: xr.Variable(one[0], np.asarray(one[1]), dict(*one[2:]), fastpath=True)
+            for name, one in some.items()
+        }
+        for some in (data, coords)
+    )  # arrays as they are: else xarray imports Dask to see whether they are its
+    return xr.Dataset(made, coordinates, attrs)
 
 
 def _attrs(long_name: str, units: str = "1") -> dict[str, str]:
