@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from compass.core.entry.filter import Problem
 from compass.core.entry.guide import Carried
 from compass.entry.beacons import Beacons
-from compass.entry.covariance import longest_step, noise_roots
+from compass.entry.covariance import longest_step, problem_of
 from compass.entry.filters import METHODS, Filter, root
 from compass.entry.layout import Layout
 from compass.entry.schedule import Measurements
@@ -47,20 +48,20 @@ class CarriedFilter:
 
     def numbers(self) -> Carried:
         """Everything as the kernels take it."""
-        path = np.ascontiguousarray(self.planned.path)
+        path, model = np.ascontiguousarray(self.planned.path), self.planned.model
         layout = self.settings.layout(self.beacons.size)
-        sources, variances, kinds = self.measurements.heard(
-            self.beacons, self.taken, path, self.planned.model
+        problem = problem_of(
+            model,
+            layout,
+            path,
+            self.beacons.times,
+            self.measurements.heard(self.beacons, self.taken, path, model),
+            self.settings.noise,
+            self.longest_step,
         )
         return Carried(
-            np.array(self.beacons.times, dtype=float),
+            problem,
             layout.covariance(np.asarray(self.settings.covariance0, dtype=float)),
-            noise_roots(path, self.beacons.times, self.settings.noise),
-            *layout.steps(path, np.asarray(self.beacons.times)),
-            sources,
-            variances,
-            kinds,
-            layout.numbers(),
             self.settings.iterations,
             METHODS[self.settings.method],
         )
@@ -72,7 +73,7 @@ class CarriedFilter:
         same ones.
         """
         layout = self.settings.layout(self.beacons.size)
-        factor, shape = root(numbers.covariance), numbers.variances.shape
+        factor, shape = root(numbers.covariance), numbers.problem.variances.shape
         firsts, noise = np.zeros((len(starts), layout.size)), np.empty((len(starts), *shape))
         firsts[:, :6] = starts
         for m, stream in enumerate(np.random.SeedSequence(seed).spawn(len(starts))):
@@ -86,10 +87,9 @@ class CarriedFilter:
 
 def nothing_carried(entries: int) -> tuple[Carried, Array, Array]:
     """What the kernels take of guidance that knows the true state."""
-    none, kinds = np.empty((0, 0)), np.empty(0, dtype=np.int64)
-    places = Layout().numbers()
-    carried = Carried(
-        np.empty(0), none, np.empty((0, 0, 6)), none, np.empty(0), np.empty((0, 0, 6)),
-        np.empty((0, 0, 0)), kinds, places, 1, 0,
+    none, three = np.empty((0, 0)), np.empty((0, 0, 6))
+    problem = Problem(
+        np.empty(0), np.zeros((1, 2)), np.empty(0), 0.0, three, none, np.empty(0), three,
+        np.empty((0, 0, 0)), np.empty(0, dtype=np.int64), Layout().numbers(),
     )  # fmt: skip
-    return carried, np.empty((entries, 0)), np.empty((entries, 0, 0, 0))
+    return Carried(problem, none, 1, 0), np.empty((entries, 0)), np.empty((entries, 0, 0, 0))

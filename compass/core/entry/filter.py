@@ -197,19 +197,18 @@ def informed(y, gathered, covariance, shift):
 
 
 @kernel
-def update(
-    x, covariance, base, sources, variances, z, kinds, places, p, angle, iterations, method
-):  # fmt: skip
-    """Update with all measurements z of an epoch, linearised at `base` and iterated from there.
+def update(x, covariance, base, problem, t, z, iterations, method):
+    """Update with what is measured at epoch t, linearised at `base` and iterated from there.
 
-    What is not measured is nan in z. `covariance` is its root for a filter that carries that. In
-    the form of `INFORMATION` all measurements of the epoch are gathered first, ``Y = P^-1 + sum
-    h^T h / R``, and inverted once.
+    That is z (n, c), nan for what is not measured. `covariance` is its root for a filter that
+    carries that. In the form of `INFORMATION` all measurements of the epoch are gathered first,
+    ``Y = P^-1 + sum h^T h / R``, and inverted once.
 
     Gauss-Newton on the posterior: each pass linearises at the latest estimate and starts again
     from the prior; one pass from ``base = x`` is the plain extended Kalman filter.
     """
-    size = x.size
+    p, bank, times, _, _, _, _, sources, variances, kinds, places = problem
+    angle, size = bank[bank_at(times[t], bank), 1], x.size
     prior, shift, before = covariance.copy(), np.empty(size), np.empty(size)
     rows, gain, point = np.zeros((kinds.size, size)), np.empty(size), np.empty(size)
     first, y = np.empty((size, size)), np.empty((size, size))
@@ -226,27 +225,27 @@ def update(
         if method == INFORMATION:
             y[:, :] = first
             gain[:] = 0.0
-        for b in range(sources.shape[0]):
+        for b in range(sources.shape[1]):
             for c in range(kinds.size):
                 if math.isnan(z[b, c]):
                     continue
-                row = rows[c]
-                residual = z[b, c] - measured(kinds[c], point, sources[b], b, places, p, angle, row)
+                row, variance = rows[c], variances[t, b, c]
+                residual = z[b, c] - measured(
+                    kinds[c], point, sources[t, b], b, places, p, angle, row
+                )
                 for i in range(size):
                     residual += row[i] * before[i]
                 if method == INFORMATION:
                     for i in range(size):
-                        share = row[i] / variances[b, c]
+                        share = row[i] / variance
                         gain[i] += share * residual
                         for j in range(size):
                             y[i, j] += share * row[j]
                     continue
                 if method == ROOTED:
-                    absorb_root(
-                        row, residual, variances[b, c], places[ESTIMATED], gain, covariance, shift
-                    )
+                    absorb_root(row, residual, variance, places[ESTIMATED], gain, covariance, shift)
                     continue
-                absorb(row, residual, variances[b, c], places[ESTIMATED], gain, covariance, shift)
+                absorb(row, residual, variance, places[ESTIMATED], gain, covariance, shift)
         if method == INFORMATION:
             informed(y, gain, covariance, shift)
         change = 0.0
@@ -279,10 +278,11 @@ def spread_factor(covariance, places, factor):
 
 
 @kernel
-def move(
-    x, covariance, base, p, bank, start, stop, longest, noise, walk, fade, places, method, half
-):  # fmt: skip
-    """Move an estimate from one epoch to the next, linearised at `base` (which may be `x`)."""
+def move(x, covariance, base, problem, t, method, half):
+    """Move an estimate to epoch t from that before, linearised at `base` (which may be `x`)."""
+    p, bank, longest, places = problem.p, problem.bank, problem.longest, problem.places
+    start, stop = problem.times[t - 1], problem.times[t]
+    noise, walk, fade = problem.noise[t], problem.walk[t], problem.fade[t]
     after, phi = np.empty(6), np.empty((6, COLUMNS))
     roots, shaken = np.zeros((6, 6 + COLUMNS)), noise.shape[0]
     for i in range(shaken):
@@ -357,7 +357,9 @@ def filter_run(x0, covariance0, problem, z, iterations, method, xs, ps):
     xs, ps
         Outputs after each update, (t, s) and (t, s, s).
     """
-    p, bank, times, longest, noise, walk, fade, sources, variances, kinds, places = problem
+    p, bank, times, longest, places = (
+        problem.p, problem.bank, problem.times, problem.longest, problem.places
+    )  # fmt: skip
     x, covariance, half = x0.copy(), covariance0.copy(), np.empty(covariance0.shape)
     back = times.size if method == RELINEARISED else 0
     path, marks = np.empty((back, x.size)), np.empty(2)
@@ -366,15 +368,8 @@ def filter_run(x0, covariance0, problem, z, iterations, method, xs, ps):
         root_of(covariance0, covariance)
     for t in range(times.size):
         if t > 0:
-            move(
-                x, covariance, x, p, bank, times[t - 1], times[t], longest, noise[t], walk[t],
-                fade[t], places, method, half,
-            )  # fmt: skip
-        angle = bank[bank_at(times[t], bank), 1]
-        update(
-            x, covariance, x, sources[t], variances[t], z[t], kinds, places, p, angle, iterations,
-            method,
-        )  # fmt: skip
+            move(x, covariance, x, problem, t, method, half)
+        update(x, covariance, x, problem, t, z[t], iterations, method)
         if method == RELINEARISED and halved(covariance, places, marks):
             path[t] = x
             for k in range(t, 0, -1):
@@ -387,15 +382,8 @@ def filter_run(x0, covariance0, problem, z, iterations, method, xs, ps):
             covariance[:, :] = covariance0
             for k in range(t + 1):
                 if k > 0:
-                    move(
-                        x, covariance, path[k - 1], p, bank, times[k - 1], times[k], longest,
-                        noise[k], walk[k], fade[k], places, method, half,
-                    )  # fmt: skip
-                angle = bank[bank_at(times[k], bank), 1]
-                update(
-                    x, covariance, path[k], sources[k], variances[k], z[k], kinds, places, p, angle,
-                    1, method,
-                )  # fmt: skip
+                    move(x, covariance, path[k - 1], problem, k, method, half)
+                update(x, covariance, path[k], problem, k, z[k], 1, method)
         xs[t] = x
         if method == ROOTED:
             square_of(covariance, ps[t])
@@ -411,7 +399,7 @@ def covariance_run(path, covariance0, problem, method, ps):
     ``J_k = (Q + Phi J_(k-1)^-1 Phi^T)^-1 + H^T R^-1 H`` carried as ``P = J^-1``. Parameters as in
     `filter_run`; `path` is the flight at the epochs, (t, 6), `method` `PLAIN` or `ROOTED`.
     """
-    p, bank, times, longest, noise, walk, fade, sources, variances, kinds, places = problem
+    p, bank, times, _, _, _, _, sources, variances, kinds, places = problem
     size = covariance0.shape[0]
     covariance, half = covariance0.copy(), np.empty((size, size))
     rows, gain = np.zeros((kinds.size, size)), np.empty(size)
@@ -420,10 +408,7 @@ def covariance_run(path, covariance0, problem, method, ps):
         root_of(covariance0, covariance)
     for t in range(times.size):
         if t > 0:
-            move(
-                x, covariance, x, p, bank, times[t - 1], times[t], longest, noise[t], walk[t],
-                fade[t], places, method, half,
-            )  # fmt: skip
+            move(x, covariance, x, problem, t, method, half)
         for i in range(6):
             x[i] = path[t, i]
         angle = bank[bank_at(times[t], bank), 1]

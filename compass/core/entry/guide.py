@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry.dop853 import WATCH_RADIUS, WATCH_SPEED, watched
-from compass.core.entry.filter import move, update
+from compass.core.entry.filter import Problem, move, update
 from compass.core.entry.flow import advance, rk4_step
 from compass.core.entry.kinds import ROOTED
 from compass.core.entry.measure import AIR, added, ideal_values
@@ -52,18 +52,12 @@ class Until(NamedTuple):
 class Carried(NamedTuple):
     """The filter that a guided lander carries, see `compass.core.entry.filter.filter_run`.
 
-    Without epochs there is none, and guidance knows the true state.
+    Its problem is that of the planned flight. Without epochs there is none, and guidance knows the
+    true state.
     """
 
-    times: Array
+    problem: Problem
     covariance: Array
-    noise: Array
-    walk: Array
-    fade: Array
-    sources: Array
-    variances: Array
-    kinds: NDArray[np.int64]
-    places: NDArray[np.int64]
     iterations: int
     method: int
 
@@ -213,20 +207,22 @@ def hear(x, thicker, lift, p, known, angle, carried, k, draws, state, covariance
 
     `told` (7,) gets the error of its position and velocity, and that error squared, normalised.
     """
-    z = np.empty((1, carried.sources.shape[1], carried.kinds.size))
+    problem = carried.problem
+    z = np.empty((1, problem.sources.shape[1], problem.kinds.size))
     true, blocks, bank = np.empty((1, 8)), np.full(BLOCKS, -1), np.zeros((1, 2))
     true[0, :6], true[0, 6], true[0, 7] = x, thicker, lift - p[LIFT]
     blocks[AIR], blocks[OF_LIFT], bank[0, 1] = 6, 7, angle
     ideal_values(
-        true, carried.sources[k : k + 1], carried.kinds, blocks, p, bank, np.zeros(1), z
+        true, problem.sources[k : k + 1], problem.kinds, blocks, p, bank, np.zeros(1), z
     )  # fmt: skip
     for b in range(z.shape[1]):
         for c in range(z.shape[2]):
-            z[0, b, c] += math.sqrt(carried.variances[k, b, c]) * draws[b, c]
-    update(
-        state, covariance, state, carried.sources[k], carried.variances[k], z[0], carried.kinds,
-        carried.places, known, angle, carried.iterations, carried.method,
+            z[0, b, c] += math.sqrt(problem.variances[k, b, c]) * draws[b, c]
+    held = Problem(
+        known, bank, problem.times, problem.longest, problem.noise, problem.walk, problem.fade,
+        problem.sources, problem.variances, problem.kinds, problem.places,
     )  # fmt: skip
+    update(state, covariance, state, held, k, z[0], carried.iterations, carried.method)
     for i in range(6):
         told[i] = state[i] - x[i]
     whole = covariance
@@ -242,18 +238,17 @@ def follow(carried, k, time, stop, known, angle, longest, state, covariance):
 
     A filter that looks back moves on as a plain one here.
     """
-    quiet = np.zeros((carried.noise.shape[1], 6))
-    walk, fade = np.zeros(state.size), 1.0
-    if k < carried.times.size and stop == carried.times[k]:
-        quiet[:, :] = carried.noise[k]
-        walk[:] = carried.walk[k]
-        fade = carried.fade[k]
-    bank = np.empty((1, 2))
+    problem = carried.problem
+    noise, walk = np.zeros((2, problem.noise.shape[1], 6)), np.zeros((2, state.size))
+    fade, bank = np.ones(2), np.empty((1, 2))
+    if k < problem.times.size and stop == problem.times[k]:
+        noise[1], walk[1], fade[1] = problem.noise[k], problem.walk[k], problem.fade[k]
     bank[0, 0], bank[0, 1] = time, angle
-    move(
-        state, covariance, state, known, bank, time, stop, longest, quiet, walk, fade,
-        carried.places, carried.method, np.empty(covariance.shape),
+    step = Problem(
+        known, bank, np.array([time, stop]), longest, noise, walk, fade, problem.sources,
+        problem.variances, problem.kinds, problem.places,
     )  # fmt: skip
+    move(state, covariance, state, step, 1, carried.method, np.empty(covariance.shape))
 
 
 @kernel
@@ -291,7 +286,8 @@ def guided_flight(
     """
     x, seen, time, rows, side = start.copy(), start.copy(), 0.0, 0, 1.0
     state, covariance, k = first.copy(), carried.covariance.copy(), 0
-    blind = carried.times.size == 0
+    heard, places = carried.problem.times, carried.problem.places
+    blind = heard.size == 0
     if carried.method == ROOTED:
         root_of(carried.covariance, covariance)
     bank, ratio, decision = g[BEFORE], 0.0, 0.0
@@ -303,7 +299,7 @@ def guided_flight(
         side, bank = -1.0, -bank
     size, wish = g[BEFORE], bank
     while time < until.seconds - 1e-9:
-        if k < carried.times.size and time >= carried.times[k]:
+        if k < heard.size and time >= heard[k]:
             hear(x, thicker, lift, p, known, bank, carried, k, draws[k], state, covariance, told)
             seen[:] = state[:6]
             k += 1
@@ -313,7 +309,7 @@ def guided_flight(
             if felt > g[FELT]:
                 ratio += BELIEF * (math.log(felt / drag_of(seen, 0.0, known)) - ratio)
                 if watched(seen, WATCH_SPEED, known) > g[ALIGN]:
-                    lift_known = known[LIFT] + added(state, carried.places[OF_LIFT])
+                    lift_known = known[LIFT] + added(state, places[OF_LIFT])
                     size, told[7] = found_bank(
                         seen, ratio, lift_known, known, g, bank, side, until.seconds - time, until
                     )
@@ -321,8 +317,8 @@ def guided_flight(
             else:
                 wish = side * g[BEFORE]
         stop = min(decision, time + step)
-        if k < carried.times.size:
-            stop = min(stop, carried.times[k])
+        if k < heard.size:
+            stop = min(stop, heard[k])
         after = turned(bank, wish, g[RATE] * (stop - time))
         angle = 0.5 * (bank + after)
         bank = after
@@ -335,7 +331,7 @@ def guided_flight(
                 return time + crossing(x, thicker, lift, p, angle, stop - time, until, end), rows
             seen[:] = end
         else:
-            air, steeper = added(state, carried.places[AIR]), added(state, carried.places[OF_LIFT])
+            air, steeper = added(state, places[AIR]), added(state, places[OF_LIFT])
             follow(carried, k, time, stop, known, angle, until.longest, state, covariance)
             if watched(state, until.watch, known) <= until.level:
                 part = crossing(
