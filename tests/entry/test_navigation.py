@@ -5,8 +5,8 @@ from datetime import datetime, timedelta
 import numpy as np
 import pytest
 
-from compass.core.entry.filter import spread_factor
 from compass.core.entry.flow import advance, advance_spread, advance_transition, retreat
+from compass.core.entry.predict import spread_factor
 from compass.entry import navigation
 from compass.entry.beacons import Beacons
 from compass.entry.consistency import consistency

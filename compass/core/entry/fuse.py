@@ -10,12 +10,13 @@ other filter here.
 
 import math
 
-from compass.core.entry.filter import absorb, moved_covariance
 from compass.core.entry.flow import advance_transition, bank_at
 from compass.core.entry.groups import Heard, make_estimates, make_room
 from compass.core.entry.measure import AIR, AXES, CLOCK, LIFT, acceleration_rows, added, measured
 from compass.core.entry.node import fuse, sound, weigh
+from compass.core.entry.predict import moved_covariance
 from compass.core.entry.rates import LIFT as RATIO
+from compass.core.entry.update import absorb
 from compass.core.entry.weights import make_scratch
 from compass.core.jit import fast_kernel, kernel
 

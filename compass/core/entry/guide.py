@@ -21,15 +21,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry.dop853 import WATCH_RADIUS, WATCH_SPEED, watched
-from compass.core.entry.filter import Problem, move, update
+from compass.core.entry.filter import Problem
 from compass.core.entry.flow import advance, rk4_step
 from compass.core.entry.kinds import ROOTED
 from compass.core.entry.measure import AIR, added, ideal_values
 from compass.core.entry.measure import LIFT as OF_LIFT
 from compass.core.entry.measure import PLACES as BLOCKS
+from compass.core.entry.predict import move
 from compass.core.entry.rates import DRAG, LIFT, log_density, through_air
 from compass.core.entry.root import root_of, square_of
 from compass.core.entry.runs import normalised_square
+from compass.core.entry.update import update
 from compass.core.jit import kernel
 
 Array = NDArray[np.float64]

@@ -63,7 +63,7 @@ def triangle(rows, root):
 
 @kernel
 def absorb_root(row, residual, variance, estimated, gain, root, shift):
-    """As `compass.core.entry.filter.absorb`, of a root: Carlson's update, then what Schmidt keeps.
+    """As `compass.core.entry.update.absorb`, of a root: Carlson's update, then what Schmidt keeps.
 
     The best gain would correct considered states too: what that takes from their covariance,
     ``g g^T / s`` of theirs, is put back by rotations of the columns.

@@ -6,9 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.core.entry.filter import filter_run, rate_of
+from compass.core.entry.filter import filter_run
 from compass.core.entry.flow import advance
 from compass.core.entry.measure import AIR, ESTIMATED, LIFT, added, ideal_values
+from compass.core.entry.predict import rate_of
 from compass.core.entry.rates import LIFT as RATIO
 from compass.core.jit import kernel
 

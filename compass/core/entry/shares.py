@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 
-from compass.core.entry.filter import absorb, moved_covariance
 from compass.core.entry.flow import advance_transition, bank_at
 from compass.core.entry.measure import ESTIMATED, measured
+from compass.core.entry.predict import moved_covariance
 from compass.core.entry.rates import COLUMNS
 from compass.core.entry.rates import LIFT as RATIO
+from compass.core.entry.update import absorb
 from compass.core.jit import fast_kernel, kernel
 
 
