@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.core.entry.filter import Problem
-from compass.core.entry.guide import Carried
+from compass.core.entry.guided import Carried
 from compass.entry.beacons import Beacons
 from compass.entry.covariance import longest_step, problem_of
 from compass.entry.filters import METHODS, Filter, root

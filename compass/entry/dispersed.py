@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.core.entry.guide import Until, dispersed_flights
+from compass.core.entry.guide import Until
+from compass.core.entry.guided import dispersed_flights
 from compass.cores import in_blocks
 from compass.entry.accuracy import Ellipse, error_ellipse
 from compass.entry.carried import CarriedFilter, nothing_carried

@@ -133,7 +133,8 @@ def guided_banks(
         rows at infinite times fill what is left; states at deployment, (m, 6); and how far targets
         are beyond reach, m, (m,), as `compass.entry.dispersed.Dispersed` has it.
     """
-    from compass.core.entry.guide import Until, guided_banks
+    from compass.core.entry.guide import Until
+    from compass.core.entry.guided import guided_banks
     from compass.entry.carried import nothing_carried
     from compass.entry.covariance import LONGEST_STEP
     from compass.entry.trajectory import watched_level
