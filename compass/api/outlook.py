@@ -134,6 +134,8 @@ class Outlook:
         What was not looked at, and why.
     known
         Whether it was kept from an earlier run.
+    sure
+        How sure the claim is: ``proven``, or ``sampled`` where samples alone tell of a part.
     """
 
     asked: str
@@ -150,6 +152,7 @@ class Outlook:
     keeping: KeepingCost | None
     notes: tuple[str, ...]
     known: bool
+    sure: str = "proven"
 
     @property
     def lasts(self) -> bool:
@@ -174,7 +177,7 @@ def outlook(design: Design) -> Outlook:
     design
         The design.
     """
-    bounds = (HORIZON, GLANCE, STEPS, SATELLITE_DAYS, BOXED_DAYS)
+    bounds = (HORIZON, GLANCE, STEPS, SATELLITE_DAYS, BOXED_DAYS, "sure")
     flown = (design.constellation, design.motion, design.figure, design.upkeep)
     question = ("outlook", *bounds, *flown, design.fold, design.mask, design.requirements)
     found, known = kept(question, lambda: _look(design))
@@ -218,6 +221,8 @@ class Glance:
         Where it is lost, in words; empty where it is not.
     first_loss_days
         Day by which it is lost; None where it is not.
+    sure
+        As of `Outlook`.
     """
 
     design: Design
@@ -225,6 +230,7 @@ class Glance:
     looked_days: float
     lost: str
     first_loss_days: float | None = None
+    sure: str = "proven"
 
     @property
     def words(self) -> str:
@@ -243,7 +249,7 @@ class Glance:
     def answer(self, who: str = "it") -> Answer:
         """The same as one of the first lines of a page, with the command that proves it."""
         days = min(self.looked_days, days_to_see(self.days_proven, self.first_loss_days))
-        proven = f"proven: compass drift {shlex.quote(self.design.label)} --days {days:g}"
+        proven = f"{self.sure}: compass drift {shlex.quote(self.design.label)} --days {days:g}"
         return Answer(f"{capital(left_words(self.design))} {who} lasts", self.words, None, proven)
 
 
@@ -256,7 +262,7 @@ def glance(design: Design) -> Glance:
     """Find out, or recall, how long a design lasts left alone, `GLANCE` days ahead at most."""
     horizon = min(GLANCE, _horizon(design))
     flown = (design.constellation, design.motion, design.figure)
-    question = ("glance", horizon, *flown, design.fold, design.mask, design.requirements)
+    question = ("glance", "sure", horizon, *flown, design.fold, design.mask, design.requirements)
 
     def look() -> dict[str, Any]:
         claim = _claim(design, horizon)
@@ -266,6 +272,7 @@ def glance(design: Design) -> Glance:
             "looked_days": horizon,
             "lost": claim.loss,
             "first_loss_days": claim.first_loss_days,
+            "sure": claim.sure,
         }
 
     return Glance(design, **kept(question, look)[0])
@@ -355,6 +362,7 @@ class Settled:
     first_loss_days: float | None
     loss: str
     requirements: tuple[dict[str, Any], ...] = ()
+    sure: str = "proven"
 
 
 def _claim(design: Design, horizon: float) -> Settled:
@@ -418,6 +426,7 @@ def _required(design: Design, path: Trajectory, stop: float) -> Settled | None:
         first.first_loss_days,
         _loss_of(first),
         tuple(promise_dict(each) for each in promises),
+        "sampled" if any(each.evidence == "sampled" for each in known) else "proven",
     )
 
 

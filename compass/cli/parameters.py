@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+import click.shell_completion
 
 from compass.errors import SHORT, near
 
@@ -137,6 +138,20 @@ def radius(_context: click.Context, _option: click.Parameter, given: str | None)
 def listed(_context: click.Context, _option: click.Parameter, given: str | None) -> Sequence[str]:
     """Names between commas."""
     return [name.strip() for name in (given or "").split(",") if name.strip()]
+
+
+def shipped(
+    context: click.Context, _option: click.Parameter, begun: str
+) -> list[click.shell_completion.CompletionItem]:
+    """What completes a name of a file that comes with compass: names of the kind, or a path."""
+    from compass.inputs.shipped import MODELS, names
+
+    item = click.shell_completion.CompletionItem
+    # what precedes an option without its value yet is left over
+    said = [context.params.get("kind"), *context.args]
+    kinds = [kind for kind in MODELS if kind in said] or list(MODELS)
+    known = [name for each in kinds for name in names(each) if name.startswith(begun)]
+    return [item(name) for name in known] or [item(begun, type="file")]
 
 
 def parameter(name: str, told: Told) -> click.Parameter:

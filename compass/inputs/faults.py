@@ -59,17 +59,26 @@ def satellites_given(raw: dict[str, Any]) -> int | None:
     return count if isinstance(count, int) else None
 
 
+#: Ends of the names of faults of a value that is not even of the kind.
+_OTHER_KIND = ("_type", "_parsing")
+
+
 def model_faults(errors: Iterable[ErrorDetails], model: type[BaseModel]) -> list[str]:
     """Say pydantic's errors in the project's words, one sentence a fault.
 
-    A value with a fault inside is not refused as a whole too, as other members of a union would.
+    A value with a fault inside is not refused as a whole too, as other members of a union would;
+    nor is it by each of them: by the one that takes its kind and not its size, or by the first.
     """
-    found = [(_locate(error["loc"], model)[2], error) for error in errors]
-    paths = [path for path, _ in found]
+    found: dict[str, ErrorDetails] = {}
+    for error in errors:
+        path = _locate(error["loc"], model)[2]
+        known = found.setdefault(path, error)
+        if known["type"].endswith(_OTHER_KIND) and not error["type"].endswith(_OTHER_KIND):
+            found[path] = error
     return [
         _sentence(error, model)
-        for path, error in found
-        if not any(other.startswith((f"{path}[", f"{path}.")) for other in paths)
+        for path, error in found.items()
+        if not any(other.startswith((f"{path}[", f"{path}.")) for other in found)
     ]
 
 

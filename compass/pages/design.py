@@ -31,6 +31,7 @@ from compass.frames import SECONDS_PER_DAY
 from compass.orbits.symmetry import one_circle
 from compass.pages.access import access_section
 from compass.pages.advice import answer_section
+from compass.pages.aloft import aloft_section, maps_aloft
 from compass.pages.answers import subtitle
 from compass.pages.coverage import (
     count_picture,
@@ -130,8 +131,10 @@ def look_at(
     checked = check(design) if design.requirements else None
     progress("errors over time")
     followed = _followed(design, mapped)
+    progress("users in orbit and in beams")
+    aloft = maps_aloft(design, options, command)
     return DesignResults(
-        design, show(design), mapped, proven, links, lasts, checked, followed, stations
+        design, show(design), mapped, proven, links, lasts, checked, followed, stations, aloft
     )
 
 
@@ -305,6 +308,7 @@ SECTIONS: tuple[tuple[str, Callable[[DesignResults, list[Neighbour]], Section | 
     ("coverage", _coverage),
     ("geometry and accuracy", _accuracy),
     ("errors in metres", lambda found, _: metres_section(found.mapped, found.followed)),
+    ("users in orbit", lambda found, _: aloft_section(found.aloft)),
     ("who tracks them", lambda found, _: tracking_section(found.design)),
     ("stations and links", _links),
     ("orbits", _orbits),
@@ -316,4 +320,4 @@ SECTIONS: tuple[tuple[str, Callable[[DesignResults, list[Neighbour]], Section | 
 )
 
 #: How many parts `design_report` tells of: what it looks at and draws first, then the sections.
-PARTS = 8 + len(SECTIONS)
+PARTS = 9 + len(SECTIONS)

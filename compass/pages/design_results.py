@@ -33,6 +33,8 @@ class DesignResults:
         Of `compass.series` at the stations; None without any, or without a signal.
     stations
         Fold and geometry at the stations, proven or between proven bounds.
+    aloft
+        Maps of users above the ground or in beams, of whom requirements speak.
     """
 
     design: Design
@@ -44,3 +46,4 @@ class DesignResults:
     checked: CheckResult | None = None
     followed: SeriesResult | None = None
     stations: tuple[AreaFigures, ...] = ()
+    aloft: tuple[MapResult, ...] = ()

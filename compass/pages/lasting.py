@@ -44,7 +44,7 @@ def lasting_answers(design: Design, outlook: Outlook) -> list[Answer]:
     """The same as rows of the first lines: question, answer, how sure."""
     shown = commands(design, outlook)
     left = f"{capital(left_words(design))} it lasts"
-    proven = f"proven: {shown['lasts']}"
+    proven = f"{outlook.sure}: {shown['lasts']}"
     if outlook.lasts:
         rows = [Answer(left, lasts_words(design, outlook.horizon_days), None, proven)]
     elif outlook.days_proven == 0.0:
@@ -112,8 +112,8 @@ def _lasts(design: Design, outlook: Outlook) -> Verdict:
         long = f" ({years:.1f} years)" if years >= 1.0 else ""
         return Verdict(
             f"Lasts {lasts_words(design, outlook.horizon_days)}",
-            f"{outlook.asked}, proven {left} for the {days_words(outlook.horizon_days)} looked "
-            f"at{long} ({command})",
+            f"{outlook.asked}, {outlook.sure} {left} for the "
+            f"{days_words(outlook.horizon_days)} looked at{long} ({command})",
             True,
         )
     if outlook.first_loss_days is not None and outlook.days_proven * SECONDS_PER_DAY < 1.0:
@@ -128,7 +128,7 @@ def _lasts(design: Design, outlook: Outlook) -> Verdict:
         when = Value(quantity("first_loss_days"), outlook.first_loss_days)
         end = f"lost on day {when}: {outlook.loss}"
     return Verdict(
-        word, f"{outlook.asked}, proven {left} for {proven} days, {end} ({command})", False
+        word, f"{outlook.asked}, {outlook.sure} {left} for {proven} days, {end} ({command})", False
     )
 
 

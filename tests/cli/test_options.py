@@ -4,6 +4,7 @@ import inspect
 from typing import Literal, get_args, get_origin, get_type_hints
 
 import click
+import click.shell_completion
 import pytest
 
 import compass
@@ -74,3 +75,21 @@ def test_a_range_shown_is_the_commands_own(run):
     """What a command means by a name is another range than others have."""
     code, out, _ = run("series", "--help")
     assert code == 0 and "[2 to 1000000]" in " ".join(out.split())
+
+
+@pytest.mark.parametrize(
+    ("words", "completed"),
+    [
+        (["study", "--from", "st"], {"study-small", "study-fourfold"}),
+        (["study", "--from", ""], {"study-small", "study-fourfold"}),
+        (["--from", "study-s"], {"study-small"}),
+        (["design", "--from", "compass"], {"compass-15-5-1"}),
+        (["design", "--from", "./mine"], {"./mine"}),
+    ],
+)
+def test_the_shell_completes_names_of_what_comes_along(words, completed):
+    *before, begun = words
+    shell = click.shell_completion.BashComplete(program.program, {}, "compass", "_COMPLETE")
+    found = shell.get_completions(["new", *before], begun)
+    assert {item.value for item in found} == completed
+    assert {item.type for item in found} == ({"file"} if "./" in begun else {"plain"})

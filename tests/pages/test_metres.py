@@ -5,9 +5,11 @@ import json
 import pytest
 
 import compass
-from compass.document.blocks import walk
+from compass.document.blocks import Sentence, walk
 from compass.inputs import read_design_text
+from compass.pages.aloft import aloft_section, maps_aloft, standings
 from compass.pages.metres import metres_section, tracking_section
+from compass.study.mapping import MapOptions
 
 DESIGN = """
 name = "nine"
@@ -110,3 +112,29 @@ def test_the_tracking_stands_on_the_page():
     assert any(t.title.startswith("Who measures when") for t in section.tables)
     assert any(" of tracking by Earth" in text for text in section.paragraphs)
     assert len(list(walk(section.blocks))) > 3
+
+
+def test_users_in_orbit_of_requirements_have_a_section():
+    """Each standing once, in metres where ranges have errors; nobody on the ground all around."""
+    ground = '[[requirement]]\nname = "ground"\nfold = 1\nshare = 0.5\n'
+    aloft = (
+        ground.replace("ground", "{name}")
+        + "altitude_km = 400\nmask_deg = -15\nbeam_deg = {beam}\n"
+    )
+    more = DESIGN.replace("satellites = 9", "satellites = 24") + ground
+    options = MapOptions(step_deg=60, epochs=2, duration_h=2)
+    assert aloft_section(maps_aloft(read_design_text(more), options, "")) is None
+    text = more + "".join(aloft.format(name=name, beam=b) for name, b in (("a", 17), ("b", 17)))
+    dop = aloft_section(maps_aloft(read_design_text(text), options, ""))
+    assert [p.stem for p in dop.pictures] == ["aloft-1-gdop-p95"]
+    design = read_design_text(text + aloft.format(name="c", beam=16) + SIGNAL)
+    assert [one.beam_deg for one in standings(design)] == pytest.approx([17, 16])
+    section = aloft_section(maps_aloft(design, options, ""))
+    stems = [p.stem for p in section.pictures]
+    assert stems == ["aloft-1-error-position-p95", "aloft-2-error-position-p95"]
+    titles = [t.title for t in section.tables]
+    assert len(titles) == len(set(titles)) == 6
+    assert all("400 km above the ground, in beams of 1" in title for title in titles)
+    said = [block.text for block in walk(section.blocks) if isinstance(block, Sentence)]
+    assert "Users anywhere, 400 km above the ground, in beams of 17 deg, above -15 deg:" in said
+    assert not any(words.endswith("..") for words in said)

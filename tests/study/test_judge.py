@@ -177,7 +177,7 @@ def test_dispersed_entries_are_judged(short, five):
         world = wide.model.truth(density_bias=np.expm1(thicker))
         craft = replace(world.vehicle, lift_to_drag=world.vehicle.lift_to_drag + lift)
         again = fly(replace(world, vehicle=craft), spherical_of(path[0]), flown.times).path
-        np.testing.assert_allclose(path, again, atol=1e-3)
+        np.testing.assert_allclose(path, again, rtol=0, atol=1e-3)
     still = short(("[measurements]", SPREAD.format(1000, 0) + "[measurements]"))
     place = {"samples": 2, "figure": FIGURE, "mask": Mask(), "threads": 1}
     assert judge_filter(five, still, runs=8, **place)["believed"]
