@@ -153,7 +153,7 @@ def test_commands_print_and_write(run, tmp_path):
 
 
 def test_they_show_themselves():
-    assert "needed" in str(compass.schema("study"))
+    assert "needed" in compass.schema("study")._repr_html_()
     assert "[constellation]" in compass.new("design")._repr_html_()
 
 
