@@ -1,97 +1,41 @@
 """Scenario files: read, check across fields, and turn into an entry and its beacons."""
 
 import hashlib
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import compass
 from compass.arguments import checked
-from compass.bodies import MARS_EQUATORIAL_RADIUS, MARS_GM, MARS_J2, MARS_ROTATION_RATE
 from compass.conventions import epoch_text
-from compass.design import Design
-from compass.entry.atmosphere import Atmosphere, read_atmosphere_table
 from compass.entry.beacons import Beacons, orbiting_beacons, surface_beacons
-from compass.entry.covariance import axes_covariance
-from compass.entry.filters import Filter, Method
+from compass.entry.filters import Filter
 from compass.entry.guidance import Dispersion, Guidance, guided_banks, with_bank
-from compass.entry.layout import Part
-from compass.entry.mars_air import PROFILE, SPREAD, WINDS
 from compass.entry.model import EntryModel
 from compass.entry.schedule import Measurements
 from compass.entry.start import Trigger, check_start
-from compass.entry.state import azimuth_from_heading, state_from_cartesian
-from compass.entry.vehicle import Vehicle
-from compass.entry.views import cartesian_of, spherical_jacobian
+from compass.entry.views import cartesian_of
 from compass.errors import ArgumentError, CompassError, DesignError
-from compass.frames import HOUR, SECONDS_PER_DAY, direction, prime_meridian_angle
-from compass.inputs.design import read_design
+from compass.frames import SECONDS_PER_DAY, direction
 from compass.inputs.fusion_models import FusionTable
 from compass.inputs.guidance_models import dispersion_of, guidance_of
 from compass.inputs.instrument_models import features_of, instruments_of, link_of
 from compass.inputs.reading import parse, read_text
-from compass.inputs.scenario_faults import EXPONENTIAL, scenario_faults
+from compass.inputs.scenario_faults import scenario_faults
+from compass.inputs.scenario_filter import filter_of
 from compass.inputs.scenario_models import (
-    EntryTable,
-    FilterTable,
-    MeasurementsTable,
     OptimizeTable,
-    OrbiterTable,
     ScenarioFile,
-    TruthTable,
 )
 from compass.inputs.scenario_notes import scenario_notes
-from compass.orbits import Constellation, keplerian, states_mci
-from compass.orbits.states import from_states
-from compass.orbits.touching import touching
+from compass.inputs.scenario_orbiters import Orbiters, orbiters_of
+from compass.inputs.scenario_world import model_of, range_sigma_of, state_of, truth_of
+from compass.orbits import states_mci
 from compass.saving import readable
 from compass.units import KM
-
-Winds = tuple[tuple[float, float, float], ...]
-
-_METHODS: dict[str, Method] = {
-    "ekf": "plain",
-    "iterated-ekf": "plain",
-    "relinearised-ekf": "relinearised",
-    "unscented": "unscented",
-    "square-root-ekf": "square-root",
-    "information-ekf": "information",
-}
-
-#: Cosine of a latitude below which sigmas of longitude and heading say nothing.
-POLAR = 1e-9
-
-
-@dataclass(frozen=True)
-class Orbiters:
-    """Satellites that serve as beacons, and how the planet stands under them at time 0.
-
-    Attributes
-    ----------
-    constellation
-        The orbits.
-    start
-        Seconds after the constellation's epoch at which the entry begins.
-    angle
-        Angle from the inertial x axis to the prime meridian when the entry begins, radians.
-    mask
-        Elevation that a satellite must have over the lander's limb, radians; nan for line of
-        sight alone.
-    design
-        The design that they are of, whose [signal] says how well their orbits and clocks are
-        known; None for orbiters of the scenario's own.
-    """
-
-    constellation: Constellation
-    start: float
-    angle: float
-    mask: float = float("nan")
-    design: Design | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -281,8 +225,8 @@ def _on_day(file: ScenarioFile, day: float) -> ScenarioFile:
 
 
 def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenario:
-    model = _model(file, folder)
-    state = _state(file.entry, model)
+    model = model_of(file, folder)
+    state = state_of(file.entry, model)
     check_start(model, state)
     entry, seen = file.entry, file.measurements
     count = int(np.floor(entry.duration_s / entry.step_s + 1e-9))
@@ -297,7 +241,7 @@ def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenar
         source=file.source,
         paper=file.paper,
         model=model,
-        truth=_truth(model, bias),
+        truth=truth_of(model, bias),
         state=state,
         times=entry.step_s * np.arange(count + 1, dtype=float),
         triggers=tuple(
@@ -315,10 +259,10 @@ def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenar
             ]
         ).reshape(-1, 3),
         surface_names=tuple(b.name for b in file.beacon),
-        orbiters=_orbiters(file, model, folder),
+        orbiters=orbiters_of(file, model, folder),
         mask=None if file.beacons.mask_deg is None else float(np.radians(file.beacons.mask_deg)),
         measurements=Measurements(
-            _range_sigma(seen),
+            range_sigma_of(seen),
             seen.range_rate_sigma_m_s,
             seen.interval_s,
             seen.start_s,
@@ -330,7 +274,7 @@ def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenar
             features_of(file.feature),
             link_of(seen.link),
         ),
-        settings=_filter(file.filter, state, model.planet_radius),
+        settings=filter_of(file.filter, state, model.planet_radius),
         runs=file.monte_carlo.runs,
         seed=file.monte_carlo.seed,
         optimize=file.optimize,
@@ -341,189 +285,6 @@ def _scenario(file: ScenarioFile, text: str, label: str, folder: Path) -> Scenar
         notes=scenario_notes(file),
         guidance=guidance_of(file.guidance),
         dispersion=dispersion_of(file.dispersion),
-    )
-
-
-def _model(file: ScenarioFile, folder: Path) -> EntryModel:
-    planet, craft, air = file.planet, file.vehicle, file.atmosphere
-    radius = MARS_EQUATORIAL_RADIUS.value if planet.radius_km is None else planet.radius_km * KM
-    mean = all(getattr(air, name) is None for name in (*EXPONENTIAL, "table"))
-    altitudes, densities = read_atmosphere_table(folder / air.table) if air.table else ((), ())
-    if mean:
-        altitudes, densities = zip(*((KM * km, density) for km, density in PROFILE), strict=True)
-    tabled = bool(air.table) or mean
-    if craft.ballistic_coefficient_kg_m2 is not None:
-        drag = 1.0 / craft.ballistic_coefficient_kg_m2
-    else:
-        drag = craft.drag_area_per_mass_m2_kg or 0.0
-    bank = craft.bank_deg if isinstance(craft.bank_deg, list) else [[0.0, craft.bank_deg]]
-    return EntryModel(
-        Vehicle(
-            drag,
-            craft.lift_to_drag,
-            tuple(pair[0] for pair in bank),
-            tuple(float(np.radians(pair[1])) for pair in bank),
-            craft.nose_radius_m,
-        ),
-        Atmosphere(
-            # beside a table these three only name a level; the table is flown as it is
-            1.0 if tabled else air.reference_density_kg_m3 or 0.0,
-            radius + 40.0 * KM if tabled else (air.reference_radius_km or 0.0) * KM,
-            1.0 * KM if tabled else (air.scale_height_km or 0.0) * KM,
-            tuple(radius + altitude for altitude in altitudes),
-            densities,
-            air.temperature_k,
-            _winds(air.winds_by_km, radius),
-        ),
-        planet.rotation,
-        MARS_GM.value if planet.gm_m3_s2 is None else planet.gm_m3_s2,
-        radius,
-        MARS_ROTATION_RATE.value
-        if planet.rotation_rate_rad_s is None
-        else planet.rotation_rate_rad_s,
-        MARS_J2.value if planet.gravity == "j2" else 0.0,
-    )
-
-
-def _range_sigma(table: MeasurementsTable) -> float | None:
-    """Own noise of ranges one way: none beside that of a link which is all there is of radio."""
-    alone = table.link is not None and table.range_rate_sigma_m_s is None and not table.two_way
-    return 0.0 if table.range_sigma_m is None and alone else table.range_sigma_m
-
-
-def _winds(rows: Sequence[Sequence[float]] | Literal["mars"] | None, radius: float) -> Winds:
-    """Rows of a table of winds over distance from the centre."""
-    given = WINDS if rows == "mars" else rows or ()
-    return tuple((radius + KM * float(km), float(e), float(n)) for km, e, n in given)
-
-
-def _truth(model: EntryModel, table: TruthTable) -> EntryModel:
-    """World as it is."""
-    truth = model.truth(table.density_bias, table.scale_height_factor)
-    if table.winds_by_km is None:
-        return truth
-    winds = _winds(table.winds_by_km, model.planet_radius)
-    return replace(truth, atmosphere=replace(truth.atmosphere, winds=winds))
-
-
-def _state(table: EntryTable, model: EntryModel) -> NDArray[np.float64]:
-    if table.position_km is not None and table.velocity_m_s is not None:
-        return state_from_cartesian(np.array(table.position_km) * KM, table.velocity_m_s)
-    if table.radius_km is not None:
-        radius = table.radius_km * KM
-    else:
-        radius = model.planet_radius + (table.altitude_km or 0.0) * KM
-    assert table.heading_from is not None  # scenario_faults has seen to these
-    lon, lat, gamma, heading = np.radians(
-        [
-            table.longitude_deg or 0.0,
-            table.latitude_deg or 0.0,
-            table.flight_path_deg or 0.0,
-            table.heading_deg or 0.0,
-        ]
-    )
-    azimuth = float(azimuth_from_heading(heading, table.heading_from))
-    return np.array([radius, lon, lat, table.speed_m_s or 0.0, gamma, azimuth])
-
-
-def _filter(table: FilterTable, state: NDArray[np.float64], planet_radius: float) -> Filter:
-    if table.position_sigma_m is not None and table.velocity_sigma_m_s is not None:
-        covariance = axes_covariance(table.position_sigma_m, table.velocity_sigma_m_s)
-    else:
-        degrees = np.radians(
-            [
-                table.longitude_sigma_deg or 0.0,
-                table.latitude_sigma_deg or 0.0,
-                table.flight_path_sigma_deg or 0.0,
-                table.heading_sigma_deg or 0.0,
-            ]
-        )
-        radius, speed = table.radius_sigma_m or 0.0, table.speed_sigma_m_s or 0.0
-        if abs(np.cos(state[2])) < POLAR:
-            raise ArgumentError(
-                f"entry.latitude_deg = {np.degrees(state[2]):g}: at a pole longitude and heading "
-                "are undefined, and so are sigmas of them; give filter.position_sigma_m and "
-                "filter.velocity_sigma_m_s"
-            )
-        jacobian = spherical_jacobian(cartesian_of(state[:6]))
-        root = jacobian * np.array([radius, *degrees[:2], speed, *degrees[2:]])
-        covariance = root @ root.T
-    return Filter(
-        covariance,
-        np.array(table.process_noise_si or [0.0] * 6),
-        table.iterations if table.kind in ("iterated-ekf", "square-root-ekf") else 1,
-        _parts(table, state, planet_radius),
-        _METHODS[table.kind],
-    )
-
-
-def _parts(
-    table: FilterTable, state: NDArray[np.float64], planet_radius: float
-) -> tuple[Part, ...]:
-    """Quantities that are not known, beside position and velocity."""
-    blocks = (("lift", table.lift_to_drag), ("bias", table.range_bias))
-    parts = [Part(name, (b.sigma,), b.considered) for name, b in blocks if b is not None]
-    if (air := table.density) is not None:
-        scales = (air.scale_km or np.inf, air.along_km or np.inf)
-        wanders = np.isfinite(scales).any()
-        own = tuple(KM * scale for scale in scales) if wanders else ()
-        rows = SPREAD if air.sigma_by_km == "mars" else air.sigma_by_km or ()
-        profile = tuple((planet_radius + KM * float(km), float(sigma)) for km, sigma in rows)
-        part = Part("air", (air.sigma or 1.0,), air.considered, own, profile)
-        first = float(part.sigma_at(state[:1])[0])
-        parts.insert(0, replace(part, sigma=(first,)))
-    if (clock := table.clock) is not None:
-        parts.append(Part("clock", (clock.sigma_m, clock.drift_sigma_m_s), clock.considered))
-    if (axes := table.attitude) is not None:
-        parts.append(Part("attitude", (float(np.radians(axes.sigma_deg)),) * 3, axes.considered))
-    if (gyros := table.gyros) is not None:
-        drift, walk = np.radians([gyros.drift_sigma_deg_h / HOUR, gyros.walk_deg_sqrt_h / 60.0])
-        parts.append(Part("gyro", (float(drift),) * 3, gyros.considered, walk=float(walk)))
-    if (felt := table.accelerometers) is not None:
-        parts.append(Part("imu", (felt.sigma_m_s2,) * 3, felt.considered))
-    return tuple(parts)
-
-
-def _orbiters(file: ScenarioFile, model: EntryModel, folder: Path) -> tuple[Orbiters, ...]:
-    groups = []
-    if file.orbiter:
-        circles = [o for o in file.orbiter if o.position_km is None]
-        vectors = [o for o in file.orbiter if o.position_km is not None]
-        if circles:
-            groups.append(Orbiters(_circles(circles, model), 0.0, 0.0))
-        if vectors:
-            constellation = from_states(
-                np.array([o.position_km for o in vectors]) * KM,
-                np.array([o.velocity_m_s for o in vectors]),
-                satellite_names=[o.name for o in vectors],
-                gm=model.gm,
-            )
-            groups.append(Orbiters(constellation, 0.0, 0.0))
-    if file.beacons.design is not None:
-        design = read_design(folder / file.beacons.design)
-        constellation, start = design.constellation, file.beacons.start_s
-        if not design.motion.is_closed_form:
-            constellation, start = touching(constellation, design.motion, start), 0.0
-        angle = float(prime_meridian_angle(constellation.epoch, start))
-        groups.append(Orbiters(constellation, start, angle, design.mask.highest, design))
-    return tuple(groups)
-
-
-def _circles(tables: list[OrbiterTable], model: EntryModel) -> Constellation:
-    rows = np.array(
-        [[o.altitude_km, o.inclination_deg, o.raan_deg, o.latitude_argument_deg] for o in tables],
-        dtype=float,
-    ).T
-    return keplerian(
-        model.planet_radius + rows[0] * KM,
-        0.0,
-        np.radians(rows[1]),
-        np.radians(rows[2]),
-        0.0,
-        np.radians(rows[3]),
-        name="orbiters",
-        satellite_names=[o.name for o in tables],
-        gm=model.gm,
     )
 
 
