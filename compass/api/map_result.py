@@ -11,9 +11,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compass.api.map_areas import AREAS_KNOWN, area_blocks, with_areas
+from compass.api.map_errors import (
+    error_blocks,
+    protection_blocks,
+    rest_of,
+    why_no_fix,
+    why_no_level,
+)
 from compass.api.map_global import with_global
 from compass.api.map_statistics import (
-    ROVER,
     epochs_on,
     error_statistics,
     folds_met,
@@ -29,7 +35,6 @@ from compass.coverage.certified_percentile import GREATEST
 from compass.coverage.drawn import Drawn
 from compass.coverage.errors import ERRORS
 from compass.coverage.files import write_map
-from compass.coverage.fix_budget import STEP_DEG
 from compass.coverage.gaps import next_prime
 from compass.coverage.maps import DOPS
 from compass.coverage.protection import LEVELS
@@ -49,15 +54,11 @@ from compass.document.blocks import facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.quantities import QUANTITIES, Quantity, quantity
-from compass.signal.budget import basis
 from compass.study.mapping import DesignMap
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
-
-#: Shares of area and time that are no larger are rounding of the sums that they are made of.
-ROUNDING = 5e-7
 
 
 @dataclass(frozen=True, repr=False)
@@ -184,8 +185,8 @@ class MapResult(Result):
                 Verdict("" if self.met else "missed", claim, self.met),
                 *area_blocks(self.areas),
                 *self.tables(),
-                *self.error_blocks(),
-                *self.protection_blocks(),
+                *error_blocks(self),
+                *protection_blocks(self),
                 *(Sentence(said) for said in (*self.certain(), *self.by_chance())),
                 Sentence(others + self.sampled),
                 *self._between_epochs(),
@@ -244,173 +245,6 @@ class MapResult(Result):
     def levels(self) -> dict[str, Any]:
         """Of protection levels, as `compass.api.map_statistics.protection_statistics`."""
         return protection_statistics(self.made.dataset, self.drawn)
-
-    def error_blocks(self) -> tuple[Table | Sentence, ...]:
-        """Errors of fixes over area and time, what they mean, and what they are made of."""
-        if not self.errors:
-            return ()
-        return self.error_table(), *self.error_words(), *self.budget_blocks()
-
-    def error_table(self) -> Table:
-        """Errors of fixes over area and time, between the bounds that draws leave."""
-        percentiles = [f"p{q}" for q in self.made.dataset.global_percentile.values.tolist()]
-        rows = [
-            (
-                quantity(name).title,
-                *(self.value(quantity(name), self.errors[name], p) for p in percentiles),
-                self.value(quantity("error_share"), self.errors[name], "share"),
-            )
-            for name in ERRORS
-        ]
-        header = ("", *percentiles, f"% within {self.errors['error_limit_m']:g} m")
-        title = "Errors of a fix, m, one sigma: percentiles over area and time"
-        return Table(title, header, tuple(rows))
-
-    def error_words(self) -> tuple[Sentence, ...]:
-        """What a rover anywhere knows of its place, and why there is no fix where there is none."""
-        errors, attrs = self.errors, self.made.dataset.attrs
-        horizontal, vertical = (self.value(quantity(q), errors, q) for q in ROVER.values())
-        known = "their variances" if attrs["error_weights"] == "variance" else "nothing: all alike"
-        who = f"a user anywhere{self.users}" if self.users else "a rover anywhere"
-        rover = (
-            f"{who}: no error holds for 95 % of area and time, for in more than 5 % of "
-            "it there is no fix"
-        )
-        if np.isfinite(errors["rover_horizontal_m"]):
-            rover = (
-                f"{who}: {horizontal} m horizontal, {vertical} m vertical, 95 % of its "
-                "fixes for 95 % of area and time (1.96 times one sigma, at least 95 % whatever the "
-                f"shape of the error ellipse), with {basis(self.design)}; it weighs ranges by "
-                f"{known}; {horizontal.evidence}"
-            )
-        return tuple(Sentence(words) for words in (rover, *self.why_no_fix()))
-
-    def why_no_fix(self) -> tuple[str, ...]:
-        """Where errors are infinite: in how much of area and time, and why; nothing where never."""
-        errors = self.numbers()
-        if 1.0 - errors["fix_share"] < ROUNDING:
-            return ()
-        few, masked, singular = (
-            self.value(quantity("part_share"), errors, name)
-            for name in ("fewer_than_four_share", "masked_share", "singular_share")
-        )
-        none = self.value(quantity("part_share"), rest_of("fix_share", errors), "fix_share")
-        lowest = float(np.min(self.made.dataset.attrs["elevation_mask_deg"]))
-        mask = (
-            f" ({masked} % would have four, were nothing hidden above the plain horizon: the mask "
-            f"begins at {lowest:g} deg)"
-            if errors["masked_share"] > 0.0
-            else ""
-        )
-        lines = (
-            f"; in {singular} % four or more, whose lines of sight tell no fix"
-            if errors["singular_share"] > ROUNDING
-            else ""
-        )
-        return (
-            f"errors are infinite in {none} % of area and time: in "
-            f"{few} % fewer than four satellites are in view{mask}{lines}",
-        )
-
-    def why_no_level(self) -> tuple[str, ...]:
-        """As `why_no_fix`, of protection levels."""
-        found = self.numbers()
-        if 1.0 - found["level_share"] < ROUNDING:
-            return ()
-        share, reasons = quantity("part_share"), []
-        for name, words in (
-            ("fewer_than_five_share", "fewer than five satellites are in view"),
-            ("unchecked_share", "a range is there that the others cannot check"),
-            ("two_faults_share", "so many are in view that two faults use up the risk allowed"),
-        ):
-            if found[name] > ROUNDING:
-                reasons.append(f"in {self.value(share, found, name)} % {words}")
-        none = self.value(share, rest_of("level_share", found), "level_share")
-        return (f"levels are infinite in {none} % of area and time: {'; '.join(reasons)}",)
-
-    def budget_blocks(self) -> tuple[Table | Sentence, ...]:
-        """What ranges and fixes are made of: parts of their variance, and geometry's factor."""
-        budget = self.errors.get("fix_budget")
-        if budget is None:
-            return ()
-        made_of = (budget["range_parts"], *(budget[name]["parts"] for name in ERRORS))
-        parts = [part for part in budget["range_parts"] if any(one[part] for one in made_of)]
-        share, factor = quantity("part_share"), quantity("geometry_factor")
-        percentiles = [f"p{q}" for q in self.made.dataset.global_percentile.values.tolist()]
-        header = ("", *(f"{part}, %" for part in parts), *(f"geometry, {p}" for p in percentiles))
-        of_range = (Value(share, budget["range_parts"][part]) for part in parts)
-        rows: list[tuple[Any, ...]] = [
-            ("a range", *of_range, *(Value(factor, 1.0) for _ in percentiles))
-        ]
-        for name in ERRORS:
-            one = budget[name]
-            each = (Value(share, one["parts"][part]) for part in parts)
-            times = (self.value(factor, one["geometry"], p) for p in percentiles)
-            rows.append((quantity(name).title, *each, *times))
-        sigma = Value(quantity("range_error_m"), budget["range_error_m"])
-        return (
-            Table("What a fix is made of: parts of its variance, geometry", header, tuple(rows)),
-            Sentence(
-                f"ranges in fixes have an error of {sigma} m (one sigma, root mean square), and "
-                "geometry makes the errors of fixes so many times that, at each percentile; that "
-                f"error and parts are means over area and time, sampled on cells {STEP_DEG:g} deg "
-                "wide at the map's epochs or some of them, error not known; where orbit and clock "
-                "are correlated they share what they make together as their own variances stand"
-            ),
-        )
-
-    def protection_blocks(self) -> tuple[Table | Sentence, ...]:
-        """Protection levels over area and time, and what they promise."""
-        promise = self.design.integrity
-        if "cells_protection" not in self.made.dataset or promise is None:
-            return ()
-        found = self.levels
-        percentiles = [f"p{q}" for q in self.made.dataset.global_percentile.values.tolist()]
-        rows = tuple(
-            (
-                quantity(name).title,
-                *(self.value(quantity(name), found[name], p) for p in percentiles),
-            )
-            for name in LEVELS
-        )
-        header = ("", *percentiles)
-        shares = [
-            self.value(quantity(name), found, name)
-            for name in ("detection_share", "protection_share")
-        ]
-        return (
-            Table("Protection levels, m: percentiles over area and time", header, rows),
-            *(Sentence(words) for words in self.why_no_level()),
-            facts("One faulty satellite", shares),
-            *self._loss_blocks(found),
-            Sentence(
-                "solution separation: 2 Q((L - b0)/s0) + sum of P_sat Q((L - Tk - bk)/sk) = P_HMI "
-                f"less what two faults use up; P_HMI {promise.hazard:g} ({promise.horizontal:g} "
-                f"of it horizontal, half each east and north), P_sat {promise.fault:g} each, P_FA "
-                f"{promise.alarm:g}, bias {promise.bias:g} m; two of five faulty: "
-                f"{promise.unmonitored(5):.2g}; alert limits {promise.alert_horizontal:g} m "
-                f"horizontal, {promise.alert_vertical:g} m vertical; sampled as the errors are"
-            ),
-        )
-
-    def _loss_blocks(self, found: dict[str, Any]) -> list[Table | Sentence]:
-        """What is left of protection after the worst loss, if losses were looked at."""
-        if (loss := found.get("after_loss")) is None:
-            return []
-        names = ("detection_share", "protection_share")
-        left = [self.value(quantity(name), loss, name) for name in names]
-        able, both = (self.value(quantity(name), loss, f"{name}_most") for name in names)
-        few = self.design.constellation.size <= 5
-        return [
-            facts(f"One faulty satellite after the worst loss, of {loss['satellite']}", left),
-            Sentence(
-                "fewer than five satellites are left, and no fault is noticed"
-                if few
-                else "every satellite was left out in turn; the loss that harms least leaves "
-                f"{able} % detectable and {both} % within the limits; these bounds hold for all "
-                "losses at once"
-            ),
-        ]
 
     def _between_epochs(self) -> list[Sentence]:
         """How well gaps are known, and whether the epochs are too few for the quickest pass."""
@@ -553,7 +387,7 @@ class MapResult(Result):
         """Why a map of errors or levels is infinite everywhere, for its title; else nothing."""
         if name not in (*ERRORS, *LEVELS) or not self.nowhere(name, percentile):
             return ""
-        why = self.why_no_fix() if name in ERRORS else self.why_no_level()
+        why = why_no_fix(self) if name in ERRORS else why_no_level(self)
         return "".join("\n" + fill(words, 90) for words in why)
 
     def save_plot(self, path: str | Path, name: str = "gdop", *, percentile: int = 95) -> None:
@@ -604,15 +438,6 @@ def with_intervals(known: dict[str, Any], path: str = "") -> Iterator[tuple[str,
             yield from with_intervals(value, f"{path}{name}.")
         elif name.endswith(Interval.SUFFIX):
             yield path + name.removesuffix(Interval.SUFFIX), value
-
-
-def rest_of(name: str, known: dict[str, Any]) -> dict[str, Any]:
-    """One less a share, and its bounds."""
-    found = {name: 1.0 - known[name]}
-    for key in (name + Bracket.SUFFIX, name + Interval.SUFFIX):
-        if (ends := known.get(key)) is not None:
-            found[key] = [1.0 - ends[1], 1.0 - ends[0]]
-    return found
 
 
 def _scale(name: str, values: "xr.DataArray") -> Any:

@@ -7,7 +7,7 @@ import numpy as np
 
 from compass.allowed import RANGES
 from compass.api.check import CheckResult
-from compass.api.map_result import rest_of
+from compass.api.map_errors import rest_of
 from compass.coverage.cap import cap_radius
 from compass.coverage.certificate import Outcome
 from compass.coverage.certified_percentile import GREATEST

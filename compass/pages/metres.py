@@ -3,6 +3,7 @@
 import numpy as np
 
 from compass.api.determine import DetermineResult, determine
+from compass.api.map_errors import budget_blocks, error_table, error_words, protection_blocks
 from compass.api.map_result import MapResult
 from compass.api.series import SeriesResult
 from compass.api.show_signal import signal_blocks, signal_facts
@@ -41,17 +42,17 @@ def metres_section(mapped: MapResult, followed: SeriesResult | None = None) -> S
         return None
     names = (*MAPS, *(LEVELS if design.integrity is not None else ()))
     told: list[Block] = [
-        *mapped.error_words(),
-        mapped.error_table(),
+        *error_words(mapped),
+        error_table(mapped),
         *(
             error_picture(mapped, name, wide=name == MAPS[0])
             for name in names
             if not mapped.nowhere(name)
         ),
-        *mapped.protection_blocks(),
+        *protection_blocks(mapped),
         *over_time(followed),
         *fix_budget_picture(mapped),
-        *mapped.budget_blocks(),
+        *budget_blocks(mapped),
         budget_picture(design),
         *signal_blocks(design),
     ]
