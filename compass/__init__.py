@@ -31,7 +31,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     from compass.api.trade import trade
     from compass.api.version import version
     from compass.api.warm import warm
-    from compass.design import Design, Requirement
+    from compass.design import Design
     from compass.entry.intersection import covariance_intersection, intersection_weights
     from compass.inputs import read_design
     from compass.inputs.scenario import read_scenario
@@ -47,6 +47,7 @@ if TYPE_CHECKING:  # the same names for editors and type checkers
     )
     from compass.pages.report import report
     from compass.pages.view import view
+    from compass.requirement import Requirement
     from compass.sites import Mask, Site
 
 __version__ = "0.1.0"
@@ -128,7 +129,7 @@ _HOMES = {
     "Constellation": "compass.orbits",
     "Design": "compass.design",
     "Mask": "compass.sites",
-    "Requirement": "compass.design",
+    "Requirement": "compass.requirement",
     "Site": "compass.sites",
     "areosynchronous_radius_km": "compass.orbits",
     "covariance_intersection": "compass.entry.intersection",

@@ -12,8 +12,9 @@ from compass.bodies import SOLAR_DAY
 from compass.contacts.nodes import check_duration
 from compass.contacts.record import survey_record
 from compass.contacts.survey import survey
-from compass.design import Design, Wanted
+from compass.design import Design
 from compass.frames import SECONDS_PER_DAY
+from compass.links import Wanted
 from compass.orbits.motion import MotionModel
 from compass.sites import Site
 

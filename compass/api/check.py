@@ -14,12 +14,13 @@ from compass.cores import cores, shared
 from compass.coverage.certified_effort import Effort
 from compass.coverage.requirement_verdict import verdict_of
 from compass.coverage.verdict import Verdict as Answer
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block
 from compass.document.plain import plain
 from compass.orbits.motion import MotionModel
 from compass.quantities import quantity
+from compass.requirement import Requirement
 from compass.words import counted, ordinal
 
 if TYPE_CHECKING:

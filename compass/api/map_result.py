@@ -38,7 +38,7 @@ from compass.coverage.files import write_map
 from compass.coverage.gaps import next_prime
 from compass.coverage.maps import DOPS
 from compass.coverage.protection import LEVELS
-from compass.design import Design, standing_words
+from compass.design import Design
 from compass.document import (
     Bracket,
     Interval,
@@ -54,6 +54,7 @@ from compass.document.blocks import facts
 from compass.document.plain import plain
 from compass.errors import ArgumentError
 from compass.quantities import QUANTITIES, Quantity, quantity
+from compass.requirement import standing_words
 from compass.study.mapping import DesignMap
 
 if TYPE_CHECKING:

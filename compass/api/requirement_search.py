@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from compass.api.results import Result
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.document import Bracket, Page, Proven, Sentence, Table, Value, Verdict
 from compass.document.blocks import Block
 from compass.document.plain import plain
@@ -17,6 +17,7 @@ from compass.handover.toml import design_toml
 from compass.inputs.requirement_file import Needs, read_needs
 from compass.orbits.constellation import Constellation
 from compass.quantities import quantity
+from compass.requirement import Requirement
 from compass.saving import replacing
 from compass.sites import Mask
 from compass.study.requirement_question import Outcome, Question, Trial

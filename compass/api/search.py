@@ -13,10 +13,10 @@ from compass.api.requirement_search import RequirementSearchResult, needs_of
 from compass.api.search_result import SearchResult
 from compass.arguments import checked
 from compass.cores import cores
-from compass.design import Requirement
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
 from compass.orbits.patterns import orbit_radius
+from compass.requirement import Requirement
 from compass.study import search as engine
 from compass.study.requirement_question import Question
 from compass.study.requirement_search import search_for

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from compass.bodies import BOLTZMANN, SPEED_OF_LIGHT
 from compass.contacts.nodes import Node
 from compass.core.motion import states
-from compass.design import Radio
+from compass.links import Radio
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from compass.contacts.spans import all_of, any_of, outside, total
 from compass.contacts.statistics import statistics
 from compass.contacts.survey import Survey
 from compass.contacts.windows import Windows, eclipses
-from compass.design import Radio
 from compass.frames import DEFAULT_FIGURE, HOUR, SECONDS_PER_DAY, Figure
+from compass.links import Radio
 from compass.planets import conjunction_seasons, sun_earth_mars_angle
 
 #: Range is taken this often in a turn of the faster node, and at most so often in all.

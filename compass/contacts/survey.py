@@ -16,9 +16,9 @@ from compass.contacts.nodes import (
     station_node,
 )
 from compass.contacts.windows import Windows, windows
-from compass.design import Wanted
 from compass.errors import ArgumentError
 from compass.frames import DEFAULT_FIGURE, Figure
+from compass.links import Wanted
 from compass.moons import MoonModel
 from compass.orbits.constellation import Constellation
 from compass.orbits.trajectory import Trajectory

@@ -16,9 +16,10 @@ from compass.coverage.geometry_verdict import asked_place
 from compass.coverage.requirement_verdict import verdict_of
 from compass.coverage.users import Users, by_horizon
 from compass.coverage.verdict import Verdict
-from compass.design import ERRORS, Design, Requirement
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
+from compass.requirement import ERRORS, Requirement
 from compass.sites import Site
 
 #: Of the time, or of area and time, in per cent: what values are given for.

@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from compass.core import error
 from compass.core.certified import weights
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import mcmf_from_mci, prime_meridian_angle
 from compass.orbits import Constellation
 from compass.orbits.motion import Motion
 from compass.ranging import FACTOR_95
+from compass.requirement import Requirement
 from compass.signal.budget import mean_age_covariance
 from compass.signal.ranges import radial_along_cross, shared_numbers
 from compass.sites import Site

@@ -7,7 +7,8 @@ import numpy as np
 from compass.coverage.fold_verdict import users_of
 from compass.coverage.region import GLOBE, Region, convex_polygon, read_regions
 from compass.coverage.users import Users
-from compass.design import Design, Requirement
+from compass.design import Design
+from compass.requirement import Requirement
 from compass.sites import Site
 
 #: Half a side of the square that stands for a site, radians: 60 m.

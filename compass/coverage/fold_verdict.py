@@ -32,11 +32,12 @@ from compass.coverage.users import (
     site_users,
 )
 from compass.coverage.verdict import Verdict, Worst, undecided
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.errors import ArgumentError, said_of
 from compass.frames import SECONDS_PER_DAY, prime_meridian_angle
 from compass.orbits import Constellation
 from compass.orbits.symmetry import one_circle, one_period
+from compass.requirement import Requirement
 from compass.sites import Mask
 from compass.words import counted
 

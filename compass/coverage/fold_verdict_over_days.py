@@ -18,10 +18,11 @@ from compass.coverage.lasting import Lasting, prove_span
 from compass.coverage.standing import ranked
 from compass.coverage.users import Users
 from compass.coverage.verdict import Verdict, Worst, undecided
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.trajectory import Trajectory
+from compass.requirement import Requirement
 from compass.words import counted
 
 #: Stretches in which boxes are laid out, s, so short that the boxes allowed to each suffice; and

@@ -25,10 +25,11 @@ from compass.coverage.geometry_verdict import (
     geometry_verdict,
 )
 from compass.coverage.verdict import Verdict, both
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits.motion import Motion
 from compass.orbits.trajectory import Trajectory
+from compass.requirement import Requirement
 
 #: A stretch, s, and how near the moment of a miss is found.
 STRETCH, RESOLUTION = 7.0 * SECONDS_PER_DAY, 60.0

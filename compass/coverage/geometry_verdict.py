@@ -30,10 +30,11 @@ from compass.coverage.region import latitude_band
 from compass.coverage.sampled_verdict import sampled_verdict
 from compass.coverage.users import Users, by_horizon, centric, geodetic
 from compass.coverage.verdict import Verdict, Worst, undecided
-from compass.design import DILUTIONS, Design, Requirement
+from compass.design import Design
 from compass.errors import said_of
 from compass.orbits import Constellation
 from compass.orbits.symmetry import alike_longitudes, one_circle
+from compass.requirement import DILUTIONS, Requirement
 from compass.sites import Site
 from compass.words import counted
 
@@ -62,7 +63,7 @@ class _Asked:
     Attributes
     ----------
     name, limit
-        One of `compass.design.LIMITS`, and its limit as kernels of figures take it.
+        One of `compass.requirement.LIMITS`, and its limit as kernels of figures take it.
     title
         Of the figure, in words.
     factor
@@ -193,7 +194,7 @@ def geometry_verdict(
     design, requirement, days, start_day, effort
         As in `compass.coverage.requirement_verdict.verdict_of`.
     name, limit
-        One of `compass.design.LIMITS` and the largest value allowed, or `FOLD` and the fewest.
+        One of `compass.requirement.LIMITS` and the largest value allowed, or `FOLD` and the fewest.
     width
         How near the bounds of each share are to come where `effort` does not say.
     thorough

@@ -12,9 +12,10 @@ import numpy as np
 
 from compass.coverage.fold_verdict import course_of, fold_always_met, users_of
 from compass.coverage.verdict import Verdict
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.orbits import Constellation
+from compass.requirement import Requirement
 from compass.words import counted
 
 #: Groups that are looked at, the largest first: past them satellites hardly share a period.

@@ -14,8 +14,9 @@ from compass.coverage.geometry_over_days import GeometryLasting, geometry_lasts
 from compass.coverage.lasting import Lasting
 from compass.coverage.room import SlotBox, Slots, covering_slots, room_in_slots
 from compass.coverage.verdict import EvidenceKind
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.orbits.trajectory import Trajectory
+from compass.requirement import Requirement
 
 #: A verdict at a latitude this near to a site's, radians, is about the site.
 NEAR = 1e-4

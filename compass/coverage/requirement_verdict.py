@@ -10,8 +10,9 @@ from compass.coverage.fold_verdict_over_days import fold_verdict_over_days
 from compass.coverage.geometry_verdict import FOLD, asks_for_folds, geometry_verdict
 from compass.coverage.period_verdict import by_one_period
 from compass.coverage.verdict import Verdict, both
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.errors import ArgumentError
+from compass.requirement import Requirement
 
 #: A share of which it is soon told that what is not always there has less.
 NEARLY = 1.0 - 1e-9

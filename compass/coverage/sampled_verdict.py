@@ -25,11 +25,12 @@ from compass.coverage.protection import LEVELS, levels_along
 from compass.coverage.samples import points_in, stand
 from compass.coverage.users import Users, centric
 from compass.coverage.verdict import Verdict, Worst
-from compass.design import DILUTIONS, Design, Requirement
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import east_north_up, latitude_longitude, planetographic_latitude
 from compass.quantities.draws import share_bounds
 from compass.ranging import FACTOR_95
+from compass.requirement import DILUTIONS, Requirement
 
 #: Samples of each group of users at first, and at most: doubled until the share is decided.
 FIRST, MOST = 4096, 131072

@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from compass.design import Requirement
+from compass.requirement import Requirement
 
 EvidenceKind = Literal["proven", "bracket", "sampled", "none"]
 
@@ -24,7 +24,7 @@ class Worst:
         Satellites in view, the dilution of precision, the error as the requirement means it, or
         what the share of time is at most; of the largest a lower bound, where `most` is one above.
     of
-        Which of these: ``fold``, one of `compass.design.LIMITS`, or ``share``.
+        Which of these: ``fold``, one of `compass.requirement.LIMITS`, or ``share``.
     rank, elevation
         Of a fold the satellite that it hangs on, counted from the best, and how high that stands
         there, radians; None where that is not told.

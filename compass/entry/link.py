@@ -6,11 +6,11 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.design import Radio
 from compass.entry.atmosphere import Atmosphere
 from compass.entry.beacons import Beacons
 from compass.entry.radio import ElectronModel, ElectronTable, attenuation, electron_density
 from compass.errors import ArgumentError
+from compass.links import Radio
 from compass.ranging import Receiver
 
 Array = NDArray[np.float64]

@@ -5,11 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from compass.bodies import SOLAR_DAY
-from compass.design import Design, Launching, Radio, Requirement, Upkeep
+from compass.design import Design, Launching, Upkeep
 from compass.handover.decimals import decimal, number
 from compass.inputs.toml_values import toml_text, toml_value
+from compass.links import Radio
 from compass.orbits.forces import ForceModel
 from compass.orbits.gravity import MERIDIANS, GravityField, built_in_field
+from compass.requirement import Requirement
 from compass.units import KM
 
 MHZ, SOL = 1e6, SOLAR_DAY.value

@@ -8,7 +8,7 @@ import numpy as np
 
 from compass.arguments import checked
 from compass.bodies import SOLAR_DAY
-from compass.design import Design, Launching, Radio, Upkeep, Wanted
+from compass.design import Design, Launching, Upkeep
 from compass.errors import ArgumentError, DesignError
 from compass.frames import FIGURES, Figure, planetocentric_latitude, seconds_past_j2000
 from compass.inputs.constellation import constellation_faults, constellation_of
@@ -29,6 +29,7 @@ from compass.inputs.reading import parse, read_text
 from compass.inputs.requirements import requirement_faults, requirements_of
 from compass.inputs.signal import signal_faults, signal_of_table
 from compass.inputs.tracking import tracking_faults, tracking_of_table
+from compass.links import Radio, Wanted
 from compass.orbits import Constellation
 from compass.orbits.states import from_states
 from compass.saving import readable

@@ -5,11 +5,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from compass.design import Radio
 from compass.entry.instruments import Features, Instrument
 from compass.entry.link import Link
 from compass.entry.radio import STAGNATION, WAKE
 from compass.inputs.table import Table
+from compass.links import Radio
 from compass.ranging import Receiver
 
 Positive = Annotated[float, Field(gt=0, le=1e15)]

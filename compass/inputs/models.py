@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 from pydantic import Field, create_model
 
 from compass.allowed import LONGEST_DAYS
-from compass.design import LinkEnd
 from compass.inputs.integrity import IntegrityTable
 from compass.inputs.requirements import RequirementTable
 from compass.inputs.signal import SignalTable
 from compass.inputs.table import Table
 from compass.inputs.tracking import TrackingTable
+from compass.links import LinkEnd
 from compass.orbits.kinds import KINDS, PatternKind
 from compass.orbits.patterns import FARTHEST_KM
 

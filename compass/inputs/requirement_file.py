@@ -6,7 +6,6 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from compass.design import Requirement
 from compass.errors import DesignError
 from compass.frames import FIGURES, Figure
 from compass.inputs.design import mask_of, place_faults, read_design_text, site_of
@@ -16,6 +15,7 @@ from compass.inputs.requirements import RequirementTable, requirement_faults, re
 from compass.inputs.signal import SignalTable, signal_faults, signal_of_table
 from compass.inputs.table import Table
 from compass.ranging import Signal
+from compass.requirement import Requirement
 from compass.saving import readable
 from compass.sites import Mask
 

@@ -6,10 +6,10 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from compass.coverage.region import read_regions
-from compass.design import ERRORS, LIMITS, PROTECTIONS, ErrorAs, Requirement
 from compass.errors import ArgumentError
 from compass.inputs.faults import fault, table_in, tables_in
 from compass.inputs.table import Table
+from compass.requirement import ERRORS, LIMITS, PROTECTIONS, ErrorAs, Requirement
 from compass.sites import Site
 from compass.words import listed
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compass.arguments import checked
-from compass.design import Design, Launching, Requirement
+from compass.design import Design, Launching
 from compass.digest import digest_of
 from compass.entry.doubts import NO_DOUBTS, Doubts
 from compass.errors import ArgumentError, CompassError, DesignError
@@ -38,6 +38,7 @@ from compass.orbits import areosynchronous_radius
 from compass.orbits.motion import Motion
 from compass.quantities.merits import MERITS, STAGES
 from compass.ranging import Signal
+from compass.requirement import Requirement
 from compass.saving import readable
 from compass.sites import Site
 

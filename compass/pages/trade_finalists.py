@@ -13,7 +13,7 @@ from compass.cores import cores
 from compass.coverage.certificate import prove_fold
 from compass.coverage.requirement_verdict import verdict_of
 from compass.coverage.verdict import Verdict
-from compass.design import ERRORS, Design
+from compass.design import Design
 from compass.document import Answer, Answers, Bracket, Evidence, Sampled, Sentence, Value
 from compass.document.blocks import Interactive, Section, Table, arranged
 from compass.errors import ArgumentError
@@ -27,6 +27,7 @@ from compass.inputs.study import Objective, Study
 from compass.pages.answers import verdict_answers
 from compass.pages.judge import judge_section, landing_answer, surface_section
 from compass.quantities.merits import MERITS
+from compass.requirement import ERRORS
 from compass.sites import Mask
 from compass.study.area_figures import demanded_folds
 from compass.study.choice import Finalist

@@ -11,9 +11,9 @@ from compass.contacts.record import pair_track
 from compass.contacts.spans import any_of
 from compass.contacts.survey import Survey
 from compass.contacts.windows import Windows
-from compass.design import Radio
 from compass.document.blocks import Picture
 from compass.document.numbers import significant
+from compass.links import Radio
 from compass.pictures.rows import draw_rows
 from compass.pictures.style import CYCLE, HALF, INK, look, new_figure, picture
 

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compass.design import Design, Radio
+from compass.design import Design
 from compass.errors import ArgumentError
+from compass.links import Radio
 from compass.ranging import Signal
 from compass.signal.ionosphere import obliquity, zenith_delay
 from compass.signal.weights import off_nadir

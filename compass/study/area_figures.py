@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from compass.coverage.areas import Area, Bounds, Near, areas_of
 from compass.coverage.verdict import Verdict
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.frames import SECONDS_PER_DAY
 from compass.inputs.study import Study
 from compass.orbits import Constellation
 from compass.quantities import Quantity, quantity
 from compass.quantities.merits import WORST, merits_of
+from compass.requirement import Requirement
 from compass.sites import Mask
 from compass.study.columns import Shown, each_placed, placed
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compass.design import ERRORS
 from compass.inputs.study import Study
 from compass.quantities.draws import quantile_bounds, share_bounds
 from compass.quantities.merits import MERITS
+from compass.requirement import ERRORS
 from compass.study.bounds import ends
 
 #: What of entries each figure is of, and which percentile; of shares None.

@@ -23,12 +23,13 @@ from compass.coverage.region import GLOBE
 from compass.coverage.rows import Part, Rows, by_threads
 from compass.coverage.users import Users, check_limb, region_users
 from compass.coverage.view import View, view
-from compass.design import PDOP_MAX, Design, standing_words
+from compass.design import PDOP_MAX, Design
 from compass.errors import ArgumentError
 from compass.frames import SECONDS_PER_DAY
 from compass.memory import check_fits
 from compass.orbits import RepeatPeriod, repeat_period
 from compass.orbits.motion import Motion, MotionModel
+from compass.requirement import standing_words
 from compass.signal.ranges import RangeErrors, Weighting, aloft_numbers, range_errors
 from compass.sites import Mask
 from compass.study.map_cost import Cost, map_cost
@@ -56,7 +57,7 @@ class MapOptions:
         above the ground, who look down.
     altitude_km, beam_deg
         Height of the users above the ground, and half angle of the satellites' antennas about the
-        way down, as of a `compass.design.Requirement`; all around if left out.
+        way down, as of a `compass.requirement.Requirement`; all around if left out.
     pdop_max
         Largest PDOP that counts as available.
     motion

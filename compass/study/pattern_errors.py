@@ -7,9 +7,10 @@ from compass.core.screen import deciding_phases
 from compass.coverage.errors import error_map
 from compass.coverage.grid import make_grid
 from compass.coverage.view import view
-from compass.design import ERRORS, Design
+from compass.design import Design
 from compass.inputs.study import Study
 from compass.orbits import Constellation
+from compass.requirement import ERRORS
 from compass.signal.ranges import range_errors
 from compass.sites import Mask
 from compass.study.candidates import make_constellation, patterns_of

@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from compass.coverage.certified_effort import Effort
 from compass.coverage.requirement_verdict import verdict_of
 from compass.coverage.verdict import Verdict
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.inputs.study import Study
 from compass.orbits import Constellation
 from compass.quantities import quantity
+from compass.requirement import Requirement
 from compass.sites import Mask
 from compass.study.columns import Shown, each_placed
 

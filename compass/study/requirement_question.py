@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 
 from compass.coverage.verdict import Verdict
-from compass.design import PROTECTIONS, Design, Requirement
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import Figure
 from compass.orbits import Constellation
 from compass.ranging import Signal
+from compass.requirement import PROTECTIONS, Requirement
 from compass.sites import Mask
 
 

@@ -15,7 +15,6 @@ from compass.coverage.certified_question import DOPS
 from compass.coverage.certified_ranges import ERROR_DOPS, Ranges, sigma_allowed
 from compass.coverage.samples import points_in, stand
 from compass.coverage.users import Users
-from compass.design import Requirement
 from compass.frames import (
     east_north_up,
     latitude_longitude,
@@ -23,6 +22,7 @@ from compass.frames import (
     prime_meridian_angle,
 )
 from compass.orbits import Constellation
+from compass.requirement import Requirement
 
 #: Random places and moments at which each group of users is looked at.
 SAMPLES = 1000

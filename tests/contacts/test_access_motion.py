@@ -9,10 +9,10 @@ import compass
 from compass.contacts.nodes import find_node, path_nodes, satellite_nodes
 from compass.contacts.radio import node_states
 from compass.contacts.survey import survey
-from compass.design import Wanted
 from compass.errors import ArgumentError
 from compass.frames import FIGURES, SECONDS_PER_DAY
 from compass.inputs import read_design_text
+from compass.links import Wanted
 from compass.orbits import keplerian
 from compass.orbits.motion import Motion
 from compass.sites import Site

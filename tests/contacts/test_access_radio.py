@@ -6,7 +6,7 @@ import pytest
 from compass.bodies import SPEED_OF_LIGHT
 from compass.contacts.nodes import earth_node, satellite_nodes, station_node
 from compass.contacts.radio import carrier_to_noise, free_space_loss, track
-from compass.design import Radio
+from compass.links import Radio
 from compass.orbits import keplerian
 from compass.sites import Site
 

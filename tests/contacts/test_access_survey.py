@@ -18,9 +18,9 @@ from compass.contacts.record import (
 from compass.contacts.relay import contacts, reach
 from compass.contacts.spans import all_of, any_of, total
 from compass.contacts.survey import survey
-from compass.design import Radio, Wanted
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
+from compass.links import Radio, Wanted
 from compass.orbits import areosynchronous_radius, walker_delta
 from compass.sites import Site
 

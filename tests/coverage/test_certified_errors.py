@@ -22,9 +22,10 @@ from compass.coverage.errors import error_map
 from compass.coverage.geometry_verdict import geometry_verdict
 from compass.coverage.grid import make_grid
 from compass.coverage.view import view
-from compass.design import Design, Radio
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import mcmf_from_mci, prime_meridian_angle
+from compass.links import Radio
 from compass.orbits import walker_delta
 from compass.orbits.constellation import keplerian
 from compass.orbits.motion import Motion

@@ -12,10 +12,11 @@ from compass.coverage.certified_share import CertifiedShare, certified_share
 from compass.coverage.certified_worst_place import certified_worst_place
 from compass.coverage.geometry_verdict import geometry_verdict
 from compass.coverage.region import read_regions
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import FIGURES, direction
 from compass.orbits import walker_delta
+from compass.requirement import Requirement
 
 ELLIPSOID = FIGURES["iau-ellipsoid"]
 FEW = walker_delta(6, 3, 1, inclination_deg=50, radius_km=20427)

@@ -15,7 +15,6 @@ from compass.coverage.region import read_region, read_regions
 from compass.coverage.share import mean_fold_shares
 from compass.coverage.standing import nth_elevation
 from compass.coverage.users import Users, by_horizon, geodetic, region_users, site_users
-from compass.design import Requirement
 from compass.errors import ArgumentError
 from compass.frames import FIGURES, prime_meridian_angle
 from compass.orbits import (
@@ -26,6 +25,7 @@ from compass.orbits import (
     walker_delta,
 )
 from compass.orbits.motion import Motion
+from compass.requirement import Requirement
 from compass.sites import Mask, Site
 
 SPHERE, ELLIPSOID = FIGURES["iau-sphere"], FIGURES["iau-ellipsoid"]

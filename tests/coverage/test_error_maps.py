@@ -12,9 +12,10 @@ from compass.core.ionosphere import grazing
 from compass.coverage.errors import ERRORS, error_map
 from compass.coverage.grid import make_grid
 from compass.coverage.view import view
-from compass.design import Design, Radio
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import mcmf_from_mci, prime_meridian_angle
+from compass.links import Radio
 from compass.orbits import walker_delta
 from compass.orbits.period import orbital_period
 from compass.planets import sun_earth_mci

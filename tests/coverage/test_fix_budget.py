@@ -9,8 +9,9 @@ from compass.coverage.errors import ERRORS, error_map
 from compass.coverage.fix_budget import PARTS, fix_budget, variances_by_part
 from compass.coverage.grid import make_grid
 from compass.coverage.view import view
-from compass.design import Design, Radio
+from compass.design import Design
 from compass.frames import direction, east_north_up, planetographic_latitude
+from compass.links import Radio
 from compass.orbits import walker_delta
 from compass.ranging import Receiver, Signal
 from compass.signal.ranges import range_errors

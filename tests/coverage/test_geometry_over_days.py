@@ -9,10 +9,11 @@ from compass.coverage import geometry_over_days as module
 from compass.coverage.certificate import Outcome
 from compass.coverage.geometry_over_days import RESOLUTION, geometry_lasts
 from compass.coverage.verdict import Verdict, Worst
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits import walker_delta
 from compass.orbits.motion import Motion
+from compass.requirement import Requirement
 from compass.sites import Site
 
 SITE = Site.of("here", latitude_deg=-41.0, longitude_deg=70.0)

@@ -12,11 +12,12 @@ from compass.coverage.certificate import Outcome
 from compass.coverage.certified_effort import Effort
 from compass.coverage.geometry_verdict import geometry_verdict
 from compass.coverage.requirement_verdict import verdict_of
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import FIGURES
 from compass.orbits import positions_mcmf, walker_delta
 from compass.orbits.motion import Motion
+from compass.requirement import Requirement
 from compass.sites import Site
 
 

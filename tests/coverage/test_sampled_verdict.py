@@ -17,12 +17,13 @@ from compass.coverage.protection import LEVELS, protection_map
 from compass.coverage.sampled_verdict import sampled_verdict
 from compass.coverage.verdict import both
 from compass.coverage.view import view
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import mcmf_from_mci, prime_meridian_angle
 from compass.integrity import Integrity
 from compass.orbits import states_mci, walker_delta
 from compass.ranging import Receiver, Signal
+from compass.requirement import Requirement
 from compass.signal.ranges import radial_along_cross, range_errors
 from compass.sites import Mask, Site
 from compass.study.requirement_question import Question

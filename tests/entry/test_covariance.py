@@ -10,7 +10,6 @@ from compass.core.entry.flow import advance_transition
 from compass.core.entry.kinds import RANGE
 from compass.core.entry.measure import PLACES, measured
 from compass.core.entry.rates import LIFT
-from compass.design import Radio
 from compass.entry.atmosphere import Atmosphere
 from compass.entry.beacons import Beacons
 from compass.entry.covariance import axes_covariance, linear_covariance, noise_roots
@@ -24,6 +23,7 @@ from compass.entry.schedule import Measurements, in_view
 from compass.entry.trajectory import fly
 from compass.entry.views import cartesian_of, spherical_jacobian, spherical_of
 from compass.errors import ArgumentError
+from compass.links import Radio
 from compass.papers import yu2018_filter as spherical
 from compass.ranging import Receiver
 from tests.entry.one_run import ideal_measurements

@@ -7,7 +7,6 @@ import pytest
 
 from compass.core.entry.kinds import ACCELERATION, BEARING, ECHO, HEIGHT, RANGE
 from compass.core.entry.measure import BIAS, CLOCK, PLACES, ideal_values, measured
-from compass.design import Radio
 from compass.entry.beacons import Beacons
 from compass.entry.consistency import consistency
 from compass.entry.covariance import axes_covariance, linear_covariance
@@ -21,6 +20,7 @@ from compass.entry.schedule import Measurements
 from compass.entry.trajectory import fly
 from compass.entry.views import cartesian_of, spherical_of
 from compass.errors import ArgumentError
+from compass.links import Radio
 from compass.ranging import Receiver
 from tests.entry.one_run import run_filter
 

@@ -6,9 +6,9 @@ import pytest
 
 import compass
 from compass.bodies import SOLAR_DAY
-from compass.design import Radio, Wanted
 from compass.errors import ArgumentError
 from compass.inputs import read_design
+from compass.links import Radio, Wanted
 from compass.orbits import keplerian
 from compass.pages.access import access_section
 from compass.pictures.access import MAX_ROWS

@@ -7,8 +7,9 @@ import pytest
 
 from compass.bodies import BOLTZMANN
 from compass.clocks import Clock
-from compass.design import Design, Radio
+from compass.design import Design
 from compass.errors import ArgumentError
+from compass.links import Radio
 from compass.orbits import walker_delta
 from compass.ranging import Receiver, Signal
 from compass.signal.budget import (

@@ -19,12 +19,13 @@ from compass.coverage.moving import (
 )
 from compass.coverage.protection import LEVELS, levels_along
 from compass.coverage.requirement_verdict import verdict_of
-from compass.design import Design, Requirement
+from compass.design import Design
 from compass.errors import ArgumentError
 from compass.frames import direction
 from compass.integrity import Integrity
 from compass.orbits import walker_delta
 from compass.ranging import Receiver, Signal
+from compass.requirement import Requirement
 from compass.sites import Mask
 from compass.study.mapping import MapOptions, MapRows, make_map
 from tests.reference.conventions import assert_in_conventions
