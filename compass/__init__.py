@@ -150,8 +150,8 @@ _HOMES = {
 def __getattr__(name: str) -> object:
     """Import a public name from its home on first use (PEP 562)."""
     if name in _HOMES:
-        found = globals()[name] = getattr(import_module(_HOMES[name]), name)
-        return found
+        loaded = globals()[name] = getattr(import_module(_HOMES[name]), name)
+        return loaded
     guesses: list[str] = []
     if not name.startswith("_"):  # as programs ask, not people
         from compass.errors import SHORT, near

@@ -27,11 +27,11 @@ def digest_of(value: object) -> str:
     TypeError
         Something in it has no content that could be told, as a function.
     """
-    found = hashlib.sha256()
+    hashed = hashlib.sha256()
     for part in _parts(value):
-        found.update(len(part).to_bytes(8, "little"))
-        found.update(part)
-    return found.hexdigest()
+        hashed.update(len(part).to_bytes(8, "little"))
+        hashed.update(part)
+    return hashed.hexdigest()
 
 
 def _parts(value: Any) -> Iterator[bytes]:

@@ -38,11 +38,11 @@ def version() -> str:
 
     computing = (numba, numpy, scipy)
     ran = [bool(numba.config.DISABLE_JIT), *(package.__version__ for package in computing)]
-    found, home = hashlib.sha256(repr(ran).encode()), Path(__file__).parent
+    hashed, home = hashlib.sha256(repr(ran).encode()), Path(__file__).parent
     for path in sorted(p for p in home.rglob("*") if p.suffix in (".py", ".csv", ".npz")):
-        found.update(str(path.relative_to(home)).encode())
-        found.update(path.read_bytes())
-    return found.hexdigest()
+        hashed.update(str(path.relative_to(home)).encode())
+        hashed.update(path.read_bytes())
+    return hashed.hexdigest()
 
 
 def kept(question: object, work_out: Callable[[], dict[str, Any]]) -> tuple[dict[str, Any], bool]:

@@ -33,9 +33,9 @@ def user_limits() -> dict[str, float]:
         import resource
     except ImportError:  # not on Windows
         return {}
-    found = {"-v": resource.getrlimit(resource.RLIMIT_AS)[0]}
-    found["-d"] = resource.getrlimit(resource.RLIMIT_DATA)[0]
-    return {option: most for option, most in found.items() if most != resource.RLIM_INFINITY}
+    limits = {"-v": resource.getrlimit(resource.RLIMIT_AS)[0]}
+    limits["-d"] = resource.getrlimit(resource.RLIMIT_DATA)[0]
+    return {option: most for option, most in limits.items() if most != resource.RLIM_INFINITY}
 
 
 def check_fits(needed: float, asked: str, advice: str) -> None:

@@ -118,9 +118,9 @@ def ground(site: Site, terrain: Terrain) -> float:
         r = terrain.r_mcmf(slice(first, first + patch_rows(columns) + 1)) - foot
         east_north = r @ site.enu_mcmf[:2].T
         near = (r @ up) > -foot @ up  # the same side of Mars
-        found = _height_at_origin(east_north, r @ up, near)
-        if found is not None:
-            return found
+        heights = _height_at_origin(east_north, r @ up, near)
+        if heights is not None:
+            return heights
     south, north, west, east = (
         np.degrees(end(grid))
         for grid in (terrain.latitude, terrain.longitude)

@@ -199,7 +199,7 @@ def given_places(
         There is no such station, a name is used twice, or a region cannot be read.
     """
     known = {site.name: site for site in design.stations}
-    found = []
+    places = []
     for site in (sites,) if isinstance(sites, Site | str) else sites:
         if isinstance(site, str) and "=" not in site:
             if site not in known:
@@ -208,17 +208,17 @@ def given_places(
                     f"site {site!r}: no [[station]] of that name; there are {named}; or write "
                     "NAME=LAT,LON[,MASK]"
                 )
-            found.append(known[site])
+            places.append(known[site])
         else:
-            found.append(given_site(site, design, "site"))
-    names = [site.name for site in found]
+            places.append(given_site(site, design, "site"))
+    names = [site.name for site in places]
     for name in names:
         if names.count(name) > 1:
             raise ArgumentError(f"site {name!r}: given twice; leave one out")
     texts = (regions,) if isinstance(regions, str) else tuple(regions)
     for text in texts:
         read_regions(text)
-    return tuple(found), texts
+    return tuple(places), texts
 
 
 def given_site(station: Site | str, design: Design, called: str = "station") -> Site:

@@ -264,7 +264,7 @@ def judge(
         labels = [lander.label, *(design.label for design in candidates)]
         check_writable(place, [Path(label) for label in labels])
         campaign = campaign_of(lander, samples, seed, ground=ground_of(*places), **unknown)
-        found = best_rival(
+        better = best_rival(
             candidates[0],
             lander,
             campaign,
@@ -276,7 +276,7 @@ def judge(
             progress=bars,
         )
         with replacing(place) as temporary:
-            temporary.write_text(rival_toml(found, candidates[0], command), encoding="utf-8")
+            temporary.write_text(rival_toml(better, candidates[0], command), encoding="utf-8")
         candidates.append(read_design(place))
     ranking = rank_designs(
         candidates,

@@ -101,7 +101,7 @@ def keep(
     else:
         margin = 2.0 * radians(box_deg)
     width = 0.5 * margin if box_deg is None else radians(box_deg)
-    found = (keep_slots if slots else keep_kinds)(
+    kept = (keep_slots if slots else keep_kinds)(
         c,
         forces,
         upkeep.duration,
@@ -116,7 +116,7 @@ def keep(
     days = upkeep.duration / SECONDS_PER_DAY
     asked = None if own else Asked(wanted, mask)
     radii = at_radii(read, radius_km, days=days, asked=asked, progress=progress)
-    return KeepResult(read, motion.title, found, degrees(margin), upkeep, radii)
+    return KeepResult(read, motion.title, kept, degrees(margin), upkeep, radii)
 
 
 def _margin(design: Design, fold: int, mask: float, own: bool, boxed: bool) -> float:

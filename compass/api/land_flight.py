@@ -60,15 +60,15 @@ def satellite_errors(scenario: Scenario) -> NDArray[np.float64] | None:
     designs = [orbiters.design for orbiters in scenario.orbiters]
     if not any(design is not None and design.signal is not None for design in designs):
         return None
-    found = [np.zeros((len(scenario.surface_names), 4, 4))]
+    covariances = [np.zeros((len(scenario.surface_names), 4, 4))]
     for orbiters, design in zip(scenario.orbiters, designs, strict=True):
         errors = np.zeros((orbiters.constellation.size, 4, 4))
         if design is not None and design.signal is not None:
             signal = in_metres(design).signal
             assert signal is not None
             errors = mean_age_covariance(signal, orbiters.constellation.size)
-        found.append(errors)
-    return np.concatenate(found)
+        covariances.append(errors)
+    return np.concatenate(covariances)
 
 
 def disperse_scenario(scenario: Scenario, assessment: Assessment) -> Dispersed | None:

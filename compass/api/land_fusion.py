@@ -223,13 +223,13 @@ def _bounded(share: float, runs: int, several: int = 1) -> str | float:
 
 
 def _shares(
-    name: str, of: "xr.DataArray", found: "xr.DataArray", runs: int
+    name: str, of: "xr.DataArray", held: "xr.DataArray", runs: int
 ) -> dict[str, dict[str, Any]]:
     """Shares of the epochs of all runs, with bounds as if a run were all one or all the other.
 
     Whatever ties the epochs of a run, their share is of no greater variance.
     """
-    shares = dict(zip(of.values.tolist(), found[1:].mean("time").values.tolist(), strict=True))
+    shares = dict(zip(of.values.tolist(), held[1:].mean("time").values.tolist(), strict=True))
     return {
         name: shares,
         f"{name}_interval": {

@@ -193,13 +193,13 @@ def map(
 
 def _attributes(certified: CertifiedGeometry | None, result: MapResult) -> dict[str, Any]:
     """Return brackets, and intervals where there are none, as attributes of a dataset."""
-    found: dict[str, Any] = {}
+    attributes: dict[str, Any] = {}
     if certified is not None:
         brackets = certified.brackets.items()
-        found = {f"{name.replace('.', '_')}_bracket": ends for name, ends in brackets}
-        found["certified_scope"] = certified.scope
+        attributes = {f"{name.replace('.', '_')}_bracket": ends for name, ends in brackets}
+        attributes["certified_scope"] = certified.scope
     if result.drawn is not None:
         intervals = with_intervals(result.numbers())
-        found |= {f"{name.replace('.', '_')}_interval": ends for name, ends in intervals}
-        found["drawn"] = result.interval
-    return found
+        attributes |= {f"{name.replace('.', '_')}_interval": ends for name, ends in intervals}
+        attributes["drawn"] = result.interval
+    return attributes

@@ -63,7 +63,7 @@ def with_areas(dataset: "xr.Dataset", areas: Sequence[AreaFigures]) -> "xr.Datas
     if not areas:
         return dataset
     about = {"units": "1", "long_name": "proven bounds of the share with a good PDOP"}
-    found = {
+    numbers = {
         "area_availability": (("area", "bound"), [list(a.availability) for a in areas], about),
         "area_gdop": (
             ("area", "area_percent", "bound"),
@@ -77,7 +77,7 @@ def with_areas(dataset: "xr.Dataset", areas: Sequence[AreaFigures]) -> "xr.Datas
         ),
     }
     for name in areas[0].errors:
-        found[f"area_{name}_share"] = (
+        numbers[f"area_{name}_share"] = (
             ("area", "bound"),
             [list(a.errors[name]) for a in areas],
             {"units": "1", "long_name": f"proven bounds of the share within the {name} allowed"},
@@ -87,7 +87,7 @@ def with_areas(dataset: "xr.Dataset", areas: Sequence[AreaFigures]) -> "xr.Datas
         "bound": ["low", "high"],
         "area_percent": ("area_percent", list(PERCENTS), {"units": "percent"}),
     }
-    return dataset.assign(found).assign_coords(coords)
+    return dataset.assign(numbers).assign_coords(coords)
 
 
 def _between(name: str, bounds: tuple[float, float], most: float = 1.0) -> Value:

@@ -30,11 +30,11 @@ ROUNDING = 5e-7
 
 def rest_of(name: str, known: dict[str, Any]) -> dict[str, Any]:
     """One less a share, and its bounds."""
-    found = {name: 1.0 - known[name]}
+    rest = {name: 1.0 - known[name]}
     for key in (name + Bracket.SUFFIX, name + Interval.SUFFIX):
         if (ends := known.get(key)) is not None:
-            found[key] = [1.0 - ends[1], 1.0 - ends[0]]
-    return found
+            rest[key] = [1.0 - ends[1], 1.0 - ends[0]]
+    return rest
 
 
 def error_blocks(result: "MapResult") -> tuple[Table | Sentence, ...]:
@@ -110,8 +110,8 @@ def why_no_fix(result: "MapResult") -> tuple[str, ...]:
 
 def why_no_level(result: "MapResult") -> tuple[str, ...]:
     """As `why_no_fix`, of protection levels."""
-    found = result.numbers()
-    if 1.0 - found["level_share"] < ROUNDING:
+    numbers = result.numbers()
+    if 1.0 - numbers["level_share"] < ROUNDING:
         return ()
     share, reasons = quantity("part_share"), []
     for name, words in (
@@ -119,9 +119,9 @@ def why_no_level(result: "MapResult") -> tuple[str, ...]:
         ("unchecked_share", "a range is there that the others cannot check"),
         ("two_faults_share", "so many are in view that two faults use up the risk allowed"),
     ):
-        if found[name] > ROUNDING:
-            reasons.append(f"in {result.value(share, found, name)} % {words}")
-    none = result.value(share, rest_of("level_share", found), "level_share")
+        if numbers[name] > ROUNDING:
+            reasons.append(f"in {result.value(share, numbers, name)} % {words}")
+    none = result.value(share, rest_of("level_share", numbers), "level_share")
     return (f"levels are infinite in {none} % of area and time: {'; '.join(reasons)}",)
 
 
@@ -162,25 +162,25 @@ def protection_blocks(result: "MapResult") -> tuple[Table | Sentence, ...]:
     promise = result.design.integrity
     if "cells_protection" not in result.made.dataset or promise is None:
         return ()
-    found = result.levels
+    levels = result.levels
     percentiles = [f"p{q}" for q in result.made.dataset.global_percentile.values.tolist()]
     rows = tuple(
         (
             quantity(name).title,
-            *(result.value(quantity(name), found[name], p) for p in percentiles),
+            *(result.value(quantity(name), levels[name], p) for p in percentiles),
         )
         for name in LEVELS
     )
     header = ("", *percentiles)
     shares = [
-        result.value(quantity(name), found, name)
+        result.value(quantity(name), levels, name)
         for name in ("detection_share", "protection_share")
     ]
     return (
         Table("Protection levels, m: percentiles over area and time", header, rows),
         *(Sentence(words) for words in why_no_level(result)),
         facts("One faulty satellite", shares),
-        *_loss_blocks(result, found),
+        *_loss_blocks(result, levels),
         Sentence(
             "solution separation: 2 Q((L - b0)/s0) + sum of P_sat Q((L - Tk - bk)/sk) = P_HMI "
             f"less what two faults use up; P_HMI {promise.hazard:g} ({promise.horizontal:g} "
@@ -192,9 +192,9 @@ def protection_blocks(result: "MapResult") -> tuple[Table | Sentence, ...]:
     )
 
 
-def _loss_blocks(result: "MapResult", found: dict[str, Any]) -> list[Table | Sentence]:
+def _loss_blocks(result: "MapResult", statistics: dict[str, Any]) -> list[Table | Sentence]:
     """What is left of protection after the worst loss, if losses were looked at."""
-    if (loss := found.get("after_loss")) is None:
+    if (loss := statistics.get("after_loss")) is None:
         return []
     names = ("detection_share", "protection_share")
     left = [result.value(quantity(name), loss, name) for name in names]

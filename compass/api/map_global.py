@@ -28,23 +28,23 @@ def with_global(
     """
     import xarray as xr
 
-    found = dataset.copy()
+    copy = dataset.copy()
     for name, places in _places(dataset, numbers).items():
         own, about = name.replace("global_", "cells_"), _ABOUT.get(name, {})
         like = dataset.get(own, xr.DataArray(0.0))
         about = like.attrs | about
         if own in dataset:
             said = f"{about['long_name']}, of cells and epochs"
-            found[own] = found[own].assign_attrs(long_name=said)
+            copy[own] = copy[own].assign_attrs(long_name=said)
         known = [_known(*place) for place in places]
         for end, values in zip(("", "_low", "_high"), zip(*known, strict=True), strict=False):
             said = f"{_ENDS[end]}{about['long_name']}"
             evidence = _evidence(known)
-            found[name + end] = (
+            copy[name + end] = (
                 like.dims, np.array(values, dtype=float).reshape(like.shape),
                 about | {"long_name": said, "evidence": evidence},
             )  # fmt: skip
-    return found if drawn is None or not drawn.left else _with_losses(found, drawn)
+    return copy if drawn is None or not drawn.left else _with_losses(copy, drawn)
 
 
 _ENDS = {"": "", "_low": "lower bound of ", "_high": "upper bound of "}

@@ -117,17 +117,17 @@ class MapResult(Result):
 
     def evidence(self) -> dict[str, str]:
         """How well each number of the JSON is known, by its name there; `others` is the rest."""
-        found = dict.fromkeys((name for name, _ in with_intervals(self.numbers())), self.interval)
+        known = dict.fromkeys((name for name, _ in with_intervals(self.numbers())), self.interval)
         if self.certified:
             names = (*self.certified.brackets, "pdop_worst_bracket")
-            found |= dict.fromkeys(names, f"between proven bounds, {self.certified.scope}")
+            known |= dict.fromkeys(names, f"between proven bounds, {self.certified.scope}")
             if (least := self.certified.in_view) and not self._open(*least.least):
-                found["met"] = str(Proven(self.certified.scope))
+                known["met"] = str(Proven(self.certified.scope))
         if self.areas:
-            found["areas"] = AREAS_KNOWN
+            known["areas"] = AREAS_KNOWN
         gaps = f"sampled at cells, at each to {self.made.dataset.attrs['gap_step_s']:.3g} s"
-        found |= dict.fromkeys(("longest_gap_s", "mean_response_time_s"), gaps)
-        return found | {"others": self.sampled}
+        known |= dict.fromkeys(("longest_gap_s", "mean_response_time_s"), gaps)
+        return known | {"others": self.sampled}
 
     def _open(self, low: int, high: int) -> bool:
         """Whether the fold wanted lies between bounds of the fewest in view."""
@@ -406,30 +406,30 @@ class MapResult(Result):
         ]
         if name not in flat:
             raise ArgumentError(f"name = {name!r}: not a map; allowed {', '.join(flat)}")
-        found = self.dataset[name]
-        if "percentile" not in found.dims:
-            return found, str(found.attrs["long_name"])
-        allowed = found.percentile.values.tolist()
+        layer = self.dataset[name]
+        if "percentile" not in layer.dims:
+            return layer, str(layer.attrs["long_name"])
+        allowed = layer.percentile.values.tolist()
         if percentile not in allowed:
             raise ArgumentError(
                 f"percentile = {percentile}: allowed {' or '.join(str(q) for q in allowed)}"
             )
-        chosen = found.sel(percentile=percentile)
+        chosen = layer.sel(percentile=percentile)
         return chosen, f"{quantity(name).title}, {percentile}th percentile over time"
 
 
 def _beside(known: dict[str, Any]) -> dict[str, Any]:
     """Numbers in their order, behind each its bracket; else its interval."""
-    found: dict[str, Any] = {}
+    beside: dict[str, Any] = {}
     for name, value in known.items():
         if name.endswith((Bracket.SUFFIX, Interval.SUFFIX)):
             continue
-        found[name] = value
+        beside[name] = value
         for key in (name + Bracket.SUFFIX, name + Interval.SUFFIX):
             if key in known:
-                found[key] = known[key]
+                beside[key] = known[key]
                 break
-    return found | {name: known[name] for name in ("pdop_worst_bracket",) if name in known}
+    return beside | {name: known[name] for name in ("pdop_worst_bracket",) if name in known}
 
 
 def with_intervals(known: dict[str, Any], path: str = "") -> Iterator[tuple[str, list[float]]]:

@@ -139,7 +139,7 @@ def search(
         share_of=share_of,
         figure=figure,
     )
-    found = []
+    patterns = []
     for one_km in _radii(radius_km):
         radius, closed = orbit_radius(one_km, altitude_km, orbit, repeat, needs.figure)
         question = Question(
@@ -161,10 +161,10 @@ def search(
             workers=threads,
             progress=lambda sizes, km=radius / 1e3: bar(progress, f"sizes at {km:.6g} km", sizes),
         )
-        found.append(RequirementSearchResult(question, outcome))
-    if len(found) == 1:
-        return found[0]
-    return replace(min(found, key=lambda one: one.size), heights=tuple(found))
+        patterns.append(RequirementSearchResult(question, outcome))
+    if len(patterns) == 1:
+        return patterns[0]
+    return replace(min(patterns, key=lambda one: one.size), heights=tuple(patterns))
 
 
 def _covering(
@@ -184,7 +184,7 @@ def _covering(
     if fold is None:
         raise ArgumentError("fold: missing; give it, a region and a limit, or a file (require)")
     least = radians(least_approach_deg)
-    found = engine.search(
+    covering = engine.search(
         fold,
         radians(mask_deg),
         radius=radius,
@@ -205,9 +205,9 @@ def _covering(
         pattern,
         max_satellites,
         beyond,
-        tuple(c for c in found if c.closest_approach >= least),
+        tuple(c for c in covering if c.closest_approach >= least),
         least_approach_deg,
-        tuple(c for c in found if c.closest_approach < least),
+        tuple(c for c in covering if c.closest_approach < least),
     )
 
 

@@ -51,13 +51,13 @@ class ShowResult(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        found: dict[str, Any] = {"constellation": constellation_facts(self.design)}
-        found |= geometry_facts(self.geometry) if self.geometry else {"cap": None, "gap": None}
+        facts: dict[str, Any] = {"constellation": constellation_facts(self.design)}
+        facts |= geometry_facts(self.geometry) if self.geometry else {"cap": None, "gap": None}
         if self.design.signal is not None:
-            found["signal"] = signal_facts(self.design)
+            facts["signal"] = signal_facts(self.design)
         known = "of circular orbits over a sphere, in closed form"
         return plain(
-            found
+            facts
             | {"evidence": str(Proven(known))}
             | {"comparison": [row.as_dict() for row in self.comparison]}
         )

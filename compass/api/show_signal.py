@@ -56,17 +56,17 @@ def signal_blocks(design: Design) -> list[Block]:
     """Tables of `signal_facts`, and what they leave out; none without a signal."""
     if design.signal is None:
         return []
-    found = signal_facts(design)
+    known = signal_facts(design)
     names = ("elevation_deg", "range_error_m", *(f"{term}_error_m" for term in TERMS))
     rows = [
-        [Value(quantity(name), found[name][k]) for name in names]
-        for k in range(len(found["elevation_deg"]))
+        [Value(quantity(name), known[name][k]) for name in names]
+        for k in range(len(known["elevation_deg"]))
     ]
     which = {"mean": "mean over the ages of the data", "worst": "the oldest data"}
     blocks: list[Block] = [
         columns(f"Budget of a range, m, one sigma: {which[design.signal.age]}", rows)
     ]
-    ages = found["by_age"]["age_h"]
+    ages = known["by_age"]["age_h"]
     if len(ages) > 1:
         header = ("elevation, deg", *(f"{age:.4g} h" for age in ages))
         by_age = tuple(
@@ -74,10 +74,10 @@ def signal_blocks(design: Design) -> list[Block]:
                 Value(quantity("elevation_deg"), e),
                 *(
                     Value(quantity("range_error_m"), row[k])
-                    for row in found["by_age"]["range_error_m"]
+                    for row in known["by_age"]["range_error_m"]
                 ),
             )
-            for k, e in enumerate(found["elevation_deg"])
+            for k, e in enumerate(known["elevation_deg"])
         )
         blocks.append(Table("Range error by age of the data, m, one sigma", header, by_age))
     blocks.append(Sentence(_left_out(design)))

@@ -57,7 +57,7 @@ def version() -> VersionResult:
     >>> compass.version().compass == compass.__version__
     True
     """
-    packages = {name: found for name in PACKAGES if (found := _version(name))}
+    packages = {name: number for name in PACKAGES if (number := _version(name))}
     return VersionResult(__version__, platform.python_version(), platform.platform(), packages)
 
 

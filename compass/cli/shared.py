@@ -67,8 +67,8 @@ def put(write: Callable[[Path], object], output: Path | None) -> None:
 def say_boxes() -> None:
     """Say once which letters no font here has, of the pictures drawn so far."""
     style = sys.modules.get("compass.pictures.style")
-    if style and (found := style.boxes()):
-        shown = " ".join(found[:20]) + (" ..." if len(found) > 20 else "")
+    if style and (letters := style.boxes()):
+        shown = " ".join(letters[:20]) + (" ..." if len(letters) > 20 else "")
         say(f"no font here has {shown}: drawn as boxes; install a font that has them, such as Noto")
 
 

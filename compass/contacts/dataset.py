@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def windows_dataset(found: Sequence[Windows], **attributes: object) -> "xr.Dataset":
+def windows_dataset(spans: Sequence[Windows], **attributes: object) -> "xr.Dataset":
     """Windows of all pairs over (pair) and (window); `count` says how many rows a pair has."""
     import xarray as xr
 
@@ -22,7 +22,7 @@ def windows_dataset(found: Sequence[Windows], **attributes: object) -> "xr.Datas
         "culmination": ("time after the epoch of the highest elevation", seconds),
         "max_elevation": ("highest elevation over the station", {"units": "degree"}),
     }
-    values = {name: np.concatenate([getattr(w, name) for w in found]) for name in columns}
+    values = {name: np.concatenate([getattr(w, name) for w in spans]) for name in columns}
     values["max_elevation"] = np.degrees(values["max_elevation"])
     return xr.Dataset(
         {
@@ -32,13 +32,13 @@ def windows_dataset(found: Sequence[Windows], **attributes: object) -> "xr.Datas
             },
             "count": (
                 "pair",
-                [w.count for w in found],
+                [w.count for w in spans],
                 {"long_name": "windows of the pair", "units": "1", "sample_dimension": "window"},
             ),
         },
         coords={
-            "first": ("pair", [w.first for w in found], {"long_name": "one end of the link"}),
-            "second": ("pair", [w.second for w in found], {"long_name": "other end of the link"}),
+            "first": ("pair", [w.first for w in spans], {"long_name": "one end of the link"}),
+            "second": ("pair", [w.second for w in spans], {"long_name": "other end of the link"}),
         },
-        attrs={"duration_s": found[0].duration, **attributes},
+        attrs={"duration_s": spans[0].duration, **attributes},
     )

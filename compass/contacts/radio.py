@@ -36,8 +36,8 @@ class Track:
 def node_states(node: Node, times: ArrayLike) -> NDArray[np.float64]:
     """Inertial states of a node, shape (t, 6), m and m/s, at seconds after the epoch."""
     table = node.states if len(node.states) else np.zeros((1, 6))
-    found: NDArray[np.float64] = states(node.row, table, np.atleast_1d(np.asarray(times, float)))
-    return found
+    moved: NDArray[np.float64] = states(node.row, table, np.atleast_1d(np.asarray(times, float)))
+    return moved
 
 
 def track(one: Node, two: Node, times: ArrayLike) -> Track:

@@ -77,17 +77,17 @@ def pair_record(survey: Survey, windows: Windows) -> dict[str, Any]:
 
 def node_record(survey: Survey, node: Node) -> dict[str, Any] | None:
     """How a station, a moon or the Earth sees the satellites; None if it links with none."""
-    found = survey.of(node.name)
-    if not found:
+    own = survey.of(node.name)
+    if not own:
         return None
-    each = [statistics(w.spans, w.duration) for w in found]
-    lengths = np.concatenate([w.length for w in found])
+    each = [statistics(w.spans, w.duration) for w in own]
+    lengths = np.concatenate([w.length for w in own])
     gaps = np.array([figures.longest_gap for figures in each])
-    merged = statistics(any_of([w.spans for w in found]), survey.duration)
+    merged = statistics(any_of([w.spans for w in own]), survey.duration)
     return {
         "node": node.name,
-        "satellites": len(found),
-        "seen": sum(w.count > 0 for w in found),
+        "satellites": len(own),
+        "seen": sum(w.count > 0 for w in own),
         "mean_share": float(np.mean([figures.share for figures in each])),
         "least_share": min(figures.share for figures in each),
         "passes_per_sol": sum(figures.passes_per_sol for figures in each) / len(each),
@@ -143,11 +143,11 @@ def earth_record(survey: Survey, epoch: float, threshold: float) -> dict[str, An
     }
 
 
-def _graph(found: Sequence[Windows]) -> Contacts | None:
+def _graph(spans: Sequence[Windows]) -> Contacts | None:
     """Graph of links over time, or None where it may be too large to search."""
-    nodes = len({name for w in found for name in (w.first, w.second)})
-    intervals = 1 + 2 * sum(w.count for w in found)
-    return contacts(found) if nodes * intervals <= MAX_GRAPH else None
+    nodes = len({name for w in spans for name in (w.first, w.second)})
+    intervals = 1 + 2 * sum(w.count for w in spans)
+    return contacts(spans) if nodes * intervals <= MAX_GRAPH else None
 
 
 def latency_records(survey: Survey) -> list[dict[str, Any]] | None:

@@ -57,11 +57,11 @@ class Contacts:
         from scipy.sparse.csgraph import connected_components
 
         labels = connected_components(self.adjacency, directed=False)[1]
-        found: NDArray[np.int32] = labels.reshape(len(self.lengths), len(self.names))
-        return found
+        groups: NDArray[np.int32] = labels.reshape(len(self.lengths), len(self.names))
+        return groups
 
 
-def contacts(found: Sequence[Windows]) -> Contacts:
+def contacts(spans: Sequence[Windows]) -> Contacts:
     """Cut the span of some windows (all of one duration) where any begins or ends.
 
     Raises
@@ -69,13 +69,13 @@ def contacts(found: Sequence[Windows]) -> Contacts:
     ArgumentError
         There are no pairs.
     """
-    if not found:
+    if not spans:
         raise ArgumentError("relay: there are no links; ask for stations, moons or the Earth")
-    names = tuple(dict.fromkeys(name for w in found for name in (w.first, w.second)))
+    names = tuple(dict.fromkeys(name for w in spans for name in (w.first, w.second)))
     index = {name: k for k, name in enumerate(names)}
-    edges = np.unique(np.concatenate([[0.0, found[0].duration], *(w.spans.ravel() for w in found)]))
+    edges = np.unique(np.concatenate([[0.0, spans[0].duration], *(w.spans.ravel() for w in spans)]))
     parts = []
-    for w in found:
+    for w in spans:
         first, last = np.searchsorted(edges, w.start), np.searchsorted(edges, w.end)
         interval = np.concatenate(
             [np.arange(a, b) for a, b in zip(first, last, strict=True)] or [np.empty(0, int)]
@@ -97,8 +97,8 @@ def hops(graph: Contacts, source: str, target: str) -> NDArray[np.float64]:
     distance = dijkstra(
         graph.adjacency, directed=False, unweighted=True, indices=starts, min_only=True
     )
-    found: NDArray[np.float64] = distance.reshape(k, n)[:, _index(graph, target)]
-    return found
+    counts: NDArray[np.float64] = distance.reshape(k, n)[:, _index(graph, target)]
+    return counts
 
 
 @dataclass(frozen=True)

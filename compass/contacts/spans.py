@@ -25,8 +25,8 @@ def at_least(k: int, sets: Sequence[Spans]) -> Spans:
     inside = covered >= k
     begins = np.flatnonzero(inside & ~np.concatenate([[False], inside[:-1]]))
     ends = np.flatnonzero(~inside & np.concatenate([[False], inside[:-1]]))
-    found = np.stack([times[begins], times[ends]], axis=1)
-    return found[found[:, 1] > found[:, 0]]
+    spans = np.stack([times[begins], times[ends]], axis=1)
+    return spans[spans[:, 1] > spans[:, 0]]
 
 
 def any_of(sets: Sequence[Spans]) -> Spans:

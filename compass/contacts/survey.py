@@ -163,11 +163,11 @@ def survey(
             f"access: {len(pairs)} pairs; at most {MAX_PAIRS} at once; leave out crosslinks or "
             "some stations"
         )
-    found = windows(
+    seen = windows(
         pairs,
         duration,
         figure=figure,
         atmosphere_height=wanted.atmosphere_height,
         workers=workers,
     )
-    return Survey(tuple(nodes), tuple(found), duration, epoch)
+    return Survey(tuple(nodes), tuple(seen), duration, epoch)

@@ -238,7 +238,7 @@ def _solve(
     blocks = np.array_split(np.arange(len(pairs)), min(4 * threads, len(pairs)))
 
     def solve(block: NDArray[np.intp]) -> list[Windows]:
-        counts, found = find_windows(
+        counts, solved = find_windows(
             kind[block],
             ends[block, 0],
             ends[block, 1],
@@ -250,7 +250,7 @@ def _solve(
             0.0,
             duration,
         )
-        parts = np.split(found, np.cumsum(counts)[:-1])
+        parts = np.split(solved, np.cumsum(counts)[:-1])
         return [
             Windows(
                 first=pairs[k][0].name,

@@ -58,7 +58,7 @@ def map_row(r, cos_cap, row, threshold, weight, cells, dop, tallies):
     """
     epochs, m = r.shape[0], row.cos_lon.size
     scratch = row_scratch(r.shape[1], row)
-    found, counts = np.empty((5, m)), np.empty(m, np.int16)
+    dilutions, counts = np.empty((5, m)), np.empty(m, np.int16)
     count_min, count_max, share, by_epoch = (
         cells.count_min, cells.count_max, cells.share, tallies.by_epoch,
     )  # fmt: skip
@@ -66,22 +66,22 @@ def map_row(r, cos_cap, row, threshold, weight, cells, dop, tallies):
     # sums of whole numbers, exact in single precision only up to 2^24
     total, good, at_least = np.zeros(m), np.zeros(m), np.zeros((share.shape[0], m))
     for t in range(epochs):
-        dop_row(r[t], cos_cap[t], row, scratch, counts, found)
+        dop_row(r[t], cos_cap[t], row, scratch, counts, dilutions)
         low, high, seen = counts[0], counts[0], 0
         for j in range(m):
             n = counts[j]
             low, high, seen = min(low, n), max(high, n), seen + n
             count_min[j], count_max[j] = min(count_min[j], n), max(count_max[j], n)
             total[j] += n
-            good[j] += 1.0 if found[1, j] <= threshold else 0.0
+            good[j] += 1.0 if dilutions[1, j] <= threshold else 0.0
             tallies.counts[n] += weight
         for k in range(share.shape[0]):
             for j in range(m):
                 at_least[k, j] += 1.0 if counts[j] > k else 0.0
         for d in range(5):
             for j in range(m):
-                dop[d, j, t] = found[d, j]
-            add_to_histogram(found[d], weight, tallies.dop[d])
+                dop[d, j, t] = dilutions[d, j]
+            add_to_histogram(dilutions[d], weight, tallies.dop[d])
         by_epoch[0, t] = min(by_epoch[0, t], low)
         by_epoch[1, t] += weight * seen
         by_epoch[2, t] = max(by_epoch[2, t], high)

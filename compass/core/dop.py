@@ -140,12 +140,12 @@ def row_runs(r, cos_cap, row, runs, owners):
 
     Parameters are those of `dop_row`.
     """
-    found = 0
+    total = 0
     for s in range(r.shape[0]):
-        before = found
-        found += sight_runs(r[s, 0], r[s, 1], r[s, 2], cos_cap[s], row, runs[found:])
-        owners[before:found] = s
-    return found
+        before = total
+        total += sight_runs(r[s, 0], r[s, 1], r[s, 2], cos_cap[s], row, runs[total:])
+        owners[before:total] = s
+    return total
 
 
 @kernel
@@ -170,7 +170,7 @@ def dop_row(r, cos_cap, row, scratch, counts, out):
     """
     place, tile, runs, owners = row.place, scratch.tile, scratch.runs, scratch.owners
     m = row.cos_lon.size
-    found = row_runs(r, cos_cap, row, runs, owners)
+    total = row_runs(r, cos_cap, row, runs, owners)
     out_from_axis, high, square = place[OUT], place[HIGH], place[SQUARE]
     for start in range(0, m, TILE):
         width = min(TILE, m - start)
@@ -178,7 +178,7 @@ def dop_row(r, cos_cap, row, scratch, counts, out):
         for j in range(width):
             tile[PX + j] = out_from_axis * row.cos_lon[start + j]
             tile[PY + j] = out_from_axis * row.sin_lon[start + j]
-        for k in range(found):
+        for k in range(total):
             s = owners[k]
             # a run that goes on past the last column continues at column 0
             for turn in range(2):

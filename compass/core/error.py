@@ -252,7 +252,7 @@ def error_row(r, cos_cap, row, scratch, ranges, t, out):
     place, tile, runs, owners = row.place, scratch.tile, scratch.runs, scratch.owners
     q, sun, lit, numbers = ranges.q[t], ranges.sun[t], ranges.lit, ranges.numbers
     m = row.cos_lon.size
-    found = row_runs(r, cos_cap, row, runs, owners)
+    total = row_runs(r, cos_cap, row, runs, owners)
     out_from_axis, high, square = place[OUT], place[HIGH], place[SQUARE]
     slant, up_z = place[UP_OUT] / out_from_axis, place[UP_Z]
     equal = numbers[EQUAL] > 0.0
@@ -265,7 +265,7 @@ def error_row(r, cos_cap, row, scratch, ranges, t, out):
             if numbers[DELAY2] > 0.0:
                 up = (x * sun[0] + y * sun[1]) * place[UP_OUT] + sun[2] * up_z
                 tile[SUNLIT + j] = sunlit(up, lit)
-        for k in range(found):
+        for k in range(total):
             s = owners[k]
             for turn in range(2):
                 a = max(runs[k, 0] - turn * m - start, 0)
@@ -319,14 +319,14 @@ def error_map_row(
     """
     epochs, m = r.shape[0], row.cos_lon.size
     scratch = error_scratch(r.shape[1], row)
-    found, within = np.empty((4, m)), np.zeros((4, m))
+    row_errors, within = np.empty((4, m)), np.zeros((4, m))
     for t in range(epochs):
-        error_row(r[t], cos_cap[t], row, scratch, ranges, t, found)
+        error_row(r[t], cos_cap[t], row, scratch, ranges, t, row_errors)
         for d in range(4):
             for j in range(m):
-                errors[d, j, t] = found[d, j]
-                within[d, j] += 1.0 if found[d, j] <= limit else 0.0
-            add_to_histogram(found[d], weight, histograms[d])
+                errors[d, j, t] = row_errors[d, j]
+                within[d, j] += 1.0 if row_errors[d, j] <= limit else 0.0
+            add_to_histogram(row_errors[d], weight, histograms[d])
     for d in range(4):
         for j in range(m):
             good[d, j] = within[d, j] / epochs

@@ -221,7 +221,7 @@ def inner_cap(distance, height, sphere_radius, stretch, mask):
 @kernel
 def inner_caps(distances, heights, sphere_radius, stretch, mask):
     """`inner_cap` of many satellites, shape (k,)."""
-    found = np.empty(distances.size)
+    radii = np.empty(distances.size)
     for k in range(distances.size):
-        found[k] = inner_cap(distances[k], heights[k], sphere_radius, stretch, mask)
-    return found
+        radii[k] = inner_cap(distances[k], heights[k], sphere_radius, stretch, mask)
+    return radii

@@ -36,8 +36,8 @@ def follow_gaps(r, cos_cap, row, fold, state):
         counts[:] = 0
         for s in range(r.shape[1]):
             x, y, z = r[t, s, 0], r[t, s, 1], r[t, s, 2]
-            found = sight_runs(x, y, z, cos_cap[t, s], row, runs)
-            for k in range(found):
+            total = sight_runs(x, y, z, cos_cap[t, s], row, runs)
+            for k in range(total):
                 for j in range(runs[k, 0], runs[k, 1]):
                     counts[j if j < m else j - m] += 1
         for j in range(m):

@@ -65,10 +65,10 @@ def level(sigma, bias, sigmas, thresholds, biases, fault, risk):
     low = 0.0
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        found = 2.0 * tail((middle - bias) / sigma)
+        total = 2.0 * tail((middle - bias) / sigma)
         for k in range(sigmas.size):
-            found += fault * tail((middle - thresholds[k] - biases[k]) / sigmas[k])
-        if found > risk:
+            total += fault * tail((middle - thresholds[k] - biases[k]) / sigmas[k])
+        if total > risk:
             low = middle
         else:
             high = middle
@@ -183,7 +183,7 @@ def protection_row(
     m, n = row.cos_lon.size, r.shape[1]
     runs = np.empty((most_runs(n, row), 2), np.int64)
     owners, seen = np.empty(len(runs), np.int64), np.zeros((m, n), np.bool_)
-    g, variances, found = np.empty((n, 4)), np.empty(n), np.empty(3)
+    g, variances, reached = np.empty((n, 4)), np.empty(n), np.empty(3)
     level = np.empty((2, m))
     up_out, up_z, out, high = place[UP_OUT], place[UP_Z], place[OUT], place[HIGH]
     shares[:] = 0.0
@@ -215,10 +215,10 @@ def protection_row(
                     )
                     size += 1
             able = protect(
-                g[:size], variances[:size], promise.numbers, promise.unmonitored[size], found
+                g[:size], variances[:size], promise.numbers, promise.unmonitored[size], reached
             )
-            level[0, j] = math.sqrt(found[0] * found[0] + found[1] * found[1])
-            level[1, j] = found[2]
+            level[0, j] = math.sqrt(reached[0] * reached[0] + reached[1] * reached[1])
+            level[1, j] = reached[2]
             flat, tall = level[0, j] <= alerts[0], level[1, j] <= alerts[1]
             shares[0, j] += able
             shares[1, j] += flat and tall
@@ -251,7 +251,7 @@ def levels_over_time(places, axes, r, seen, ranges, promise, out, able):
         whether a fault can be detected, shape (epoch,).
     """
     n = r.shape[1]
-    lines, variances, found = np.empty((n, 3)), np.empty(n), np.empty(3)
+    lines, variances, levels = np.empty((n, 3)), np.empty(n), np.empty(3)
     g = np.ones((n, 4))
     for t in range(places.shape[0]):
         size = ranges_in_view(places[t], axes[t, 2], r[t], seen[t], ranges, t, lines, variances)
@@ -263,10 +263,10 @@ def levels_over_time(places, axes, r, seen, ranges, promise, out, able):
                     + axes[t, d, 2] * lines[k, 2]
                 )
         able[t] = protect(
-            g[:size], variances[:size], promise.numbers, promise.unmonitored[size], found
+            g[:size], variances[:size], promise.numbers, promise.unmonitored[size], levels
         )
-        out[t, 0] = math.sqrt(found[0] * found[0] + found[1] * found[1])
-        out[t, 1] = found[2]
+        out[t, 0] = math.sqrt(levels[0] * levels[0] + levels[1] * levels[1])
+        out[t, 1] = levels[2]
 
 
 def empty_level_histograms() -> np.ndarray:

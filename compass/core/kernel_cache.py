@@ -47,32 +47,32 @@ def imports(source: Path) -> frozenset[Path]:
     finds in every kernel source with what Python itself reads there.
     """
     package = SOURCES.parent.parent
-    found = set()
+    imported = set()
     for module, names in IMPORT.findall(source.read_bytes()):
         home = package.joinpath(*module.decode().split("."))
         among = [home, *(home / name for name in re.findall(r"\w+", names.decode()))]
         files = [file for path in among for file in (path.with_suffix(".py"), path / "__init__.py")]
-        found |= {file for file in files if file.is_relative_to(SOURCES) and file.is_file()}
-    return frozenset(found)
+        imported |= {file for file in files if file.is_relative_to(SOURCES) and file.is_file()}
+    return frozenset(imported)
 
 
 @cache
 def parts(source: Path) -> tuple[Path, ...]:
     """A file and all that it imports from `SOURCES`, however far, in order of their names."""
-    found, new = {source}, {source}
+    reached, new = {source}, {source}
     while new:
-        new = {file for part in new for file in imports(part)} - found
-        found |= new
-    return tuple(sorted(found))
+        new = {file for part in new for file in imports(part)} - reached
+        reached |= new
+    return tuple(sorted(reached))
 
 
 @cache
 def digest(source: Path) -> str:
     """Sixteen hexadecimal digits of a file and of all that it imports from here."""
-    found = hashlib.sha256()
+    hashed = hashlib.sha256()
     for part in parts(source):
-        found.update(hashlib.sha256(part.read_bytes()).digest())
-    return found.hexdigest()[:16]
+        hashed.update(hashlib.sha256(part.read_bytes()).digest())
+    return hashed.hexdigest()[:16]
 
 
 def lasting_places() -> list[Path]:
@@ -97,9 +97,9 @@ def passing_place() -> Path | None:
     with suppress(OSError):
         place = Path(tempfile.gettempdir()) / f"compass-{os.getuid()}"
         place.mkdir(mode=0o700, exist_ok=True)
-        found = place.lstat()
-        own = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
-        if own and not found.st_mode & 0o022:
+        status = place.lstat()
+        own = stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid()
+        if own and not status.st_mode & 0o022:
             return place / "kernels"
     return None
 
@@ -249,11 +249,11 @@ class KernelCache:
         in the order of calls, from the outer to the inner, so nobody waits in a circle.
         """
         spare_linear_algebra()
-        found = self._load(signature, context)
-        if found is None and self.cache_path is not None:
+        kernel = self._load(signature, context)
+        if kernel is None and self.cache_path is not None:
             self._turn.take(Path(self.cache_path) / f"{self._name}.lock")
-            found = self._load(signature, context)
-        return found
+            kernel = self._load(signature, context)
+        return kernel
 
     def let_others_compile(self) -> None:
         """End this process's turn to compile, if it has it."""
@@ -262,8 +262,8 @@ class KernelCache:
     def _load(self, signature: Any, context: Any) -> Any:
         for kept in self._all:
             with suppress(Exception):  # a damaged file may say anything
-                if (found := kept.load_overload(signature, context)) is not None:
-                    return found
+                if (kernel := kept.load_overload(signature, context)) is not None:
+                    return kernel
         return None
 
     def save_overload(self, signature: Any, compiled: Any) -> None:

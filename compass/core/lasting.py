@@ -309,7 +309,7 @@ def margins(caps, k, times, tolerance):
     n = paths.shape[1]
     u, radius, stray = np.empty((n, 3)), np.empty(n), np.empty((n, 2))
     pulls, tried = np.zeros(n), np.empty(n)
-    found = np.full((times.size, 2), np.nan)
+    least = np.full((times.size, 2), np.nan)
     for j in range(times.size):
         piece = piece_of(breaks, times[j])
         if caps_between(caps, pulls, piece, times[j], 0.0, u, radius, stray):
@@ -318,12 +318,12 @@ def margins(caps, k, times, tolerance):
                 for s in range(n):
                     tried[s] = radius[s] + vague * stray[s, 1]
                 if side == 1 and vague == 0.0:
-                    found[j, 1] = found[j, 0]
+                    least[j, 1] = least[j, 0]
                 else:
-                    found[j, side] = margin_at(
+                    least[j, side] = margin_at(
                         u, tried, region, floors, k, -math.pi, math.pi, tolerance
                     )
-    return found
+    return least
 
 
 @kernel

@@ -148,9 +148,9 @@ def mover_bounds(mover, ra, rb, h):
 @kernel
 def states(mover, table, times):
     """States of a mover at many times, shape (t, 6)."""
-    found = np.empty((times.size, 6))
+    moved = np.empty((times.size, 6))
     for k in range(times.size):
         state = mover_state(mover, table, times[k])
         for j in range(6):
-            found[k, j] = state[j]
-    return found
+            moved[k, j] = state[j]
+    return moved

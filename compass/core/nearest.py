@@ -132,7 +132,7 @@ def covering_radius(satellites, k, least, most, p_best):
     low_squared = lowest * abs(lowest)
     reach = min(2.0 * most + 1e-4, math.pi)
     near_cosine, near_height = math.cos(reach) - 1e-12, 2.0 * math.sin(0.5 * reach)
-    found = False
+    any_corner = False
     p = np.empty(3)
     near = np.empty(n, np.int64)
     first = 0
@@ -151,7 +151,7 @@ def covering_radius(satellites, k, least, most, p_best):
                     before += 1
         among = near[:count]
         if lowest <= -1.0 < best and _nearer_than(u, among, u[i], -1.0, -1.0, k, i, i, i):
-            best, squared, found = -1.0, EQUAL - 1.0, True
+            best, squared, any_corner = -1.0, EQUAL - 1.0, True
             p_best[:] = -u[i]
         for second in range(before, count):
             j = near[second]
@@ -164,7 +164,7 @@ def covering_radius(satellites, k, least, most, p_best):
                 p /= norm
             far = -0.5 * norm
             if lowest <= far < best and _nearer_than(u, among, p, -1.0, far, k, i, j, j):
-                best, squared, found = far, EQUAL - far * far, True
+                best, squared, any_corner = far, EQUAL - far * far, True
                 p_best[:] = -p
             for third in range(second + 1, count):
                 m = near[third]
@@ -185,10 +185,10 @@ def covering_radius(satellites, k, least, most, p_best):
                     if lowest <= sign * cosine < best and _nearer_than(
                         u, among, p, sign, sign * cosine, k, i, j, m
                     ):
-                        best, found = sign * cosine, True
+                        best, any_corner = sign * cosine, True
                         squared = best * abs(best) + EQUAL
                         p_best[:] = sign * p
-    if not found:
+    if not any_corner:
         return least
     return math.acos(min(1.0, max(-1.0, best)))
 

@@ -116,8 +116,8 @@ def _over(p, q, radius, moment, azimuths, elevations, fold, limits):
         return math.inf
     over = 0.0
     if limits.min() < math.inf:
-        found = dops(float(seen), xx, yy, zz, xy, xz, yz, x, y, z, 0.0, 0.0, 1.0)
+        dilutions = dops(float(seen), xx, yy, zz, xy, xz, yz, x, y, z, 0.0, 0.0, 1.0)
         for k in range(5):
             if limits[k] < math.inf:
-                over = max(over, found[k] / limits[k])
+                over = max(over, dilutions[k] / limits[k])
     return over

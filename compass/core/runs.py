@@ -220,7 +220,7 @@ def horizon_runs(rx, ry, rz, row, runs):
     """
     place, cos_lon, sin_lon = row.place, row.cos_lon, row.sin_lon
     m = cos_lon.size
-    found = 0
+    total = 0
     previous = False
     up_out, up_z, high = place[UP_OUT], place[UP_Z], rz - place[HIGH]
     beamed = row.cos_beam > ALL_AROUND
@@ -237,12 +237,12 @@ def horizon_runs(rx, ry, rz, row, runs):
             along = (out + place[OUT]) * out + east * east + rz * high
             seen = along >= reach * math.sqrt(out * out + east * east + high * high)
         if seen and not previous:
-            runs[found, 0] = k
-            found += 1
+            runs[total, 0] = k
+            total += 1
         if seen:
-            runs[found - 1, 1] = k + 1
+            runs[total - 1, 1] = k + 1
         previous = seen
-    return found
+    return total
 
 
 @kernel

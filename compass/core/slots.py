@@ -166,9 +166,9 @@ def rooms(nodes, inclination, arguments, directions, spare, turns, phases, ways,
 
     Phases are replaced by those found.
     """
-    found = np.empty(turns.size)
+    widths = np.empty(turns.size)
     for k in range(turns.size):
-        found[k], _, phases[k] = best_slots(
+        widths[k], _, phases[k] = best_slots(
             nodes,
             inclination,
             arguments,
@@ -179,4 +179,4 @@ def rooms(nodes, inclination, arguments, directions, spare, turns, phases, ways,
             ways,
             misses[k],
         )
-    return found
+    return widths

@@ -79,7 +79,7 @@ def boxes_at(
     room, problem = make_room(n), question.problem()
     whole = np.zeros(BOX)
     whole[:3], whole[3:5] = (0.5 * (south + north), np.pi, phase), (0.5 * (north - south), np.pi)
-    stack, found = [whole], []
+    stack, settled = [whole], []
     while stack:
         box = stack.pop()
         look(box, question.squares([limit]), room, problem)
@@ -92,8 +92,8 @@ def boxes_at(
         kept, broken = box[GIVEN:]
         if part == 0.0 and min(kept, broken) == 0.0:
             kind = BoxKind.KEPT if kept > 0.0 else BoxKind.BROKEN
-        found.append((*box[[0, 1, 3, 4]], kind, kept, broken, still_open(box, 0)))
-    table = np.array(found)
+        settled.append((*box[[0, 1, 3, 4]], kind, kept, broken, still_open(box, 0)))
+    table = np.array(settled)
     kept, broken, open_ = table[:, 5:].sum(axis=0)
     total = kept + broken + open_
     return MomentBoxes(

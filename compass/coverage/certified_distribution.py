@@ -169,10 +169,10 @@ class Distribution:
     def _weighed(self, limits: Sequence[Limit]) -> list[Below]:
         """Share of each limit by itself, where latitudes weigh as a polygon is wide."""
         assert self._polygon is not None
-        found, rounds = [], self.rounds
+        weighed, rounds = [], self.rounds
         for limit in limits:
             if limit.width == np.inf or rounds.stopped:
-                found.append(Below(0.0, 1.0))
+                weighed.append(Below(0.0, 1.0))
                 continue
             known = self._polygon.share(
                 limit.at,
@@ -184,5 +184,5 @@ class Distribution:
             rounds.left -= known.boxes
             finest = known.stopped == "resolution"
             rounds.stopped = "" if finest else known.stopped
-            found.append(Below(known.low, known.high, finest))
-        return found
+            weighed.append(Below(known.low, known.high, finest))
+        return weighed

@@ -108,7 +108,7 @@ class Effort:
         def told(still: float) -> None:
             self.progress("share", _part(still, wide))
 
-        found = certified_share(
+        share = certified_share(
             constellation,
             limit,
             width=wide,
@@ -118,9 +118,9 @@ class Effort:
             **self.budget(budget_boxes),
             **asked,
         )
-        self._put_share(key, found)
-        self._close(found.stopped)
-        return found
+        self._put_share(key, share)
+        self._close(share.stopped)
+        return share
 
     def folds(
         self,
@@ -134,7 +134,7 @@ class Effort:
         """As `certified_folds`; `width` and `budget_boxes` where nothing else was asked."""
         wide = width if self.width is None else FOLD_PER_SHARE * self.width
         key = _key("folds", constellation, 0.0, asked) + "-".join(map(str, folds))
-        found = certified_folds(
+        shares = certified_folds(
             constellation,
             folds,
             width=wide,
@@ -144,9 +144,9 @@ class Effort:
             **self.budget(budget_boxes),
             **asked,
         )
-        self._put_share(key, found[0])
-        self._close(found[0].stopped)
-        return found
+        self._put_share(key, shares[0])
+        self._close(shares[0].stopped)
+        return shares
 
     def percentiles(
         self,
@@ -161,7 +161,7 @@ class Effort:
         key = _key("percentiles", constellation, 0.0, asked) + "-".join(f"{q:g}" for q in percents)
         if self.width is not None:
             precision = min(PERCENTILE_PER_SHARE * self.width, COARSEST)
-        found = certified_percentiles(
+        percentiles = certified_percentiles(
             constellation,
             percents,
             precision=precision,
@@ -170,10 +170,10 @@ class Effort:
             **self.budget(budget_boxes),
             **asked,
         )
-        self._put_percentiles(key, found)
+        self._put_percentiles(key, percentiles)
         self.progress("percentiles", 1.0)
-        self._close(next((one.stopped for one in found.of.values() if one.stopped), ""))
-        return found.of
+        self._close(next((one.stopped for one in percentiles.of.values() if one.stopped), ""))
+        return percentiles.of
 
     def worst(
         self,
@@ -190,7 +190,7 @@ class Effort:
             start = CertifiedWorst(
                 0.0, np.inf, None, boxes, "", leaves=leaves, best=tuple(best.tolist())
             )
-        found = certified_worst(
+        worst = certified_worst(
             constellation,
             precision=precision,
             start=start,
@@ -198,15 +198,15 @@ class Effort:
             **self.budget(budget_boxes, by_width=False),
             **asked,
         )
-        if found.leaves is not None:
+        if worst.leaves is not None:
             self._arrays |= {
-                f"{key}/best": np.array(found.best),
-                f"{key}/leaves": found.leaves,
-                f"{key}/boxes": np.array(found.boxes),
+                f"{key}/best": np.array(worst.best),
+                f"{key}/leaves": worst.leaves,
+                f"{key}/boxes": np.array(worst.boxes),
             }
         self.progress("largest", 1.0)
-        self._close(found.stopped)
-        return found
+        self._close(worst.stopped)
+        return worst
 
     def always(
         self,
@@ -218,9 +218,9 @@ class Effort:
     ) -> CertifiedAlways:
         """As `certified_always`, begun anew each time."""
         budget = self.budget(budget_boxes)
-        found = certified_always(constellation, limit, workers=self.workers, **budget, **asked)
-        self.interrupted = self.interrupted or found.stopped == "interrupted"
-        return found
+        share = certified_always(constellation, limit, workers=self.workers, **budget, **asked)
+        self.interrupted = self.interrupted or share.stopped == "interrupted"
+        return share
 
     def budget(self, boxes: float, *, by_width: bool = True) -> Budget:
         """Seconds and boxes that a figure may take, any number if a width ends it (`by_width`)."""
@@ -239,15 +239,15 @@ class Effort:
         boxes = int(self._arrays[f"{key}/boxes"])
         return CertifiedShare(0.0, 1.0, boxes, "", leaves=leaves, settled=settled)
 
-    def _put_share(self, key: str, found: CertifiedShare | None) -> None:
+    def _put_share(self, key: str, share: CertifiedShare | None) -> None:
         """Keep where a share stopped, or that none is open."""
         for name in ("leaves", "settled", "boxes"):
             self._arrays.pop(f"{key}/{name}", None)
-        if found is not None and found.leaves is not None:
+        if share is not None and share.leaves is not None:
             self._arrays |= {
-                f"{key}/leaves": found.leaves,
-                f"{key}/settled": np.array(found.settled),
-                f"{key}/boxes": np.array(found.boxes),
+                f"{key}/leaves": share.leaves,
+                f"{key}/settled": np.array(share.settled),
+                f"{key}/boxes": np.array(share.boxes),
             }
 
     def _percentiles(self, key: str, percents: Sequence[float]) -> CertifiedPercentiles | None:
@@ -263,18 +263,18 @@ class Effort:
         boxes = Boxes(leaves, settled, float(inside), eps, int(looked))
         return CertifiedPercentiles(of, boxes, self._arrays[f"{key}/points"])
 
-    def _put_percentiles(self, key: str, found: CertifiedPercentiles) -> None:
+    def _put_percentiles(self, key: str, percentiles: CertifiedPercentiles) -> None:
         """Keep where percentiles stopped."""
-        if (boxes := found.boxes) is None:
+        if (boxes := percentiles.boxes) is None:
             return
-        ends = [(one.low, one.high, float(bool(one.stopped))) for one in found.of.values()]
+        ends = [(one.low, one.high, float(bool(one.stopped))) for one in percentiles.of.values()]
         self._arrays |= {
             f"{key}/ends": np.array(ends),
             f"{key}/leaves": boxes.leaves,
             f"{key}/settled": boxes.settled,
             f"{key}/sums": np.array([boxes.inside, boxes.looked]),
             f"{key}/eps": boxes.eps,
-            f"{key}/points": found.points,
+            f"{key}/points": percentiles.points,
         }
 
     def _close(self, stopped: str) -> None:
@@ -307,11 +307,11 @@ def _read(path: Path) -> dict[str, NDArray[Any]]:
     """
     try:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as held:
-            found = {name: held[name] for name in held.files}
-        known = str(found.pop("version"))
+            arrays = {name: held[name] for name in held.files}
+        known = str(arrays.pop("version"))
     except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
         raise ArgumentError(
             f"leaves = {path}: not a file of open boxes; name one that a run has written, or a "
             "new one"
         ) from error
-    return found if known == version() else {}
+    return arrays if known == version() else {}

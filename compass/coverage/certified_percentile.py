@@ -135,13 +135,13 @@ def certified_percentiles(
         return CertifiedPercentiles({q: CertifiedPercentile(inf, inf, q, scope) for q in percents})
     sought = [_Sought(k, q, precision, guess, limits) for k, q in enumerate(percents)]
     boxes = _go_on(sought, start) if start else None
-    found = Distribution(question, len(percents), workers, boxes)
-    found.rounds.begin(budget_s, budget_boxes)
-    _close_in(found, sought)
-    _compare(found, sought)
+    distribution = Distribution(question, len(percents), workers, boxes)
+    distribution.rounds.begin(budget_s, budget_boxes)
+    _close_in(distribution, sought)
+    _compare(distribution, sought)
     return CertifiedPercentiles(
-        {one.percent: one.result(scope, found.rounds.stopped) for one in sought},
-        found.boxes,
+        {one.percent: one.result(scope, distribution.rounds.stopped) for one in sought},
+        distribution.boxes,
         np.array([(one.index, *point) for one in sought for point in one.points]).reshape(-1, 4),
     )
 
@@ -150,8 +150,8 @@ def certified_percentile(
     constellation: Constellation, percent: float, **options: Any
 ) -> CertifiedPercentile:
     """Bracket one percentile; options as of `certified_percentiles`."""
-    found = certified_percentiles(constellation, (percent,), **options)
-    return found.of[percent]
+    percentiles = certified_percentiles(constellation, (percent,), **options)
+    return percentiles.of[percent]
 
 
 def _go_on(sought: list["_Sought"], start: CertifiedPercentiles) -> Boxes | None:

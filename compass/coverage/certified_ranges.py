@@ -130,15 +130,15 @@ class Ranges:
         spin = mean * (1 + e) ** 2 / (1 - e * e) ** 1.5 + np.abs(periapsis)
         change = 2 * mean**2 * e * (1 + e) ** 3 / (1 - e * e) ** 3
         turn = spin + node
-        found, p = np.zeros((len(orbits), weights.RANGE)), self.covariance / scale
+        columns, p = np.zeros((len(orbits), weights.RANGE)), self.covariance / scale
         for k, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))):
-            found[:, weights.QUAD + k] = p[:, i, j]
-        found[:, weights.LINE : weights.REST] = p[:, :3, 3]
-        found[:, weights.REST] = p[:, 3, 3]
-        found[:, weights.SIZE] = np.linalg.norm(p[:, :3, :3], axis=(1, 2))
-        found[:, weights.TURN] = turn * (1 + 1e-12)
-        found[:, weights.TURN2] = (change + spin * node + turn**2) * (1 + 1e-12)
-        return found
+            columns[:, weights.QUAD + k] = p[:, i, j]
+        columns[:, weights.LINE : weights.REST] = p[:, :3, 3]
+        columns[:, weights.REST] = p[:, 3, 3]
+        columns[:, weights.SIZE] = np.linalg.norm(p[:, :3, :3], axis=(1, 2))
+        columns[:, weights.TURN] = turn * (1 + 1e-12)
+        columns[:, weights.TURN2] = (change + spin * node + turn**2) * (1 + 1e-12)
+        return columns
 
     def shared_row(self, scale: float) -> NDArray[np.float64]:
         """What kernels take of all ranges, variances over `scale`."""
@@ -253,9 +253,9 @@ def _delays(design: Design) -> bool:
 def _least(p: NDArray[np.float64]) -> float:
     """Bound from below of ``(x, 1)' P (x, 1)`` over unit vectors x."""
     place, tie, clock = p[:3, :3], p[:3, 3], float(p[3, 3])
-    found = [0.0, 2.0 * float(np.linalg.eigvalsh(p)[0])]
+    least = [0.0, 2.0 * float(np.linalg.eigvalsh(p)[0])]
     if not tie.any():
-        found.append(float(np.linalg.eigvalsh(place)[0]) + clock)
+        least.append(float(np.linalg.eigvalsh(place)[0]) + clock)
     elif clock > 0.0:
-        found.append(float(np.linalg.eigvalsh(place - np.outer(tie, tie) / clock)[0]))
-    return max(found)
+        least.append(float(np.linalg.eigvalsh(place - np.outer(tie, tie) / clock)[0]))
+    return max(least)

@@ -115,7 +115,7 @@ def certified_share(
     question = Question(constellation, **asked)
     question.check(limit)
     search, began = Search(question, workers), monotonic()
-    found = search.share(
+    share = search.share(
         limit,
         width,
         budget_s=budget_s,
@@ -123,19 +123,19 @@ def certified_share(
         start=start,
         progress=progress,
     )
-    left = budget_boxes - found.boxes + (start.boxes if start else 0)
+    left = budget_boxes - share.boxes + (start.boxes if start else 0)
     for level in against:
-        if found.low < level <= found.high and not found.stopped:
-            found = search.share(
+        if share.low < level <= share.high and not share.stopped:
+            share = search.share(
                 limit,
                 NEAREST,
                 budget_s=budget_s - (monotonic() - began),
                 budget_boxes=left,
                 level=level,
-                start=found,
+                start=share,
                 progress=progress,
             )
-    return found
+    return share
 
 
 def certified_folds(
@@ -199,8 +199,8 @@ class Search:
 
     def share(self, limit: float, width: float, **options: Any) -> CertifiedShare:
         """Refine until the bounds are `width` apart; options as of `shares`."""
-        (found,) = self.shares([limit], width, **options)
-        return found
+        (share,) = self.shares([limit], width, **options)
+        return share
 
     def shares(
         self,
@@ -242,11 +242,11 @@ class Search:
         coarse = max(FIRST, 0.1 * width) * total
         eps = 4.0 * min(coarse, open_at_most(leaves))
         while not rounds.stopped:
-            found = self._results(leaves, settled, boxes, "")
-            widest = max(one.width for one in found)
+            shares = self._results(leaves, settled, boxes, "")
+            widest = max(one.width for one in shares)
             progress(widest)
             decided = level is not None and all(
-                one.low >= level or one.high < level for one in found
+                one.low >= level or one.high < level for one in shares
             )
             if widest <= width or decided or not len(leaves):
                 break
@@ -265,8 +265,8 @@ class Search:
             south: float, north: float, near: float, seconds: float, boxes: float
         ) -> tuple[float, float, int, str]:
             search = Search(self.question.belt(south, north), self.workers)
-            found = search.share(limit, near, budget_s=seconds, budget_boxes=boxes)
-            return found.low, found.high, found.boxes, found.stopped
+            share = search.share(limit, near, budget_s=seconds, budget_boxes=boxes)
+            return share.low, share.high, share.boxes, share.stopped
 
         q = self.question
         south, north, *_ = sides_of(for_ever(polygon), q.figure)

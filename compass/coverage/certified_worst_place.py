@@ -91,17 +91,17 @@ def certified_worst_place(
         place: Any = Spot(centric, longitude) if places else Circle(centric)
         here: Asked = {**asked, "place": place}
         for near in (max(width, COARSE), width):
-            found = known.share(
+            share = known.share(
                 constellation, limit, width=0.25 * near, budget_boxes=AT_A_PLACE, **here
             )
-            if level is None or not found.low < level <= found.high:
+            if level is None or not share.low < level <= share.high:
                 break
-        return found.high, 0
+        return share.high, 0
 
     low, high = question.domain.sides[0].tolist()
     tiles = Tiles(bound, at, question.figure, places, region, (-np.pi, longitudes - np.pi))
     spent = known.budget(budget_boxes, by_width=False)
-    found = tiles.least(
+    least = tiles.least(
         low,
         high,
         width=width,
@@ -111,6 +111,6 @@ def certified_worst_place(
         seconds=spent["budget_s"],
     )
     share = CertifiedShare(
-        found.low, found.high, found.looked, question.domain.scope, found.stopped
+        least.low, least.high, least.looked, question.domain.scope, least.stopped
     )
-    return share, float(planetocentric_latitude(found.latitude, question.figure))
+    return share, float(planetocentric_latitude(least.latitude, question.figure))

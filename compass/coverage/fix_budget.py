@@ -70,7 +70,7 @@ def fix_budget(design: Design, seen: View, ranges: RangeErrors) -> FixBudget:
     places, ups = _users(design, seen.height)
     skip = max(1, int(np.ceil(len(places) * seen.r[..., 0].size / MOST_RANGES)))
     epochs = slice(None, None, skip)
-    found, fixed, heard, kept, risen = variances_by_part(
+    variances, fixed, heard, kept, risen = variances_by_part(
         seen.r[epochs], seen, RangeErrors(ranges.forms[epochs], ranges.sun[epochs], ranges.lit,
                                           ranges.numbers), places, ups,
     )  # fmt: skip
@@ -78,7 +78,7 @@ def fix_budget(design: Design, seen: View, ranges: RangeErrors) -> FixBudget:
     if not fixed.any():
         none = np.full((1 + len(ERRORS), len(PARTS)), np.nan)
         return FixBudget(np.nan, none[0], none[1:], *fours)
-    shares = found[fixed] / found[fixed].sum(axis=2, keepdims=True)
+    shares = variances[fixed] / variances[fixed].sum(axis=2, keepdims=True)
     of_ranges = heard[kept & fixed[..., None]].mean(axis=0)
     total = of_ranges.sum()
     return FixBudget(float(np.sqrt(total)), of_ranges / total, shares.mean(axis=0), *fours)

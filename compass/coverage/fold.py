@@ -56,7 +56,7 @@ def fold_extremes(directions: ArrayLike, radius: ArrayLike, region: Region = GLO
     u = u / np.linalg.norm(u, axis=1, keepdims=True)
     lam = np.broadcast_to(np.asarray(radius, dtype=float), u.shape[:1])
     cosines = np.where(lam <= 0, 2.0, np.where(lam >= np.pi, -2.0, np.cos(lam)))
-    found = []
+    extremes = []
     for low in (True, False):
         no_stop = -1 if low else len(u) + 1
         arrangement = (u, cosines, region.normals, region.floors)
@@ -65,8 +65,8 @@ def fold_extremes(directions: ArrayLike, radius: ArrayLike, region: Region = GLO
         place, count, inside = cell_point(curve, azimuth, width, *arrangement, low)
         if inside:
             reached = min(reached, count) if low else max(reached, count)
-        found += [int(bound), int(reached), place]
-    return FoldExtremes(*found)
+        extremes += [int(bound), int(reached), place]
+    return FoldExtremes(*extremes)
 
 
 def clearances(

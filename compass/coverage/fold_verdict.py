@@ -191,14 +191,14 @@ def losses_of(
     still = Region("places that turn with Mars", mars_fixed=turns)
     turning = all(each.alike_all_around for each in users)
     with said_of(requirement.name):
-        found = unlike_subsets(c, requirement.losses, still, backwards=turning)
-    if (proofs := len(found.sets)) > 1 and proofs * c.size > MOST_LEFT:
+        subsets = unlike_subsets(c, requirement.losses, still, backwards=turning)
+    if (proofs := len(subsets.sets)) > 1 and proofs * c.size > MOST_LEFT:
         raise ArgumentError(
             f"{requirement.name}: losses = {requirement.losses}: {proofs} sets of lost satellites "
             f"are unlike, each a proof of {c.size} satellites; allowed up to {MOST_LEFT // c.size} "
             "sets; ask for fewer losses or satellites"
         )
-    for subset, number in found.sets.items():
+    for subset, number in subsets.sets.items():
         yield tuple(c.satellite_names[s] for s in subset), number, c.without(subset)
 
 
@@ -263,9 +263,9 @@ def _always(
         for each in users
     ]
     asked = shared(lambda case: ask(case[3], case[0], fold, course), cases)
-    found = [(clearance, *case) for clearance, case in zip(asked, cases, strict=True)]
-    low = min(clearance.low for clearance, *_ in found)
-    tightest, whose, lost, alike, left = min(found, key=lambda one: one[0].high)
+    cleared = [(clearance, *case) for clearance, case in zip(asked, cases, strict=True)]
+    low = min(clearance.low for clearance, *_ in cleared)
+    tightest, whose, lost, alike, left = min(cleared, key=lambda one: one[0].high)
     met = True if low >= 0.0 else False if tightest.high < 0.0 else None
     worst = _worst_of(tightest, left, whose, fold)
     margin = low if met or met is None else tightest.high
@@ -294,7 +294,7 @@ def _always(
     if not missed_share:
         return verdict
     share = _missed_share(left, whose, tightest, fold, course)
-    alone = len(found) == 1 and whose.longitude is not None
+    alone = len(cleared) == 1 and whose.longitude is not None
     return replace(verdict, share=share if share is None or alone else (0.0, share[1]))
 
 

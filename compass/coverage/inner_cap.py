@@ -38,5 +38,5 @@ def inner_cap_radius(
     if stretch == 1.0:
         return on_sphere
     heights = r * np.sin(angle)
-    found = inner_caps(r.ravel(), heights.ravel(), float(sphere_radius), stretch, float(mask))
-    return np.asarray(found).reshape(r.shape)
+    radii = inner_caps(r.ravel(), heights.ravel(), float(sphere_radius), stretch, float(mask))
+    return np.asarray(radii).reshape(r.shape)

@@ -253,7 +253,7 @@ def margins_at(
     """
     seconds = np.atleast_1d(np.asarray(times, dtype=float))
     check_span(path, float(seconds.min()), float(seconds.max()))
-    found, most = np.full(seconds.size, np.pi), np.full(seconds.size, np.pi)
+    least, most = np.full(seconds.size, np.pi), np.full(seconds.size, np.pi)
     bands = [((-1.0, 1.0), np.arange(seconds.size))]
     while bands:
         (south, north), which = bands.pop()
@@ -263,11 +263,11 @@ def margins_at(
         # a band that is nowhere the tightest is good enough as it is
         vague = (high - low > VAGUE) & (low < most[which] - VAGUE) & (north - south > NARROWEST)
         done = which[~vague]
-        found[done] = np.minimum(found[done], low[~vague])
+        least[done] = np.minimum(least[done], low[~vague])
         if vague.any():
             waist = 0.5 * (south + north)
             bands += [((waist, north), which[vague]), ((south, waist), which[vague])]
-    return found
+    return least
 
 
 def least_margins(
@@ -287,10 +287,10 @@ def least_margins(
     """
     seconds = np.asarray(edges, dtype=float)
     figure = (sphere_radius, stretch, mask)
-    found = [
+    margins = [
         _least_margin(path, figure, region, fold, span, tolerance) for span in pairwise(seconds)
     ]
-    return np.array(found).reshape(-1, 2)
+    return np.array(margins).reshape(-1, 2)
 
 
 def _least_margin(

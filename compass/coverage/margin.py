@@ -320,7 +320,7 @@ def after_losses(
         As `unlike_subsets`.
     """
     alike = unlike_subsets(constellation, losses, region, duration)
-    found = []
+    margins = []
     for subset in progress(list(alike.sets)):
         left = constellation.without(subset)
         span = shortest_span(left, region, duration)
@@ -338,5 +338,5 @@ def after_losses(
         if stretch == 1.0 and region.is_globe and one_circle(left):
             radius = covering_radius(left, fold, span=span, tolerance=tolerance).radius
         names = tuple(constellation.satellite_names[s] for s in subset)
-        found.append(Loss(names, alike.sets[subset], least, radius))
-    return sorted(found, key=lambda loss: (loss.least, -(loss.radius or 0.0), loss.satellites))
+        margins.append(Loss(names, alike.sets[subset], least, radius))
+    return sorted(margins, key=lambda loss: (loss.least, -(loss.radius or 0.0), loss.satellites))

@@ -78,12 +78,12 @@ class Region:
         n, pole = self.normals, np.array([0.0, 0.0, 1.0])
         corners = np.cross(n, np.roll(n, -1, axis=0))
         turns = pole - n * n[:, 2:]
-        found = np.concatenate([corners, turns, [pole]])
-        found = np.concatenate([found, -found])
-        length = np.linalg.norm(found, axis=1)
-        found = found[length > 1e-12] / length[length > 1e-12, np.newaxis]
-        inside = np.all(found @ n.T >= self.floors - 1e-12, axis=1)
-        latitude, _ = latitude_longitude(found[inside])
+        candidates = np.concatenate([corners, turns, [pole]])
+        candidates = np.concatenate([candidates, -candidates])
+        length = np.linalg.norm(candidates, axis=1)
+        candidates = candidates[length > 1e-12] / length[length > 1e-12, np.newaxis]
+        inside = np.all(candidates @ n.T >= self.floors - 1e-12, axis=1)
+        latitude, _ = latitude_longitude(candidates[inside])
         return float(latitude.min()), float(latitude.max())
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:

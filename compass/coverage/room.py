@@ -213,7 +213,7 @@ def room_in_slots(
     if slots.region.mars_fixed:
         turns, phases = _own_time(seconds, phases, pattern)
     misses = np.empty((seconds.size, pattern.size, 2))
-    found = np.asarray(
+    room = np.asarray(
         rooms(
             np.array(pattern.raan),
             inclination,
@@ -229,9 +229,9 @@ def room_in_slots(
     if slots.region.mars_fixed:
         # caps were found over one repeat of the tracks; each further one misses by the closure
         repeats = np.abs(np.floor(phases / float(pattern.mean_motion[0]) / slots.repeat))
-        found = found - slots.closure * repeats
+        room = room - slots.closure * repeats
     above = distance - float(pattern.semi_major_axis[0])
-    return Room(seconds, found, misses[..., 0], misses[..., 1], above)
+    return Room(seconds, room, misses[..., 0], misses[..., 1], above)
 
 
 def slot_box(

@@ -69,18 +69,18 @@ def sampled_verdict(
     _check_tables(design, name)
     wanted, in_sum = requirement.share, requirement.share_of == "area-time"
     scale = FACTOR_95 if name in ERRORS and requirement.error_as == "95-percent" else 1.0
-    found: list[tuple[list[_Samples], tuple[str, ...], int]] = []
+    sampled: list[tuple[list[_Samples], tuple[str, ...], int]] = []
     for lost, alike in losses:
         gone = [design.constellation.satellite_names.index(one) for one in lost]
         parts = [_Samples(design, name, limit / scale, each, gone, course) for each in everyone]
         for part in parts:
             part.go_on(wanted)
-        found.append((parts, lost, alike))
+        sampled.append((parts, lost, alike))
     # a mean lies between its parts, the worst place is that of the least
-    highs = [(max if in_sum else min)(part.high for part in parts) for parts, *_ in found]
-    low = min(part.low for parts, *_ in found for part in parts)
+    highs = [(max if in_sum else min)(part.high for part in parts) for parts, *_ in sampled]
+    low = min(part.low for parts, *_ in sampled for part in parts)
     high = min(highs)
-    parts, lost, alike = found[highs.index(high)]
+    parts, lost, alike = sampled[highs.index(high)]
     least = min(parts, key=lambda part: part.high)
     every_place = wanted < 1.0 and not in_sum and any(u.south != u.north for u in everyone)
     met, reason, worst = None, "", None

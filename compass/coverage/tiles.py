@@ -96,10 +96,10 @@ class Tiles:
         def look(tile: Sides) -> None:
             nonlocal looked, high, where
             if spot := next(self._spots(tile), None):
-                found, boxes = self.at(*spot)
+                value, boxes = self.at(*spot)
                 looked += boxes
-                if found <= high:
-                    high, where = found, spot[0]
+                if value <= high:
+                    high, where = value, spot[0]
 
         longest = FIRST_OF_PLACES if self.places else FIRST
         columns = _parts(*self.longitudes, longest) if self.places else [(0.0, 0.0)]

@@ -264,14 +264,14 @@ def values(group: str, known: Mapping[str, Any]) -> list[Value]:
 
     A value that is a mapping holds the same quantity from several: ``{"exact": ..., ...}``.
     """
-    found = []
+    listed = []
     for name, value in known.items():
         record = quantity(f"{group}.{name}" if f"{group}.{name}" in QUANTITIES else name)
         if isinstance(value, Mapping):
-            found += [Value(record, each, None, whose) for whose, each in value.items()]
+            listed += [Value(record, each, None, whose) for whose, each in value.items()]
         else:
-            found.append(Value(record, value))
-    return found
+            listed.append(Value(record, value))
+    return listed
 
 
 def columns(title: str, rows: Sequence[Sequence[Value]], shown: int | None = None) -> Table:

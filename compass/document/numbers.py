@@ -159,9 +159,9 @@ def is_number(value: object) -> bool:
 
 def number_of(value: object) -> float:
     """Return the number in a cell."""
-    found = value.value if isinstance(value, Value) else value
-    assert isinstance(found, int | float)
-    return float(found)
+    number = value.value if isinstance(value, Value) else value
+    assert isinstance(number, int | float)
+    return float(number)
 
 
 def padding(written: list[str]) -> list[str]:

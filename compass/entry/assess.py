@@ -215,11 +215,11 @@ def _accuracies(
     if deployment is None or deployment.name not in happened:
         deployment, down = (GROUND, False) if down else (deployment, False)
     places = (deployment, *([GROUND] if down else []))
-    found = [
+    accuracies = [
         accuracy(flight, bound, layout, settings.covariance0, settings.noise, place)
         for place in places
     ]
-    return found[0], found[1] if down else None
+    return accuracies[0], accuracies[1] if down else None
 
 
 def assessment_dataset(assessment: Assessment) -> "xr.Dataset":

@@ -44,7 +44,7 @@ def best_directions_found(sigma: ArrayLike, *, starts: int = 4, seed: int = 0) -
     for stream in np.random.SeedSequence(seed).spawn(starts):
         history: list[float] = []
         first = np.random.default_rng(stream).standard_normal(3 * w.size)
-        found = minimize(
+        minimum = minimize(
             objective,
             first,
             jac=True,
@@ -52,9 +52,9 @@ def best_directions_found(sigma: ArrayLike, *, starts: int = 4, seed: int = 0) -
             callback=lambda x, h=history: h.append(float(np.exp(-objective(x)[0]))),
             options={"ftol": 1e-15, "gtol": 1e-10, "maxiter": 2000},
         )
-        n = found.x.reshape(-1, 3)
+        n = minimum.x.reshape(-1, 3)
         n = n / np.linalg.norm(n, axis=1, keepdims=True)
-        done.append(Start(float(np.exp(-found.fun)), n, tuple(history), found.nfev))
+        done.append(Start(float(np.exp(-minimum.fun)), n, tuple(history), minimum.nfev))
     done.sort(key=lambda start: -start.value)
     return Optimum(
         "det(sum n n^T / sigma^2)",

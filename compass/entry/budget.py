@@ -99,14 +99,14 @@ def with_satellites(
     own = next((part for part in settings.parts if part.name == "bias"), None)
     given = np.zeros((beacons.size, 4, 4)) if satellites is None else satellites
     single = 0.0 if own is None else own.sigma[0]
-    found = range_variances(given, single, beacons, path, omega, one_way=one_way)
-    if not found:
+    variances = range_variances(given, single, beacons, path, omega, one_way=one_way)
+    if not variances:
         return Biased(settings, {})
-    sigmas = np.maximum(np.sqrt(np.sum(list(found.values()), axis=0)), EXACT)
+    sigmas = np.maximum(np.sqrt(np.sum(list(variances.values()), axis=0)), EXACT)
     considered = own is None or own.considered
     part = Part("bias", tuple(sigmas.tolist()), considered)
     others = tuple(one for one in settings.parts if one.name != "bias")
-    return Biased(replace(settings, parts=(*others, part)), found)
+    return Biased(replace(settings, parts=(*others, part)), variances)
 
 
 def landing_budget(
@@ -181,17 +181,17 @@ def landing_budget(
 def _starts(biased: Biased, beacons: int, whole: Array) -> dict[str, Array]:
     """What each source leaves at the first time; together the whole covariance, (s, s)."""
     layout = biased.settings.layout(beacons)
-    found = {FIRST: np.zeros_like(whole)}
-    found[FIRST][:6, :6] = whole[:6, :6]
+    starts = {FIRST: np.zeros_like(whole)}
+    starts[FIRST][:6, :6] = whole[:6, :6]
     for part in layout.order:
         place = layout.place(part.name)
         states = range(place, place + layout.count(part))
         if part.name == "bias" and biased.variances:
             for name, variances in biased.variances.items():
-                found[name] = np.zeros_like(whole)
-                found[name][states, states] = variances
+                starts[name] = np.zeros_like(whole)
+                starts[name][states, states] = variances
         else:
             name = _SOURCES[part.name]
-            found[name] = np.zeros_like(whole)
-            found[name][states, states] = whole[states, states]
-    return found
+            starts[name] = np.zeros_like(whole)
+            starts[name][states, states] = whole[states, states]
+    return starts

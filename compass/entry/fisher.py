@@ -73,12 +73,12 @@ def best_eigenvalues(sigma: ArrayLike) -> NDArray[np.float64]:
         One sigma of each beacon, shape (n,).
     """
     left = np.sort(_weights(sigma))[::-1]
-    found: list[float] = []
-    while len(found) < 3 and left.size and left[0] > left.sum() / (3 - len(found)):
-        found.append(float(left[0]))
+    eigenvalues: list[float] = []
+    while len(eigenvalues) < 3 and left.size and left[0] > left.sum() / (3 - len(eigenvalues)):
+        eigenvalues.append(float(left[0]))
         left = left[1:]
-    share = left.sum() / max(1, 3 - len(found))
-    return np.sort(np.array(found + [share] * (3 - len(found))))[::-1]
+    share = left.sum() / max(1, 3 - len(eigenvalues))
+    return np.sort(np.array(eigenvalues + [share] * (3 - len(eigenvalues))))[::-1]
 
 
 def best_determinant(sigma: ArrayLike) -> float:

@@ -88,16 +88,16 @@ class Ground:
         low, high = np.sin([ends.min(), ends.max()])
         stream = qmc.Sobol(2, scramble=True, seed=np.random.default_rng([seed, k]))
         size = 1 << max(ceil(log2(max(wanted, 1))), 4)
-        found, tried = np.empty((0, 3)), 0
-        while len(found) < wanted and tried < MOST_POINTS:
+        inside, tried = np.empty((0, 3)), 0
+        while len(inside) < wanted and tried < MOST_POINTS:
             u, v = stream.random(size).T
             points = direction(np.arcsin(low + (high - low) * u), 2.0 * np.pi * v - np.pi)
-            found = np.concatenate([found, points[self._inside(points, parts)]])
+            inside = np.concatenate([inside, points[self._inside(points, parts)]])
             tried += size
             size = tried
-        if not len(found):
+        if not len(inside):
             raise ArgumentError(f"region = {self.names[k]}: too small to land in; name a site")
-        latitude, longitude = latitude_longitude(np.resize(found, (wanted, 3)))
+        latitude, longitude = latitude_longitude(np.resize(inside, (wanted, 3)))
         return np.asarray(latitude), np.asarray(longitude)
 
     @staticmethod

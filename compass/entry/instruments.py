@@ -99,8 +99,8 @@ class Instrument:
         """Variance of each number it reads at states (..., 6); nan where it does not work."""
         height = np.linalg.norm(path[..., :3], axis=-1) - planet_radius
         size = np.linalg.norm(path[..., 3:], axis=-1) if self.kind == "velocimeter" else height
-        found: Array = self.sigma**2 + (self.share * size) ** 2
-        return np.where(height <= self.below, found, np.nan)
+        variances: Array = self.sigma**2 + (self.share * size) ** 2
+        return np.where(height <= self.below, variances, np.nan)
 
 
 @dataclass(frozen=True)
@@ -123,8 +123,8 @@ class Features:
     def places(self, planet_radius: float) -> Array:
         """Mars-fixed, (k, 3), metres."""
         lat, lon = np.array(self.latitude), np.array(self.longitude)
-        found: Array = (planet_radius + np.array(self.height))[:, None] * direction(lat, lon)
-        return found.reshape(-1, 3)
+        places: Array = (planet_radius + np.array(self.height))[:, None] * direction(lat, lon)
+        return places.reshape(-1, 3)
 
     def moved(self, planet_radius: float, turn: Array) -> "Features":
         """Return the features turned about the centre by a rotation (3, 3)."""

@@ -217,7 +217,7 @@ def _describe(
         return null, ("nothing at all is measured: position and velocity are both unobservable",)
     size = np.array([1e3, 1e3, 1e3, 1.0, 1.0, 1.0])
     basis = np.linalg.qr((null / size).T)[0].T  # km and m/s
-    found: list[NDArray] = []
+    blocks: list[NDArray] = []
     words: list[str] = []
     axes = {beacons.names[k]: beacons.r[epoch, k] for k in range(beacons.size)}
     if len(axes) == 1:
@@ -226,18 +226,18 @@ def _describe(
         turn = np.concatenate([np.cross(axis, place[:3]), np.cross(axis, place[3:])]) / size
         turn /= np.linalg.norm(turn)
         if np.linalg.norm(basis @ turn) > 1 - 1e-6:
-            found.append(turn)
+            blocks.append(turn)
             words.append(
                 "a rotation of position and velocity together about the axis from Mars's centre "
                 f"to beacon {name}"
             )
     for vector in basis:
-        rest = vector - sum((vector @ f) * f for f in found)
+        rest = vector - sum((vector @ f) * f for f in blocks)
         if np.linalg.norm(rest) > 1e-6:
             unit = rest / np.linalg.norm(rest)
-            found.append(unit)
+            blocks.append(unit)
             words.append(_in_words(unit, place))
-    return np.array(found) * size, tuple(words)
+    return np.array(blocks) * size, tuple(words)
 
 
 def _in_words(moved: NDArray[np.float64], place: NDArray[np.float64]) -> str:

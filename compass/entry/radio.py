@@ -154,8 +154,8 @@ def electron_density(
         The model gives something that is not a density.
     """
     rho, v = np.asarray(density, dtype=float), np.asarray(speed, dtype=float)
-    found = model.at(altitude) if isinstance(model, ElectronTable) else model(rho, v)
-    n = np.broadcast_to(np.asarray(found, dtype=float), rho.shape)
+    electrons = model.at(altitude) if isinstance(model, ElectronTable) else model(rho, v)
+    n = np.broadcast_to(np.asarray(electrons, dtype=float), rho.shape)
     wrong = ~(np.isfinite(n) & (n >= 0))
     if np.any(wrong):
         raise ArgumentError(

@@ -86,7 +86,7 @@ def multistart(
         def record(intermediate_result: object) -> None:
             history.append(sign * float(intermediate_result.fun))  # type: ignore[attr-defined]
 
-        found = differential_evolution(
+        minimum = differential_evolution(
             coarse,
             bounds,
             maxiter=generations,
@@ -96,11 +96,11 @@ def multistart(
             rng=np.random.default_rng(stream),
             callback=record,
         )
-        polished = polish(found.x)
+        polished = polish(minimum.x)
         value = sign * float(polished.fun)
         history.append(value)
         progress()
-        return Start(value, decode(polished.x), tuple(history), found.nfev + polished.nfev)
+        return Start(value, decode(polished.x), tuple(history), minimum.nfev + polished.nfev)
 
     with ThreadPoolExecutor(threads) as pool:
         done = list(pool.map(one, np.random.SeedSequence(seed).spawn(starts)))

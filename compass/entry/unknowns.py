@@ -148,15 +148,15 @@ def range_variances(
     def variance(left: Array, right: Array) -> Array:
         return np.asarray(np.einsum("ni,nij,nj->n", left, satellites, right))
 
-    found = {
+    variances = {
         "satellites' orbits": variance(orbits, orbits),
         "satellites' clocks": variance(clocks, clocks),
         "biases of the ranges": np.full(beacons.size, own**2),
     }
     if np.any(variance(orbits, clocks)):  # one makes up for the other: no share of its own
         both = {"satellites' orbits and clocks": variance(rows, rows)}
-        found = both | {"biases of the ranges": found["biases of the ranges"]}
-    return {name: values for name, values in found.items() if values.any()}
+        variances = both | {"biases of the ranges": variances["biases of the ranges"]}
+    return {name: values for name, values in variances.items() if values.any()}
 
 
 #: A lander whose clock agrees with satellites that are known exactly.

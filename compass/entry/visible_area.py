@@ -41,15 +41,15 @@ class VisibleArea:
             return float((np.arccos(np.clip(self._up @ centre, -1, 1)) - cap).max())
 
         first = self._up[0] + self._up[-1]
-        found = minimize(
+        minimum = minimize(
             excess, first / np.linalg.norm(first), method="Nelder-Mead", options={"xatol": 1e-9}
         )
-        if found.fun >= 0:
+        if minimum.fun >= 0:
             raise ArgumentError(
                 "no place on the surface sees the lander throughout: the entry is too long or too "
                 "low; shorten duration_s or use orbiters"
             )
-        self.centre: NDArray[np.float64] = found.x / np.linalg.norm(found.x)
+        self.centre: NDArray[np.float64] = minimum.x / np.linalg.norm(minimum.x)
         east, north, _ = local_axes(self.centre)
         self._axes = np.array([north, east])
 

@@ -129,10 +129,10 @@ def _placeholder(key: Key) -> str:
         if get_origin(part) is Literal:
             return toml_value(get_args(part)[0])
     kinds = {int: "whole number", float: "number", str: "text", bool: "true or false"}
-    found = {get_origin(part) or part for part in _parts(key.field.annotation)}
-    if list in found:
+    hints = {get_origin(part) or part for part in _parts(key.field.annotation)}
+    if list in hints:
         return "[...]"
-    return f"<{next((word for kind, word in kinds.items() if kind in found), 'value')}>"
+    return f"<{next((word for kind, word in kinds.items() if kind in hints), 'value')}>"
 
 
 def _nested(key: Key, given: Any, path: tuple[str, ...], live: bool) -> Iterator[str]:

@@ -140,10 +140,10 @@ def _orbit_faults(table: dict[str, Any], figure: Figure) -> list[str]:
     given = [key for key in ("radius_km", "altitude_km", "orbit", "repeat") if key in table]
     faults = []
     if len(given) != 1:
-        found = " and ".join(given) or "none"
+        said = " and ".join(given) or "none"
         faults.append(
             "constellation: needs exactly one of radius_km, altitude_km, orbit and repeat; found "
-            f"{found}"
+            f"{said}"
         )
     radius, surface = _number(table, "radius_km"), figure.equatorial_radius / KM
     closed = table.get("repeat")

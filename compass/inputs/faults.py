@@ -69,16 +69,16 @@ def model_faults(errors: Iterable[ErrorDetails], model: type[BaseModel]) -> list
     A value with a fault inside is not refused as a whole too, as other members of a union would;
     nor is it by each of them: by the one that takes its kind and not its size, or by the first.
     """
-    found: dict[str, ErrorDetails] = {}
+    faults: dict[str, ErrorDetails] = {}
     for error in errors:
         path = _locate(error["loc"], model)[2]
-        known = found.setdefault(path, error)
+        known = faults.setdefault(path, error)
         if known["type"].endswith(_OTHER_KIND) and not error["type"].endswith(_OTHER_KIND):
-            found[path] = error
+            faults[path] = error
     return [
         _sentence(error, model)
-        for path, error in found.items()
-        if not any(other.startswith((f"{path}[", f"{path}.")) for other in found)
+        for path, error in faults.items()
+        if not any(other.startswith((f"{path}[", f"{path}.")) for other in faults)
     ]
 
 

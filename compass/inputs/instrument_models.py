@@ -159,11 +159,11 @@ def instruments_of(
     accelerometers: AccelerometersTable | None,
 ) -> tuple[Instrument, ...]:
     """Instruments, as given."""
-    found = []
+    instruments = []
     if two_way is not None and two_way.range_sigma_m is not None:
-        found.append(Instrument("two_way_range", two_way.range_sigma_m))
+        instruments.append(Instrument("two_way_range", two_way.range_sigma_m))
     if two_way is not None and two_way.range_rate_sigma_m_s is not None:
-        found.append(Instrument("two_way_rate", two_way.range_rate_sigma_m_s))
+        instruments.append(Instrument("two_way_rate", two_way.range_rate_sigma_m_s))
     for kind, table in (
         ("altimeter", altimeter),
         ("velocimeter", velocimeter),
@@ -171,10 +171,10 @@ def instruments_of(
     ):
         if table is not None:
             below = inf if table.below_km is None else 1e3 * table.below_km
-            found.append(Instrument(kind, *_sigmas(table), below, table.interval_s))
+            instruments.append(Instrument(kind, *_sigmas(table), below, table.interval_s))
     if (felt := accelerometers) is not None:
-        found.append(Instrument("accelerometers", felt.sigma_m_s2, interval=felt.interval_s))
-    return tuple(found)
+        instruments.append(Instrument("accelerometers", felt.sigma_m_s2, interval=felt.interval_s))
+    return tuple(instruments)
 
 
 def _sigmas(table: AltimeterTable | VelocimeterTable | FeaturesTable) -> tuple[float, float]:

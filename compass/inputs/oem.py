@@ -81,10 +81,10 @@ def read_ephemerides(patterns: list[str], folder: Path, epoch: float | None) -> 
     """
     paths = []
     for pattern in patterns:
-        found = sorted(glob(str(folder / pattern)))
-        if not found:
+        files = sorted(glob(str(folder / pattern)))
+        if not files:
             raise DesignError(f"constellation.files: {pattern!r} matches no file in {folder}")
-        paths += [Path(name) for name in found]
+        paths += [Path(name) for name in files]
     messages = [read_oem(path) for path in dict.fromkeys(paths)]
     names = [message.name for message in messages]
     for name in names:

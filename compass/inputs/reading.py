@@ -59,11 +59,11 @@ def read_text(path: Path) -> str:
 
 def key_given_twice(text: str, fault: str) -> str | None:
     """Name the key behind the parser's "Cannot overwrite a value", which tells its line alone."""
-    found = re.match(r"Cannot overwrite a value \(at (?:line (\d+),|end of document)", fault)
-    if found is None:
+    place = re.match(r"Cannot overwrite a value \(at (?:line (\d+),|end of document)", fault)
+    if place is None:
         return None
     lines = text.split("\n")
-    end = int(found[1] or len(lines))
+    end = int(place[1] or len(lines))
     for first in range(end, 0, -1):  # a value may begin lines before it ends
         try:
             held: Any = tomllib.loads("\n".join(lines[first - 1 : end]))
@@ -125,16 +125,16 @@ def named_files(path: Path) -> list[Path]:
     A name is any text of the file that is the path of a file, seen from the folder it is in, or a
     pattern of some, such as ``*.oem``.
     """
-    found: list[Path] = []
+    files: list[Path] = []
     waiting = [path]
     while waiting:
         here = waiting.pop()
         texts = [text for text in _texts(tables(here)) if len(text) < 200 and "\n" not in text]
         for other in (one for text in texts for one in _of_name(here.parent, text)):
-            if other not in (path, *found) and other.is_file():
-                found.append(other)
+            if other not in (path, *files) and other.is_file():
+                files.append(other)
                 waiting += [other] if other.suffix == ".toml" else []
-    return sorted(found)
+    return sorted(files)
 
 
 def _of_name(folder: Path, text: str) -> list[Path]:
@@ -192,7 +192,7 @@ def parse(
 def _other_kind(raw: dict[str, Any], model: type[BaseModel]) -> str:
     """What is wrong with a file of another kind, said once; nothing if it may be of this one."""
     own = [table for table in KINDS if table in model.model_fields]
-    found = [table for table in KINDS if table in raw]
-    if not own or not found or own[0] in found:
+    tables = [table for table in KINDS if table in raw]
+    if not own or not tables or own[0] in tables:
         return ""
-    return f"is {KINDS[found[0]]}, not {KINDS[own[0]]}; give a file with a table [{own[0]}]"
+    return f"is {KINDS[tables[0]]}, not {KINDS[own[0]]}; give a file with a table [{own[0]}]"

@@ -151,12 +151,12 @@ class Scenario:
         seconds = self.times if times is None else np.asarray(times, dtype=float)
         radius = self.model.planet_radius
         lat, lon, height = self.surface.T
-        found = surface_beacons(
+        beacons = surface_beacons(
             lat, lon, seconds, planet_radius=radius, height=height, names=self.surface_names
         ).above(np.nan if self.mask is None else self.mask)
         for orbiters in self.orbiters:
             r, v = states_mci(orbiters.constellation, orbiters.start + seconds)
-            found = found.with_others(
+            beacons = beacons.with_others(
                 orbiting_beacons(
                     r,
                     v,
@@ -167,7 +167,7 @@ class Scenario:
                     names=orbiters.constellation.satellite_names,
                 ).above(orbiters.mask)
             )
-        return found
+        return beacons
 
 
 @checked

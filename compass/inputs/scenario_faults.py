@@ -187,8 +187,8 @@ def _exactly_one(table: dict[str, Any], keys: tuple[str, ...], field: str) -> li
     given = [key for key in keys if key in table]
     if len(given) == 1:
         return []
-    found = " and ".join(given) or "none"
-    return [f"{field}: needs exactly one of {', '.join(keys)}; found {found}"]
+    said = " and ".join(given) or "none"
+    return [f"{field}: needs exactly one of {', '.join(keys)}; found {said}"]
 
 
 def _either(

@@ -72,14 +72,14 @@ def source(kind: str, name: str | Path | None) -> Path:
 
 def names(kind: str) -> list[str]:
     """Names of the shipped files of a kind."""
-    found = sorted(folder().glob("*.toml"))
-    return [path.stem for path in found if _TABLES[kind] in tables(path)]
+    files = sorted(folder().glob("*.toml"))
+    return [path.stem for path in files if _TABLES[kind] in tables(path)]
 
 
 def of_paper(paper: str) -> list[str]:
     """Names of the shipped designs and scenarios that a source paper proposes."""
-    found = sorted(folder().glob("*.toml"))
-    return [path.stem for path in found if tables(path).get("paper") == paper]
+    files = sorted(folder().glob("*.toml"))
+    return [path.stem for path in files if tables(path).get("paper") == paper]
 
 
 def companions(path: Path) -> list[Path]:

@@ -105,10 +105,10 @@ class Constraint:
 
     def holds(self, values: ArrayLike | None) -> NDArray[np.bool_]:
         """Whether values meet it, shape as `values`; no value (None, nan) never does."""
-        found = np.asarray(values, dtype=float)
+        reached = np.asarray(values, dtype=float)
         if self.strict:
-            return np.asarray((self.low < found) & (found < self.high))
-        return np.asarray((self.low <= found) & (found <= self.high))
+            return np.asarray((self.low < reached) & (reached < self.high))
+        return np.asarray((self.low <= reached) & (reached <= self.high))
 
     def __str__(self) -> str:
         sign = ("<", ">") if self.strict else ("<=", ">=")

@@ -35,8 +35,8 @@ def study_faults(raw: dict[str, Any]) -> list[str]:
         allowed = f"allowed from 1 m above the surface ({surface:g} km) to {FARTHEST_KM:g} km"
         faults += _range_faults(space, "radius_km", surface + 1e-3, FARTHEST_KM, allowed=allowed)
         if ("orbits" in space) == ("radius_km" in space):
-            found = "both" if "orbits" in space else "neither"
-            faults.append(f"study: needs either orbits or radius_km; found {found}")
+            said = "both" if "orbits" in space else "neither"
+            faults.append(f"study: needs either orbits or radius_km; found {said}")
         if method == "grid":
             faults += [
                 f"study.{key}: a range without step is free; give a step, or another "
@@ -51,9 +51,9 @@ def study_faults(raw: dict[str, Any]) -> list[str]:
         faults += _figure_faults(table, f"constraint[{k}]", raw)
         given = [key for key in _BOUNDS if key in table]
         if len(given) != 1:
-            found = " and ".join(given) or "none"
+            said = " and ".join(given) or "none"
             faults.append(
-                f"constraint[{k}]: needs exactly one of {', '.join(_BOUNDS)}; found {found}"
+                f"constraint[{k}]: needs exactly one of {', '.join(_BOUNDS)}; found {said}"
             )
     seen: set[str] = set()
     for k, table in enumerate(tables_in(raw, "objective"), start=1):

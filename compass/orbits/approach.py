@@ -79,12 +79,12 @@ def _distances(
 ) -> NDArray[np.float64]:
     """Distances of satellites from a moon, one a time, shape (k,)."""
     moon = states(row, np.zeros((1, 6)), times)[:, :3]
-    found = np.empty(times.size)
+    distances = np.empty(times.size)
     for s in np.unique(which):
         own = which == s
         one = path.only(int(s)).states(times[own])[0][0]
-        found[own] = np.linalg.norm(one - moon[own], axis=-1)
-    return found
+        distances[own] = np.linalg.norm(one - moon[own], axis=-1)
+    return distances
 
 
 def _fastest(path: Trajectory, row: NDArray[np.float64], times: NDArray[np.float64]) -> float:

@@ -171,6 +171,6 @@ def cheapest_drift(
         waits = np.where(planes > 1, np.where(rate == 0.0, np.inf, way / np.abs(rate)), 0.0)
     cost = np.where(waits <= longest, hohmann(launched, radii, gm) + hohmann(radii, a, gm), np.inf)
     best = cost.argmin(axis=1)[:, None]
-    found = np.stack([np.take_along_axis(values, best, axis=1) for values in (cost, waits)])
-    found = np.where(np.isfinite(found[0]), found, np.nan)[:, which.ravel(), 0]
-    return found[0], found[1]
+    cheapest = np.stack([np.take_along_axis(values, best, axis=1) for values in (cost, waits)])
+    cheapest = np.where(np.isfinite(cheapest[0]), cheapest, np.nan)[:, which.ravel(), 0]
+    return cheapest[0], cheapest[1]

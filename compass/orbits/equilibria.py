@@ -65,7 +65,7 @@ def equilibria(field: GravityField) -> list[Equilibrium]:
     """
     grid = np.linspace(0.0, 2 * np.pi, 361)
     values = np.array([longitude_acceleration(field, x) for x in grid])
-    found = []
+    points = []
     for k in np.flatnonzero(values[1:] * values[:-1] < 0.0):
         x = float(
             brentq(lambda x: longitude_acceleration(field, x), grid[k], grid[k + 1], xtol=1e-12)
@@ -74,20 +74,20 @@ def equilibria(field: GravityField) -> list[Equilibrium]:
         slope = longitude_acceleration(field, x + h) - longitude_acceleration(field, x - h)
         slope /= 2 * h
         period = float(2 * np.pi / np.sqrt(-slope)) if slope < 0.0 else None
-        found.append(Equilibrium(x, synchronous_radius(field, x), period))
-    return found
+        points.append(Equilibrium(x, synchronous_radius(field, x), period))
+    return points
 
 
 def largest_acceleration(field: GravityField) -> tuple[float, float]:
     """Longitude, radians, where that acceleration is largest in size, and its size, rad/s^2."""
     grid = np.radians(np.arange(0.0, 360.0, 2.0))
     best = grid[np.abs([longitude_acceleration(field, x) for x in grid]).argmax()]
-    found = minimize_scalar(
+    maximum = minimize_scalar(
         lambda x: -abs(longitude_acceleration(field, x)),
         bounds=(best - 0.04, best + 0.04),
         method="bounded",
     )
-    return float(np.mod(found.x, 2 * np.pi)), float(-found.fun)
+    return float(np.mod(maximum.x, 2 * np.pi)), float(-maximum.fun)
 
 
 def _pull(field: GravityField, r: float, longitude: float) -> NDArray[np.float64]:

@@ -133,15 +133,15 @@ class GravityField:
 def built_in_sigmas(degree: int) -> tuple[tuple[str, int, int, float], ...]:
     """Formal sigmas of the built-in field from degree 2 on: C or S, degree, order, one sigma."""
     text = files("compass.data").joinpath("mars-gravity-gmm3.csv").read_text(encoding="utf-8")
-    found = []
+    sigmas = []
     for line in text.splitlines():
         if line[:1].isdigit():
             n, m, *_, of_c, of_s = line.split(",")
             if int(n) <= degree:
-                found.append(("C", int(n), int(m), float(of_c)))
+                sigmas.append(("C", int(n), int(m), float(of_c)))
                 if int(m):
-                    found.append(("S", int(n), int(m), float(of_s)))
-    return tuple(found)
+                    sigmas.append(("S", int(n), int(m), float(of_s)))
+    return tuple(sigmas)
 
 
 def unit_terms(kind: str, n: int, m: int, degree: int) -> NDArray[np.float64]:

@@ -221,18 +221,18 @@ def keep_kinds(
     c = constellation
     shapes = np.column_stack([kinds_of(c), _runs(c.eccentricity), _runs(c.inclination)])
     kinds = np.unique(shapes, axis=0, return_inverse=True)[1].ravel()
-    found, owners = list[Keeping](), list[NDArray[np.int64]]()
+    kept, owners = list[Keeping](), list[NDArray[np.int64]]()
     for kind in range(int(kinds.max()) + 1):
         others = np.flatnonzero(kinds != kind).tolist()
         owners.append(np.flatnonzero(kinds == kind))
-        found.append(
+        kept.append(
             keep_slots(c.without(others), forces, duration, half_width, progress=progress, **upkeep)
         )
     order = np.argsort(np.concatenate(owners))
 
     def joined(name: str, per_time: bool = False) -> NDArray[Any]:
-        scale = [duration / one.duration if per_time else 1 for one in found]
-        parts = [getattr(one, name) * by for one, by in zip(found, scale, strict=True)]
+        scale = [duration / one.duration if per_time else 1 for one in kept]
+        parts = [getattr(one, name) * by for one, by in zip(kept, scale, strict=True)]
         return np.asarray(np.concatenate(parts)[order])
 
     return Keeping(
@@ -250,9 +250,9 @@ def keep_kinds(
 
 def _runs(values: NDArray[np.float64]) -> NDArray[np.int64]:
     """Number of the run that each value is of: a gap wider than `ALIKE` begins another."""
-    order, found = np.argsort(values), np.zeros(values.size, dtype=np.int64)
-    found[order[1:]] = np.cumsum(np.diff(values[order]) > ALIKE)
-    return found
+    order, labels = np.argsort(values), np.zeros(values.size, dtype=np.int64)
+    labels[order[1:]] = np.cumsum(np.diff(values[order]) > ALIKE)
+    return labels
 
 
 class _Slots:
@@ -342,10 +342,10 @@ class _Slots:
 
     def _kicks_at(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
         """What all impulses up to each time have added to the places, radians, (t, n)."""
-        found = np.zeros((t.size, self.spent.size))
+        kicks = np.zeros((t.size, self.spent.size))
         for moment, change in self.history:
-            found += np.maximum(t - moment, 0.0)[:, None] * change
-        return found
+            kicks += np.maximum(t - moment, 0.0)[:, None] * change
+        return kicks
 
 
 def _turn_and_mean(path: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

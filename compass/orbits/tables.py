@@ -77,8 +77,8 @@ def from_tables(
                 "degree"
             )
         errors[:, s] = _nearby(t[left_out], miss, middle) if miss.size else COARSE
-        found = hermite(t, x, degree, wanted).reshape(len(middle), NODES, 3)
-        paths[:, s] = np.einsum("kj,pjc->pck", to_series, found)
+        moved = hermite(t, x, degree, wanted).reshape(len(middle), NODES, 3)
+        paths[:, s] = np.einsum("kj,pjc->pck", to_series, moved)
     errors += 1e-9 * np.abs(paths).sum(axis=(-1, -2))
     return Trajectory(
         breaks,

@@ -160,7 +160,7 @@ class Trajectory:
         first = int(np.searchsorted(self.breaks, start, side="right")) - 1
         last = int(np.searchsorted(self.breaks, stop, side="left"))
         first, last = max(first, 0), max(min(last, len(self.paths)), first + 1)
-        found = np.full((self.size, 4), [np.inf, 0.0, 0.0, 0.0])
+        bounds = np.full((self.size, 4), [np.inf, 0.0, 0.0, 0.0])
         for k in range(first, last):
             half = 0.5 * (self.breaks[k + 1] - self.breaks[k])
             path = np.moveaxis(self.paths[k], -1, 0)
@@ -168,10 +168,10 @@ class Trajectory:
             pull = np.linalg.norm(legendre.legder(path, 2), axis=-1).sum(axis=0) / half**2
             away = np.linalg.norm(np.moveaxis(legendre.legval(LOOKED, path), -1, 0), axis=-1)
             reach = speed * half / LOOKS + self.errors[k]
-            found[:, 0] = np.minimum(found[:, 0], away.min(axis=0) - reach)
+            bounds[:, 0] = np.minimum(bounds[:, 0], away.min(axis=0) - reach)
             for column, bound in enumerate((away.max(axis=0) + reach, speed, pull), start=1):
-                found[:, column] = np.maximum(found[:, column], bound)
-        return found
+                bounds[:, column] = np.maximum(bounds[:, column], bound)
+        return bounds
 
 
 @cache
@@ -366,16 +366,16 @@ def _polynomials(
         middle, half = 0.5 * (breaks[1:] + breaks[:-1]), 0.5 * np.diff(breaks)
         times = middle[:, None] + half[:, None] * nodes
         r = positions(times.ravel())
-        found = np.einsum("kj,npjc->pnck", to_series, r.reshape(len(r), count, NODES + 2, 3))
-        errors = np.abs(found[..., -2:]).sum(axis=(-1, -2))
+        polynomials = np.einsum("kj,npjc->pnck", to_series, r.reshape(len(r), count, NODES + 2, 3))
+        errors = np.abs(polynomials[..., -2:]).sum(axis=(-1, -2))
         # phases of 1e3 turns are good to 7e-13, which the last terms see tenfold
         turns = max(abs(start), abs(stop)) / (2.0 * np.pi * piece)
-        rounding = 1e-11 * max(1.0, 1e-3 * turns) * np.abs(found).sum(axis=(-1, -2))
+        rounding = 1e-11 * max(1.0, 1e-3 * turns) * np.abs(polynomials).sum(axis=(-1, -2))
         worst = float(np.max(errors - rounding, initial=0.0))
         # what is little and does not fall off as stretches do is rounding too
-        little = worst < 1e-9 * float(np.abs(found).max(initial=0.0))
+        little = worst < 1e-9 * float(np.abs(polynomials).max(initial=0.0))
         if worst <= tolerance or (little and worst > 0.25 * before):
-            return breaks, found, errors + rounding
+            return breaks, polynomials, errors + rounding
         count, before = 2 * count, worst
 
 

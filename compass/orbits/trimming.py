@@ -183,7 +183,7 @@ def _fit(
     progress: Callable[[Sequence[Any]], Any],
 ) -> tuple[_Fit, _Fit]:
     """Correct axes from those of a trial on: what that did, and the best of all tried."""
-    kinds, found = kinds_of(c), list[_Fit]()
+    kinds, fits = kinds_of(c), list[_Fit]()
     for _ in progress(list(range(ROUNDS + 1))):
         path = Motion("numerical", forces).trajectory(trial, 0.0, span, tolerance=COARSE)
         times, theta = turned(path)
@@ -191,13 +191,13 @@ def _fit(
         excursion = float(excursions(theta, kinds).max(initial=0.0))
         spreads = (float(np.ptp(rates[kinds == kind])) for kind in np.unique(kinds))
         now = _Fit(trial, path, max(spreads, default=0.0), excursion)
-        first = found[0] if found else now
-        found = [first, min([*found[1:], now], key=lambda fit: fit.excursion)]
+        first = fits[0] if fits else now
+        fits = [first, min([*fits[1:], now], key=lambda fit: fit.excursion)]
         if now.spread * span <= GOOD * excursion:
             break
         step = _from_mean(rates, kinds) / (1.5 * c.mean_motion / c.semi_major_axis)
         trial = with_axes(trial, trial.semi_major_axis + step)
-    return found[0], found[1]
+    return fits[0], fits[1]
 
 
 def _beat(c: Constellation, forces: ForceModel) -> float:
@@ -242,11 +242,11 @@ def beat_of(constellation: Constellation, field: GravityField) -> Beat:
     oval = c.eccentricity > OVAL
     node, periapsis, anomaly = secular_rates(c.semi_major_axis, c.eccentricity, c.inclination, c.gm)
     slip = np.abs(node + periapsis + anomaly - MARS_ROTATION_RATE.value)[oval]
-    found = [Beat(float(np.pi / max(slip.min(), 1e-12)))] if slip.size else []
+    beats = [Beat(float(np.pi / max(slip.min(), 1e-12)))] if slip.size else []
     places = np.column_stack([np.round(c.semi_major_axis, -3), np.round(c.inclination, 4)])[~oval]
     if len(places):
-        found.append(_strongest(field, *np.unique(places, axis=0).T))
-    return max(found, key=lambda beat: beat.period, default=Beat(0.0))
+        beats.append(_strongest(field, *np.unique(places, axis=0).T))
+    return max(beats, key=lambda beat: beat.period, default=Beat(0.0))
 
 
 def _strongest(field: GravityField, a: NDArray[np.float64], i: NDArray[np.float64]) -> Beat:
@@ -317,18 +317,18 @@ def kinds_of(c: Constellation) -> NDArray[np.int64]:
     order = np.argsort(c.semi_major_axis)
     axes = c.semi_major_axis[order]
     wide = 6.0 * MARS_J2.value * MARS_J2_RADIUS.value**2 / axes[:-1]
-    found = np.zeros(c.size, dtype=np.int64)
-    found[order[1:]] = np.cumsum(np.diff(axes) > wide)
-    return found
+    labels = np.zeros(c.size, dtype=np.int64)
+    labels[order[1:]] = np.cumsum(np.diff(axes) > wide)
+    return labels
 
 
 def _from_mean(values: NDArray[np.float64], kinds: NDArray[np.int64]) -> NDArray[np.float64]:
     """Values, their last axis the satellites, less the mean of each kind."""
-    found = np.array(values)
+    osculating = np.array(values)
     for kind in np.unique(kinds):
         same = kinds == kind
-        found[..., same] -= found[..., same].mean(axis=-1, keepdims=True)
-    return found
+        osculating[..., same] -= osculating[..., same].mean(axis=-1, keepdims=True)
+    return osculating
 
 
 def with_axes(

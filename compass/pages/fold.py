@@ -205,14 +205,14 @@ def _fold_over_time(
     )
 
 
-def margin_by_inclination(design: Design, fold: int, found: Sequence[Neighbour]) -> Picture:
+def margin_by_inclination(design: Design, fold: int, margins: Sequence[Neighbour]) -> Picture:
     """Highest mask against inclination for the design's pattern and those beside it."""
     pattern = design.constellation.pattern
     assert pattern is not None
     figure = new_figure(*HALF)
     with look():
         axes = figure.add_subplot()
-        for k, other in enumerate(found):
+        for k, other in enumerate(margins):
             axes.plot(
                 other.inclination_deg,
                 other.margin_deg,
@@ -230,7 +230,7 @@ def margin_by_inclination(design: Design, fold: int, found: Sequence[Neighbour])
         axes.set_ylim(bottom=max(-20.0, axes.get_ylim()[0]))
         axes.grid(True)
         axes.legend(ncols=4, frameon=False, fontsize=8)
-    best = max(found, key=lambda n: n.mask_deg)
+    best = max(margins, key=lambda n: n.mask_deg)
     return picture(
         figure,
         "fold-margin-inclination",

@@ -108,12 +108,12 @@ def beacon_answers(scenario: Scenario) -> tuple[Answer, ...]:
     return tuple(rows)
 
 
-def dispersed_answers(found: Dispersed | None) -> tuple[Answer, ...]:
+def dispersed_answers(runs: Dispersed | None) -> tuple[Answer, ...]:
     """How far from the target or the planned place dispersed entries come, if any are flown."""
-    if found is None:
+    if runs is None:
         return ()
-    far, count = found.within(95.0), found.times.size
-    what = "Guided, entries come to the target within" if found.guided else "Entries come within"
+    far, count = runs.within(95.0), runs.times.size
+    what = "Guided, entries come to the target within" if runs.guided else "Entries come within"
     said = f"{distance_words(far)} in 95 %" if far < inf else "not in 95 %"
     return (Answer(what, said, None, f"sampled, {count:,} dispersed entries"),)
 

@@ -134,21 +134,21 @@ def fix_budget_picture(mapped: MapResult) -> list[Picture]:
 
 def budget_picture(design: Design) -> Picture:
     """Bars of the shares in a range's variance by elevation, its sigma above each."""
-    found = signal_facts(design)
+    facts = signal_facts(design)
     # at the very horizon a receiver's noise may have no end
-    kept = [k for k, e in enumerate(found["range_error_m"]) if np.isfinite(e) and e > 0]
+    kept = [k for k, e in enumerate(facts["range_error_m"]) if np.isfinite(e) and e > 0]
     places, base = np.arange(len(kept)), np.zeros(len(kept))
-    total = np.array([found["range_error_m"][k] for k in kept])
+    total = np.array([facts["range_error_m"][k] for k in kept])
     with look():
         figure = new_figure(8.0, 3.6)
         axes = figure.add_subplot()
         for colour, term in zip(CYCLE, TERMS, strict=False):
-            share = 100.0 * (np.array([found[f"{term}_error_m"][k] for k in kept]) / total) ** 2
+            share = 100.0 * (np.array([facts[f"{term}_error_m"][k] for k in kept]) / total) ** 2
             axes.bar(places, share, 0.7, base, color=colour, label=term)
             base += share
         for place, sigma in zip(places, total, strict=True):
             axes.annotate(f"{sigma:.3g} m", (place, 101.0), ha="center")
-        axes.set_xticks(places, [f"{found['elevation_deg'][k]:g}°" for k in kept])
+        axes.set_xticks(places, [f"{facts['elevation_deg'][k]:g}°" for k in kept])
         axes.set_xlabel("elevation of the satellite")
         axes.set_ylabel("share of a range's variance, %")
         axes.set_ylim(0.0, 112.0)

@@ -63,7 +63,7 @@ def neighbours(
     """
     assert c.pattern is not None
     angles, radius = np.linspace(*INCLINATIONS, inclinations), float(c.semi_major_axis[0])
-    found = []
+    near = []
     for pattern in _phasings(c.pattern):
         masks = []
         for angle in np.radians(angles):
@@ -71,8 +71,8 @@ def neighbours(
             least = covering_radius(tried, fold, tolerance=2e-3)
             cap = 0.5 * (least.radius + least.at_least)
             masks.append(np.arctan2(np.cos(cap) - sphere / radius, np.sin(cap)))
-        found.append(Neighbour(pattern, angles, np.degrees(masks)))
-    return found
+        near.append(Neighbour(pattern, angles, np.degrees(masks)))
+    return near
 
 
 def _phasings(pattern: Pattern) -> list[Pattern]:

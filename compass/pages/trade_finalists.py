@@ -65,7 +65,7 @@ class Entrant:
 
 def entrants(study: Study, chosen: Sequence[Finalist]) -> list[Entrant]:
     """Write each finalist down as a design file with what is required of it, and prove its fold."""
-    wanted, found = (*study.requirements, *demanded_folds(study)), []
+    wanted, entered = (*study.requirements, *demanded_folds(study)), []
     named = (*study.sites, *(site for each in wanted for site in each.sites))
     stations = {site.name: site for site in named}
     in_metres = any(name in ERRORS for each in wanted for name, _ in each.limits)
@@ -91,8 +91,8 @@ def entrants(study: Study, chosen: Sequence[Finalist]) -> list[Entrant]:
         )
         design = read_design_text(text, f"finalist-{k}.toml")
         verdicts = tuple(verdict_of(design, each) for each in wanted) if k == 1 else ()
-        found.append(Entrant(finalist, design, certificate.outcome, verdicts))
-    return found
+        entered.append(Entrant(finalist, design, certificate.outcome, verdicts))
+    return entered
 
 
 def recommendation(

@@ -103,25 +103,25 @@ def smallest_size(fold: int, largest: int) -> int | None:
 
 def rows() -> list[Row]:
     """Tables I to III and the theorem on smallest numbers."""
-    found: list[Row] = []
+    made: list[Row] = []
     for n, p, m, interval, phases, inclination, reach, altitude in TABLE_1:
-        found += _table_1(n, p, m, interval, phases, inclination, reach, altitude)
+        made += _table_1(n, p, m, interval, phases, inclination, reach, altitude)
     for n, p, q, spacing, reach in TABLE_2:
         radius = covering_radius(polar_network(p, q, np.radians(float(spacing))), 1).radius
         item = f"{n} satellites in {p} polar planes {spacing} deg apart: R"
-        found.append(compare(item, "Table II", reach, float(np.degrees(radius)), "deg"))
+        made.append(compare(item, "Table II", reach, float(np.degrees(radius)), "deg"))
     for fold, n, harmonic, inclination, reach in TABLE_3:
         best, covering = best_rosette(n, n, Fraction(harmonic), fold)
         name = f"({n}, {n}, {harmonic}), {fold}-fold"
         at_printed = _radius_at(n, n, Fraction(harmonic), inclination, fold)
-        found.append(_inclination("Table III", name, inclination, best, reach, at_printed))
-        found.append(
+        made.append(_inclination("Table III", name, inclination, best, reach, at_printed))
+        made.append(
             compare(f"{name}: R", "Table III", reach, float(np.degrees(covering.radius)), "deg")
         )
     for fold in range(1, 5):
         least = 2 * fold + 3
         smallest = smallest_size(fold, least)
-        found.append(
+        made.append(
             compare(
                 f"smallest delta pattern for {fold}-fold coverage with caps below 89 deg",
                 "Theorem I",
@@ -130,7 +130,7 @@ def rows() -> list[Row]:
                 "satellites",
             )
         )
-    return found
+    return made
 
 
 def _table_1(
@@ -211,8 +211,8 @@ def _inclination(
     Cut instead of rounded; at odds with the R printed beside it; or off the bottom of so flat
     a minimum that R prints the same.
     """
-    found, digits = float(np.degrees(best)), len(printed.partition(".")[2])
-    cut = float(np.floor(found * 10**digits) / 10**digits)
+    computed, digits = float(np.degrees(best)), len(printed.partition(".")[2])
+    cut = float(np.floor(computed * 10**digits) / 10**digits)
     off = abs(at_printed - float(reach)) > printed_tolerance(reach)
     if cut == float(printed):
         erratum = Erratum("the last digit was cut, not rounded", makes=cut)
@@ -231,4 +231,4 @@ def _inclination(
             f"as the same {reach}",
             shown=lambda angle: abs(angle - float(printed)) < 0.5,
         )
-    return compare(f"{name}: optimum inclination", table, printed, found, "deg", erratum=erratum)
+    return compare(f"{name}: optimum inclination", table, printed, computed, "deg", erratum=erratum)

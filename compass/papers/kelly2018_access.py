@@ -46,8 +46,8 @@ def polar_pass(mask: float, duration: float = 3 * SOLAR_DAY.value) -> float:
     c = constellation()
     site = Site("North pole", np.pi / 2, 0.0, mask=Mask.constant(mask), figure=FIGURE)
     station = station_node(site, c.epoch, duration)
-    (found,) = windows([(station, satellite_nodes(c)[0])], duration)
-    return float(found.length.max(initial=0.0))
+    (passes,) = windows([(station, satellite_nodes(c)[0])], duration)
+    return float(passes.length.max(initial=0.0))
 
 
 def polar_rows() -> list[Row]:
@@ -55,8 +55,8 @@ def polar_rows() -> list[Row]:
     c = constellation()
     site = Site("North pole", np.pi / 2, 0.0, figure=FIGURE)
     station = station_node(site, c.epoch, SPAN)
-    found = windows([(station, satellite) for satellite in satellite_nodes(c)], SPAN)
-    spacing = np.concatenate([np.diff(w.start[w.start > 0]) for w in found])
+    passes = windows([(station, satellite) for satellite in satellite_nodes(c)], SPAN)
+    spacing = np.concatenate([np.diff(w.start[w.start > 0]) for w in passes])
     daily = sidereal_day() / float(spacing.mean())
     implied = float(
         np.degrees(brentq(lambda mask: polar_pass(mask) - 6 * HOUR, 0.0, np.radians(40.0)))
@@ -104,10 +104,10 @@ def pair_shares(mask: float) -> NDArray[np.float64]:
         station_node(Site("", 0.0, longitude, mask=horizon, figure=FIGURE), c.epoch, day)
         for longitude in longitudes
     ]
-    found = windows([(s, satellite) for s in stations for satellite in satellites], day)
+    seen = windows([(s, satellite) for s in stations for satellite in satellites], day)
     n = len(satellites)
     shares = [
-        total(any_of([found[k].spans, found[k + LONGITUDES * n].spans])) / day
+        total(any_of([seen[k].spans, seen[k + LONGITUDES * n].spans])) / day
         for k in range(LONGITUDES * n)
     ]
     return np.array(shares).reshape(LONGITUDES, n)
@@ -160,22 +160,22 @@ def moon_windows(name: str, model: str = "precessing") -> list[Windows]:
     return windows([(moon, satellite) for satellite in satellite_nodes(c)], SPAN, figure=FIGURE)
 
 
-def occultations(found: list[Windows]) -> NDArray[np.float64]:
+def occultations(seen: list[Windows]) -> NDArray[np.float64]:
     """Lengths of all occultations not cut by the ends of the span, seconds."""
-    gaps = np.concatenate([outside(w.spans, w.duration) for w in found])
-    whole = (gaps[:, 0] > 0) & (gaps[:, 1] < found[0].duration)
+    gaps = np.concatenate([outside(w.spans, w.duration) for w in seen])
+    whole = (gaps[:, 0] > 0) & (gaps[:, 1] < seen[0].duration)
     return gaps[whole, 1] - gaps[whole, 0]
 
 
-def share_in_view(found: list[Windows]) -> float:
+def share_in_view(seen: list[Windows]) -> float:
     """Share of the time in which a satellite is in view, mean over the satellites."""
-    return float(np.mean([w.length.sum() / w.duration for w in found]))
+    return float(np.mean([w.length.sum() / w.duration for w in seen]))
 
 
 def phobos_rows() -> list[Row]:
     """Phobos: several windows a day for each satellite."""
-    found = moon_windows("phobos")
-    spacing = np.concatenate([np.diff(w.start) for w in found])
+    seen = moon_windows("phobos")
+    spacing = np.concatenate([np.diff(w.start) for w in seen])
     rate = SOLAR_DAY.value / float(np.median(spacing))
     where = "Section IV, Figure 9"
     return [
@@ -188,8 +188,8 @@ def phobos_rows() -> list[Row]:
             "2 or more",
             lambda rate: rate >= 2,
         ),
-        computed("Phobos: share of time in view", where, share_in_view(found), "1"),
-        computed("Phobos: longest occultation", where, occultations(found).max() / HOUR, "h"),
+        computed("Phobos: share of time in view", where, share_in_view(seen), "1"),
+        computed("Phobos: longest occultation", where, occultations(seen).max() / HOUR, "h"),
     ]
 
 
@@ -213,8 +213,8 @@ def deimos_rows() -> list[Row]:
     """Deimos: nearly continuous, occultations under 3 hours."""
     where, rows = "Section IV, Figure 8", []
     for model in ("precessing", "circular"):
-        found = moon_windows("deimos", model)
-        gaps = occultations(found) / HOUR
+        seen = moon_windows("deimos", model)
+        gaps = occultations(seen) / HOUR
         rows.append(
             claim(
                 f"Deimos ({model}): longest occultation; by a chord of the disc; mean; share under "
@@ -237,13 +237,13 @@ def deimos_rows() -> list[Row]:
                 f"Deimos ({model}): share of time in view",
                 where,
                 "nearly continuous",
-                share_in_view(found),
+                share_in_view(seen),
                 "1",
                 "above 0.95",
                 lambda share: share > 0.95,
             )
         )
-    longest = max(float(w.length.max()) for w in found) / SOLAR_DAY.value
+    longest = max(float(w.length.max()) for w in seen) / SOLAR_DAY.value
     rows.append(
         claim(
             "Deimos: longest unbroken view of a satellite",

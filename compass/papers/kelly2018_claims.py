@@ -71,10 +71,10 @@ def plane_rows() -> list[Row]:
     bare = points[(points @ satellites.T).max(axis=1) < np.cos(half)]
     north, south = (bare[side].sum(axis=0) for side in (bare @ pole > 0, bare @ pole < 0))
     apart = np.degrees(np.arccos((north @ south) / (np.linalg.norm(north) * np.linalg.norm(south))))
-    found = gap(ORBIT, SPHERE, 3)
-    assert found is not None
-    excess = found.area / SPHERE**2
-    delta = np.arccos(np.cos(found.vertex) / np.sin(half))
+    between = gap(ORBIT, SPHERE, 3)
+    assert between is not None
+    excess = between.area / SPHERE**2
+    delta = np.arccos(np.cos(between.vertex) / np.sin(half))
     # area = 2 pi - 3 (pi - beta) + 6 delta cos(half), solved for the corner's angle
     by_area = np.degrees(np.pi - (2 * np.pi + 6 * delta * np.cos(half) - excess) / 3)
     corner = _corner_angle(satellites, pole, half)
@@ -169,9 +169,9 @@ def altitude_trade() -> Array:
     rows = []
     for altitude in altitudes:
         orbit = SPHERE + 1e3 * altitude
-        found = gap(orbit, SPHERE, 3)
-        assert found is not None
-        rows.append((altitude, (1 - SPHERE / orbit) / 2, found.fraction))
+        between = gap(orbit, SPHERE, 3)
+        assert between is not None
+        rows.append((altitude, (1 - SPHERE / orbit) / 2, between.fraction))
     return np.array(rows)
 
 

@@ -65,12 +65,12 @@ MONTHS = (
 
 def rows() -> list[Row]:
     """Overlaps of arcs by component, and which component is known worst."""
-    found = []
+    made = []
     for arcs in MONTHS:
         overlap, angle = overlaps(arcs)
         for name, printed, value in zip(COMPONENTS, arcs.printed, overlap, strict=True):
             published = float(printed)
-            found.append(
+            made.append(
                 claim(
                     f"{arcs.name}, {name}: overlap of arcs of {arcs.days:g} days, rms",
                     arcs.where, printed, value, "m",
@@ -79,21 +79,21 @@ def rows() -> list[Row]:
                     note=f"times {published / value:.3g}; {_DIFFERENCES}",
                 )
             )  # fmt: skip
-        found.append(
+        made.append(
             claim(
                 f"{arcs.name}: radial is known best, cross-track worst", arcs.where,
                 "radial < along-track < cross-track", overlap, "m",
                 "in that order", lambda r, c, a: r < a < c,
             )
         )  # fmt: skip
-        found.append(
+        made.append(
             computed(
                 f"{arcs.name}: angle of the Earth over the orbit's plane", "here", angle, "deg",
                 note="seen edge-on, a turn about the line of sight moves it across its plane and "
                 "Doppler does not feel it",
             )
         )  # fmt: skip
-    return found
+    return made
 
 
 def overlaps(arcs: Arcs) -> tuple[tuple[float, float, float], float]:
@@ -114,7 +114,7 @@ def overlaps(arcs: Arcs) -> tuple[tuple[float, float, float], float]:
     tracking = Tracking(
         earth=Tracker(doppler=DOPPLER), duration=arcs.days * SECONDS_PER_DAY, step=STEP
     )
-    found = determine_orbits(Design(orbit, name="Mars Global Surveyor"), tracking)
-    late = found.times >= (1.0 - OVERLAP) * found.arc
-    radial, along, cross = np.sqrt(2.0 * (found.rms[late, :3] ** 2).mean(axis=0)).tolist()
+    determined = determine_orbits(Design(orbit, name="Mars Global Surveyor"), tracking)
+    late = determined.times >= (1.0 - OVERLAP) * determined.arc
+    radial, along, cross = np.sqrt(2.0 * (determined.rms[late, :3] ** 2).mean(axis=0)).tolist()
     return (radial, cross, along), angle

@@ -155,7 +155,7 @@ def plasma_rows() -> list[Row]:
 def crossing_rows() -> list[Row]:
     """Section 3.2: when the signal fades, is lost, comes back; all of it fitted."""
     case = paper.case(plasma=False)
-    found = []
+    made = []
     for place, model in (("stagnation", STAGNATION), ("wake", WAKE)):
         n = case.electrons(model)
         fade, clear = crossing_times(case.times, n, BROWNOUT_DENSITY.value)
@@ -164,9 +164,9 @@ def crossing_rows() -> list[Row]:
         for said, time, what in zip(
             CROSSINGS[place], (fade, lost, back, clear), words, strict=True
         ):
-            found.append(_fitted(f"{what}, {place}", "section 3.2", said, float(time), "s", 1.0))
+            made.append(_fitted(f"{what}, {place}", "section 3.2", said, float(time), "s", 1.0))
         peak = float(PEAKS[place])
-        found.append(
+        made.append(
             _fitted(
                 f"peak electron density, {place}",
                 "Figure 6",
@@ -177,29 +177,29 @@ def crossing_rows() -> list[Row]:
             )
         )
         at = float(case.times[n.argmax()])
-        found.append(_fitted(f"time of that peak, {place}", "Figure 6", PEAK_TIME, at, "s", 1.0))
+        made.append(_fitted(f"time of that peak, {place}", "Figure 6", PEAK_TIME, at, "s", 1.0))
         if place == "wake":
-            found.append(
+            made.append(
                 _fitted("blackout", "sections 3.2 and 6", "40", float(back - lost), "s", 1.0)
             )
     beta = paper.case().arrival
     assert beta is not None
     partial = (beta[:, 0] < 1) & (beta[:, 0] > 1.0001e-8)
-    found += [
+    made += [
         _fitted("seconds of brownout", "section 6", "17", float(partial.sum()), "s", 1.0),
         computed(
             "ranges of one orbiter expected to arrive in brownout", "-", beta[partial, 0].sum(), "1"
         ),
     ]
-    return found
+    return made
 
 
 def _fitted(
-    item: str, where: str, published: str, found: float, unit: str, tolerance: float
+    item: str, where: str, published: str, crossing: float, unit: str, tolerance: float
 ) -> Row:
     why = "the paper's program prints every second" if unit == "s" else "two per cent"
     return compare(
-        item, where, published, found, unit, tolerance=tolerance, why=why, fitted=_SURROGATE
+        item, where, published, crossing, unit, tolerance=tolerance, why=why, fitted=_SURROGATE
     )
 
 

@@ -39,7 +39,7 @@ def published_runs() -> list[Row]:
         name: monte_carlo(case, paper.published_filter(name, linear=False), RUNS, SEED)
         for name in names
     }
-    found = {str(name): settled(data) for name, data in runs.items()}
+    ends = {str(name): settled(data) for name, data in runs.items()}
     logs = {str(name): settled(data) for name, data in in_log.items()}
     capture = runs["dcifaif"].capture[1:, :6].min(dim="state").mean()
     weights = runs["dcifaif"].weight[1:]
@@ -47,7 +47,7 @@ def published_runs() -> list[Row]:
     surface_more = float((weights[:, :2].sum("beacon") > weights[:, 2:].sum("beacon")).mean())
     nees = float(runs["ekf"].nees[-1])
     return [
-        _order_row("settings as printed", found),
+        _order_row("settings as printed", ends),
         _order_row("printed P0 and Q taken for ln rho0", logs),
         claim(
             "position RMSE of CI and of EKF, 50 to 300 s (ln rho0)",
@@ -118,7 +118,7 @@ def recommended_runs() -> list[Row]:
     names: tuple[Algorithm, ...] = ("ekf", "iterated", "federated", "ci-feedback", "dcifaif", "ci")
     runs = {name: monte_carlo(case, paper.recommended_filter(name), RUNS, SEED) for name in names}
     low, high = nees_bounds(8, RUNS)
-    found = {str(name): settled(data) for name, data in runs.items()}
+    ends = {str(name): settled(data) for name, data in runs.items()}
     nees = {str(name): float(data.nees[SETTLED].mean()) for name, data in runs.items()}
     ekf = runs["ekf"]
     ellipse = error_ellipse(ekf.miss.values[:2], ekf.miss_covariance.values[:2, :2])
@@ -128,7 +128,7 @@ def recommended_runs() -> list[Row]:
         shown=lambda error: error > high,
     )
     return [
-        _order_row("recommended settings", found),
+        _order_row("recommended settings", ends),
         *(
             computed(
                 f"mean NEES of {name}, recommended settings, 50 to 300 s",
@@ -155,7 +155,7 @@ def recommended_runs() -> list[Row]:
         computed(
             "position RMSE of federated sum-fusion over that of the centralised EKF, less 1",
             "section 3.4",
-            found["federated"] / found["ekf"] - 1,
+            ends["federated"] / ends["ekf"] - 1,
             "relative",
             note="fusion loses nothing if shared information is divided before it is added",
         ),

@@ -27,7 +27,7 @@ MARS = ((20_427.7, 0.0), (20_427.7, 5.0), (20_427.7, 10.0), (3396.2 + 800.0, 0.0
 def rows() -> list[Row]:
     """Weights of the systems about the Earth as printed, and those of Mars."""
     where = "weights of the global average"
-    found = [
+    made = [
         compare(
             f"{name}, 1/w_AC^2", where, inverse,
             1.0 / average_weights(radius * 1e3, EARTH * 1e3).across2,
@@ -35,13 +35,13 @@ def rows() -> list[Row]:
         for name, (radius, inverse) in SYSTEMS.items()
     ]  # fmt: skip
     gps = average_weights(SYSTEMS["GPS"][0] * 1e3, EARTH * 1e3)
-    found.insert(0, compare("GPS, w_R", where, "0.98", gps.radial))
+    made.insert(0, compare("GPS, w_R", where, "0.98", gps.radial))
     for radius, mask in MARS:
         mars = average_weights(radius * 1e3, KELLY2018_RADIUS.value, float(np.radians(mask)))
-        found.append(
+        made.append(
             computed(
                 f"Mars, {radius:g} km, mask {mask:g} deg: w_R, 1/w_AC^2", "here",
                 (mars.radial, 1.0 / mars.across2), "1", shown="{:.4f}, {:.1f}",
             )
         )  # fmt: skip
-    return found
+    return made

@@ -35,18 +35,18 @@ def ground_rows() -> list[Row]:
     """Observability on ground beacons and their best places."""
     flight, beacons = paper.ground_flight(), paper.ground_beacons()
     timed = {}
-    found = {}
+    areas = {}
     for method in (None, *get_args(Method)):
         for _ in range(2):  # the first compiles
             began = time.perf_counter()
-            found[method] = (
+            areas[method] = (
                 approximate_degree(paper.model(), flight.states, beacons, method)
                 if method
                 else observability(paper.model(), flight.states, beacons).spherical_degree
             )
             timed[method] = time.perf_counter() - began
-    exact, index = found[None], observability(paper.model(), flight.states, beacons).index
-    off = {key: float(np.abs(value / exact - 1).max()) for key, value in found.items()}
+    exact, index = areas[None], observability(paper.model(), flight.states, beacons).index
+    off = {key: float(np.abs(value / exact - 1).max()) for key, value in areas.items()}
     correlation = float(spearmanr(exact, index).statistic)
     best, places, _ = best_ground()
     peak = float(paper.TIMES[index.argmax()])

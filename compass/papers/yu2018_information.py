@@ -231,8 +231,8 @@ def _rate_rows() -> list[Row]:
         return float(np.abs(_rate_gradients(trial, True)[0]).max())
 
     def printed(trial: int, moving: bool) -> float:
-        _, right, found = _rate_gradients(trial, moving)
-        return float(np.linalg.norm(found - right) / np.linalg.norm(right))
+        _, right, information = _rate_gradients(trial, moving)
+        return float(np.linalg.norm(information - right) / np.linalg.norm(right))
 
     def mended(trial: int) -> float:
         n, distance, v, beacon = _geometry(1, trial)

@@ -128,13 +128,13 @@ def comparison_rows() -> list[Row]:
         "ground beacons spread by mean log I": paper.ground_beacons(by_index.parameters),
     }
     results = {name: _figure_12(flight, beacons) for name, beacons in sets.items()}
-    found = {
+    runs = {
         name: [
             errors[k] for k in (paper.at(60), -1) for errors in (mc.position_rms, mc.velocity_rms)
         ]
         for name, mc in results.items()
     }
-    orbit, narrow, spread = found.values()
+    orbit, narrow, spread = runs.values()
     unit, shown = "m, m/s at 60 s; at 240 s", "{:.3g}, {:.3g}; {:.3g}, {:.3g}"
     where = "Figure 12"
     return [

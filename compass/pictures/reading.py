@@ -140,7 +140,7 @@ def _rows(some: Rows) -> dict[str, Any]:
 
 def _bars(axes: "Axes") -> Iterator[dict[str, Any]]:
     """Axes with bars: the corners of each, its name by the tick below it, how long it is."""
-    found = []
+    drawn = []
     for bars in (some for some in axes.containers if isinstance(some, BarContainer)):
         flat = bars.orientation == "horizontal"
         axis = axes.yaxis if flat else axes.xaxis
@@ -154,10 +154,10 @@ def _bars(axes: "Axes") -> Iterator[dict[str, Any]]:
             at = float(np.mean(y if flat else x))
             name = names.get(at) or f"{axis.label.get_text()}: {at:.6g}"
             corners = _rounded([x[0], y[0], x[1], y[1]], 7)
-            found.append({"name": name, "value": float(f"{length:.5g}"), "corners": corners})
-    if found:
+            drawn.append({"name": name, "value": float(f"{length:.5g}"), "corners": corners})
+    if drawn:
         of = axes.get_xlabel() if flat else axes.get_ylabel()
-        yield _frame(axes) | {"bars": found[:BARS], "of": of, "flat": flat}
+        yield _frame(axes) | {"bars": drawn[:BARS], "of": of, "flat": flat}
 
 
 def _told(axes: "Axes", line: "Line2D") -> bool:

@@ -112,9 +112,9 @@ _boxes: dict[str, None] = {}
 
 def boxes() -> str:
     """Letters drawn as boxes since last asked, because no font here has them."""
-    found = "".join(_boxes)
+    letters = "".join(_boxes)
     _boxes.clear()
-    return found
+    return letters
 
 
 class Powers(LogFormatterMathtext):

@@ -17,12 +17,12 @@ def percentiles(
     values: NDArray[np.float64], percents: Sequence[float] = (50, 95)
 ) -> dict[str, Any]:
     """Percentiles of independent draws, ``p95``, with their bounds, ``p95_interval``."""
-    found: dict[str, Any] = {}
+    by_name: dict[str, Any] = {}
     order = np.sort(values)  # once: what is in order already is sorted at once
     for percent in percents:
-        found[f"p{percent}"] = float(percentile(order, percent))
-        found[f"p{percent}_interval"] = list(quantile_bounds(order, percent))
-    return found
+        by_name[f"p{percent}"] = float(percentile(order, percent))
+        by_name[f"p{percent}_interval"] = list(quantile_bounds(order, percent))
+    return by_name
 
 
 def share_of(name: str, hits: NDArray[np.bool_], several: int = 1) -> dict[str, Any]:

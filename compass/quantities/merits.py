@@ -70,8 +70,8 @@ class Merit:
 
     def values(self, known: Known) -> NDArray[np.float64]:
         """Its values, shape (n,)."""
-        found = known[self.quantity.name] if self.of is None else self.of(known)
-        return np.asarray(found, dtype=float)
+        values = known[self.quantity.name] if self.of is None else self.of(known)
+        return np.asarray(values, dtype=float)
 
 
 def _error(name: str, title: str) -> Merit:
@@ -328,11 +328,11 @@ class _Merits(dict[str, Merit]):
     """Figures by name; those of one requirement, as many as there may be, when asked for."""
 
     def __missing__(self, name: str) -> Merit:
-        found = OF_ONE.fullmatch(name)
-        if found is None:
+        match = OF_ONE.fullmatch(name)
+        if match is None:
             raise KeyError(name)
-        shared = _SHARED[f"requirement_{found[2]}"]
-        title = f"requirement {found[1]}: {shared.title}"
+        shared = _SHARED[f"requirement_{match[2]}"]
+        title = f"requirement {match[1]}: {shared.title}"
         return Merit(replace(shared, name=name, title=title), "requirements")
 
 

@@ -41,25 +41,25 @@ def mean_age_covariance(signal: Signal, satellites: int) -> NDArray[np.float64]:
     """
     if signal.age == "worst":
         return aged_covariance(signal, satellites, signal.update)
-    found = signal.of_satellites(satellites)
+    of_each = signal.of_satellites(satellites)
     u, rate = signal.update, np.array(signal.ephemeris_rate)
-    at_first = np.sqrt(np.maximum(np.diagonal(found, axis1=1, axis2=2)[:, :3], 0.0))
+    at_first = np.sqrt(np.maximum(np.diagonal(of_each, axis1=1, axis2=2)[:, :3], 0.0))
     growth = at_first * rate * u + rate**2 * u * u / 3.0
-    found[:, (0, 1, 2), (0, 1, 2)] += growth
+    of_each[:, (0, 1, 2), (0, 1, 2)] += growth
     if signal.clock is not None:
-        found[:, 3, 3] += signal.clock.mean_variance(u)
-    return found
+        of_each[:, 3, 3] += signal.clock.mean_variance(u)
+    return of_each
 
 
 def aged_covariance(signal: Signal, satellites: int, age: float) -> NDArray[np.float64]:
     """Covariance of radial, along, cross and clock of data `age` seconds old, m^2, (n, 4, 4)."""
-    found = signal.of_satellites(satellites)
+    of_each = signal.of_satellites(satellites)
     rate = np.array(signal.ephemeris_rate)
-    at_first = np.sqrt(np.maximum(np.diagonal(found, axis1=1, axis2=2)[:, :3], 0.0))
-    found[:, (0, 1, 2), (0, 1, 2)] += 2.0 * at_first * rate * age + (rate * age) ** 2
+    at_first = np.sqrt(np.maximum(np.diagonal(of_each, axis1=1, axis2=2)[:, :3], 0.0))
+    of_each[:, (0, 1, 2), (0, 1, 2)] += 2.0 * at_first * rate * age + (rate * age) ** 2
     if signal.clock is not None:
-        found[:, 3, 3] += float(signal.clock.variance(age))
-    return found
+        of_each[:, 3, 3] += float(signal.clock.variance(age))
+    return of_each
 
 
 def basis(design: Design) -> str:

@@ -313,7 +313,7 @@ def refine(leaves, fresh, whole, eps, speed, squares, problem):
     room, columns = make_room(problem.orbits.shape[0]), leaves.shape[1]
     settled, out = np.zeros(columns - INSIDE + 1), np.empty((64, columns))
     stack, box, nothing = np.empty((256, columns)), np.empty(columns), np.zeros(eps.size)
-    found = 0
+    left = 0
     for i in range(leaves.shape[0]):
         stack[0] = leaves[i]
         first, depth = (0 if fresh else 1), 1
@@ -330,12 +330,12 @@ def refine(leaves, fresh, whole, eps, speed, squares, problem):
                 depth += 2
                 continue
             if whole or most_open(box, nothing) > 0.0:
-                if found == out.shape[0]:
-                    more = np.empty((2 * found, columns))
-                    more[:found] = out
+                if left == out.shape[0]:
+                    more = np.empty((2 * left, columns))
+                    more[:left] = out
                     out = more
-                out[found] = box
-                found += 1
+                out[left] = box
+                left += 1
             else:
                 settled[:-1] += box[INSIDE:]
-    return settled, out[:found].copy()
+    return settled, out[:left].copy()

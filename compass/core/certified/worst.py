@@ -181,7 +181,7 @@ def pursue(leaves, best, ratio, enough, beyond, budget, speed, sides, problem):
     room = make_room(orbits.shape[0])
     best, corner = best.copy(), np.empty(3)
     out, stack = np.empty((64, LEAF)), np.empty((256, LEAF))
-    found = looked = 0
+    left = looked = 0
     stuck = False
     for i in range(leaves.shape[0]):
         stack[0] = leaves[i]
@@ -229,10 +229,10 @@ def pursue(leaves, best, ratio, enough, beyond, budget, speed, sides, problem):
                     stack[first] = stack[first + 1]
                     stack[first + 1] = half
                 continue
-            if found == out.shape[0]:
-                more = np.empty((2 * found, LEAF))
-                more[:found] = out
+            if left == out.shape[0]:
+                more = np.empty((2 * left, LEAF))
+                more[:left] = out
                 out = more
-            out[found] = box
-            found += 1
-    return best, looked, stuck, out[:found].copy()
+            out[left] = box
+            left += 1
+    return best, looked, stuck, out[:left].copy()

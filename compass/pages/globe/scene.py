@@ -118,21 +118,21 @@ def _gaps(design: Design) -> list[dict[str, Any]]:
     if geometry is None:
         return []
     u = positions_mci(c, [0.0])[:, 0] / c.semi_major_axis[:, np.newaxis]
-    found = []
+    gaps = []
     for first in range(0, c.size, pattern.per_plane):
         axis = np.cross(u[first], u[first + 1])
         axis /= np.linalg.norm(axis)
         for pole in (axis, -axis):
             outline = gap_outline(u[first], pole, geometry, 16)
             closed = np.round(np.vstack([outline, outline[:1]]), 5)
-            found.append(
+            gaps.append(
                 {
                     "pole": axis.tolist(),
                     "outline": closed.tolist(),
                     "rate_rad_s": float(c.mean_motion[first]),
                 }
             )
-    return found
+    return gaps
 
 
 def _rgb(colour: Any) -> list[int]:
