@@ -41,7 +41,7 @@ def pair_track(survey: Survey, windows: Windows) -> Track:
 def pair_record(survey: Survey, windows: Windows) -> dict[str, Any]:
     """Return windows, statistics and the extremes of the range of a pair."""
     path = pair_track(survey, windows) if windows.count else None
-    figures = statistics(windows.spans, windows.duration)
+    numbers = statistics(windows.spans, windows.duration)
     rows = zip(
         windows.start,
         windows.end,
@@ -63,11 +63,11 @@ def pair_record(survey: Survey, windows: Windows) -> dict[str, Any]:
             }
             for start, end, length, culmination, elevation in rows
         ],
-        "count": figures.count,
-        "share": figures.share,
-        "mean_duration_h": figures.mean_duration / HOUR,
-        "longest_gap_h": figures.longest_gap / HOUR,
-        "passes_per_sol": figures.passes_per_sol,
+        "count": numbers.count,
+        "share": numbers.share,
+        "mean_duration_h": numbers.mean_duration / HOUR,
+        "longest_gap_h": numbers.longest_gap / HOUR,
+        "passes_per_sol": numbers.passes_per_sol,
         "least_range_km": path.distance.min() / 1e3 if path else None,
         "largest_range_km": path.distance.max() / 1e3 if path else None,
         "largest_range_rate_km_s": np.abs(path.range_rate).max() / 1e3 if path else None,
@@ -82,15 +82,15 @@ def node_record(survey: Survey, node: Node) -> dict[str, Any] | None:
         return None
     each = [statistics(w.spans, w.duration) for w in own]
     lengths = np.concatenate([w.length for w in own])
-    gaps = np.array([figures.longest_gap for figures in each])
+    gaps = np.array([one.longest_gap for one in each])
     merged = statistics(any_of([w.spans for w in own]), survey.duration)
     return {
         "node": node.name,
         "satellites": len(own),
         "seen": sum(w.count > 0 for w in own),
-        "mean_share": float(np.mean([figures.share for figures in each])),
-        "least_share": min(figures.share for figures in each),
-        "passes_per_sol": sum(figures.passes_per_sol for figures in each) / len(each),
+        "mean_share": float(np.mean([one.share for one in each])),
+        "least_share": min(one.share for one in each),
+        "passes_per_sol": sum(one.passes_per_sol for one in each) / len(each),
         "mean_pass_h": float(lengths.mean()) / HOUR if lengths.size else None,
         "longest_gap_h": float(gaps.max()) / HOUR,
         "any_share": merged.share,

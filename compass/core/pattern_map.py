@@ -9,12 +9,12 @@ from compass.core.jit import kernel
 from compass.core.ranking import nearest_rank, select
 from compass.core.screen import circles, deciding_phases, pattern_angles
 
-#: What the columns of its figures are, in order.
+#: What the columns of its merits are, in order.
 FIGURES = ("gdop_p50", "gdop_p95", "gdop_p95_zone", "pdop_p95", "availability", "count_mean")
 
 
 @kernel
-def map_patterns(patterns, radius, sin_mask, epochs, area, zones, columns, pdop_max, figures):
+def map_patterns(patterns, radius, sin_mask, epochs, area, zones, columns, pdop_max, merits):
     """Figures of geometry of m patterns over the whole sphere and the phases that decide.
 
     Parameters
@@ -34,7 +34,7 @@ def map_patterns(patterns, radius, sin_mask, epochs, area, zones, columns, pdop_
         and how many there are in a row.
     pdop_max
         Largest PDOP that counts as available.
-    figures
+    merits
         Takes `FIGURES`, shape (m, 6): GDOP not exceeded at 50 and at 95 of 100 places and
         moments, and at 95 of 100 in the zone of latitude where that is worst; PDOP at 95; share
         with PDOP at most `pdop_max`; mean number in view, exact. Percentiles are values that
@@ -61,14 +61,14 @@ def map_patterns(patterns, radius, sin_mask, epochs, area, zones, columns, pdop_
         dops_over(r, area, 1.0, sin_mask[m], fold, gdop, pdop)
         dops_over(r, zones, 1.0, sin_mask[m], zone_fold, zone_gdop, zone_pdop)
         values = gdop.ravel()
-        figures[m, 0] = select(values, half)
-        figures[m, 1] = select(values[half:], most - half)  # the rest is smaller
-        figures[m, 2] = worst_zone(zone_gdop, columns)
-        figures[m, 4] = (pdop.size - count_above(pdop.ravel(), pdop_max)) / pdop.size
-        figures[m, 3] = select(pdop.ravel(), most)
+        merits[m, 0] = select(values, half)
+        merits[m, 1] = select(values[half:], most - half)  # the rest is smaller
+        merits[m, 2] = worst_zone(zone_gdop, columns)
+        merits[m, 4] = (pdop.size - count_above(pdop.ravel(), pdop_max)) / pdop.size
+        merits[m, 3] = select(pdop.ravel(), most)
         # as many as there are, each over the part of the sphere that its cap has
         cap = math.acos(math.sqrt(1.0 - sin_mask[m] ** 2) / radius[m]) - math.asin(sin_mask[m])
-        figures[m, 5] = n * 0.5 * (1.0 - math.cos(cap))
+        merits[m, 5] = n * 0.5 * (1.0 - math.cos(cap))
 
 
 @kernel

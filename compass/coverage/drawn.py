@@ -134,11 +134,11 @@ def drawn(
         piece = slice(k, k + step)
         some = Mover("", places[piece], axes[piece], everyone.mask)
         given = design, some, times[piece], everyone.beam, weights
-        parts.append(_figures(*given, losses=losses))
+        parts.append(_numbers(*given, losses=losses))
     return Drawn.joined(parts)
 
 
-def _figures(
+def _numbers(
     design: Design,
     users: Mover,
     times: Array,
@@ -147,7 +147,7 @@ def _figures(
     *,
     losses: bool,
 ) -> Drawn:
-    """All figures of one user a moment."""
+    """All numbers of one user a moment."""
     names, motion = design.constellation.satellite_names, design.motion
     r, seen, around = seen_along(design, users, times, motion, beam)
     count, risen = seen.sum(axis=1), _risen(design, users, times, beam)

@@ -17,7 +17,7 @@ from compass.document.blocks import Block
 from compass.document.evidence import Between
 from compass.document.numbers import significant
 from compass.orbits.symmetry import one_circle
-from compass.pages.answers import ANSWERS, ENOUGH, LOCATE, known_figure, rover_errors
+from compass.pages.answers import ANSWERS, ENOUGH, LOCATE, known_value, rover_errors
 from compass.pages.design_results import DesignResults
 from compass.pages.lasting import lasting_advice, lasting_sentence
 from compass.pages.neighbours import Neighbour
@@ -54,7 +54,7 @@ def accurate(results: DesignResults) -> str:
             f"its fixes, in 95 % of area and time, with {basis(results.design)}."
         )
     for key, share in (("p95", "95 %"), ("p50", "half")):
-        value = known_figure(results, "gdop", numbers["gdop"], key)
+        value = known_value(results, "gdop", numbers["gdop"], key)
         known = value.evidence
         if isinstance(known, Between):
             value = Value(value.quantity, known.high, Proven())  # rounded to its own side

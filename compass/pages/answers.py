@@ -144,7 +144,7 @@ def geometry(results: DesignResults) -> list[Answer]:
         Answer("GDOP, half of area and time below", *_dilution(results, gdop, "p50")),
         Answer(
             f"Area and time with PDOP {within:g} or less",
-            known_figure(results, "availability", numbers, "availability"),
+            known_value(results, "availability", numbers, "availability"),
         ),
     ]
 
@@ -153,14 +153,14 @@ def _dilution(
     results: DesignResults, gdop: dict[str, Any], key: str
 ) -> tuple[Value | str, None, str]:
     """A percentile of GDOP as an answer; in words where so much of area and time has no fix."""
-    value = known_figure(results, "gdop", gdop, key)
+    value = known_value(results, "gdop", gdop, key)
     known = value.evidence
     least = known.low if isinstance(known, Between) else gdop[key]
     fixed = least is not None and least < GREATEST  # no percentile is looked for beyond
     return (value if fixed else NO_FIX[key], None, str(known or ""))
 
 
-def known_figure(results: DesignResults, name: str, of: dict[str, Any], key: str) -> Value:
+def known_value(results: DesignResults, name: str, of: dict[str, Any], key: str) -> Value:
     """A figure of the map with its proven bounds, or with those of what was drawn."""
     mapped = results.mapped
     scope = mapped.certified.scope.split(";")[0] if mapped.certified else ""
