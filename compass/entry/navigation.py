@@ -161,7 +161,7 @@ def run_monte_carlo(
         path,
         beacons.times,
         measurements.heard(
-            beacons, arrives.reshape(-1, *arrives.shape[-2:]).any(axis=0), path, flight.model
+            beacons, arrives.any(axis=tuple(range(arrives.ndim - 2))), path, flight.model
         ),
         settings.noise,
         longest_step(measurements),

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from compass.api.map_errors import error_table, error_words
 from compass.api.map_result import MapResult
 from compass.api.map_statistics import extremes_met, folds_met
 from compass.design import Design
@@ -59,8 +60,8 @@ def aloft_section(mapped: tuple[MapResult, ...]) -> Section | None:
         who = f"users anywhere{one.users}"
         told.append(Sentence(f"{capital(who)}, above {mask} deg:"))
         told += [Sentence(words) for words in one.certain()]
-        told += one.error_words() if in_metres else ()
-        tables = (*one.tables(), one.error_table()) if in_metres else one.tables()
+        told += error_words(one) if in_metres else ()
+        tables = (*one.tables(), error_table(one)) if in_metres else one.tables()
         told += [_named(table, who) for table in tables]
         name = "error_position_m" if in_metres else "gdop"
         if not one.nowhere(name):
