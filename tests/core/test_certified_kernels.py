@@ -13,7 +13,7 @@ from compass.core.certified.cuts import (
     cuts,
     projector,
 )
-from compass.core.certified.groups import Problem, Room, make_room
+from compass.core.certified.groups import Problem, make_room
 from compass.core.certified.shares import (
     BOX,
     GIVEN,
@@ -101,12 +101,10 @@ class Case:
             self.numbers = np.append(self.numbers, self.ranges.shared_row(SCALE))
         self.rows, self.kinds = np.zeros((n + 1, WIDTH)), np.zeros(n + 1, dtype=np.int64)
         q, dq = self.motion(self.box[2])
-        d, mask = self.domain, np.array([[0.0], [self.mask]])
-        room = Room(self.user, np.empty(0), q, dq, self.rows, self.kinds)
-        problem = Problem(
-            self.orbits, d.circles, d.breaks, d.paths, np.empty((0, 3)), self.numbers, mask
-        )
-        self.count = sights(self.box, level, room, problem)
+        self.count = sights(
+            self.box, self.user, self.orbits, q, dq, self.numbers, level,
+            np.array([[0.0], [self.mask]]), self.rows, self.kinds,
+        )  # fmt: skip
 
     def motion(self, t):
         n = len(self.domain.orbits)

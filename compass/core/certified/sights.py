@@ -229,29 +229,32 @@ def azimuth_reach(user, ex, ey, ez, first):
 
 
 @fused_kernel
-def sights(box, level, room, problem):
+def sights(box, user, orbits, q, dq, numbers, level, mask, rows, kinds):
     """Fill the rows of satellites that a box may see, and which: 1 surely, 2 in part.
 
     Parameters
     ----------
     box
         Centre and half-widths b, l, t, hb, hl, ht.
+    user
+        From `place`.
+    orbits, q, dq
+        Orbits, and states at the centre.
+    numbers
+        See `E2`.
     level
         Whether the local vertical is to stand still.
-    room
-        `user` is from `place`, `q` and `dq` are states at the centre; `rows` and `kinds` are
-        filled (`compass.core.certified.groups.Room`).
-    problem
-        Its `orbits`, its `numbers` (see `E2`) and its `mask`.
+    mask
+        Two rows: azimuths and elevations.
+    rows, kinds
+        Filled; shapes (n, WIDTH) and (n,).
 
     Returns
     -------
     count
         Rows filled; -1 where a satellite comes too near for the bounds to hold.
     """
-    user, q, dq, rows, kinds = room.user, room.q, room.dq, room.rows, room.kinds
-    orbits, numbers = problem.orbits, problem.numbers
-    azimuths, elevations = problem.mask[0], problem.mask[1]
+    azimuths, elevations = mask[0], mask[1]
     slack, weighed = numbers[SLACK], orbits.shape[1] > ORBIT
     ht, v, wn = box[5], user[18], user[19]
     nx, ny, nz = user[0], user[1], user[2]
