@@ -168,7 +168,8 @@ def _table_1(
             "within 0.05 of one, or R at both prints alike",
             lambda worst: any(
                 abs(worst - x) <= 0.05
-                or abs(_radius_in_phase(c, worst) - _radius_in_phase(c, x))
+                or np.isfinite(worst)
+                and abs(_radius_in_phase(c, worst) - _radius_in_phase(c, x))
                 <= printed_tolerance(reach)
                 for x in phases
             ),
