@@ -168,9 +168,11 @@ def _table_1(
             "within 0.05 of one, or R at both prints alike",
             lambda worst: any(
                 abs(worst - x) <= 0.05
-                or np.isfinite(worst)
-                and abs(_radius_in_phase(c, worst) - _radius_in_phase(c, x))
-                <= printed_tolerance(reach)
+                or (
+                    np.isfinite(worst)
+                    and abs(_radius_in_phase(c, worst) - _radius_in_phase(c, x))
+                    <= printed_tolerance(reach)
+                )
                 for x in phases
             ),
         ),
