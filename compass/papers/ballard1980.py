@@ -22,6 +22,10 @@ TITLE = (
 #: Any: nothing in the paper depends on the height of the orbits.
 ANY_RADIUS = 1e7
 
+#: Of optimum inclinations, radians. At an optimum two phases may be the worst, which tie as nearly:
+#: R changes no faster than the inclination.
+RESOLUTION = 1e-6
+
 #: N, P, m, replication interval, worst phases, inclination, range R, lowest altitude in radii.
 TABLE_1 = (
     (5, 5, "1", "36", (18,), "43.66", "69.15", "4.232"),
@@ -73,7 +77,7 @@ def best_rosette(
         pattern = Pattern("walker-delta", satellites, planes, phasing, inclination)
         return from_pattern(pattern, ANY_RADIUS)
 
-    inclination = optimal_inclination(make(0.0), fold, resolution=1e-6)
+    inclination = optimal_inclination(make(0.0), fold, resolution=RESOLUTION)
     assert inclination is not None
     return inclination, covering_radius(make(inclination), fold, tolerance=1e-7)
 
@@ -165,13 +169,13 @@ def _table_1(
             ", ".join(f"{x:g}" for x in phases),
             phase,
             "deg",
-            "within 0.05 of one, or R at both prints alike",
+            "within 0.05 of one, or of one as bad",
             lambda worst: any(
                 abs(worst - x) <= 0.05
                 or (
                     np.isfinite(worst)
                     and abs(_radius_in_phase(c, worst) - _radius_in_phase(c, x))
-                    <= printed_tolerance(reach)
+                    <= np.degrees(RESOLUTION)
                 )
                 for x in phases
             ),
