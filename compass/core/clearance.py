@@ -36,6 +36,7 @@ from compass.core.belt import area_below
 from compass.core.jit import kernel
 from compass.core.kepler import eccentric_anomaly
 from compass.core.path import path_place, piece_of
+from compass.core.sort import keep_greatest
 
 #: Radians by which every comparison is made on the safe side.
 SLACK = 1e-11
@@ -166,9 +167,9 @@ def bounds(asked, k, box, who, ranges, near):
             highest = min(highest, room + delta + turn_of_it + SLACK)
         seen += 1 if central >= -SLACK else 0
         ranges[j, 0], ranges[j, 1] = lowest, highest
-        _keep(near[0, :k], lowest)
-        _keep(near[1, :k], central)
-        _keep(near[2, :k], highest)
+        keep_greatest(near[0, :k], lowest)
+        keep_greatest(near[1, :k], central)
+        keep_greatest(near[2, :k], highest)
     return near[0, k - 1], near[1, k - 1], near[2, k - 1], seen
 
 
@@ -177,19 +178,6 @@ def _off_nadir(x, y, z, dx, dy, dz):
     """Angle at a satellite between the way down and a user, who sees it along d, rad."""
     cx, cy, cz = y * dz - z * dy, z * dx - x * dz, x * dy - y * dx
     return math.atan2(math.sqrt(cx * cx + cy * cy + cz * cz), x * dx + y * dy + z * dz)
-
-
-@kernel
-def _keep(highest, value):
-    """Put a value among the highest so far, in falling order, if it is one."""
-    k = highest.size
-    if value <= highest[k - 1]:
-        return
-    place = k - 1
-    while place > 0 and highest[place - 1] < value:
-        highest[place] = highest[place - 1]
-        place -= 1
-    highest[place] = value
 
 
 @kernel

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from compass.core.jit import kernel
 from compass.core.nearest import worst_radius
+from compass.core.sort import keep_greatest
 
 #: Witnesses that are kept; then the oldest go.
 ROOM = 256
@@ -96,13 +97,7 @@ def witnessed(witnesses, low, high, k, enough):
             near = max(b[s] * c_low + c[s] * s_low, b[s] * c_high + c[s] * s_high)
             if c[s] * c_low > b[s] * s_low and c[s] * c_high < b[s] * s_high:
                 near = math.sqrt(b[s] * b[s] + c[s] * c[s])  # it comes nearest in between
-            near += a[s]
-            if near > nearest[k - 1]:
-                place = k - 1
-                while place > 0 and nearest[place - 1] < near:
-                    nearest[place] = nearest[place - 1]
-                    place -= 1
-                nearest[place] = near
+            keep_greatest(nearest, a[s] + near)
             if nearest[k - 1] >= best:
                 break
         if nearest[k - 1] < best:
@@ -207,12 +202,12 @@ def _best_nearby(witnesses, raan, latitude_argument, k, start, stop, limit, midd
     first = min(near, math.ceil(max(0.0, middle - reach) / fine - 1e-9))
     last = max(near, math.floor(min(0.5 * math.pi + 1e-9, middle + reach) / fine + 1e-9))
     count = last - first + 1
-    bounds, looked, order = np.empty(count), np.full(count, math.inf), np.arange(count)
+    bounds, looked = np.empty(count), np.full(count, math.inf)
     for j in range(count):
         bounds[j], _ = witnessed(witnesses, (first + j) * fine, (first + j) * fine, k, math.inf)
     while True:
         at = 0
-        for j in order:  # of those that are equal the nearest to the middle
+        for j in range(count):  # of those that are equal the nearest to the middle
             nearer = abs(first + j - near) < abs(first + at - near)
             if bounds[j] < bounds[at] or (bounds[j] == bounds[at] and nearer):
                 at = j

@@ -13,7 +13,7 @@ import numpy as np
 from compass.core.certificate import caps_at
 from compass.core.fold import circle_frame
 from compass.core.jit import kernel
-from compass.core.sort import sort_together
+from compass.core.sort import keep_greatest, sort_together
 
 #: Satellites whose distances differ by less than this count as equally far, cosine.
 EQUAL = 1e-13
@@ -68,13 +68,7 @@ def _coarse_bound(u, k):
             x, y = across * math.cos(longitude), across * math.sin(longitude)
             nearest[:] = -2.0  # cosines, the greatest first
             for s in range(n):
-                cosine = u[s, 0] * x + u[s, 1] * y + u[s, 2] * z
-                if cosine > nearest[k - 1]:
-                    place = k - 1
-                    while place > 0 and nearest[place - 1] < cosine:
-                        nearest[place] = nearest[place - 1]
-                        place -= 1
-                    nearest[place] = cosine
+                keep_greatest(nearest, u[s, 0] * x + u[s, 1] * y + u[s, 2] * z)
             farthest = min(farthest, nearest[k - 1])
     return min(math.acos(max(farthest, -1.0)) + 0.7072 * height, math.pi)
 

@@ -26,6 +26,18 @@ def sort_together(keys, along, count):
 
 
 @kernel
+def keep_greatest(kept, value):
+    """Put a value among the greatest so far, in falling order, if it is one."""
+    place = kept.size - 1
+    if value <= kept[place]:
+        return
+    while place > 0 and kept[place - 1] < value:
+        kept[place] = kept[place - 1]
+        place -= 1
+    kept[place] = value
+
+
+@kernel
 def _sort_as_heap(keys, along, count):
     """Make a heap, greatest on top, and take the top to the end until none is left."""
     for top in range(count // 2 - 1, -1, -1):
