@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compass.bodies import MARS_GM, sidereal_day
+from compass.core.entry.information import Limb
 from compass.core.entry.pattern_unknowns import NotKnown
-from compass.core.entry.patterns import Entries, Limb, judge_patterns
+from compass.core.entry.patterns import Entries, judge_patterns
 from compass.entry.campaign import Campaign
 from compass.entry.unknowns import covariance_roots
 from compass.errors import ArgumentError

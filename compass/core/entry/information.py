@@ -54,11 +54,14 @@ class Receiver(NamedTuple):
 
 
 class Limb(NamedTuple):
-    """Radius of the sphere that hides satellites, m, and sine and cosine of the mask over it."""
+    """Radius of the sphere that hides satellites, m, and sine and cosine of the mask over it.
+
+    Of many patterns each has a mask of its own, (c,).
+    """
 
     radius: float
-    sin_mask: float
-    cos_mask: float
+    sin_mask: float | Array
+    cos_mask: float | Array
 
 
 @fast_kernel

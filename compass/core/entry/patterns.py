@@ -66,14 +66,6 @@ class Entries(NamedTuple):
     weights: NDArray[np.float64]
 
 
-class Limb(NamedTuple):
-    """Sphere that blocks the view, m, and the mask over its limb for each pattern, (c,)."""
-
-    sphere_radius: float
-    sin_mask: NDArray[np.float64]
-    cos_mask: NDArray[np.float64]
-
-
 @kernel
 def judge_patterns(
     patterns, radius, motion, begins, angles, entries, variances, omega, dt, limb, unknown, sigma,
