@@ -21,7 +21,7 @@ from compass.orbits.motion import MotionModel
 from compass.signal.ranges import Weighting
 from compass.sites import Site
 from compass.study.certified import certified_areas, certified_figures
-from compass.study.mapping import MapOptions, MapRows, make_map
+from compass.study.mapping import DesignMap, MapOptions, MapRows, make_map
 
 
 @checked
@@ -182,13 +182,26 @@ def map(
             by=by if scheduler else None,
         )
     with parts_bar(progress, "bounds") as effort.progress:
-        met = folds_met(made.dataset), extremes_met(made.dataset)
-        certified = certified_figures(read, options, effort, *met)
-        areas = certified_areas(read, options, *places, effort)
-    drawn = MapRows(read, options).drawn(losses=each_loss)
-    result = MapResult(read, made, certified, areas, drawn)
-    made.dataset.attrs |= _attributes(certified, result) | {"sampled": result.sampled}
+        result = result_of(read, made, options, places, effort=effort, losses=each_loss)
+    made.dataset.attrs |= _attributes(result.certified, result) | {"sampled": result.sampled}
     return result
+
+
+def result_of(
+    design: Design,
+    made: DesignMap,
+    options: MapOptions,
+    places: tuple[Sequence[Site], Sequence[str]] = ((), ()),
+    *,
+    effort: Effort | None = None,
+    losses: bool = False,
+) -> MapResult:
+    """Say of a map that was made, and of places, what is certified and what draws tell."""
+    met = folds_met(made.dataset), extremes_met(made.dataset)
+    certified = certified_figures(design, options, effort, *met)
+    areas = certified_areas(design, options, *places, effort)
+    drawn = MapRows(design, options).drawn(losses=losses)
+    return MapResult(design, made, certified, areas, drawn)
 
 
 def _attributes(certified: CertifiedGeometry | None, result: MapResult) -> dict[str, Any]:

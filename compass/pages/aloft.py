@@ -4,15 +4,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from compass.api.map import result_of
 from compass.api.map_errors import error_table, error_words
 from compass.api.map_result import MapResult
-from compass.api.map_statistics import extremes_met, folds_met
 from compass.design import Design
 from compass.document.blocks import Block, Picture, Section, Sentence, Table
 from compass.pages.coverage import percentile_map
 from compass.pages.metres import error_picture
-from compass.study.certified import certified_figures
-from compass.study.mapping import MapOptions, MapRows, make_map
+from compass.study.mapping import MapOptions, make_map
 from compass.words import capital
 
 
@@ -43,11 +42,7 @@ def maps_aloft(design: Design, options: MapOptions, command: str) -> tuple[MapRe
     found = []
     for one in standings(design):
         asked = replace(options, **vars(one))
-        made = make_map(design, asked, command)
-        met = folds_met(made.dataset), extremes_met(made.dataset)
-        certified = certified_figures(design, asked, None, *met)
-        drawn = MapRows(design, asked).drawn()
-        found.append(MapResult(design, made, certified, (), drawn))
+        found.append(result_of(design, make_map(design, asked, command), asked))
     return tuple(found)
 
 

@@ -11,9 +11,9 @@ from compass.api.access import access
 from compass.api.check import check
 from compass.api.fold import fold
 from compass.api.fold_result import FoldResult
+from compass.api.map import result_of
 from compass.api.map_areas import area_blocks
 from compass.api.map_result import MapResult
-from compass.api.map_statistics import extremes_met, folds_met
 from compass.api.outlook import outlook
 from compass.api.reproduce import comparison_table
 from compass.api.series import SeriesResult, series
@@ -52,8 +52,8 @@ from compass.pages.orbits import cap_picture, orbit_picture, track_picture
 from compass.pages.page import render
 from compass.quantities import quantity
 from compass.sites import Site
-from compass.study.certified import certified_areas, certified_figures
-from compass.study.mapping import MapOptions, MapRows, make_map, provenance
+from compass.study.certified import certified_areas
+from compass.study.mapping import MapOptions, make_map, provenance
 
 
 def design_report(
@@ -110,13 +110,9 @@ def look_at(
     """Ask the commands, each once."""
     progress("coverage map")
     made = make_map(design, options, command)
-    met = folds_met(made.dataset), extremes_met(made.dataset)
-    certified = certified_figures(design, options, None, *met)
-    areas = certified_areas(design, options, *places)
-    stations = certified_areas(design, options, design.stations, ())
     promised = design.signal is not None and design.integrity is not None
-    drawn = MapRows(design, options).drawn(losses=promised)
-    mapped = MapResult(design, made, certified, areas, drawn)
+    mapped = result_of(design, made, options, places, losses=promised)
+    stations = certified_areas(design, options, design.stations, ())
     progress("continuous fold")
     lost = 1 if design.constellation.size > 1 else 0
     proven = fold(design, motion="two-body", losses=lost)

@@ -59,7 +59,7 @@ def brief(monkeypatch):
     monkeypatch.setattr(f"{home}.access", lambda design, **_: None)
     monkeypatch.setattr(f"{home}.outlook", lambda design: None)
     monkeypatch.setattr(f"{home}._beside", lambda found: [])
-    monkeypatch.setattr(f"{home}.certified_figures", lambda *_: None)
+    monkeypatch.setattr("compass.api.map.certified_figures", lambda *_: None)
     monkeypatch.setattr(
         f"{home}.answer_section", lambda found, shown, _: Section("Answer", tuple(shown))
     )
