@@ -177,7 +177,7 @@ def outlook(design: Design) -> Outlook:
     design
         The design.
     """
-    bounds = (HORIZON, GLANCE, STEPS, SATELLITE_DAYS, BOXED_DAYS, "sure")
+    bounds = (HORIZON, GLANCE, STEPS, SATELLITE_DAYS, BOXED_DAYS)
     flown = (design.constellation, design.motion, design.figure, design.upkeep)
     question = ("outlook", *bounds, *flown, design.fold, design.mask, design.requirements)
     found, known = kept(question, lambda: _look(design))
@@ -262,7 +262,7 @@ def glance(design: Design) -> Glance:
     """Find out, or recall, how long a design lasts left alone, `GLANCE` days ahead at most."""
     horizon = min(GLANCE, _horizon(design))
     flown = (design.constellation, design.motion, design.figure)
-    question = ("glance", "sure", horizon, *flown, design.fold, design.mask, design.requirements)
+    question = ("glance", horizon, *flown, design.fold, design.mask, design.requirements)
 
     def look() -> dict[str, Any]:
         claim = _claim(design, horizon)
