@@ -4,19 +4,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compass.api.map_statistics import (
-    ROVER,
-)
+from compass.api.map_statistics import ROVER
 from compass.coverage.errors import ERRORS
 from compass.coverage.fix_budget import STEP_DEG
 from compass.coverage.protection import LEVELS
-from compass.document import (
-    Bracket,
-    Interval,
-    Sentence,
-    Table,
-    Value,
-)
+from compass.document import Bracket, Interval, Sentence, Table, Value
 from compass.document.blocks import facts
 from compass.quantities import quantity
 from compass.signal.budget import basis
@@ -89,7 +81,7 @@ def why_no_fix(result: "MapResult") -> tuple[str, ...]:
         result.value(quantity("part_share"), errors, name)
         for name in ("fewer_than_four_share", "masked_share", "singular_share")
     )
-    none = result.value(quantity("part_share"), rest_of("fix_share", errors), "fix_share")
+    no_fix = result.value(quantity("part_share"), rest_of("fix_share", errors), "fix_share")
     lowest = float(np.min(result.made.dataset.attrs["elevation_mask_deg"]))
     mask = (
         f" ({masked} % would have four, were nothing hidden above the plain horizon: the mask "
@@ -103,7 +95,7 @@ def why_no_fix(result: "MapResult") -> tuple[str, ...]:
         else ""
     )
     return (
-        f"errors are infinite in {none} % of area and time: in "
+        f"errors are infinite in {no_fix} % of area and time: in "
         f"{few} % fewer than four satellites are in view{mask}{lines}",
     )
 
@@ -121,8 +113,8 @@ def why_no_level(result: "MapResult") -> tuple[str, ...]:
     ):
         if numbers[name] > ROUNDING:
             reasons.append(f"in {result.value(share, numbers, name)} % {words}")
-    none = result.value(share, rest_of("level_share", numbers), "level_share")
-    return (f"levels are infinite in {none} % of area and time: {'; '.join(reasons)}",)
+    no_level = result.value(share, rest_of("level_share", numbers), "level_share")
+    return (f"levels are infinite in {no_level} % of area and time: {'; '.join(reasons)}",)
 
 
 def budget_blocks(result: "MapResult") -> tuple[Table | Sentence, ...]:

@@ -183,7 +183,7 @@ def protection_row(
     m, n = row.cos_lon.size, r.shape[1]
     runs = np.empty((most_runs(n, row), 2), np.int64)
     owners, seen = np.empty(len(runs), np.int64), np.zeros((m, n), np.bool_)
-    g, variances, reached = np.empty((n, 4)), np.empty(n), np.empty(3)
+    g, variances, of_user = np.empty((n, 4)), np.empty(n), np.empty(3)
     level = np.empty((2, m))
     up_out, up_z, out, high = place[UP_OUT], place[UP_Z], place[OUT], place[HIGH]
     shares[:] = 0.0
@@ -215,10 +215,10 @@ def protection_row(
                     )
                     size += 1
             able = protect(
-                g[:size], variances[:size], promise.numbers, promise.unmonitored[size], reached
+                g[:size], variances[:size], promise.numbers, promise.unmonitored[size], of_user
             )
-            level[0, j] = math.sqrt(reached[0] * reached[0] + reached[1] * reached[1])
-            level[1, j] = reached[2]
+            level[0, j] = math.sqrt(of_user[0] * of_user[0] + of_user[1] * of_user[1])
+            level[1, j] = of_user[2]
             flat, tall = level[0, j] <= alerts[0], level[1, j] <= alerts[1]
             shares[0, j] += able
             shares[1, j] += flat and tall

@@ -199,7 +199,7 @@ def fold_range(
             continue
         outcome, unsure = -1, False
         while outcome != PROVEN:
-            outcome, *_, witness = _settle(
+            outcome, *_, fold = _settle(
                 constellation,
                 figure,
                 mask,
@@ -212,7 +212,7 @@ def fold_range(
                 progress,
             )
             if outcome == REFUTED:
-                k = reached = int(witness)
+                k = reached = int(fold)
             elif outcome != PROVEN:
                 k, unsure = k + step, True
             elif stretch != 1.0 and not unsure and reached == (n if low else 0) != k:

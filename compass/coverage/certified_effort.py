@@ -218,9 +218,9 @@ class Effort:
     ) -> CertifiedAlways:
         """As `certified_always`, begun anew each time."""
         budget = self.budget(budget_boxes)
-        share = certified_always(constellation, limit, workers=self.workers, **budget, **asked)
-        self.interrupted = self.interrupted or share.stopped == "interrupted"
-        return share
+        always = certified_always(constellation, limit, workers=self.workers, **budget, **asked)
+        self.interrupted = self.interrupted or always.stopped == "interrupted"
+        return always
 
     def budget(self, boxes: float, *, by_width: bool = True) -> Budget:
         """Seconds and boxes that a figure may take, any number if a width ends it (`by_width`)."""

@@ -212,8 +212,8 @@ def gap_rows(
     gaps = np.empty((3, len(states), grid.columns))
     for k, state in enumerate(states):
         finish_gaps(state, track.number, track.ring, gaps[:, k])
-    longest = (gaps * track.step).astype(np.float32)
-    return Part(dict(zip(("longest", "mean", "response"), longest, strict=True)))
+    seconds = (gaps * track.step).astype(np.float32)
+    return Part(dict(zip(("longest", "mean", "response"), seconds, strict=True)))
 
 
 def _follow(seen: View, fold: int, row: Row, state: NDArray[np.float64]) -> None:

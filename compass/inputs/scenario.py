@@ -26,10 +26,7 @@ from compass.inputs.instrument_models import features_of, instruments_of, link_o
 from compass.inputs.reading import parse, read_text
 from compass.inputs.scenario_faults import scenario_faults
 from compass.inputs.scenario_filter import filter_of
-from compass.inputs.scenario_models import (
-    OptimizeTable,
-    ScenarioFile,
-)
+from compass.inputs.scenario_models import OptimizeTable, ScenarioFile
 from compass.inputs.scenario_notes import scenario_notes
 from compass.inputs.scenario_orbiters import Orbiters, orbiters_of
 from compass.inputs.scenario_world import model_of, range_sigma_of, state_of, truth_of

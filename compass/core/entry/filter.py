@@ -4,9 +4,10 @@ States: position and velocity (6), then the blocks that `places` names. Those be
 ones are considered (Schmidt): the filter knows how uncertain they are and lets that uncertainty
 into its covariance, but does not correct them.
 
-How a filter moves on (see `PLAIN`) matters where density or L/D are badly known. An extended filter
-linearises about what it believes, and what it has learnt so far keeps the slope of that moment:
-with density known to 20 % a few dozen ranges in the first air leave it sure of a wrong value.
+How a filter moves on (see `compass.core.entry.kinds`) matters where density or L/D are badly known.
+An extended filter linearises about what it believes, and what it has learnt so far keeps the slope
+of that moment: with density known to 20 % a few dozen ranges in the first air leave it sure of a
+wrong value.
 `RELINEARISED` goes back: whenever it knows one of the two twice as well as when it last did, it
 flies backwards from what it believes, and hears all measurements again about that flight. Where
 states are shaken or the density wanders there is no such flight; there `UNSCENTED` takes mean and

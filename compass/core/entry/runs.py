@@ -44,7 +44,7 @@ class Draws(NamedTuple):
     """Standard normal draws of m runs, and what scales the first.
 
     The root (s, s) of the first covariance, draws of the first state (m, s), of what is measured
-    (m, t, n, c), nan where nothing arrives in a run, and of what shakes (m, t, s), where it does.
+    (m, t, n, c), nan where nothing arrives in a run, and of what shakes (m, t, s).
     """
 
     root: NDArray[np.float64]
