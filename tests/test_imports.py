@@ -3,6 +3,7 @@
 import ast
 import json
 import pkgutil
+import re
 import subprocess
 import sys
 from importlib import import_module
@@ -90,6 +91,38 @@ def test_a_package_that_gives_names_lists_them(package):
     assert bool(listed) == bool(given), "names without __all__"
     for name in listed:
         assert getattr(module, name) is not None
+
+
+def stands(reference):
+    """Whether what a dotted name says is there, a field of a class among it."""
+    module, names = reference.split("."), []
+    while True:
+        try:
+            held = import_module(".".join(module))
+            break
+        except ModuleNotFoundError:
+            names.insert(0, module.pop())
+    for name in names:
+        if name in getattr(held, "__annotations__", {}):
+            return True
+        if not hasattr(held, name):
+            return False
+        held = getattr(held, name)
+    return True
+
+
+def test_what_words_refer_to_is_where_they_say(designs):
+    """Names in backticks, whole, in docstrings and in documents but that of what has changed."""
+    root = designs.parent
+    documents = [root / "README.md", root / "CONTRIBUTING.md"]
+    files = [*documents, *root.glob("docs/**/*.md"), *root.glob("compass/**/*.py")]
+    named = {
+        (name, file.relative_to(root))
+        for file in files
+        for name in re.findall(r"`(compass(?:\.\w+)+)`", file.read_text())
+    }
+    assert len(named) > 100
+    assert [one for one in sorted(named) if not stands(one[0])] == []
 
 
 @pytest.mark.slow

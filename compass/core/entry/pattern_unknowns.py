@@ -1,10 +1,10 @@
 """What a lander does not know of clocks and satellites, in judging many patterns at once.
 
-As `compass.core.entry.many.information` counts it, but an epoch beside the other: what a satellite
-tells about u and about its own errors is gathered in `WAYS`, radial, along, cross, and clock with
-the bias of its ranges, and whitened once at the entry's end; ``F_ue (I + F_ee)^-1 F_eu`` is then
-taken from what all tell. The receiver's clock and drift are two more components of u, whose rows
-are sums over the satellites at each epoch.
+As `compass.core.entry.information.information` counts it, but an epoch beside the other: what a
+satellite tells about u and about its own errors is gathered in `WAYS`, radial, along, cross, and
+clock with the bias of its ranges, and whitened once at the entry's end; ``F_ue (I + F_ee)^-1
+F_eu`` is then taken from what all tell. The receiver's clock and drift are two more components of
+u, whose rows are sums over the satellites at each epoch.
 """
 
 import math

@@ -57,7 +57,7 @@ class Entries(NamedTuple):
     """Entries as `compass.core.entry.many.fly_many` flies them, and when they measure.
 
     Shapes (m, t, 6), (m, t, 6, d), (m,); the weights (m, t) are those of
-    `compass.core.entry.many.information`.
+    `compass.core.entry.information.information`.
     """
 
     paths: NDArray[np.float64]
@@ -84,7 +84,7 @@ def judge_patterns(
     entries
         m `Entries`.
     variances, omega, dt
-        As in `compass.core.entry.many.information`.
+        As in `compass.core.entry.information.information`.
     limb
         What blocks the view.
     unknown
