@@ -158,7 +158,7 @@ def best_inclination(raan, latitude_argument, k, start, stop, limit, coarse, fin
     while True:
         bounds = np.empty(middles.size)
         # the last ranges compete to 0.001 degree
-        tolerance = half / 8.0 if half > coarse else 2e-5
+        tolerance = half / 2.0 if half > coarse else 2e-5
         for c in range(middles.size):
             bounds[c], _ = witnessed(witnesses, middles[c] - half, middles[c] + half, k, math.inf)
         for c in np.argsort(bounds):  # the most hopeful first: what they reach closes others
