@@ -249,6 +249,18 @@ def test_the_first_import_can_be_interrupted():
     assert done.stderr == "interrupted; nothing half-written was left behind\n"
 
 
+def test_an_interruption_while_python_ends_is_one_as_any_other():
+    """It would kill the process by its signal, whose status is not 130 but for a shell."""
+    script = (
+        "import atexit, os, signal, sys\n"
+        "atexit.register(lambda: os.kill(os.getpid(), signal.SIGINT) or signal.pause())\n"
+        "sys.argv = ['compass', '--version']\n"
+        "from compass.__main__ import main\nmain()\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, timeout=60)
+    assert (done.returncode, done.stderr) == (130, b"")
+
+
 def test_a_failure_of_the_program_is_no_verdict(meets):
     code, out, err = meets(lambda: 1 / 0)
     assert (code, out) == (3, "") and err.endswith("ZeroDivisionError: division by zero\n")
