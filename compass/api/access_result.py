@@ -111,16 +111,12 @@ class AccessResult(Result):
 
     def summary(self) -> tuple[str, ...]:
         """Who sees how many satellites, how much of the time; a sentence a node."""
-        return tuple(
-            f"{r['node']} sees {r['seen']} of {r['satellites']} satellites, at least one of them "
-            f"{Value(quantity('access.any_share'), r['any_share'])} % of the time."
-            for r in self.record["nodes"]
-        )
+        return tuple(_seen(r) for r in self.record["nodes"])
 
     def notes(self) -> tuple[str, ...]:
         """How well it is known, what is left out, and the Sun's part in links to the Earth."""
         notes = [f"{capital(EVIDENCE)}."]
-        notes += [] if self.record["motion"] == TWO_BODY else [f"Under {self.record['motion']}."]
+        notes += [] if self.record["motion"] == TWO_BODY else [f"In {self.record['motion']}."]
         if self.record["latency"] is None:
             notes.append("Store and forward between stations is left out: there is too much of it.")
         elif self.record["latency"] and not self._waits():
@@ -222,6 +218,19 @@ def _table(title: str, rows: Sequence[dict[str, Any]]) -> Table:
         _WORDS[name] if name in _WORDS else quantity(f"access.{name}").heading for name in names
     )
     return Table(title, header, tuple(tuple(_cell(r, name) for name in names) for r in rows))
+
+
+def _seen(row: dict[str, Any]) -> str:
+    """How many satellites a node sees, and how much of the time."""
+    if not row["seen"]:
+        return f"{row['node']} never sees a satellite."
+    share = Value(quantity("access.any_share"), row["any_share"])
+    if row["satellites"] == 1:
+        return f"{row['node']} sees the satellite {share} % of the time."
+    return (
+        f"{row['node']} sees {row['seen']} of {row['satellites']} satellites, at least one of them "
+        f"{share} % of the time."
+    )
 
 
 def _cell(row: dict[str, Any], name: str) -> object:

@@ -166,7 +166,7 @@ class DeployResult(Result):
         drawn.set(
             xlabel="days until the last plane is reached",
             ylabel="delta-v of one satellite, m/s",
-            title=self.design.name,
+            title=f"{self.design.name}: delta-v against waiting",
         )
         drawn.legend()
         return drawn

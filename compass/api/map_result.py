@@ -308,7 +308,8 @@ class MapResult(Result):
             for name in DOPS
         )
         title = "Dilution of precision: percentiles over area and time"
-        return in_view, Table(title, ("", *percentiles, "evidence"), rows)
+        none = "No dilution of precision is told: over half of area and time has no fix."
+        return in_view, Table(title, ("", *percentiles, "evidence"), rows, None, none)
 
     def _known(self, name: str, percentiles: list[str]) -> str:
         """How well the percentiles of a dilution are known, in words."""
@@ -317,8 +318,9 @@ class MapResult(Result):
         proven = [p for p in percentiles if f"{name}.{p}" in brackets]
         if not proven:
             return sampled
-        rest = f"; the rest {sampled}" if len(proven) < len(percentiles) else ""
-        return f"{', '.join(proven)} between proven bounds{rest}"
+        if len(proven) == len(percentiles):
+            return Bracket.WORDS
+        return f"{', '.join(proven)} {Bracket.WORDS}; the rest {sampled}"
 
     @property
     def looked(self) -> Sampled:

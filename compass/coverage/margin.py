@@ -79,7 +79,9 @@ def covering_radius(
         if reached > least:
             least, time, place = float(reached), float(when), where
         most, nodes = max(most, float(bound)), nodes + int(looked)
-    return CoveringRadius(most + span.mismatch, least, time, place)
+    radius = most + span.mismatch
+    # half a turn covers the sphere, whatever stands beside the bound
+    return CoveringRadius(min(radius, np.pi) if np.isfinite(radius) else radius, least, time, place)
 
 
 def highest_mask(

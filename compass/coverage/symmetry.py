@@ -210,7 +210,7 @@ def deciding_part(c: Constellation, *, mirrored: bool) -> Part:
     still = np.abs(np.mod(moves.phase + np.pi, 2 * np.pi) - np.pi) < 1e-9
     turns = max(int(still.sum()), 1)
     first, half, missed = 0.0, 1.0, moves.mismatch
-    reason = f"{len(moves)} verified shifts"
+    reason = counted(len(moves), "verified shift")
     if mirrored:
         reason += ", north mirrors south"
         back = mirrors(c)

@@ -3,7 +3,7 @@
 from base64 import b64encode
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import ceil
+from math import ceil, inf
 from typing import Any
 
 from compass.document.numbers import Value, is_number, number_of
@@ -84,7 +84,7 @@ class Table:
     """A table: title, column headings with units, rows of values, numbers or text.
 
     `shown` rows are drawn, all if None; how many are left out is said below. `nothing` is said
-    instead of a table in which every number is zero.
+    instead of a table in which every number is zero, or every one infinite.
     """
 
     title: str
@@ -95,9 +95,9 @@ class Table:
 
     @property
     def empty(self) -> bool:
-        """Whether it is better said in its sentence: it has one, and no number but zero."""
-        cells = [cell for row in self.rows for cell in row if is_number(cell)]
-        return bool(self.nothing) and not any(number_of(cell) for cell in cells)
+        """Whether it is better said in its sentence: all its numbers are zero, or infinite."""
+        said = {number_of(cell) for row in self.rows for cell in row if is_number(cell)}
+        return bool(self.nothing) and (said <= {0.0} or said == {inf})
 
     @property
     def narrow(self) -> bool:
@@ -244,13 +244,16 @@ def facts(title: str, values: Iterable[Value]) -> Table:
     kept = list(values)
     said = [str(value.evidence or "") for value in kept]
     most = max(said, key=said.count, default="")
-    alike = len(kept) > 1 and said.count(most) == len(kept)
-    known = any(said) and not alike
+    # of what there is none of, nothing need be known
+    alike = len(kept) > 1 and all(
+        each == most or value.value is None for value, each in zip(kept, said, strict=True)
+    )
     if alike and most:
         title = f"{title} ({most})"
-    elif most and said.count(most) > MOST * len(kept):
+    elif len(kept) > 1 and most and said.count(most) > MOST * len(kept):
         title = f"{title} ({most}, where nothing else is said)"
         said = ["" if each == most else each for each in said]
+    known = any(said) and not alike
     header = ("", "value", "unit") + (("evidence",) if known else ())
     rows = (
         (v.title, v, v.quantity.shown_unit) + ((evidence,) if known else ())

@@ -48,11 +48,17 @@ def verdict_answers(verdicts: Iterable[Verdict]) -> list[Answer]:
             value = Value(quantity("requirement_share"), share[0], Bracket(*share))
             how = f"{value} % of {'the time' if asked.share_of == 'time' else 'area and time'}"
         elif margin is not None:
-            how = f"{significant(float(np.degrees(margin)), 3)}° to spare"
+            how = _spare(margin)
         sure = ", ".join(text for text in (verdict.sure, verdict.reason, verdict.scope) if text)
         question = f"{asked.name}: {asked.wanted}, {asked.when}"
         rows.append(Answer(question, how or verdict.word, verdict.met, sure))
     return rows
+
+
+def _spare(margin: float) -> str:
+    """By how much a horizon may rise, or is too high, radians as degrees."""
+    degrees = significant(abs(float(np.degrees(margin))), 3)
+    return f"{degrees}° {'to spare' if margin >= 0.0 else 'short'}"
 
 
 def flown(design: Design) -> str:
@@ -193,7 +199,7 @@ def stations(results: DesignResults) -> list[Answer]:
         return []
     worst = min(areas, key=lambda area: -np.inf if area.fold.margin is None else area.fold.margin)
     verdict, margin = worst.fold, worst.fold.margin
-    spare = "" if margin is None else f", {significant(float(np.degrees(margin)), 3)}° to spare"
+    spare = "" if margin is None else f", {_spare(margin)}"
     return [
         Answer(
             f"Worst of {len(areas)} stations: {worst.name}"

@@ -70,7 +70,7 @@ def dilution_pictures(mapped: MapResult) -> list[Picture]:
             share,
             mapped.made.grid,
             f"Share of time with PDOP at most {threshold:g}",
-            "share of time",
+            "share of time, %",
             figure_name=mapped.design.figure.name,
             scale="share",
         )
@@ -80,7 +80,8 @@ def dilution_pictures(mapped: MapResult) -> list[Picture]:
                 "availability",
                 "Availability",
                 f"Share of the period with a position dilution of at most {threshold:g}.",
-                alt=f"Map of Mars: from {share.min():.1%} to {share.max():.1%} of the time.",
+                alt=f"Map of Mars: from {100 * share.min():.1f} to {100 * share.max():.1f} % of "
+                "the time.",
             )
         )
     return made
@@ -95,9 +96,11 @@ def one_colour(mapped: MapResult) -> list[str]:
             "not exceed for so long."
         )
     share, threshold = mapped.dataset.availability.values, mapped.dataset.attrs["pdop_threshold"]
-    if share.max() == share.min():
-        always = f"for {share.min():.1%} of the time, at every cell."
-        said.append(f"PDOP is at most {threshold:g} {always}")
+    if share.max() == share.min() == 0.0:
+        said.append(f"PDOP is never {threshold:g} or less, at any cell and epoch.")
+    elif share.max() == share.min():
+        always = f"{100.0 * float(share.min()):.4g} % of the time"
+        said.append(f"PDOP is at most {threshold:g} for {always}, at every cell.")
     return said
 
 

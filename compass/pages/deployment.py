@@ -4,7 +4,7 @@ from compass.api.deploy import deploy
 from compass.coverage.room import has_slots
 from compass.design import Design
 from compass.document.blocks import Section, Sentence
-from compass.pictures.style import look, new_figure, picture
+from compass.pictures.style import HALF, look, new_figure, picture
 
 
 def deployment_section(design: Design) -> Section | None:
@@ -15,7 +15,7 @@ def deployment_section(design: Design) -> Section | None:
     if not result.deployment.planes:
         return None
     with look():
-        figure = new_figure(7.2, 4.2)
+        figure = new_figure(*HALF)
         result.plot(axes=figure.add_subplot())
     drawn = picture(
         figure,

@@ -31,6 +31,9 @@ from compass.pictures.style import (
 )
 from compass.words import counted
 
+#: Masks below it are not drawn over inclination, degrees.
+LOWEST = -20.0
+
 
 def fold_section(
     result: FoldResult, beside: Sequence[Neighbour] = (), *, moments: int = 400
@@ -75,7 +78,7 @@ def fold_section(
         pictures.insert(0, _refuted(result, sphere, mask, witness))
     elif worst is not None:  # on an ellipsoid caps have no common radius, and none is the tightest
         pictures.insert(0, _pinched(result, sphere, worst))
-    if beside:
+    if any(each.mask_deg > LOWEST for each in beside):
         pictures.append(margin_by_inclination(design, result.fold, beside))
     return arranged(
         "Exact fold and margins", (text,), pictures, (result.margins(), *result.shares_tables())
@@ -225,9 +228,9 @@ def margin_by_inclination(design: Design, fold: int, margins: Sequence[Neighbour
         axes.set(
             xlabel="inclination, deg",
             ylabel=f"highest mask with {fold}-fold, deg",
-            title=f"Margin against inclination, {pattern.satellites} satellites",
+            title=f"Margin against inclination, {counted(pattern.satellites, 'satellite')}",
         )
-        axes.set_ylim(bottom=max(-20.0, axes.get_ylim()[0]))
+        axes.set_ylim(bottom=max(LOWEST, axes.get_ylim()[0]))
         axes.grid(True)
         axes.legend(ncols=4, frameon=False, fontsize=8)
     best = max(margins, key=lambda n: n.mask_deg)

@@ -13,7 +13,17 @@ from compass.document import Answer, Picture, Sampled, Sentence, Table, Value, V
 from compass.document.blocks import Block, Section
 from compass.frames import SECONDS_PER_DAY
 from compass.orbits import areosynchronous_radius
-from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, look, new_figure, picture
+from compass.pictures.style import (
+    CYCLE,
+    FAINT,
+    HALF,
+    INK,
+    MARS,
+    apart,
+    look,
+    new_figure,
+    picture,
+)
 from compass.quantities import quantity
 from compass.words import capital, days_words
 
@@ -230,20 +240,24 @@ def _slot_picture(outlook: Outlook) -> Picture:
     assert drift is not None
     along, across = np.array(drift.in_track_deg), np.array(drift.cross_track_deg)
     last = until_leap(along, across)
-    along, across = along[: last + 1], across[: last + 1]
+    along, across, names = along[: last + 1], across[: last + 1], []
     with look():
         figure = new_figure(*HALF)
         axes = figure.add_subplot()
         for s, name in enumerate(drift.satellites):
             colour = CYCLE[s % len(CYCLE)]
-            axes.plot(along[:, s], across[:, s], color=colour, lw=1.0, alpha=0.9)
+            axes.plot(along[:, s], across[:, s], color=colour, lw=1.0, alpha=0.9, label=name)
             axes.plot(along[-1, s], across[-1, s], "o", ms=4, color=colour)
             if len(drift.satellites) <= 30:
-                axes.annotate(name, (along[-1, s], across[-1, s]), (3, 3), fontsize=8,
-                              textcoords="offset points", color=colour)  # fmt: skip
+                names.append(
+                    axes.annotate(name, (along[-1, s], across[-1, s]), (3, 3), fontsize=8,
+                                  textcoords="offset points", color=colour)
+                )  # fmt: skip
         _slot_rim(axes, drift.slot_sideways_deg)
         axes.set(xlabel="ahead of the slot, deg", ylabel="beside the slot, deg")
         axes.set_title("Where satellites go in their slots")
+    figure.settle()
+    apart(names)
     return picture(
         figure,
         "lasting-slots",

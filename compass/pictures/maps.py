@@ -71,7 +71,8 @@ def draw_map(
         Reference figure.
     scale
         ``dilution``: logarithmic, on one range for every map of a quantity, infinities in grey;
-        ``counts``: whole numbers, one colour each; ``share``: from 0 to 1; ``linear``.
+        ``counts``: whole numbers, one colour each; ``share``: in per cent, from 0 to 100;
+        ``linear``.
     of
         The quantity whose range that is: all dilutions share one.
     wanted
@@ -97,8 +98,9 @@ def draw_map(
             mesh = chart.field(lon, lat, values, cmap=colours, norm=BoundaryNorm(bounds, colours.N))
             colour_bar(axes, mesh, label, ticks=np.arange(low, high + 1)).ax.minorticks_off()
         elif scale in ("share", "linear"):
-            ends = (0.0, 1.0) if scale == "share" else (None, None)
-            mesh = chart.field(lon, lat, values, cmap="viridis", vmin=ends[0], vmax=ends[1])
+            ends = (0.0, 100.0) if scale == "share" else (None, None)
+            shown = 100.0 * values if scale == "share" else values
+            mesh = chart.field(lon, lat, shown, cmap="viridis", vmin=ends[0], vmax=ends[1])
             colour_bar(axes, mesh, label)
         else:
             mesh = _ranged_field(chart, lon, lat, values, label, of)

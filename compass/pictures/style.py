@@ -5,7 +5,7 @@ Texts are drawn as they are written: a dollar in a name is a dollar, never the s
 
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from typing import Any
@@ -17,6 +17,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.ticker import LogFormatterMathtext, MaxNLocator
+from matplotlib.transforms import Bbox
 
 from compass.document import Picture
 from compass.pictures.reading import Field, Rows, reading
@@ -174,6 +175,16 @@ def axes_or_new(axes: Axes | None, width: float = 8.0, height: float = 4.5) -> A
         return axes
     with look():
         return new_figure(width, height).add_subplot()
+
+
+def apart(names: Sequence[Text]) -> None:
+    """Leave out each name that would be printed over one before it, where the figure now stands."""
+    kept: list[Bbox] = []
+    for name in names:
+        if (box := name.get_window_extent()).count_overlaps(kept):
+            name.set_visible(False)
+        else:
+            kept.append(box)
 
 
 def picture(

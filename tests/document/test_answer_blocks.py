@@ -1,5 +1,7 @@
 """Answers, tables without numbers, and columns on their decimal points."""
 
+import math
+
 from compass.document import Answer, Answers, Page, Proven, Table, Value, html, text
 from compass.document.numbers import padding
 from compass.quantities import quantity
@@ -32,6 +34,8 @@ def test_a_table_of_zeros_is_a_sentence():
     assert "<table" not in html(table) and "No shadow of A or B." in html(table)
     assert not Table("Shadows", ("", "count"), (("A", 1),), nothing="none").empty
     assert not Table("Shadows", ("", "count"), (("A", 0),)).empty
+    assert Table("None", ("", "least"), (("A", math.inf), ("B", math.inf)), nothing="none").empty
+    assert not Table("Some", ("", "least"), (("A", math.inf), ("B", 0)), nothing="none").empty
 
 
 def test_long_tables_fold_and_narrow_ones_stand_side_by_side():

@@ -83,6 +83,9 @@ def test_what_is_known_alike_of_all_is_said_once():
     mixed = facts("M", [Value(FOLD, 4, Proven("ever")), Value(MASK, 6.2)])
     assert (mixed.title, mixed.header[-1]) == ("M", "evidence")
     assert facts("M", [Value(FOLD, 4, Proven("ever"))]).header[-1] == "evidence"
+    # what there is none of has nothing to be known, and makes no column of its own
+    without = facts("M", [Value(FOLD, 4, Proven("ever")), Value(MASK, None)])
+    assert (without.title, without.header[-1]) == ("M (proven, ever)", "unit")
 
 
 def test_what_most_rows_say_of_how_known_they_are_is_said_once():

@@ -285,7 +285,11 @@ def test_maps_and_losses_of_a_page(met):
     assert re.search("PDOP (from|none).*; TDOP (from|none)", drawn[1].alt)
     flat = met.mapped.dataset.assign(availability=0.0 * met.mapped.dataset.availability)
     even = replace(met.mapped, made=replace(met.mapped.made, dataset=flat))
-    assert one_colour(even)[1:] == ["PDOP is at most 6 for 0.0% of the time, at every cell."]
+    assert one_colour(even)[1:] == ["PDOP is never 6 or less, at any cell and epoch."]
+    full = replace(met.mapped, made=replace(met.mapped.made, dataset=flat + 1))
+    full.made.dataset.attrs = flat.attrs
+    said = "PDOP is at most 6 for 100 % of the time, at every cell."
+    assert one_colour(full)[-1] == said
     assert one_count(met.mapped) == []
     flat = met.mapped.dataset.assign(count_min=3 + 0 * met.mapped.dataset.count_min)
     even = replace(met.mapped, made=replace(met.mapped.made, dataset=flat))

@@ -13,7 +13,15 @@ from matplotlib.text import Text
 import compass
 from compass.coverage.grid import equal_angle_grid
 from compass.pictures.maps import map_figure
-from compass.pictures.style import axes_or_new, boxes, look, new_figure, picture, without_markup
+from compass.pictures.style import (
+    apart,
+    axes_or_new,
+    boxes,
+    look,
+    new_figure,
+    picture,
+    without_markup,
+)
 
 SIGNS = st.text(st.characters(categories=["L", "N", "P", "S", "Zs"]) | st.just("$"), max_size=20)
 
@@ -111,3 +119,13 @@ def test_letters_over_the_colours_of_a_map_have_a_light_rim():
     figure = map_figure(np.zeros((6, 12)), grid, "Dark", "x", figure_name="iau-sphere", named=True)
     written = [text for text in figure.axes[0].texts if text.get_text()]
     assert len(written) > 10 and all(text.get_path_effects() for text in written)
+
+
+def test_no_name_is_printed_over_another():
+    figure = new_figure(4.0, 3.0)
+    axes = figure.add_subplot()
+    axes.set(xlim=(0, 1), ylim=(0, 1))
+    names = [axes.text(x, 0.5, "Utopia") for x in (0.1, 0.12, 0.7)]
+    figure.settle()
+    apart(names)
+    assert [name.get_visible() for name in names] == [True, False, True]

@@ -55,6 +55,15 @@ def test_a_map_runs_over_the_range_of_its_quantity(name):
     assert tuple(bar.get_xticks()) == quantity(name).ticks
 
 
+def test_a_share_is_drawn_and_said_in_per_cent():
+    grid = equal_angle_grid(np.radians(30.0))
+    shares = np.linspace(0.25, 0.75, 72).reshape(6, 12)
+    figure = map_figure(shares, grid, "", "share, %", figure_name="iau-sphere", scale="share")
+    (panel,) = panels(figure)
+    np.testing.assert_allclose(unpacked(panel), 100 * shares, rtol=1e-3)
+    assert figure.axes[1].get_xlim() == (0.0, 100.0)
+
+
 def test_a_fine_map_is_thinned_and_keeps_its_own_cells():
     grid = equal_angle_grid(np.radians(1.0))
     lat = np.degrees(grid.latitude_edges[:-1] + grid.latitude_edges[1:]) / 2

@@ -144,7 +144,7 @@ class Globe extends Drawing {
     box.replaceChildren(...(
       graded ? [...graded.ticks.map(v => swatch(this.shades[this.shadeOf(graded, v * 1.0001)], this.words(graded, v))),
                 swatch(none, "no fix")] :
-      field === "count" ? counts.map((x, k) => swatch(x, k === counts.length - 1 ? `${k} or more` : `${k}`)) : []));
+      field === "count" ? counts.map((x, k) => swatch(x, k === counts.length - 1 && k < this.scene.names.length ? `${k} or more` : `${k}`)) : []));
   }
 
   words({unit}, value) {

@@ -72,7 +72,7 @@ def scene(design: Design) -> dict[str, Any]:
         "gaps": _gaps(design),
         "places": [(p.name, p.latitude_deg, p.longitude_deg) for p in PLACES if not p.landing],
         "relief": packed(np.rint(255 * shade()).astype(np.uint8)),
-        "count_colours": [_rgb(colour) for colour in count_colours(design.fold, MOST_COUNTED)],
+        "count_colours": [_rgb(x) for x in count_colours(design.fold, MOST_COUNTED)[: c.size + 1]],
         "shades": [_rgb(x) for x in colormaps["magma_r"](np.linspace(0, 1, 40))],
         "none": _GREY,
         "fields": [_field(name) for name in ("gdop", *(ERRORS if design.signal else ()))],
