@@ -17,18 +17,18 @@ def entry_tables(assessment: Assessment) -> tuple[Table, ...]:
     """Events, loads, view, and navigation at some times."""
     flight, borne = assessment.flight, loads(assessment.flight)
     peaks = [
-        (title, *borne.largest(name)[:1], unit, borne.largest(name)[1])
-        for name, title, unit in (
-            ("g_load", "aerodynamic acceleration in standard gravities", "g"),
-            ("dynamic_pressure", "dynamic pressure", "Pa"),
-            ("heat_flux", "stagnation-point convective heat flux", "W/m^2"),
-            ("heat_load", "heat flux integrated", "J/m^2"),
+        (title, borne.largest(name)[0] / size, unit, borne.largest(name)[1])
+        for name, title, unit, size in (
+            ("g_load", "aerodynamic acceleration in standard gravities", "g", 1.0),
+            ("dynamic_pressure", "dynamic pressure", "kPa", 1e3),
+            ("heat_flux", "stagnation-point convective heat flux", "W/cm²", 1e4),
+            ("heat_load", "heat flux integrated", "J/cm²", 1e4),
         )
     ]
     view = [
         (
             name,
-            float(assessment.seen[:, k].mean()),
+            100.0 * float(assessment.seen[:, k].mean()),
             int(assessment.taken[:, k].sum()),
             _noise(assessment.range_noise, k),
         )
@@ -58,7 +58,7 @@ def entry_tables(assessment: Assessment) -> tuple[Table, ...]:
         Table("Largest loads", ("quantity", "largest", "unit", "at, s"), tuple(peaks)),
         Table(
             "Beacons",
-            ("beacon", "share of time in view", "epochs measured", "range noise, m"),
+            ("beacon", "share of time in view, %", "epochs measured", "range noise, m"),
             tuple(view),
         ),
         *(

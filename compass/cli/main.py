@@ -30,7 +30,7 @@ from compass.cli.shared import (
     watched,
 )
 from compass.cli.special import SPECIAL
-from compass.errors import ArgumentError, CompassError
+from compass.errors import ArgumentError, CompassError, near
 
 DONE, BAD_INPUT, BROKEN, INTERRUPTED = 0, 2, 3, 130
 
@@ -163,6 +163,9 @@ def _status() -> int:
     except click.exceptions.Exit as finished:
         status = finished.exit_code
     except click.ClickException as error:
+        if isinstance(error, click.NoSuchOption):  # click offers names that are not near
+            offered = near(error.option_name, error.possibilities or ())
+            error = click.NoSuchOption(error.option_name, possibilities=offered, ctx=error.ctx)
         with suppress(OSError):
             error.show()
         return BAD_INPUT

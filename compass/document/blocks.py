@@ -256,7 +256,8 @@ def facts(title: str, values: Iterable[Value]) -> Table:
     known = any(said) and not alike
     header = ("", "value", "unit") + (("evidence",) if known else ())
     rows = (
-        (v.title, v, v.quantity.shown_unit) + ((evidence,) if known else ())
+        (v.title, v, "" if v.value is None else v.quantity.shown_unit)
+        + ((evidence,) if known else ())
         for v, evidence in zip(kept, said, strict=True)
     )
     return Table(title, header, tuple(rows))

@@ -19,7 +19,6 @@ from compass.pictures.style import (
     HALF,
     INK,
     MARS,
-    apart,
     look,
     new_figure,
     picture,
@@ -240,7 +239,7 @@ def _slot_picture(outlook: Outlook) -> Picture:
     assert drift is not None
     along, across = np.array(drift.in_track_deg), np.array(drift.cross_track_deg)
     last = until_leap(along, across)
-    along, across, names = along[: last + 1], across[: last + 1], []
+    along, across = along[: last + 1], across[: last + 1]
     with look():
         figure = new_figure(*HALF)
         axes = figure.add_subplot()
@@ -249,15 +248,13 @@ def _slot_picture(outlook: Outlook) -> Picture:
             axes.plot(along[:, s], across[:, s], color=colour, lw=1.0, alpha=0.9, label=name)
             axes.plot(along[-1, s], across[-1, s], "o", ms=4, color=colour)
             if len(drift.satellites) <= 30:
-                names.append(
+                figure.names.append(
                     axes.annotate(name, (along[-1, s], across[-1, s]), (3, 3), fontsize=8,
                                   textcoords="offset points", color=colour)
                 )  # fmt: skip
         _slot_rim(axes, drift.slot_sideways_deg)
         axes.set(xlabel="ahead of the slot, deg", ylabel="beside the slot, deg")
         axes.set_title("Where satellites go in their slots")
-    figure.settle()
-    apart(names)
     return picture(
         figure,
         "lasting-slots",

@@ -17,7 +17,7 @@ from compass.frames import latitude_longitude
 from compass.orbits import orbital_period, positions_mci, positions_mcmf, repeat_period
 from compass.pictures.maps import LARGE
 from compass.pictures.mars_map import MarsMap
-from compass.pictures.style import CYCLE, FAINT, INK, MARS, apart, look, new_figure, picture
+from compass.pictures.style import CYCLE, FAINT, INK, MARS, look, new_figure, picture
 from compass.units import KM
 from compass.words import counted
 
@@ -127,7 +127,6 @@ def track_picture(design: Design) -> Picture:
         chart = MarsMap(axes, design.figure.name)
         chart.relief()
         chart.graticule()
-        names, places = [], chart.places()
         for n, group in enumerate(groups(design)):
             colour = CYCLE[n % len(CYCLE)]
             for k in group:
@@ -136,14 +135,13 @@ def track_picture(design: Design) -> Picture:
             if c.size <= MAX_NAMED:
                 for k in group:
                     x, y = chart.project(lon[k, 0], lat[k, 0])
-                    names.append(
+                    figure.names.append(
                         axes.annotate(c.satellite_names[k], (float(x), float(y)), (5, 5),
                                       textcoords="offset points", fontsize=9, color=colour,
                                       weight="bold", zorder=8)
                     )  # fmt: skip
+        chart.places()  # whose names give way to those of satellites
         axes.set_title(f"{design.name}: ground tracks over {duration / 3600:.2f} h")
-    figure.settle()
-    apart([*names, *places])
     miss = float(np.degrees(repeat.closure))
     closed = "close" if miss < CLOSED_DEG else f"miss their start by {significant(miss, 3)}°"
     return picture(

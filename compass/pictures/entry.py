@@ -15,7 +15,7 @@ from compass.entry.visible_area import VisibleArea, horizon
 from compass.errors import ArgumentError
 from compass.frames import latitude_longitude
 from compass.pictures.rows import draw_rows, runs
-from compass.pictures.style import CYCLE, FAINT, INK, MARS, SKY, look, new_figure, picture
+from compass.pictures.style import CYCLE, FAINT, HALF, INK, MARS, SKY, look, new_figure, picture
 from compass.quantities.percentile import percentile
 from compass.units import KM
 
@@ -59,11 +59,11 @@ def _budget_picture(assessment: Assessment) -> Picture:
 
 def _map_picture(assessment: Assessment, dispersed: Dispersed | None) -> Picture:
     with look():
-        figure = new_figure(5.8, 4.6)
+        figure = new_figure(HALF[0], 4.9)
         axes = figure.add_subplot()
         draw_map(axes, assessment.flight, assessment.beacons)
         draw_landing(axes, assessment, dispersed)
-        figure.legend(fontsize=8, frameon=False, loc="outside right upper")
+        figure.legend(fontsize=8, frameon=False, loc="outside lower center", ncols=3)
     delivery = assessment.accuracy.delivery.ellipse
     if assessment.accuracy.anywhere:
         where = "Where it comes down cannot be said: no ellipse is drawn."

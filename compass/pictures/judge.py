@@ -73,7 +73,9 @@ def bound_map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> 
             far = sigma > goal
             if far.mean() < FEW:  # more would hide the map
                 world.points(*beyond[::-1, far], marker="o", ms=3.5, mfc="none", mec=MARS, mew=1.1)
-            share = f"{100 * far.mean():.3g} % of entries beyond {goal:g} m"
+            # of those that were ranked, as everywhere else: further ones fill the map alone
+            ranked = 100 * (judgements[0].position_sigma > goal).mean()
+            share = f"{ranked:.3g} % of entries beyond {goal:g} m"
             each.set_title(f"{fill(name, 46)}\n{share}", fontsize=9)
         bar = colour_bar(list(axes), mesh, "largest position bound at deployment in the cell, m")
         per = (1, 1.5, 2, 3, 4, 5, 6, 8) if high < 8 * low else (1, 2, 5)
@@ -82,13 +84,17 @@ def bound_map(named: Sequence[tuple[str, Sequence[Judgement]]], goal: float) -> 
         if len(ticks) > 1:
             bar.set_ticks(ticks, labels=[f"{t:g}" for t in ticks])
             bar.ax.minorticks_off()
+    first = named[0][1]
+    drawn, ranked = sum(one.campaign.size for one in first), first[0].campaign.size
+    more = f" Drawn of {drawn:,} entries, the {ranked:,} that are ranked among them."
+    further = more if drawn > ranked else ""
     return picture(
         figure,
         "judge-map",
         "Position bound at deployment over the globe",
         "Largest Cramer-Rao sigma of position among the entries that deploy in each cell (all of "
         f"one area); red rings, where they are few: entries beyond {goal:g} m. White: no entry "
-        "deployed there.",
+        f"deployed there.{further}",
         wide=True,
     )
 

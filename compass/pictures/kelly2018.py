@@ -120,7 +120,8 @@ def _planes(data: "xr.Dataset") -> "Figure":
         values = data["count"].values[k]
         bare = float((values == 0).mean(axis=1) @ grid.cell_share * grid.columns)
         draw_map(
-            axes, values, grid, f"{satellites} satellites: {bare:.1%} of the sphere without any",
+            axes, values, grid,
+            f"{satellites} satellites: {100 * bare:.1f} % of the sphere without any",
             "satellites in view", figure_name="kelly2018-sphere", scale="counts",
         )  # fmt: skip
     return figure

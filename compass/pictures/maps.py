@@ -105,7 +105,7 @@ def draw_map(
         else:
             mesh = _ranged_field(chart, lon, lat, values, label, of)
             missing = 1 - np.isfinite(values).sum() / values.size
-            note = f" (grey: none, {missing:.1%} of cells)" if missing else ""
+            note = f" (grey: none, {100 * missing:.1f} % of cells)" if missing else ""
             if bar:
                 ranged_bar(axes, mesh, label + note, threshold, of=of)
         chart.relief()

@@ -8,7 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
-from matplotlib.text import Text
 from numpy.typing import ArrayLike, NDArray
 from pyproj import Transformer
 
@@ -117,12 +116,9 @@ class MarsMap:
         ink[..., 3] = np.where(dark, 0.55 * (0.7 - light), 0.6 * (light - 0.7))
         self.axes.pcolormesh(x, y, ink, rasterized=True, zorder=1.5)
 
-    def places(self) -> list[Text]:
-        """Mark the named places: triangles where something has landed, dots elsewhere.
-
-        Returns their names.
-        """
-        names = []
+    def places(self) -> None:
+        """Mark the named places: triangles where something has landed, dots elsewhere."""
+        figure = self.axes.figure
         for place in PLACES:
             x, y = self.project(place.longitude_deg, place.latitude_deg)
             self.axes.plot(
@@ -134,8 +130,8 @@ class MarsMap:
                 ha="right" if dx < 0 else "left", fontsize=7.5, color=INK, zorder=7,
             )  # fmt: skip
             _halo(text)
-            names.append(text)
-        return names
+            if isinstance(figure, PlainFigure):
+                figure.names.append(text)
 
     def field(
         self,

@@ -5,7 +5,7 @@ Texts are drawn as they are written: a dollar in a name is a dollar, never the s
 
 import re
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from typing import Any
@@ -61,13 +61,15 @@ class PlainFigure(Figure):
 
     Ticks are made when a figure is drawn, and take what holds then. A letter that no font has is
     a box, and no matter for a warning of its own: `boxes` tells them. `fields` are the maps in it
-    and `rows` the rows of spans, whose values can be read.
+    and `rows` the rows of spans, whose values can be read; of `names` none is printed over one
+    before it.
     """
 
     def __init__(self, *given: Any, **options: Any) -> None:
         super().__init__(*given, **options)
         self.fields: list[Field] = []
         self.rows: list[Rows] = []
+        self.names: list[Text] = []
 
     def draw(self, renderer: Any) -> None:
         """As any figure is."""
@@ -81,6 +83,12 @@ class PlainFigure(Figure):
             with self._plain():
                 engine.execute(self)
             self.set_layout_engine("none")
+        kept: list[Bbox] = []
+        for name in self.names:
+            if (box := name.get_window_extent()).count_overlaps(kept):
+                name.set_visible(False)
+            else:
+                kept.append(box)
 
     @contextmanager
     def _plain(self) -> Iterator[None]:
@@ -151,7 +159,7 @@ def _families() -> list[str]:
     return [name for name in _FONTS if name in installed]
 
 
-def new_figure(width: float = 8.0, height: float = 4.5, **options: Any) -> Figure:
+def new_figure(width: float = 8.0, height: float = 4.5, **options: Any) -> PlainFigure:
     """Return an empty figure (inches) with the project's look and a canvas of its own."""
     with look():
         figure = PlainFigure(figsize=(width, height), layout="constrained", **options)
@@ -175,16 +183,6 @@ def axes_or_new(axes: Axes | None, width: float = 8.0, height: float = 4.5) -> A
         return axes
     with look():
         return new_figure(width, height).add_subplot()
-
-
-def apart(names: Sequence[Text]) -> None:
-    """Leave out each name that would be printed over one before it, where the figure now stands."""
-    kept: list[Bbox] = []
-    for name in names:
-        if (box := name.get_window_extent()).count_overlaps(kept):
-            name.set_visible(False)
-        else:
-            kept.append(box)
 
 
 def picture(

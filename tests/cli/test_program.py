@@ -71,6 +71,8 @@ def test_a_whole_number_that_no_kernel_takes_is_refused_by_its_option(
         (["shwo", "mine.toml"], "show"),
         (["new", "galaxy"], None),
         (["galaxy"], None),
+        (["map", "x.toml", "--step-dge", "3"], "--step-deg"),
+        (["trade", "x.toml", "--store", "y"], None),
     ],
 )
 def test_of_a_mistyped_word_the_one_that_is_near_is_offered(run, arguments, meant):

@@ -14,7 +14,6 @@ import compass
 from compass.coverage.grid import equal_angle_grid
 from compass.pictures.maps import map_figure
 from compass.pictures.style import (
-    apart,
     axes_or_new,
     boxes,
     look,
@@ -125,7 +124,6 @@ def test_no_name_is_printed_over_another():
     figure = new_figure(4.0, 3.0)
     axes = figure.add_subplot()
     axes.set(xlim=(0, 1), ylim=(0, 1))
-    names = [axes.text(x, 0.5, "Utopia") for x in (0.1, 0.12, 0.7)]
-    figure.settle()
-    apart(names)
-    assert [name.get_visible() for name in names] == [True, False, True]
+    figure.names += [axes.text(x, 0.5, "Utopia") for x in (0.1, 0.12, 0.7)]
+    assert b"Utopia" in picture(figure, "x", "x", "x").drawn
+    assert [name.get_visible() for name in figure.names] == [True, False, True]
